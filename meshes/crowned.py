@@ -158,6 +158,13 @@ class Crowned:
                 total[..., :2] -= along[..., None] * plane / radius
         return total
 
+    def height(self, points: Floats) -> tuple[Floats, Floats]:
+        """How far Cartesian points lie outside of the crowned face (m), (...), and its gradient."""
+        outwards, gradient = (1.0 if self.at_high_end else -1.0), self.slope(points)
+        gradient[..., self.across] += outwards
+        above = points[..., self.across] - self.extent[self.across][self.at_high_end]
+        return outwards * above + self.depth(points), gradient
+
     def crown(self, points: Floats) -> Floats:
         """Points of the base (m), shape (..., dim), moved to where they lie in the crowned shape.
 

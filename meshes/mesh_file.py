@@ -1,22 +1,53 @@
-"""A body whose mesh is part of a mesh file."""
+"""Bodies whose mesh is part of a file, units of length of files, names that fit surfaces."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
 
 import numpy as np
 from pydantic import BeforeValidator
 
+from cea.arrays import Floats
 from cea.errors import InputError, require
 from cea.mesh import Mesh
 from meshes.placement import Placement
-from meshes.units import Unit, check_unit, in_metres, is_fit
 
 if TYPE_CHECKING:  # readers of files are brought in where there is a file
     from meshes.files.content import FileContent
     from meshes.files.part import Part
+
+
+Unit = Literal["m", "cm", "mm", "um", "in", "ft"]
+METRES: dict[Unit, tuple[float, float]] = {
+    "m": (1, 1),
+    "cm": (1, 100),
+    "mm": (1, 1000),
+    "um": (1, 10**6),
+    "in": (254, 10**4),
+    "ft": (3048, 10**4),
+}
+"""Each unit in metres, as a fraction: numbers of the file are multiplied, then divided."""
+_LONGEST = 100
+"""Characters of a name of a surface."""
+
+
+def in_metres(values: Floats, unit: Unit) -> Floats:
+    """Lengths of a file in metres."""
+    above, below = METRES[unit]
+    return values * above / below
+
+
+def check_unit(unit: str | None) -> None:
+    """Refuse a file whose unit of length nobody told."""
+    allowed = f"the unit of length of the file, one of {', '.join(get_args(Unit))}"
+    require(unit is not None, "unit", None, allowed)
+
+
+def is_fit(name: str) -> bool:
+    """Whether a name can stand in "body.surface"."""
+    return 0 < len(name) <= _LONGEST and name.isprintable() and not set(name) & set(" .,[]")
 
 
 def _one_or_more(sets: Any) -> Any:

@@ -19,7 +19,7 @@ from cea.arrays import Floats, finite_numbers
 from cea.errors import InputError, require
 from meshes.files.content import first_of_near
 from meshes.files.sandbox import checked_state
-from meshes.units import Unit, check_unit, in_metres, is_fit
+from meshes.mesh_file import Unit, check_unit, in_metres, is_fit
 
 Face = tuple[int, int, int]
 Faces = Mapping[str, tuple[Face, ...]]

@@ -5,7 +5,7 @@ contact takes for the gap between two bodies must be that of the shapes: closure
 are far smaller than the distance of facets.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,134 +15,78 @@ from meshes.crowned import Crowned
 from meshes.placement import Placement
 from meshes.shapes import MeshFile, NurbsFile, Patches, Shape, VentilatedDisc, round_surfaces
 
+Height = Callable[[Floats], tuple[Floats, Floats]]
+"""Height of points above a surface (n,), which is zero on it, and its gradient (n, dim)."""
+
 _IN_PLACE = Placement()
 _STEPS = 20
-"""Steps of Newton's method, at most; crowned faces take three or four."""
+"""Steps of Newton's method, at most; three or four are taken."""
 
 
 @dataclass(frozen=True)
-class Plane:
-    """A flat face: facets lie on it."""
+class TrueSurface:
+    """Where the height above a placed surface is zero; None where facets lie on it: it is flat."""
+
+    height: Height | None
+    placement: Placement
 
     def distance(self, x: Floats, direction: Floats) -> Floats:
-        """Zero, shape (n,)."""
-        return np.zeros(len(x))
-
-    def normal(self, x: Floats, near: Floats) -> Floats:
-        """Normals of the facets, shape (n, dim)."""
-        return near
-
-
-@dataclass(frozen=True)
-class Cylinders:
-    """Cylinders along the z axis, or circles in the plane; a point belongs to the nearest."""
-
-    radius: float
-    centres: Sequence[tuple[float, float]] = ((0.0, 0.0),)
-
-    def distance(self, x: Floats, direction: Floats) -> Floats:
-        """Root nearest to zero of |x + s d| = R across the axis, shape (n,)."""
-        arm, aim = self._arms(x), direction[:, :2]
-        square, middle = (aim**2).sum(axis=1), (arm * aim).sum(axis=1)
-        length = np.hypot(arm[:, 0], arm[:, 1])
-        beyond = (length - self.radius) * (length + self.radius)
-        root = np.sqrt(np.maximum(middle**2 - square * beyond, 0.0))
-        return -beyond / (middle + np.copysign(root, middle))
-
-    def normal(self, x: Floats, near: Floats) -> Floats:
-        """Along the radius, to the side of the given normals, shape (n, dim)."""
-        found = np.zeros_like(x)
-        found[:, :2] = self._arms(x)
-        return _unit(found, near)
-
-    def _arms(self, x: Floats) -> Floats:
-        """From the nearest axis to each point, shape (n, 2)."""
-        arms = x[:, None, :2] - np.asarray(self.centres)
-        nearest = np.abs(np.hypot(arms[..., 0], arms[..., 1]) - self.radius).argmin(axis=1)
-        return arms[np.arange(len(x)), nearest]
-
-
-@dataclass(frozen=True)
-class CrownedFace:
-    """The crowned face of a shape."""
-
-    shape: Crowned
-
-    def distance(self, x: Floats, direction: Floats) -> Floats:
-        """Where the line meets the face, by Newton's method, shape (n,)."""
-        shape, axis = self.shape, self.shape.across
-        level = shape.extent[axis][shape.at_high_end]
+        """Where lines meet the surface, by Newton's method, shape (n,)."""
         distance = np.zeros(len(x))
+        if self.height is None:
+            return distance
+        rotation = self._rotation(x)
+        start, aim = self._back(x), direction @ rotation
         for _ in range(_STEPS):
-            at = x + distance[:, None] * direction
-            above = self._outwards * (at[:, axis] - level) + shape.depth(at)
-            step = -above / np.einsum("ij,ij->i", self._gradient(at), direction)
+            height, gradient = self.height(start + distance[:, None] * aim)
+            step = -height / np.einsum("ij,ij->i", gradient, aim)
             distance += step
             if np.abs(step).max(initial=0.0) <= np.finfo(float).eps * np.abs(x).max(initial=0.0):
                 break
         return distance
 
     def normal(self, x: Floats, near: Floats) -> Floats:
-        """Across the face, shape (n, dim)."""
-        return _unit(self._gradient(x), near)
-
-    @property
-    def _outwards(self) -> float:
-        return 1.0 if self.shape.at_high_end else -1.0
-
-    def _gradient(self, x: Floats) -> Floats:
-        """Gradient of the height above the face, shape (n, dim)."""
-        gradient = self.shape.slope(x)
-        gradient[:, self.shape.across] += self._outwards
-        return gradient
-
-
-@dataclass(frozen=True)
-class Placed:
-    """A surface of a shape that is put somewhere."""
-
-    surface: Plane | Cylinders | CrownedFace
-    placement: Placement
-
-    def distance(self, x: Floats, direction: Floats) -> Floats:
-        """Distance in the coordinates of the shape, which are Cartesian too, shape (n,)."""
-        turned = self._rotation(x.shape[1])
-        return self.surface.distance(self._back(x), direction @ turned)
-
-    def normal(self, x: Floats, near: Floats) -> Floats:
-        """Unit normals to the side of given ones, shape (n, dim)."""
-        turned = self._rotation(x.shape[1])
-        return self.surface.normal(self._back(x), near @ turned) @ turned.T
+        """Unit normals to the side of given ones, those of facets, shape (n, dim)."""
+        if self.height is None:
+            return near
+        gradient = self.height(self._back(x))[1] @ self._rotation(x).T
+        sign = np.sign(np.einsum("ij,ij->i", gradient, near))
+        return gradient * (sign / np.linalg.norm(gradient, axis=1))[:, None]
 
     def _back(self, x: Floats) -> Floats:
         """Points in the coordinates of the shape."""
-        dim = x.shape[1]
-        return (x - np.asarray(self.placement.translation)[:dim]) @ self._rotation(dim)
+        return (x - np.asarray(self.placement.translation)[: x.shape[1]]) @ self._rotation(x)
 
-    def _rotation(self, dim: int) -> Floats:
-        return self.placement.rotation[:dim, :dim]
+    def _rotation(self, x: Floats) -> Floats:
+        return self.placement.rotation[: x.shape[1], : x.shape[1]]
 
 
-def true_surfaces(shape: Shape, placement: Placement = _IN_PLACE) -> dict[str, Placed]:
+def true_surfaces(shape: Shape, placement: Placement = _IN_PLACE) -> dict[str, TrueSurface]:
     """Surfaces of a shape by name; none of a mesh file: what it interpolates is unknown."""
-    return {name: Placed(each, placement) for name, each in _surfaces(shape).items()}
-
-
-def _surfaces(shape: Shape) -> dict[str, Plane | Cylinders | CrownedFace]:
-    """Surfaces in the coordinates of the shape."""
-    if isinstance(shape, Crowned):
-        return _surfaces(shape.base) | {shape.surface: CrownedFace(shape)}
     if isinstance(shape, MeshFile | NurbsFile | Patches):
         return {}
-    found: dict[str, Plane | Cylinders | CrownedFace] = {n: Plane() for n in shape.surfaces}
+    base = shape.base if isinstance(shape, Crowned) else shape
+    heights: dict[str, Height | None] = dict.fromkeys(shape.surfaces)
+    heights |= {name: _cylinders(radius) for name, radius in round_surfaces(base).items()}
+    if isinstance(shape, Crowned):
+        heights[shape.surface] = shape.height
     if isinstance(shape, VentilatedDisc):
-        found |= {"bore": Cylinders(shape.bore), "rim": Cylinders(shape.outer_radius)}
+        heights |= {"bore": _cylinders(shape.bore), "rim": _cylinders(shape.outer_radius)}
         if shape.holes:
-            found["holes"] = Cylinders(shape.hole_radius, shape.hole_centres)
-    return found | {name: Cylinders(radius) for name, radius in round_surfaces(shape).items()}
+            heights["holes"] = _cylinders(shape.hole_radius, shape.hole_centres)
+    return {name: TrueSurface(height, placement) for name, height in heights.items()}
 
 
-def _unit(vectors: Floats, near: Floats) -> Floats:
-    """Unit vectors of two directions each to the side of given ones, shape (n, dim)."""
-    sign = np.sign(np.einsum("ij,ij->i", vectors, near))
-    return vectors * (sign / np.linalg.norm(vectors, axis=1))[:, None]
+def _cylinders(radius: float, centres: Sequence[tuple[float, float]] = ((0.0, 0.0),)) -> Height:
+    """Height above cylinders along z, or circles in the plane; a point belongs to the nearest."""
+
+    def height(x: Floats) -> tuple[Floats, Floats]:
+        arms = x[:, None, :2] - np.asarray(centres)
+        nearest = np.abs(np.hypot(arms[..., 0], arms[..., 1]) - radius).argmin(axis=1)
+        arm = arms[np.arange(len(x)), nearest]
+        length = np.hypot(arm[:, 0], arm[:, 1])
+        gradient = np.zeros_like(x)
+        gradient[:, :2] = arm / np.maximum(length, np.finfo(float).tiny)[:, None]
+        return length - radius, gradient
+
+    return height

@@ -1,8 +1,9 @@
-"""Unstructured meshes by gmsh: triangles in an outline, tetrahedra in what it sweeps."""
+"""Unstructured meshes by gmsh: outlines in the plane, what they sweep, and ventilated discs."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from math import pi
 from typing import Any, NamedTuple
 
 import gmsh
@@ -25,7 +26,17 @@ from meshes.shapes import (
     round_surfaces,
 )
 from meshes.structured import simplex_changes
-from meshes.ventilated_disc_model import build_ventilated_disc, refine, revolved
+from meshes.true_surfaces import true_surfaces
+
+_AROUND = 12
+"""Elements around each hole, at least."""
+_CORNER = 0.4
+"""Size of elements at the re-entrant corners of the hat, relative to that asked for: stresses are
+singular there, and all modes bend them."""
+_GROWTH = 0.3
+"""Increase of the size of elements with the distance from what needs small ones."""
+_SAME = 1e-6
+"""Distance within which faces are found at the places where they were built, relative."""
 
 
 @contextmanager
@@ -78,8 +89,8 @@ def outline_mesh(shape: Shape, order: int, size: float) -> Mesh:
 def _built(shape: Shape, size: float) -> dict[str, list[int]]:
     """A shape in the current model; entities of each surface."""
     if isinstance(shape, VentilatedDisc):
-        surfaces = build_ventilated_disc(shape)
-        refine(shape, size)
+        surfaces = _ventilated_disc(shape)
+        _refine(shape, size)
         return surfaces
     return _revolved_hub(shape) if isinstance(shape, Hub) else _extruded(shape)
 
@@ -142,7 +153,7 @@ def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
         for corner, end in zip(profile, following, strict=True)
         if corner[1:] != end  # a hub that ends flush with the ring has no side there
     ]
-    swept = revolved([corner[1:] for corner in edges])
+    swept = _revolved([corner[1:] for corner in edges])
     gmsh.model.occ.synchronize()
     _, _, *walls = swept  # the profile itself again, the volume, then what its edges sweep
     surfaces: dict[str, list[int]] = {name: [] for name in shape.surfaces}
@@ -221,3 +232,102 @@ def _loops(shape: Shape) -> list[list[_Edge]]:
         [_Edge(name, point(radius, angle), arc=True) for angle in (0, 90, 180, 270)]
         for name, radius in radii
     ]
+
+
+def _ventilated_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
+    """Make the disc one solid in the current model."""
+    occ = gmsh.model.occ
+    profile = [
+        *[(shape.bore, shape.hub_bottom), (shape.bore, shape.hub_top)],
+        *[(shape.wall_outer, shape.hub_top), (shape.wall_outer, shape.ring_height)],
+        *[(shape.outer_radius, shape.ring_height), (shape.outer_radius, 0.0)],
+        *[(shape.wall_inner, 0.0), (shape.wall_inner, shape.hub_bottom)],
+    ]
+    lower = _revolved(profile)[1]
+    upper = _ring(shape, shape.upper_bottom, shape.upper_top)
+    solid, _ = occ.fuse([lower], [upper, *_vanes(shape)])
+    if shape.holes:
+        height = shape.hub_top - shape.hub_bottom
+        holes = [
+            (3, occ.addCylinder(x, y, shape.hub_bottom, 0, 0, height, shape.hole_radius))
+            for x, y in shape.hole_centres
+        ]
+        solid, _ = occ.cut(solid, holes)
+    occ.synchronize()
+    return _faces_of_disc(shape)
+
+
+def _refine(shape: VentilatedDisc, size: float) -> None:
+    """Bound the sizes of elements of the current model where features need it.
+
+    Elements are no longer than the wall of the hat is thick, and no fewer than twelve go round a
+    hole, whatever ``size`` (m); at the corners where the wall meets flange and plate they are a
+    part of ``size``. Away from there they grow to it.
+    """
+    field = gmsh.model.mesh.field
+    middle = (shape.wall_inner + shape.wall_outer) / 2
+    thickness = shape.wall_outer - shape.wall_inner
+    near = [f"{min(size, thickness)!r}+{_GROWTH}*Fabs(Sqrt(x*x+y*y)-{middle!r})"]
+    around = min(size, 2 * pi * shape.hole_radius / _AROUND)
+    for x, y in shape.hole_centres:
+        distance = f"Fabs(Sqrt((x-({x!r}))^2+(y-({y!r}))^2)-{shape.hole_radius!r})"
+        near.append(f"{around!r}+{_GROWTH}*{distance}")
+    corners = (shape.wall_outer, shape.ring_height), (shape.wall_inner, shape.hub_bottom)
+    for r, z in corners:
+        distance = f"Sqrt((Sqrt(x*x+y*y)-{r!r})^2+(z-{z!r})^2)"
+        near.append(f"{_CORNER * size!r}+{_GROWTH}*{distance}")
+    tags = []
+    for formula in near:
+        tags.append(field.add("MathEval"))
+        field.setString(tags[-1], "F", formula)
+    least = field.add("Min")
+    field.setNumbers(least, "FieldsList", tags)
+    field.setAsBackgroundMesh(least)
+
+
+def _revolved(profile: Sequence[tuple[float, float]]) -> list[tuple[int, int]]:
+    """What a profile of corners (r, z) sweeps about the z axis: itself, a solid, its walls."""
+    occ = gmsh.model.occ
+    points = [occ.addPoint(r, 0, z) for r, z in profile]
+    following = points[1:] + points[:1]
+    lines = [occ.addLine(a, b) for a, b in zip(points, following, strict=True)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+    swept = occ.revolve([(2, face)], 0, 0, 0, 0, 0, 1, 2 * np.pi)
+    occ.remove([(2, face)], recursive=True)
+    return list(swept)
+
+
+def _ring(shape: VentilatedDisc, bottom: float, top: float) -> tuple[int, int]:
+    """Flat ring of the radii of the rings."""
+    inner, outer = shape.flange_outer, shape.outer_radius
+    return _revolved([(inner, bottom), (outer, bottom), (outer, top), (inner, top)])[1]
+
+
+def _vanes(shape: VentilatedDisc) -> list[tuple[int, int]]:
+    """Solids of the vanes: boxes about their rays, as far as the ring between the rings reaches."""
+    occ = gmsh.model.occ
+    bottom, height = shape.ring_height, shape.upper_bottom - shape.ring_height
+    boxes = []
+    for angle in shape.vane_angles:
+        box = occ.addBox(0, -shape.vane_width / 2, bottom, 2 * shape.outer_radius,
+                         shape.vane_width, height)  # fmt: skip
+        occ.rotate([(3, box)], 0, 0, 0, 0, 0, 1, angle)
+        boxes.append((3, box))
+    within = _ring(shape, bottom, shape.upper_bottom)
+    vanes, _ = occ.intersect(boxes, [within])
+    return list(vanes)
+
+
+def _faces_of_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
+    """Faces by surface, found by points of theirs."""
+    levels = {"lower_face": 0.0, "upper_face": shape.upper_top, "hub_top": shape.hub_top}
+    found: dict[str, list[int]] = {name: [] for name in shape.surfaces}
+    for _, tag in gmsh.model.getEntities(2):
+        (u0, v0), (u1, v1) = gmsh.model.getParametrizationBounds(2, tag)
+        grid = np.meshgrid(np.linspace(u0, u1, 5), np.linspace(v0, v1, 5))  # some beyond its edges
+        x = np.reshape(gmsh.model.getValue(2, tag, np.stack(grid, axis=-1).ravel()), (-1, 3))
+        for name, surface in true_surfaces(shape).items():
+            height = x[:, 2] - levels[name] if surface.height is None else surface.height(x)[0]
+            if np.abs(height).max() < _SAME * shape.outer_radius:
+                found[name].append(tag)
+    return found

@@ -9,37 +9,21 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.blas import dgemm, zgemm
+from scipy.linalg.blas import dgemm
 
 from cea.arrays import Floats
 from cea.matrices import dense, destroy
 
 _COLUMNS = 64
-"""Columns at a time."""
+"""Most columns at a time."""
 _NUMBERS, _LEAST = 800_000, 8
-"""Numbers that are worked on at a time, and least columns of them: memory of few is used again and
-stays near, that of many is asked for anew each time."""
+"""Numbers of a product at a time, which stay in the cache, and least columns of them."""
 
 
-def column_blocks(columns: int, rows: int = 0) -> Iterator[slice]:
-    """Slices of so many columns as are worked on at a time.
-
-    Parameters
-    ----------
-    columns
-        Their number.
-    rows
-        Rows over all ranks: of long columns fewer are taken. That is for products and sums;
-        solves are cheaper the more columns they have.
-    """
-    at_once = min(_COLUMNS, _few(rows)) if rows else _COLUMNS
-    for start in range(0, columns, at_once):
-        yield slice(start, min(start + at_once, columns))
-
-
-def _few(rows: int) -> int:
-    """Columns of so many rows that stay near: a multiple of those of one pass of a product."""
-    return max(_LEAST, _NUMBERS // rows // _LEAST * _LEAST)
+def column_blocks(columns: int) -> Iterator[slice]:
+    """Slices of so many columns as are worked on at a time."""
+    for start in range(0, columns, _COLUMNS):
+        yield slice(start, min(start + _COLUMNS, columns))
 
 
 def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
@@ -49,10 +33,8 @@ def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
         return _one_by_one(matrix.mult, x, y, vectors)
     if not np.iscomplexobj(vectors):
         return image_of(matrix, vectors)
-    rows, n = vectors.shape
-    parts = np.empty((rows, 2 * n), order="F")
-    parts[:, :n], parts[:, n:] = vectors.real, vectors.imag
-    result = image_of(matrix, parts)
+    n = vectors.shape[1]
+    result = image_of(matrix, np.asfortranarray(np.hstack([vectors.real, vectors.imag])))
     image = np.empty((len(result), n), dtype=complex, order="F")
     image.real, image.imag = result[:, :n], result[:, n:]
     return image
@@ -62,7 +44,8 @@ def image_of(matrix: Any, vectors: Floats) -> Floats:
     """Matrix times a block of real vectors, in Fortran order; a square one on several ranks."""
     rows, layout = matrix.getSizes()
     image = np.empty((rows[0], vectors.shape[1]), order="F")
-    at_once = _few(max(*matrix.getSize(), 1))
+    size = max(*matrix.getSize(), 1)
+    at_once = min(_COLUMNS, max(_LEAST, _NUMBERS // size // _LEAST * _LEAST))
     for start in range(0, vectors.shape[1], at_once):
         columns = slice(start, start + at_once)
         block = dense(vectors[:, columns], layout, matrix.comm)
@@ -94,14 +77,17 @@ def _one_by_one(product: Any, x: Any, y: Any, vectors: NDArray[Any]) -> NDArray[
 
 def columns_inner(left: NDArray[Any], right: NDArray[Any], comm: Any) -> NDArray[Any]:
     """Inner products of the columns of two blocks, one with one."""
-    if np.iscomplexobj(left):
-        left = left.conj()
-    return comm.tompi4py().allreduce(np.einsum("ij,ij->j", left, right))
+    return comm.tompi4py().allreduce(np.einsum("ij,ij->j", left.conj(), right))
 
 
 def all_inner(left: NDArray[Any], right: NDArray[Any], comm: Any) -> NDArray[Any]:
-    """Inner products of every column of one block with every column of another."""
-    return comm.tompi4py().allreduce(inner(left, right))
+    """Inner products of every column of one block with every column of another.
+
+    The right is best the smaller: the left is then read at the speed of memory.
+    """
+    products = right.conj().T @ left if np.iscomplexobj(right) else right.T @ left
+    products = products.conj().T if np.iscomplexobj(products) else products.T
+    return comm.tompi4py().allreduce(products)
 
 
 def norms(vectors: NDArray[Any], comm: Any) -> Floats:
@@ -110,30 +96,13 @@ def norms(vectors: NDArray[Any], comm: Any) -> Floats:
 
 
 def combined(vectors: NDArray[Any], coefficients: NDArray[Any]) -> NDArray[Any]:
-    """Vectors times coefficients, a new block in Fortran order.
-
-    Parameters
-    ----------
-    vectors
-        In Fortran order, shape (n, k).
-    coefficients
-        Real or complex, shape (k, columns).
-    """
+    """Vectors, in Fortran order, times real or complex coefficients, a new block in that order."""
     if np.iscomplexobj(coefficients) and not np.iscomplexobj(vectors):
         result = np.empty((len(vectors), coefficients.shape[1]), dtype=complex, order="F")
         result.real = combined(vectors, coefficients.real)
         result.imag = combined(vectors, coefficients.imag)
         return result
     return (coefficients.T @ vectors.T).T
-
-
-def inner(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
-    """Inner products of every column of one block with every column of another.
-
-    The right is best the smaller: the left is then read at the speed of memory.
-    """
-    products = right.conj().T @ left if np.iscomplexobj(right) else right.T @ left
-    return products.conj().T if np.iscomplexobj(products) else products.T
 
 
 def beside(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
@@ -147,19 +116,10 @@ def beside(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
     return both
 
 
-def subtract(block: NDArray[Any], vectors: NDArray[Any], coefficients: NDArray[Any]) -> None:
-    """Subtract vectors times coefficients from a block, in place.
-
-    Parameters
-    ----------
-    block
-        In Fortran order, shape (n, columns).
-    vectors, coefficients
-        Of the type of the block, shapes (n, k), in Fortran order, and (k, columns).
-    """
+def subtract(block: Floats, vectors: Floats, coefficients: Floats) -> None:
+    """Subtract vectors times coefficients from a block, in place; all in Fortran order."""
     if not (vectors.size and block.size):
         return
-    product = zgemm if np.iscomplexobj(block) else dgemm
-    result = product(-1.0, vectors, coefficients, beta=1.0, c=block, overwrite_c=True)
+    result = dgemm(-1.0, vectors, coefficients, beta=1.0, c=block, overwrite_c=True)
     if not np.shares_memory(result, block):
         block[:] = result

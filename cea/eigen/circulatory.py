@@ -39,15 +39,7 @@ class Circulatory:
     right: Mat
 
     def times(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
-        """It, or its transpose, times a block of vectors, the rows of this rank.
-
-        Parameters
-        ----------
-        x
-            Shape (n_local, columns), real or complex.
-        transposed
-            Whether it is J^T N^-1 L^T.
-        """
+        """It, or J^T N^-1 L^T, times a block of vectors, the rows of this rank."""
         if transposed:
             return transposed_times(self.right, self._solved(transposed_times(self.left, x)))
         return times(self.left, self.inner(x))
@@ -82,15 +74,7 @@ class Circulatory:
 
 @dataclass(frozen=True)
 class CirculatoryTerm:
-    """A circulatory piece of the stiffness of a pencil: c(t) L N^-1 J.
-
-    Parameters
-    ----------
-    piece
-        L, N and J.
-    coefficient
-        c, nowhere below zero.
-    """
+    """A circulatory piece of the stiffness of a pencil: c(t) L N^-1 J, c nowhere below zero."""
 
     piece: Circulatory
     coefficient: Dependence = CONSTANT

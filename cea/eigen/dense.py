@@ -16,7 +16,7 @@ from scipy.linalg.lapack import dtrsen
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import column_blocks
-from cea.eigen.krylov_space import ShiftInvert
+from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.subspace import InvariantSubspace, symmetric_part
 
 type Radius = Callable[[Complexes], float]
@@ -31,17 +31,7 @@ _GRADED = 64.0
 def dense_subspace(
     op: ShiftInvert, radius: Radius, *, disc_only: bool = False
 ) -> InvariantSubspace:
-    """The eigenvalues of a disc about the shift, and all others of the window; collective.
-
-    Parameters
-    ----------
-    op
-        OP.
-    radius
-        Radius of the disc, from all theta.
-    disc_only
-        Whether others of the window are left out.
-    """
+    """The eigenvalues of a disc about the shift, and unless told all of the window; collective."""
     chosen = partial(_kept, op, radius, disc_only)
     operator, root, rows = _gathered(op)
     if op.symmetric:
@@ -64,19 +54,20 @@ def dense_subspace(
 
 def _gathered(op: ShiftInvert) -> tuple[Floats, Floats, slice]:
     """L^T OP L^-T on every rank, L of the inner product L L^T, and the rows of this rank."""
-    counts = op.comm.allgather(op.local)
-    first = sum(counts[: op.rank])
+    comm = op.comm.tompi4py()
+    first = sum(comm.allgather(op.local)[: op.rank])
+    rows = slice(first, first + op.local)
     own = np.zeros((op.local, op.rows), order="F")
-    own[:, first : first + op.local] = np.eye(op.local)
-    operator, product = np.empty_like(own), np.empty_like(own)
+    own[:, rows] = np.eye(op.local)
+    product = op.image(own)
+    operator = np.empty_like(own)
     for block in column_blocks(op.rows):
-        part = np.asfortranarray(own[:, block])
-        product[:, block] = op.image(part)
-        operator[:, block] = op.apply(part, np.asfortranarray(product[:, block]))
-    operator, product = (np.vstack(op.comm.allgather(each)) for each in (operator, product))
+        part, image = (np.asfortranarray(each[:, block]) for each in (own, product))
+        operator[:, block] = op.apply(part, image)
+    operator, product = (np.vstack(comm.allgather(each)) for each in (operator, product))
     root = cholesky(symmetric_part(product), lower=True)
     scaled = solve_triangular(root, (root.T @ operator).T, lower=True).T
-    return scaled, root, slice(first, first + op.local)
+    return scaled, root, rows
 
 
 def _kept(op: ShiftInvert, radius: Radius, disc_only: bool, theta: Complexes) -> Any:

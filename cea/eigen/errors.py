@@ -20,6 +20,15 @@ M, or what it is in the inverse problem, which is the one that was solved: witho
 
 Far from the shift the first is the smaller one. Rounding of the entries adds
 u abs(x)^T abs(P) abs(x).
+
+Vectors of copies that rounding has parted may be nearly parallel, and condition numbers of single
+eigenvalues then say nothing. With the invariant subspace of their cluster, whose block is B and
+whose spectral projector is P, a backward error e moves every member by no more than about
+
+    norm(P) e + norm(B - mean of the cluster)
+
+(Stewart & Sun, Matrix Perturbation Theory, ch. V). Where the block is far from a multiple of one,
+as at a coalescence, that is no better than the condition numbers.
 """
 
 from collections.abc import Iterator
@@ -27,13 +36,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, schur, solve_sylvester
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, image_of, norms, times
-from cea.eigen.clusters import cluster_bounds
+from cea.eigen.matching import connected
 from cea.eigen.pencil import Matrices
 from cea.eigen.residuals import Sizes, internal_forces
-from cea.eigen.shift_invert import MARGIN, Undamped
+from cea.eigen.shift_invert import MARGIN, ShiftInvert
 from cea.eigen.subspace import InvariantSubspace
 from cea.matrices import destroy
 
@@ -41,6 +51,8 @@ _SMALL = 1e-8
 """Part of an eigenvalue up to which it does not matter how large a residual is exactly."""
 _LUMPED = 4.0
 """What the norm of the inverse of a mass is at most, about, in that of its diagonal."""
+_ILL_CLUSTER = 1e1
+"""Condition number from which a cluster is looked at."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +78,8 @@ class Eigenpairs:
         Backward errors of lambda^2 (1/s^2), shape (n,): what the residual amounts to, and what
         rounding the entries of the matrices does.
     bounds
-        Bounds on errors of values by the clusters that they belong to
-        (:mod:`cea.eigen.clusters`), shape (n,); infinite where there is none.
+        Bounds on errors of values by the clusters that they belong to, shape (n,); infinite where
+        there is none.
     """
 
     values: Complexes
@@ -85,19 +97,12 @@ class Eigenpairs:
         return np.minimum(self.errors * self.slopes, self.bounds)
 
 
-def error_estimates(op: Undamped, subspace: InvariantSubspace) -> Eigenpairs:
+def error_estimates(op: ShiftInvert, subspace: InvariantSubspace) -> Eigenpairs:
     """Eigenpairs of an invariant subspace, normalised, with their errors.
 
     Where contact forces are unknowns, one step of inverse iteration gives displacements that obey
     the contact, and the forces. With damping conjugates with Im lambda < 0 are left out but for
-    those next to the real axis.
-
-    Parameters
-    ----------
-    op
-        The operator, near to the eigenvalues.
-    subspace
-        Invariant subspace.
+    those next to the real axis. The operator is one near to the eigenvalues.
     """
     values, vectors = subspace.eigenpairs(op.matrices.stiffness.getLocalSize()[0])
     duals = subspace.duals()
@@ -108,7 +113,7 @@ def error_estimates(op: Undamped, subspace: InvariantSubspace) -> Eigenpairs:
         values = np.where(values == 0, 1j * np.finfo(float).eps * op.scale, values)
     conditions = np.maximum(np.linalg.norm(duals, axis=0), 1.0)
     slopes = _slopes(op, subspace, duals) if op.damped else conditions
-    pairs = checked(op, values, vectors, conditions, slopes)
+    pairs = _checked(op, values, vectors, conditions, slopes)
     if op.symmetric:
         return pairs
     within = pairs.errors * pairs.slopes / conditions
@@ -116,20 +121,13 @@ def error_estimates(op: Undamped, subspace: InvariantSubspace) -> Eigenpairs:
     return replace(pairs, bounds=bounds)
 
 
-def checked(
-    op: Undamped, values: Complexes, vectors: Complexes, conditions: Floats, slopes: Floats
+def _checked(
+    op: ShiftInvert, values: Complexes, vectors: Complexes, conditions: Floats, slopes: Floats
 ) -> Eigenpairs:
-    """Eigenpairs normalised, with residuals and backward errors.
+    """Eigenpairs, the vectors normalised in place, with residuals and backward errors.
 
-    Parameters
-    ----------
-    op
-        The operator, near to the eigenvalues.
-    values, vectors
-        Eigenvalues, shape (n,), and their vectors, the rows of this rank, shape (n_local, n), which
-        are normalised in place. That of a conjugate which follows its eigenvalue is the conjugate.
-    conditions, slopes
-        Those of vectors of unit length of the operator, shape (n,).
+    Conditions and slopes are those of vectors of unit length of the operator. The vector of a
+    conjugate which follows its eigenvalue is the conjugate.
     """
     matrices, comm = op.matrices, op.matrices.stiffness.comm
     values, n = values.copy(), len(values)
@@ -191,7 +189,7 @@ def checked(
     return Eigenpairs(values, vectors, forces, residuals, conditions, slopes, errors, bounds)
 
 
-def _slopes(op: Undamped, subspace: InvariantSubspace, duals: Complexes) -> Floats:
+def _slopes(op: ShiftInvert, subspace: InvariantSubspace, duals: Complexes) -> Floats:
     """Norms of the second halves of dual vectors of the companion form (s), of unit vectors."""
     rows = len(subspace.basis) // 2
     second, comm = np.asfortranarray(subspace.basis[rows:]), op.matrices.stiffness.comm
@@ -227,3 +225,54 @@ def _blocks(
         for columns in column_blocks(len(numbers)):
             block = numbers[columns]
             yield block, np.asfortranarray(part(vectors)[:, block])
+
+
+def cluster_bounds(
+    projected: Floats, kappa: Complexes, errors: Floats, conditions: Floats
+) -> Floats:
+    """Bounds on the errors of eigenvalues of a projected matrix; infinite where no cluster is.
+
+    Errors are their backward errors.
+    """
+    bounds = np.full(len(kappa), np.inf)
+    every = np.linalg.eigvals(projected).astype(complex)
+    for members in clusters(kappa, errors * conditions):
+        if conditions[members].max() < _ILL_CLUSTER:
+            continue
+        reach = (errors[members] * conditions[members]).max()
+        chosen = np.abs(every[:, None] - kappa[members]).min(axis=1) <= reach
+        if chosen.sum() != len(members):
+            continue
+        block, projector = _cluster(projected, every[chosen], every[~chosen])
+        mean = np.trace(block) / len(block)
+        spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
+        bounds[members] = projector * errors[members].max() + spread
+    return bounds
+
+
+def clusters(kappa: Complexes, reach: Floats) -> list[Ints]:
+    """Numbers of eigenvalues whose errors overlap, two or more together."""
+    near = np.abs(kappa[:, None] - kappa) <= np.add.outer(reach, reach)
+    return [members for members in connected(near) if len(members) > 1]
+
+
+def _cluster(
+    projected: Floats, inside: Complexes, outside: Complexes
+) -> tuple[NDArray[np.complex128], float]:
+    """Block of a cluster in an orthonormal basis, and the norm of its spectral projector."""
+
+    def belongs(value: complex) -> bool:
+        near = np.abs(inside - value).min()
+        return bool(not len(outside) or near < np.abs(outside - value).min())
+
+    try:
+        form, _, size = schur(projected.astype(complex), output="complex", sort=belongs)
+    except LinAlgError:
+        return np.diag(inside), np.inf
+    if size != len(inside):
+        return np.diag(inside), np.inf
+    block = form[:size, :size]
+    if size == len(form):
+        return block, 1.0
+    coupling = solve_sylvester(block, -form[size:, size:], form[:size, size:])
+    return block, float(np.sqrt(1 + np.linalg.norm(coupling, 2) ** 2))

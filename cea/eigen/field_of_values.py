@@ -1,4 +1,4 @@
-"""Where friction can move eigenvalues: bounds of the field of values of a pencil.
+"""Where friction can move eigenvalues, and how fast modes may grow: bounds by fields of values.
 
 With x^H M x = 1 an eigenvalue is kappa = x^H K x. Its real part is bounded by H = (K + K^T) / 2
 (Bendixson): where H + X M has no negative eigenvalue, none has Re kappa < -X. Its imaginary part is
@@ -6,6 +6,30 @@ what N = (K - K^T) / 2 makes: with the smallest t for which abs(x^H N x) <= t x^
 for every x, kappa lies in the cone
 
     abs(Im kappa) <= t (Re kappa + X).
+
+Contact forces f that are unknowns enter H through M = (J + L) / 2 and D = (J - L) / 2,
+
+    H = K_b + M^T C^-1 M - D^T C^-1 D,
+
+as two sets of unknowns; where friction acts without compliance there is no bound. Of each set
+those that its closures leave open have rows of their own, and a negative eigenvalue. N has
+M^T C^-1 D - D^T C^-1 M of them. Circulatory pieces are not in the factors. Their skew part is in N;
+with the part s < 1 of H + X M that a mesh makes of their symmetric one, H + X M is no less than
+1 - s of what it is without, and the slope is greater by 1 / (1 - s).
+
+With damping let h + i n be x^H K x and c + i y be x^H (C + Y) x. An eigenvalue lambda = g + i w
+obeys x^H P(lambda) x = 0, of which the real part, as it is and divided by lambda, is
+
+    g^2 - w^2 + g c - w y + h = 0,       g (abs(lambda)^2 + h) + c abs(lambda)^2 + w n = 0.
+
+The first: with y the row sums of abs(Y), no eigenvalue with abs(w) <= omega grows at the rate g
+where H + (g^2 - omega^2) M + g C - omega diag(y) has no negative eigenvalue, nor faster if
+2 g M + C has none. The second: where h >= -X, c >= -d, and abs(n) <= t (h + X),
+
+    g <= max(t omega + 2 d, sqrt(2 X)).
+
+H and C are symmetric parts, Y the skew one. Pieces of C of low rank are positive semidefinite: both
+hold for the sum where they hold without them.
 """
 
 from collections.abc import Callable
@@ -13,10 +37,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.eigen.blocks import all_inner, combined, image_of, subtract
-from cea.eigen.eliminated_forces import EliminatedForces, mean_and_half
+from cea.eigen.blocks import all_inner, combined, image_of, subtract, times, transposed_times
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
@@ -25,12 +49,13 @@ from cea.errors import ConvergenceError
 from cea.matrices import (
     antisymmetrised,
     destroy,
+    distributed,
     largest_row,
     local_part,
     scaled_total,
     symmetrised,
 )
-from cea.petsc import MPI, PETSc
+from cea.petsc import MPI, Mat, PETSc
 
 type Operation = Callable[[Floats], Floats]
 """What takes the rows of this rank of a block of vectors to those of another."""
@@ -41,6 +66,11 @@ SAFETY = 1.5
 """Factor on that estimate, which comes from below and has mostly converged."""
 _DEPENDENT = 1e-12
 """Square of a new direction, relative to the largest, below which it is not one."""
+_DEPTH = 0.02
+"""X of the cone of damped pencils relative to omega^2."""
+_NEGATIVE = (1e-6, 1e-2, 0.1)
+"""Negative damping d relative to omega that is tried: none but for rounding, and some."""
+_DIFFERENT: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 
 @dataclass(frozen=True)
@@ -65,18 +95,6 @@ class FieldOfValues:
 def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> FieldOfValues:
     """What one factorisation says of it.
 
-    Contact forces f that are unknowns enter H through M = (J + L) / 2 and D = (J - L) / 2,
-
-        H = K_b + M^T C^-1 M - D^T C^-1 D,
-
-    as two sets of unknowns; where friction acts without compliance there is no bound. Of each set
-    those that its closures leave open have rows of their own, and a negative eigenvalue. N has
-    M^T C^-1 D - D^T C^-1 M of them (:mod:`cea.eigen.eliminated_forces`).
-
-    Circulatory pieces are not in the factors. Their skew part is in N; with the part s < 1 of
-    H + X M that a mesh makes of their symmetric one, H + X M is no less than 1 - s of what it is
-    without, and the slope is greater by 1 / (1 - s).
-
     Parameters
     ----------
     matrices
@@ -94,10 +112,10 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     """
     if matrices.symmetric:
         return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
-    factors, bounded = factorised_hermitian(hermitian_part(matrices, depth), matrices)
-    slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
+    factors, bounded = _factorised(hermitian_part(matrices, depth), matrices.multipliers)
     if factors is None:
         return FieldOfValues(depth, bounded=False)
+    slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
     if cone and bounded and has_cone(matrices) and not factors.null_pivots():
         slope, share = (SAFETY * each for each in _quotients(factors, matrices, depth))
     factors.free()
@@ -109,42 +127,99 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
 def has_cone(matrices: Matrices) -> bool:
     """Whether the slope of its cone can be told: no contact force is tied or depends on others."""
     forces = matrices.multipliers
-    return forces is None or EliminatedForces.possible(forces)
+    return forces is None or not (forces.tied or forces.border is not None)
 
 
-def factorised_hermitian(
-    hermitian: Any, matrices: Matrices, *, circulatory: bool = False
-) -> tuple[Mumps | None, bool]:
-    """A matrix in the place of H + X M, with the contact forces, factorised.
-
-    Parameters
-    ----------
-    hermitian
-        Symmetric, PETSc AIJ, on the displacements; it is freed, or with the factors.
-    matrices
-        The pencil, whose contact forces are taken.
-    circulatory
-        Whether its circulatory pieces are taken too, as such forces.
-
-    Returns
-    -------
-    tuple
-        Its factors, and whether it has no negative eigenvalue; none where that has no bound.
+def largest_growth(matrices: Matrices, end: float) -> float:
+    """Rate (1/s) that no eigenvalue with abs(Im lambda) <= end exceeds, by the cone; or infinity.
 
     Raises
     ------
     ConvergenceError
-        When the factorisation fails.
+        When a factorisation fails.
     """
-    expected, forces = 0, matrices.multipliers
-    if circulatory and matrices.circulatory is not None:
+    field = field_of_values(matrices, _DEPTH * end**2, cone=True)
+    if not field.bounded or not np.isfinite(field.slope):
+        return np.inf
+    damping, least = _symmetric_damping(matrices), 0.0
+    if damping is not None:
+        tried = (part * end for part in _NEGATIVE)
+        least = next((d for d in tried if _positive(matrices, damping, d)), np.inf)
+        destroy(damping)
+    return max(field.slope * end + 2 * least, float(np.sqrt(2 * field.depth)))
+
+
+def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
+    """Whether no eigenvalue with abs(Im lambda) <= end (1/s) can grow at a rate (1/s) or faster.
+
+    Raises
+    ------
+    ConvergenceError
+        When a factorisation fails.
+    """
+    damping = _symmetric_damping(matrices)
+    if damping is not None and not _positive(matrices, damping, 2 * growth):
+        destroy(damping)
+        return False
+    hermitian, forces = hermitian_part(matrices, growth**2 - end**2), matrices.multipliers
+    if damping is not None:
+        hermitian.axpy(growth, damping, structure=_DIFFERENT)
+        destroy(damping)
+    if matrices.gyroscopic is not None:
+        sums = _skew_row_sums(matrices.gyroscopic)
+        hermitian.axpy(-end, sums, structure=_DIFFERENT)
+        destroy(sums)
+    if matrices.circulatory is not None:
         forces = with_circulatory(matrices.multipliers, matrices.circulatory)
+    factors, bounded = _factorised(hermitian, forces)
+    if forces is not None and forces is not matrices.multipliers:
+        forces.free()
+    if factors is not None:
+        factors.free()
+    return bounded
+
+
+def _symmetric_damping(matrices: Matrices) -> Mat | None:
+    """Symmetric part of C + Y, a new matrix; None without."""
+    parts = [] if matrices.damping is None else [(1.0, matrices.damping)]
+    if matrices.gyroscopic is not None:
+        parts.append((1.0, symmetrised(matrices.gyroscopic.copy())))
+    total = scaled_total(parts) if parts else None
+    if matrices.gyroscopic is not None:
+        destroy(parts[-1][1])
+    return total
+
+
+def _positive(matrices: Matrices, damping: Mat, rate: float) -> bool:
+    """Whether C + rate M has no negative eigenvalue."""
+    total = scaled_total([(rate, matrices.mass), (1.0, damping)])
+    factors = Mumps(total, symmetric=True, inertia=True)
+    negative = factors.negative_eigenvalues()
+    factors.free()
+    return negative == 0
+
+
+def _skew_row_sums(matrix: Mat) -> Mat:
+    """Diagonal matrix of the row sums of the absolute values of the skew part, PETSc AIJ."""
+    skew = antisymmetrised(matrix.copy())
+    sums = np.asarray(abs(local_part(skew)).sum(axis=1)).ravel()
+    (local, _), columns = skew.getSizes()
+    own = np.arange(*skew.getOwnershipRange())
+    diagonal = csr_array((sums, own, np.arange(local + 1)), (local, columns[1]))
+    destroy(skew)
+    return distributed(diagonal, columns, matrix.comm)
+
+
+def _factorised(hermitian: Mat, forces: Multipliers | None) -> tuple[Mumps | None, bool]:
+    """A matrix in the place of H + X M with contact forces, factorised; it is freed with them.
+
+    Returns its factors and whether it has no negative eigenvalue; none where that has no bound.
+    """
+    expected = 0
     if forces is not None:
         bordered = _with_forces(hermitian, forces)
         destroy(hermitian)
         expected = forces.size + forces.dependent
-        if forces is not matrices.multipliers:
-            forces.free()
         if bordered is None:
             return None, False
         hermitian = bordered
@@ -159,24 +234,18 @@ def _quotients(factors: Mumps, matrices: Matrices, depth: float) -> tuple[float,
     place of N. The factors are those of H + X M.
     """
     rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
-    forces: EliminatedForces | None = None
-    of_bodies = factors.matrix
+    circulatory, forces, of_bodies = matrices.circulatory, None, factors.matrix
     if matrices.multipliers is not None:
         try:
-            forces = EliminatedForces(matrices.multipliers)
+            forces = _EliminatedForces(matrices.multipliers)
         except ConvergenceError:  # what shows nothing must not end a run
-            return np.inf, 0.0 if matrices.circulatory is None else np.inf
+            return np.inf, 0.0 if circulatory is None else np.inf
         of_bodies = hermitian_part(matrices, depth)
-    skew = None
-    if matrices.unsymmetric is not None:
-        skew = antisymmetrised(matrices.unsymmetric.copy())
-    circulatory = matrices.circulatory
-    every = factors.matrix.getLocalSize()[0]
+    unsymmetric = matrices.unsymmetric
+    skew = None if unsymmetric is None else antisymmetrised(unsymmetric.copy())
 
     def solve(b: Floats) -> Floats:
-        if forces is None:
-            return factors.solve_block(b)
-        whole = np.zeros((every, b.shape[1]), order="F")
+        whole = np.zeros((factors.matrix.getLocalSize()[0], b.shape[1]), order="F")
         whole[:rows] = b
         return factors.solve_block(whole)[:rows]
 
@@ -192,17 +261,15 @@ def _quotients(factors: Mumps, matrices: Matrices, depth: float) -> tuple[float,
             parts.append(circulatory.skew(x))
         return np.asfortranarray(sum(parts[1:], parts[0]))
 
-    try:
-        slope = largest_quotient(solve, image, turned, rows, comm)
-        if circulatory is None:
-            return slope, 0.0
-        return slope, largest_quotient(solve, image, circulatory.symmetric, rows, comm)
-    finally:
-        if forces is not None:
-            forces.free()
-            destroy(of_bodies)
-        if skew is not None:
-            destroy(skew)
+    slope, share = largest_quotient(solve, image, turned, rows, comm), 0.0
+    if circulatory is not None:
+        share = largest_quotient(solve, image, circulatory.symmetric, rows, comm)
+    if forces is not None:
+        forces.free()
+        destroy(of_bodies)
+    if skew is not None:
+        destroy(skew)
+    return slope, share
 
 
 def largest_quotient(
@@ -215,7 +282,7 @@ def largest_quotient(
 ) -> float:
     """Estimate from below of max abs(x^H N x) / x^H H x, N skew or symmetric, by block Krylov.
 
-    Orthonormal in H, with which H^-1 N is skew, or symmetric.
+    The vectors are orthonormal in H, with which H^-1 N is skew, or symmetric.
 
     Parameters
     ----------
@@ -233,7 +300,7 @@ def largest_quotient(
     start = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
     load, size = skew(start), 0
     for _ in range(steps):
-        block = solve(load)
+        block = np.asfortranarray(solve(load))
         for _ in range(2):  # what rounding leaves of the first projection goes with the second
             subtract(block, basis[:, :size], all_inner(images[:, :size], block, comm))
         of_block = image(block)
@@ -242,15 +309,15 @@ def largest_quotient(
         if not kept.any():
             break
         turn = axes[:, kept] / np.sqrt(squares[kept])
-        fresh = slice(size, size + turn.shape[1])
-        size = fresh.stop
-        basis[:, fresh], images[:, fresh] = combined(block, turn), combined(of_block, turn)
-        load = skews[:, fresh] = skew(basis[:, fresh])
+        new = slice(size, size + turn.shape[1])
+        size = new.stop
+        basis[:, new], images[:, new] = combined(block, turn), combined(of_block, turn)
+        load = skews[:, new] = skew(basis[:, new])
     projected = all_inner(basis[:, :size], skews[:, :size], comm)
     return float(np.linalg.norm(projected, 2)) if size else 0.0
 
 
-def hermitian_part(matrices: Matrices, depth: float) -> Any:
+def hermitian_part(matrices: Matrices, depth: float) -> Mat:
     """H + depth M on the displacements, H = (K + K^T) / 2, a new PETSc AIJ matrix."""
     parts = [(1.0, matrices.stiffness), (depth, matrices.mass)]
     if matrices.unsymmetric is None:
@@ -261,9 +328,47 @@ def hermitian_part(matrices: Matrices, depth: float) -> Any:
     return total
 
 
-def _with_forces(hermitian: Any, forces: Multipliers) -> Any | None:
+def _mean_and_half(forces: Multipliers) -> tuple[Mat, Mat]:
+    """M = (J + L) / 2 and D = (J - L) / 2, new matrices."""
+    mean, half = forces.closure.copy(), forces.closure.copy()
+    mean.axpy(1.0, forces.reaction, structure=_DIFFERENT)
+    half.axpy(-1.0, forces.reaction, structure=_DIFFERENT)
+    mean.scale(0.5)
+    half.scale(0.5)
+    return mean, half
+
+
+class _EliminatedForces:
+    """Symmetric and skew part of L^T C^-1 J, full on the interface, for blocks of vectors."""
+
+    def __init__(self, forces: Multipliers) -> None:
+        self._mean, self._half = _mean_and_half(forces)
+        self._compliance = Mumps(forces.compliance.copy(), symmetric=True)
+
+    def symmetric(self, x: Floats) -> Floats:
+        """(M^T C^-1 M - D^T C^-1 D) x, the rows of this rank."""
+        mean, half = self._forces(x)
+        return transposed_times(self._mean, mean) - transposed_times(self._half, half)
+
+    def skew(self, x: Floats) -> Floats:
+        """(M^T C^-1 D - D^T C^-1 M) x, the rows of this rank."""
+        mean, half = self._forces(x)
+        return transposed_times(self._mean, half) - transposed_times(self._half, mean)
+
+    def _forces(self, x: Floats) -> tuple[Floats, Floats]:
+        """C^-1 M x and C^-1 D x."""
+        solve = self._compliance.solve_block
+        return solve(times(self._mean, x)), solve(times(self._half, x))
+
+    def free(self) -> None:
+        """Free its matrices and factors."""
+        self._compliance.free()
+        destroy(self._mean, self._half)
+
+
+def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
     """H with the forces of contacts as two sets of unknowns; None where there is no bound."""
-    mean, half = mean_and_half(forces)
+    mean, half = _mean_and_half(forces)
     scale = force_scale(hermitian, forces)
     mean.diagonalScale(L=scale)
     half.diagonalScale(L=scale)
@@ -273,22 +378,23 @@ def _with_forces(hermitian: Any, forces: Multipliers) -> Any | None:
     tied = diagonal.array_r == 0
     friction = local_part(half)
     friction.eliminate_zeros()
-    rubs = np.diff(friction.indptr) > 0
+    with_friction = np.diff(friction.indptr) > 0
     bordered = None
-    if not hermitian.comm.tompi4py().allreduce(bool((rubs & tied).any()), MPI.LOR):
-        pushed, pulled = mean.transpose(PETSc.Mat()), half.transpose(PETSc.Mat())
+    if not hermitian.comm.tompi4py().allreduce(bool((with_friction & tied).any()), MPI.LOR):
+        of_mean, of_half = mean.transpose(PETSc.Mat()), half.transpose(PETSc.Mat())
         other = compliance.copy()
         diagonal.array[:] = np.where(tied, 1.0, diagonal.array_r)
         other.setDiagonal(diagonal)
         other.assemble()
         compliance.scale(-1.0)
-        blocks = [[hermitian, pushed, pulled], [mean, compliance, None], [half, None, other]]
-        made = [pushed, pulled, other]
+        blocks: list[list[Any]]
+        blocks = [[hermitian, of_mean, of_half], [mean, compliance, None], [half, None, other]]
+        made = [of_mean, of_half, other]
         if forces.border is not None:
             border = balanced(forces.border, scale, largest_row(mean))
             across = border.transpose(PETSc.Mat())
             blocks = [
-                [hermitian, pushed, pulled, None, None],
+                [hermitian, of_mean, of_half, None, None],
                 [mean, compliance, None, border, None],
                 [half, None, other, None, border],
                 [None, across, None, None, None],

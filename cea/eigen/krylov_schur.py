@@ -1,263 +1,372 @@
-"""The eigenvalue driver: (lambda^2 M + lambda (C + Y) + K) x = 0 by shift-and-invert and MUMPS.
+"""Block Krylov-Schur method: eigenvalues around a shift, from many start vectors at once.
 
-Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
-Without friction it is solved as a symmetric problem. With damping or rotation the problem is
-quadratic in lambda, and its companion form is solved about real shifts. The driver takes a
-parametric pencil, not bodies, and keeps inertia counts for the solves that follow.
+With an operator OP whose eigenvalues theta are largest near a shift, and vectors Q locked before,
+
+    OP [Q V] = [Q V] [ T  C ]
+                     [ 0  H ] + residual,
+
+so that Q and V together remain an invariant subspace, friction or not (Stewart, A Krylov-Schur
+algorithm for large eigenproblems, SIAM J. Matrix Anal. Appl. 23 (2002)). That none is missing is
+verified before the search ends: random vectors are appended to the last block, orthogonalised
+against the whole basis, and take part for some steps more. They see what the start block did not,
+further copies of multiple eigenvalues above all. Where more Ritz values lie in the disc then, other
+random vectors are appended.
 """
 
-from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any, Self
+import sys
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import schur
 
-from cea.eigen.coverage import upper_end
-from cea.eigen.estimates import EigenProblem, modes_found
-from cea.eigen.modes import Modes
-from cea.eigen.nearest import nearest, nearest_damped
-from cea.eigen.options import KrylovOptions
-from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.shifted import count_below
-from cea.eigen.subspace import InvariantSubspace
-from cea.eigen.window import DampedSearch, Found, UndampedSearch, WindowSearch
-from cea.errors import ConvergenceError, InputError
-from cea.heap import give_back
-from cea.timing import StageTimer
+from cea.arrays import Complexes, Floats
+from cea.eigen.blocks import combined
+from cea.eigen.dense import Radius, dense_subspace
+from cea.eigen.krylov_space import KrylovSpace
+from cea.eigen.pencil import Matrices
+from cea.eigen.shift_invert import Companion, ShiftInvert
+from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
+from cea.errors import ConvergenceError
+
+_POWERS = 3
+"""Times that OP is applied to the start block where nothing is locked: it costs less than a further
+block, and takes infinite eigenvalues and those far away out of all that follow."""
+_TINY = 1e-20
+"""Square of a direction of start vectors, relative to the largest, from which on it is rounding."""
+_CLEAR = 3.0
+"""Residuals by which an eigenvalue outside a disc must lie outside."""
+_NEAR_SHIFT = 1e-6
+"""Distance of an eigenvalue from the shift, relative to it, at which all others lose digits."""
+_SHIFT = 0.25
+"""Real shift relative to the modulus of a place, where something damps."""
+_ASIDE, _STEPS = 1e-3, 4
+"""Step of a shift aside from an eigenvalue, relative to itself, and most such steps."""
+_EDGE = 1 + 1e-9
+"""Radius of a disc relative to the farthest eigenvalue in it: conjugates are equally far."""
+_PAIR = 1e-9
+"""Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
 
 
-class KrylovSchur:
-    """Shift-and-invert Krylov-Schur on a parametric pencil.
-
-    Inertia counts are kept for as long as the symmetric parts stay as they are.
+@dataclass(frozen=True)
+class KrylovOptions:
+    """Options of the block Krylov-Schur method and of the search of a window.
 
     Parameters
     ----------
-    pencil
-        What is solved.
+    block
+        Columns of a block.
+    tolerance
+        Residual relative to theta below which a wanted eigenvalue has converged.
+    loose
+        The same of eigenvalues in a disc that are not wanted, and at which random vectors are
+        appended.
+    random_columns, random_steps
+        Random vectors appended to the last block to verify that nothing is missing, and least
+        block steps with them.
+    first_check
+        Blocks of a Krylov space before its Ritz values are looked at.
+    growth
+        Most growth of the space between two Ritz checks.
+    restart
+        Size of the space, relative to the Ritz values in the disc, at which it is restarted.
+    max_restarts
+        Restarts before a search is given up.
+    max_discs
+        Most discs beyond the first.
+    dense_limit
+        Most rows of an operator whose eigenvalues LAPACK computes.
+    """
+
+    block: int = 8
+    tolerance: float = 1e-13
+    loose: float = 1e-6
+    random_columns: int = 4
+    random_steps: int = 4
+    first_check: int = 6
+    growth: float = 1.3
+    restart: float = 3.5
+    max_restarts: int = 200
+    max_discs: int = 3
+    dense_limit: int = 1000
+
+
+class CrowdedError(ConvergenceError):
+    """More eigenvalues in a disc than are worth their price."""
+
+
+class NearShiftError(ConvergenceError):
+    """An eigenvalue so near to the shift that others lose digits."""
+
+
+def krylov_schur(
+    op: ShiftInvert,
+    radius: float | Radius,
+    options: KrylovOptions,
+    locked: InvariantSubspace | None = None,
+    *,
+    seed: int = 0,
+    most: int = sys.maxsize,
+    verify: bool = True,
+) -> InvariantSubspace:
+    """What is locked together with the eigenvalues of a disc about the shift; collective.
+
+    Of small systems LAPACK computes all of them, and the result holds all of the window.
+
+    Parameters
+    ----------
+    op
+        OP.
+    radius
+        Radius of the disc, or how it follows from the Ritz values.
+    options
+        Options of the method.
+    locked
+        An invariant subspace found before, at any shift, of the same pencil.
+    seed
+        Of the random vectors.
+    most
+        Eigenvalues in the disc from which on it is crowded.
+    verify
+        Whether it is verified that none is missing.
+
+    Raises
+    ------
+    ConvergenceError
+        When eigenvalues of the disc do not converge; ``best`` is the invariant subspace so far.
+    CrowdedError
+        When the disc holds more than ``most`` eigenvalues.
+    NearShiftError
+        When an eigenvalue is next to the shift.
+    """
+    radius_of = radius if callable(radius) else lambda _: radius
+    locked = locked or InvariantSubspace.empty(op.local, symmetric=op.symmetric)
+    near = f"{op.shift:.6g} is next to an eigenvalue"
+    if op.rows <= options.dense_limit:
+        if locked.size:
+            return locked
+        found = dense_subspace(op, radius_of, disc_only=not (verify and np.isfinite(op.reach)))
+        distances = np.abs(found.eigenvalues - op.shift)
+        if distances.min(initial=np.inf) < _NEAR_SHIFT * abs(op.shift):
+            raise NearShiftError(near)
+        return found
+    if locked.size >= op.finite:
+        return locked
+    random, block = np.random.default_rng([seed, op.rank]), options.block
+    space = _started(op, locked, block, random)
+    check, restarts = options.first_check * block, 0
+    verified, counted, last_random = not verify, 0, 0  # random vectors take part up to that size
+    worst: tuple[int, int, float] | None = None
+    while True:
+        if space.size < check and space.next:
+            space.extend()
+            continue
+        theta, residuals = _ritz(op, space)
+        sizes, least = np.abs(theta), 1 / radius_of(theta)
+        inside, converged = sizes >= least, residuals <= options.tolerance * sizes
+        nearly = residuals <= options.loose * sizes
+        if (nearly & (_NEAR_SHIFT * abs(op.shift) * sizes > 1)).any():
+            raise NearShiftError(near)
+        if not space.next:  # it holds all directions there are
+            finite = sizes * abs(op.shift) > op.negligible
+            return _locked(op, space, locked, theta, inside & finite)
+        number = int(inside.sum())
+        if number > most:
+            raise CrowdedError(f"a disc holds {number} eigenvalues or more")
+        wanted = _wanted(op, theta, inside)
+        if last_random and space.size >= last_random:
+            verified, last_random = verified or number <= counted, 0
+        seen = converged | ~wanted & _outside(op, theta, residuals, nearly)
+        if verified and seen[inside].all() and _clear(sizes, residuals, inside, least):
+            return _locked(op, space, locked, theta, converged)
+        if space.size >= max(12 * block, options.restart * number + 6 * block):
+            if restarts == options.max_restarts:
+                raise ConvergenceError(
+                    f"{int((inside & ~converged).sum())} eigenvalues in the disc of radius "
+                    f"{1 / least:.4g} about {op.shift:.4g} did not converge",
+                    best=_locked(op, space, locked, theta, converged),
+                )
+            restarts, worst, full = restarts + 1, None, space.size
+            space.restart(*_leading(_square(op, space), theta, number + 3 * block))
+            last_random -= (full - space.size) if last_random else 0
+        before, worst = worst, _worst(space.size, theta, residuals / options.tolerance, wanted)
+        check = _next_check(before, worst, space, options)
+        if nearly[wanted].all() and not (verified or last_random):
+            counted = number
+            room = op.rows - locked.size - space.size - space.next
+            if (columns := min(options.random_columns, room)) > 0:
+                space.append_random(_random_block(op, random, columns))
+                worst = None
+            last_random = check = space.size + options.random_steps * space.next
+        elif last_random:
+            check = min(check, last_random)
+
+
+def _random_block(op: ShiftInvert, random: np.random.Generator, columns: int) -> Floats:
+    """So many random vectors in Fortran order."""
+    return np.asfortranarray(random.standard_normal((op.local, columns)))
+
+
+def _started(
+    op: ShiftInvert, locked: InvariantSubspace, columns: int, random: np.random.Generator
+) -> KrylovSpace:
+    """A space that begins with powers of OP on random vectors: infinite eigenvalues are gone."""
+    space = KrylovSpace(op, locked.basis, op.rows - locked.size)
+    start = _random_block(op, random, columns)
+    for _ in range(op.powers if locked.size else _POWERS):
+        image = op.image(start)  # the vectors are made orthonormal: none hides the others
+        squares, axes = np.linalg.eigh(op.inner(start, image))
+        turn = axes / np.sqrt(np.maximum(squares, _TINY * squares.max()))
+        start = op.apply(combined(start, turn), combined(image, turn))
+    space.start(start)
+    return space
+
+
+def _square(op: ShiftInvert, space: KrylovSpace) -> Floats:
+    return symmetric_part(space.square) if op.symmetric else space.square
+
+
+def _ritz(op: ShiftInvert, space: KrylovSpace) -> tuple[Complexes, Floats]:
+    """Ritz values of OP on the space and the residuals of their vectors."""
+    theta, vectors = small_eigenpairs(_square(op, space), symmetric=op.symmetric)
+    return theta, np.linalg.norm(space.operator[space.size :] @ vectors, axis=0)
+
+
+def _wanted(op: ShiftInvert, theta: Complexes, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Eigenvalues of the disc that are to converge: those of the window, and all nearer."""
+    window = inside & ~op.outside(theta, np.zeros(len(theta)))
+    farthest = np.abs(theta[window]).min(initial=np.inf)
+    return inside & (np.abs(theta) >= (1 - _PAIR) * farthest)
+
+
+def _outside(
+    op: ShiftInvert, theta: Complexes, residuals: Floats, nearly: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Which of those that have nearly converged are outside of the window, whatever their error."""
+    outside = nearly.copy()
+    errors = _CLEAR * residuals[nearly] / np.abs(theta[nearly]) ** 2
+    outside[nearly] = op.outside(theta[nearly], errors)
+    return outside
+
+
+def _clear(sizes: Floats, residuals: Floats, inside: NDArray[np.bool_], least: float) -> bool:
+    """Whether the first eigenvalue outside has converged enough to be outside."""
+    if inside.all():
+        return False
+    outer = np.where(inside, 0.0, sizes)
+    first = int(np.argmax(outer))
+    return bool(_CLEAR * residuals[first] <= least - outer[first])
+
+
+def _worst(
+    size: int, theta: Complexes, residuals: Floats, wanted: NDArray[np.bool_]
+) -> tuple[int, int, float]:
+    """Size of the space, wanted eigenvalues, logarithm of their worst residual over tolerance."""
+    relative = float((residuals[wanted] / np.abs(theta[wanted])).max(initial=0.0))
+    return size, int(wanted.sum()), float(np.log(max(relative, 1.0)))
+
+
+def _next_check(
+    before: tuple[int, int, float] | None,
+    now: tuple[int, int, float],
+    space: KrylovSpace,
+    options: KrylovOptions,
+) -> int:
+    """Size of the space at the next Ritz check.
+
+    The worst residual of what is wanted falls the faster the larger the space: where it fell since
+    the last check, its rate says when it will have converged, or a little earlier.
+    """
+    size, number, worst = now
+    most = int(options.growth * size)
+    if before and before[1] == number and worst < before[2] and size > before[0]:
+        rate = (before[2] - worst) / (size - before[0])
+        most = min(most, size + int(worst / rate) // space.next * space.next)
+    return max(size + space.next, most)
+
+
+def _leading(square: Floats, theta: Complexes, number: int) -> tuple[Floats, Floats]:
+    """Schur form of OP on so many eigenvalues of largest modulus; no pair is split."""
+    sizes = np.sort(np.abs(theta))[::-1]
+    while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
+        number += 1
+    if number >= len(sizes):
+        form, vectors = schur(square, output="real")
+        return form, vectors
+    cut = 0.5 * (sizes[number - 1] + sizes[number])
+    form, vectors, kept = schur(
+        square, output="real", sort=lambda re, im=0.0: bool(np.hypot(re, im) >= cut)
+    )
+    return form[:kept, :kept], vectors[:, :kept]
+
+
+def _locked(
+    op: ShiftInvert,
+    space: KrylovSpace,
+    locked: InvariantSubspace,
+    theta: Complexes,
+    converged: NDArray[np.bool_],
+) -> InvariantSubspace:
+    """The locked subspace with the leading eigenvalues, as far as they have converged."""
+    order = np.argsort(-np.abs(theta))
+    number = len(order) if converged.all() else int(np.argmin(converged[order]))
+    if 0 < number < len(order):
+        last, beyond = theta[order[number - 1]], theta[order[number]]
+        split = last.imag != 0 and np.isclose(last.conj(), beyond, rtol=_PAIR, atol=0.0)
+        number -= int(split)
+    if not number:
+        return locked
+    form, vectors = _leading(_square(op, space), theta, number)
+    return locked.extended(space.combined(vectors), space.coupling @ vectors, form, op.shift)
+
+
+def nearest(
+    matrices: Matrices, place: complex, wanted: int, options: KrylovOptions
+) -> tuple[InvariantSubspace, ShiftInvert]:
+    """Invariant subspace of the few eigenvalues nearest to a place, and an operator near there.
+
+    With damping or rotation the disc about a real shift holds the disc about the place, and more.
+
+    Parameters
+    ----------
+    matrices
+        The pencil at given parameters.
+    place
+        A real kappa (1/s^2); with damping or rotation lambda with Im lambda >= 0 (1/s), not zero.
+    wanted
+        Number of eigenvalues, with damping of those with Im lambda >= 0; a few more may come.
     options
         Options of the method.
 
-    Attributes
-    ----------
-    solves, factorisations
-        Eigenvalue problems solved and matrices factorised so far, inertia counts included.
+    Raises
+    ------
+    ConvergenceError
+        When fewer converge.
     """
+    damped = matrices.quadratic
+    shift = _SHIFT * abs(place) if damped else place.real
+    wanted = min(wanted, matrices.size - matrices.tied)
 
-    def __init__(self, pencil: Pencil, options: KrylovOptions | None = None) -> None:
-        if not any(term.role == "mass" for term in pencil.terms):
-            raise InputError("mass", None, "a mass: modes have none without")
-        self.pencil, self.options = pencil, options or KrylovOptions()
-        self.solves = self.factorisations = 0
-        self._counts: dict[tuple[float, ...], int] = {}
-        self._summed: tuple[dict[str, float], Matrices] | None = None
+    def radius(theta: Complexes) -> float:
+        values = shift + 1 / theta
+        chosen = values[values.imag >= 0] if damped else values
+        if len(chosen) < wanted:
+            return np.inf
+        return _EDGE * float(abs(place - shift) + np.sort(np.abs(chosen - place))[wanted - 1])
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.free()
-
-    def free(self) -> None:
-        """Free the sums and give their memory back; what was counted is kept."""
-        if self._summed is not None:
-            release(self._summed[1])
-            self._summed = None
-        give_back()
-
-    def solve(
-        self,
-        max_frequency: float,
-        changes: Mapping[str, float] | None = None,
-        *,
-        min_growth: float | None = None,
-        left: bool = False,
-        timer: StageTimer | None = None,
-    ) -> Modes:
-        """All modes up to a frequency, of any growth.
-
-        Parameters
-        ----------
-        max_frequency
-            Upper end of the modes asked for (Hz).
-        changes
-            Parameters of the pencil that differ from their own values.
-        min_growth
-            With damping or rotation, growth rate (1/s), zero or less, down to which modes are
-            asked for; None takes a tenth of the angular frequency of the end, or less where
-            overdamped modes crowd. Without, modes that decay mirror those that grow.
-        left
-            Whether left vectors are wanted too, for sensitivities and true condition numbers.
-        timer
-            Counts assembly, factorisation, krylov and post-processing.
-
-        Raises
-        ------
-        InputError
-            When a parameter is unknown or refused.
-        ConvergenceError
-            When the window cannot be searched; the modes found so far are attached.
-        """
-        if not 0 < max_frequency < np.inf:
-            raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
-        if min_growth is not None and not -np.inf < min_growth <= 0:
-            raise InputError("min_growth", min_growth, "zero or a negative number (1/s), or none")
-        timer, values = timer or StageTimer(), self.pencil.values(changes)
-        with timer("assembly"):
-            matrices = self._matrices(values)
-        end = 2 * np.pi * max_frequency
-        problem = EigenProblem(self.pencil, values, matrices, end, timer)
+    for step in range(_STEPS):
+        shift *= 1 + step * _ASIDE
+        op: ShiftInvert | None = None
         try:
-            search = self._search(problem, min_growth)
-        except np.linalg.LinAlgError as error:
-            raise _too_far_apart(error) from error
-        try:
-            modes = modes_found(problem, search.run(), search, left=left)
-        except np.linalg.LinAlgError as error:
-            raise _too_far_apart(error) from error
-        except ConvergenceError as error:
-            if isinstance(error.best, InvariantSubspace) and error.best.size:
-                error.best = modes_found(problem, Found(error.best), search, left=None)
-            raise
-        finally:
-            self.solves += 1
-            self.factorisations += search.factorisations
-            search.free()
-        window = modes.window
-        if window.symmetric_count is not None and not window.complete:
-            raise ConvergenceError(
-                f"{window.found_below} eigenvalues found below kappa = {window.upper:.6g}, the "
-                f"inertia of S - kappa M counts {window.symmetric_count}",
-                best=modes,
-            )
-        return modes
-
-    def _search(self, problem: "EigenProblem", min_growth: float | None) -> WindowSearch:
-        matrices, end, timer = problem.matrices, problem.end, problem.timer
-        if matrices.quadratic:
-            decay = None if min_growth is None else -min_growth
-            return DampedSearch(matrices, end, self.options, timer, decay)
-        counted, near = None, None
-        if matrices.symmetric:
-            with timer("factorisation"):
-                counted = self._count(matrices, problem.values, upper_end(end**2))
-        elif self.pencil.near_contact is not None:
-            with timer("assembly"):
-                near = self.pencil.near_contact.at(problem.values)
-        return UndampedSearch(matrices, end, self.options, timer, counted, near)
-
-    def nearest(
-        self,
-        kappa: complex,
-        wanted: int,
-        changes: Mapping[str, float] | None = None,
-        *,
-        timer: StageTimer | None = None,
-    ) -> Modes:
-        """The few modes nearest to kappa = -lambda^2.
-
-        With damping or rotation they are nearest in lambda, to the root with Im lambda > 0, or the
-        positive one.
-
-        Parameters
-        ----------
-        kappa
-            Where (1/s^2). Without damping and rotation a real number, with them any but zero.
-        wanted
-            Number of eigenvalues; a few more may come.
-        changes
-            Parameters of the pencil that differ from their own values.
-        timer
-            Counts assembly, factorisation, krylov and post-processing.
-
-        Raises
-        ------
-        InputError
-            When there is no such place, or too few are wanted.
-        ConvergenceError
-            When fewer converge.
-        """
-        if wanted < 1:
-            raise InputError("wanted", wanted, "1 or more")
-        timer, values = timer or StageTimer(), self.pencil.values(changes)
-        with timer("assembly"):
-            matrices = self._matrices(values)
-        self.solves += 1
-        self.factorisations += 1
-        if not matrices.quadratic:
-            if isinstance(kappa, complex):
-                raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
-            with timer("krylov"):
-                found, op = nearest(matrices, kappa, wanted, self.options)
-            problem = EigenProblem(self.pencil, values, matrices, np.inf, timer)
-            modes = problem.nearest_modes(found, op)
-        else:
-            if not (kappa and np.isfinite(kappa)):
-                raise InputError("kappa", kappa, "a finite number that is not zero")
-            place = complex(np.sqrt(-complex(kappa)))
-            place = place if place.imag >= 0 else -place
-            with timer("krylov"):
-                found, op = nearest_damped(matrices, place, wanted, self.options)
-            problem = EigenProblem(self.pencil, values, matrices, abs(place), timer)
-            modes = problem.nearest_modes(found, op)
-            order = np.argsort(np.abs(modes.eigenvalues - place), kind="stable")[:wanted]
-            modes = modes[np.sort(order)]
-            radius = float(np.abs(modes.eigenvalues - place).max(initial=0.0))
-            window = replace(modes.window, found=len(modes), radius=radius)
-            modes = replace(modes, window=window)
-        op.free()
-        return modes
-
-    def _matrices(self, values: dict[str, float]) -> Matrices:
-        """The pencil at given values of all parameters."""
-        if self._summed is None:
-            self._summed = (values, self.pencil.at(values))
-        elif self._summed[0] != values:
-            before, matrices = self._summed
-            self._summed = None  # an interruption leaves nothing that was freed
-            self._summed = (values, self.pencil.moved(matrices, before, values))
-        return self._summed[1]
-
-    def _count(self, matrices: Matrices, values: Mapping[str, float], upper: float) -> int:
-        """Eigenvalues of the symmetric part below a kappa."""
-        key = (*self.pencil.symmetric_values(values), upper)
-        if key not in self._counts:
-            self._counts[key] = count_below(matrices, upper)
-            self.factorisations += 1
-        return self._counts[key]
-
-    def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
-        """Whether the pencil is damped or rotates at given parameters."""
-        return self._matrices(self.pencil.values(changes)).quadratic
-
-    def conservative(self, changes: Mapping[str, float] | None = None) -> bool:
-        """Whether there is neither friction nor damping at given parameters."""
-        return self._matrices(self.pencil.values(changes)).conservative
-
-    def mass(self, values: Mapping[str, float]) -> Any:
-        """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
-        return self._matrices(self.pencil.values(values)).mass
-
-
-def _too_far_apart(error: Exception) -> ConvergenceError:
-    return ConvergenceError(
-        f"numbers of this system are too far apart to be computed with ({error})"
-    )
-
-
-def solve_modes(
-    pencil: Pencil,
-    max_frequency: float,
-    changes: Mapping[str, float] | None = None,
-    *,
-    min_growth: float | None = None,
-    left: bool = False,
-    options: KrylovOptions | None = None,
-    timer: StageTimer | None = None,
-) -> Modes:
-    """All modes of a pencil up to a frequency: one solve of a :class:`KrylovSchur` driver.
-
-    Parameters and errors are those of the driver and of :meth:`KrylovSchur.solve`.
-    """
-    with KrylovSchur(pencil, options) as driver:
-        return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)
+            if damped:
+                op = Companion(matrices, shift, abs(place))
+                op.reach = np.inf
+            else:
+                op = ShiftInvert(matrices, shift, np.inf)
+            return krylov_schur(op, radius, options, verify=False), op
+        except ConvergenceError:
+            if op is not None:
+                op.free()
+            if step + 1 == _STEPS or not shift:
+                raise
+    raise AssertionError

@@ -23,12 +23,11 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
-from cea.eigen.clusters import cluster_bounds, clusters
-from cea.eigen.eigenvalue_matching import DEGENERATE, assign, group
-from cea.eigen.errors import Eigenpairs
+from cea.eigen.errors import Eigenpairs, cluster_bounds, clusters
+from cea.eigen.matching import DEGENERATE, assign, group
 from cea.eigen.pencil import Pencil, Role
 from cea.eigen.residuals import Sizes, internal_forces
-from cea.eigen.shift_invert import Undamped
+from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.spectrum import SLOW
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
@@ -77,16 +76,8 @@ class LeftVectors:
         return LeftVectors(self.vectors[:, modes], self.forces[:, modes])
 
 
-def needs_left_vectors(op: Undamped, subspace: InvariantSubspace, pairs: Eigenpairs) -> bool:
-    """Whether the right vectors say too little of the errors of eigenvalues; collective.
-
-    Parameters
-    ----------
-    op
-        The operator, near to the eigenvalues.
-    subspace, pairs
-        Invariant subspace, and the eigenpairs of that.
-    """
+def needs_left_vectors(op: ShiftInvert, subspace: InvariantSubspace, pairs: Eigenpairs) -> bool:
+    """Whether the right vectors say too little of the errors of eigenvalues; collective."""
     if op.symmetric or not len(pairs.values):
         return False
     if subspace.graded or pairs.conditions.max() > _ILL:
@@ -95,7 +86,7 @@ def needs_left_vectors(op: Undamped, subspace: InvariantSubspace, pairs: Eigenpa
         return True
     weights, parts = _diagonal(op.matrices.mass), (pairs.vectors.real, pairs.vectors.imag)
     sums: Floats = sum(np.einsum("i,ij,ij->j", weights, part, part) for part in parts)
-    if op.comm.allreduce(sums).max() > _CANCELS:
+    if op.comm.tompi4py().allreduce(sums).max() > _CANCELS:
         return True
     mixed = np.random.default_rng(3).standard_normal((subspace.size, _COLUMNS))
     # Of what is far from the shift a step of inverse iteration leaves rounding.
@@ -109,19 +100,11 @@ def needs_left_vectors(op: Undamped, subspace: InvariantSubspace, pairs: Eigenpa
 
 
 def left_vectors_of(
-    op: Undamped, pairs: Eigenpairs, left_values: Complexes, left: Complexes
+    op: ShiftInvert, pairs: Eigenpairs, left_values: Complexes, left: Complexes
 ) -> LeftVectors:
     """Left vectors of eigenpairs, in their order; where eigenvalues touch, a dual basis.
 
-    Parameters
-    ----------
-    op
-        The operator, near to the eigenvalues.
-    pairs
-        Eigenpairs.
-    left_values, left
-        Eigenvalues of the transposed pencil and their vectors, the rows of this rank, at least as
-        many: conjugates of left ones.
+    They are of eigenvalues of the transposed pencil and their vectors, conjugates of left ones.
 
     Raises
     ------
@@ -148,7 +131,7 @@ def left_vectors_of(
     return LeftVectors(y, g)
 
 
-def with_lengths(op: Undamped, pairs: Eigenpairs, left: LeftVectors) -> Eigenpairs:
+def with_lengths(op: ShiftInvert, pairs: Eigenpairs, left: LeftVectors) -> Eigenpairs:
     """Eigenpairs with the conditions that their left vectors give."""
     mass, n = op.matrices.mass, len(pairs.values)
     squares = np.empty(n)
@@ -164,22 +147,15 @@ def with_lengths(op: Undamped, pairs: Eigenpairs, left: LeftVectors) -> Eigenpai
 
 
 def two_sided(
-    op: Undamped,
+    op: ShiftInvert,
     subspace: InvariantSubspace,
     pairs: Eigenpairs,
     left: tuple[Complexes, LeftVectors] | None,
 ) -> Eigenpairs:
     """Eigenpairs whose errors are those by their left vectors, where these say much more.
 
-    Parameters
-    ----------
-    op
-        The operator, near to the eigenvalues.
-    subspace, pairs
-        Invariant subspace, and the eigenpairs of that.
-    left
-        Eigenvalues of the transposed pencil, in any order, and left vectors of the pairs; nothing
-        is known of any error without.
+    Given are all eigenvalues of the transposed pencil, and the left vectors of the pairs; nothing
+    is known of any error without.
     """
     values = pairs.values
     if left is None:
@@ -216,7 +192,9 @@ def two_sided(
     )
 
 
-def _two_sided_errors(op: Undamped, pairs: Eigenpairs, left: LeftVectors) -> tuple[Floats, Floats]:
+def _two_sided_errors(
+    op: ShiftInvert, pairs: Eigenpairs, left: LeftVectors
+) -> tuple[Floats, Floats]:
     """Errors of eigenvalues, and lengths of left vectors of unit product, shape (n,)."""
     matrices, comm, n = op.matrices, op.matrices.stiffness.comm, len(pairs.values)
     errors, slopes = np.empty((2, n))
@@ -232,8 +210,10 @@ def _two_sided_errors(op: Undamped, pairs: Eigenpairs, left: LeftVectors) -> tup
             derivative = 2 * value * inertia + drag
         entries = sizes.forces(x, 2 * np.abs(f), np.sqrt(np.abs(square)))
         parts = np.abs(defect) + np.finfo(float).eps * entries
-        work = op.comm.allreduce(np.einsum("ij,ij->j", np.abs(y), parts))
-        lengths = [op.comm.allreduce((weights * np.abs(v) ** 2).sum(axis=0)) for v in (x, y)]
+        work = op.comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(y), parts))
+        lengths = [
+            op.comm.tompi4py().allreduce((weights * np.abs(v) ** 2).sum(axis=0)) for v in (x, y)
+        ]
         turned = np.abs(columns_inner(y, derivative, comm))
         with np.errstate(divide="ignore", invalid="ignore"):
             errors[block] = work / turned
@@ -264,16 +244,7 @@ def derivatives(
 ) -> Complexes:
     """Derivatives of eigenvalues lambda in a parameter (:meth:`cea.eigen.modes.Modes.sensitivity`).
 
-    Parameters
-    ----------
-    pencil, values
-        The pencil and the parameters it was solved at.
-    name
-        The parameter.
-    eigenvalues, vectors, forces
-        lambda (1/s), right vectors and their contact forces.
-    left
-        Left vectors.
+    ``values`` are all parameters of the pencil; vectors come with their contact forces.
     """
     n = len(eigenvalues)
     change = np.zeros((n, n), dtype=complex)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.linalg import subspace_angles
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import assign, connected, group
+from cea.eigen.matching import assign, connected, group
 from cea.errors import InputError
 
 NEAR = 1e-3

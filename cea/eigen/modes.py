@@ -11,7 +11,6 @@ from cea.eigen.classify import cannot_grow
 from cea.eigen.errors import Eigenpairs
 from cea.eigen.left_vectors import LeftVectors, derivatives
 from cea.eigen.pencil import Matrices, Pencil
-from cea.eigen.quadratic_window import QuadraticWindow
 from cea.eigen.shift_invert import MARGIN
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import ConvergenceError, InputError
@@ -103,18 +102,12 @@ def modes_of(
     left: LeftVectors | None,
     window: Window,
 ) -> Modes:
-    """Modes with Im lambda >= 0 up to the end of the window, and down to its decay.
+    """Modes with Im lambda >= 0 of eigenpairs, up to the end of the window and down to its decay.
 
-    Parameters
-    ----------
-    pencil, values, matrices
-        What was solved, at which parameters.
-    pairs
-        Eigenpairs that were found, with the conditions that left vectors give where there are any.
-    left
-        Left vectors in their order; None where they were not asked for.
-    window
-        What was searched.
+    Raises
+    ------
+    ConvergenceError
+        When modes are nothing but rounding.
     """
     end = 2 * np.pi * window.max_frequency
     if matrices.quadratic:
@@ -127,7 +120,7 @@ def modes_of(
             bounded = cannot_grow(-1j * eigenvalues, uncertainties, symmetric=False)
         inside = (eigenvalues.imag >= 0) & (eigenvalues.imag <= window.upper)
         rigid = np.abs(eigenvalues) <= uncertainties
-        if isinstance(window, QuadraticWindow):
+        if window.min_growth is not None:
             inside &= (eigenvalues.real >= window.min_growth) | rigid
     else:
         kappa, errors = pairs.values, pairs.uncertainties

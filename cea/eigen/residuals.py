@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from cea.arrays import Floats
 from cea.eigen.blocks import image_of, times, transposed_times
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_damping import Damping
-from cea.matrices import absolute, destroy
+from cea.matrices import absolute, destroy, scaled_total
 
 
 def internal_forces(
@@ -26,16 +25,39 @@ def internal_forces(
     return force
 
 
-class Sizes:
-    """Absolute values of the entries of a pencil: what rounding them comes to.
+class Damping:
+    """D = C + Y of a pencil at given parameters: a matrix and pieces of low rank."""
 
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    damping
-        What multiplies lambda; None where that is left out.
-    """
+    def __init__(self, matrices: Matrices) -> None:
+        pieces = [m for m in (matrices.damping, matrices.gyroscopic) if m is not None]
+        self._low_rank = matrices.low_rank
+        self._matrix = scaled_total([(1.0, piece) for piece in pieces]) if pieces else None
+        self._absolute: Any | None = None
+
+    def times(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
+        """D x, or D^T x, for every column, the rows of this rank."""
+        product = transposed_times if transposed else times
+        force = np.zeros_like(x) if self._matrix is None else product(self._matrix, x)
+        if self._low_rank is not None:
+            force += self._low_rank.times(x)
+        return force
+
+    def sizes(self, x: Floats) -> Floats:
+        """abs(D) x of displacements that are positive; of low rank abs(W) d abs(W)^T x."""
+        if self._matrix is not None and self._absolute is None:
+            self._absolute = absolute(self._matrix)
+        force = np.zeros_like(x) if self._absolute is None else image_of(self._absolute, x)
+        if self._low_rank is not None:
+            force += self._low_rank.sizes(x)
+        return force
+
+    def free(self) -> None:
+        """Free the matrices."""
+        destroy(*(matrix for matrix in (self._matrix, self._absolute) if matrix is not None))
+
+
+class Sizes:
+    """Absolute values of the entries of a pencil, of D where it is given: rounding is of them."""
 
     def __init__(self, matrices: Matrices, damping: Damping | None = None) -> None:
         stiffness = (matrices.stiffness, matrices.unsymmetric)
@@ -48,16 +70,7 @@ class Sizes:
     def forces(
         self, x: NDArray[Any], f: NDArray[Any], values: NDArray[Any] | float = 0.0
     ) -> Floats:
-        """What the parts of P(lambda) [x; f] come to, the rows of this rank.
-
-        Parameters
-        ----------
-        x, f
-            Displacements and contact forces, the rows of this rank, shapes (n_local, columns) and
-            (multipliers of this rank, columns).
-        values
-            lambda (1/s), shape (columns,).
-        """
+        """What the parts of P(lambda) [x; f] come to, the rows of this rank, shape (n_local, n)."""
         size, speed = np.abs(x), np.abs(values)
         total = np.zeros(size.shape, order="F")
         for part in self._stiffness:

@@ -18,16 +18,17 @@ The scale g is the end of the window: there x and z are equally large, in an inn
 M for both, and residuals are backward errors. All of it is real.
 """
 
-from typing import Any
+from copy import copy
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import all_inner, combined, image_of, inner, times
-from cea.eigen.coverage import outside_of_window, upper_end
+from cea.eigen.blocks import all_inner, combined, image_of, times
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_damping import Damping
+from cea.eigen.regions import outside_of_window, upper_end
+from cea.eigen.residuals import Damping
 from cea.eigen.shifted import Shifted
 
 MARGIN = 0.005
@@ -35,11 +36,8 @@ MARGIN = 0.005
 and the first mode beyond it, and conjugates of those next to the real axis."""
 
 
-class Undamped:
-    """(K - sigma M)^-1 M; attributes are those of :class:`cea.eigen.krylov_space.ShiftInvert`.
-
-    ``reach`` is the end of the window (1/s); infinite where all of a disc is wanted, as it is of
-    left eigenvectors.
+class ShiftInvert:
+    """(K - sigma M)^-1 M, with M as inner product.
 
     Parameters
     ----------
@@ -49,10 +47,19 @@ class Undamped:
         sigma (1/s^2).
     end
         omega of the end of the window (1/s).
-    of
-        The operator whose factors are taken, with the transposed matrix.
     factors
         The pencil factorised at the shift, where it is.
+
+    Attributes
+    ----------
+    rows, local, finite
+        Rows of its vectors on all ranks and on this one, and number of finite eigenvalues.
+    reach
+        End of the window (1/s); infinite where all of a disc is wanted.
+    powers
+        Times that OP must be applied to take infinite eigenvalues out of a vector.
+    negligible
+        theta times the shift from which down eigenvalues count as infinite.
 
     Raises
     ------
@@ -60,25 +67,16 @@ class Undamped:
         When the pencil is singular at the shift.
     """
 
-    damped = False
+    damped, powers, negligible = False, 1, 1e-10
     damping: Damping | None = None
-    powers = 1
-    negligible = 1e-10
 
     def __init__(
-        self,
-        matrices: Matrices,
-        shift: float,
-        end: float,
-        of: "Undamped | None" = None,
-        *,
-        factors: Shifted | None = None,
+        self, matrices: Matrices, shift: float, end: float, *, factors: Shifted | None = None
     ) -> None:
-        self.matrices, self.shift, self.scale = matrices, shift, end
-        self.reach = np.inf if of else end
-        self.factors: Shifted = factors or (of.factors if of else self._factorised())
-        self._transposed = of is not None
-        self.comm = matrices.stiffness.comm.tompi4py()
+        self.matrices, self.shift, self.scale, self.reach = matrices, shift, end, end
+        self.factors = factors or self._factorised()
+        self._transposed, self._decay = False, np.inf
+        self.comm = matrices.stiffness.comm
         self.rank, self.symmetric = self.comm.rank, matrices.symmetric
         self.rows, self.finite = matrices.size, matrices.size - matrices.tied
         self.local = matrices.stiffness.getLocalSize()[0]
@@ -91,15 +89,15 @@ class Undamped:
         return self.factors.solve_block(image, transposed=self._transposed)
 
     def image(self, block: Floats) -> Floats:
-        """M times a block."""
+        """A block times the matrix of the inner product."""
         return image_of(self.matrices.mass, block)
 
     def inner(self, left: Floats, right: Floats) -> Floats:
         """Inner products of every column of one block with every column of another."""
-        return np.asarray(self.comm.allreduce(inner(left, right)))
+        return np.asarray(all_inner(left, right, self.comm))
 
     def outside(self, theta: Complexes, errors: Floats) -> NDArray[np.bool_]:
-        """Which kappa lie outside of the window, whatever their growth and errors (1/s^2)."""
+        """Which theta lie outside of the window by more than errors of their eigenvalues."""
         with np.errstate(divide="ignore", invalid="ignore"):
             kappa = self.shift + 1 / theta
         return outside_of_window(upper_end(self.reach**2), kappa, errors)
@@ -122,10 +120,7 @@ class Undamped:
     def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
         """What a subspace leaves out of its left vectors: W = Q - A^-T M Q (R - sigma)^T.
 
-        Parameters
-        ----------
-        basis, mixed, moved
-            Q, columns, and (R - sigma)^T times them.
+        It is told for combinations ``mixed`` of them, with (R - sigma)^T times these in ``moved``.
         """
         load = image_of(self.matrices.mass, combined(basis, moved))
         return combined(basis, mixed) - self.factors.solve_block(load, transposed=True)
@@ -133,76 +128,60 @@ class Undamped:
     def pairing(
         self, values: Complexes, left: Complexes, right: Complexes
     ) -> tuple[Complexes, Complexes]:
-        """Y^H M X, and what its diagonal is to be; with damping as :class:`LeftVectors` has it."""
-        inertia = all_inner(left, times(self.matrices.mass, right), self.matrices.mass.comm)
+        """Y^H M X, and what its diagonal is to be; with damping as left vectors have it."""
+        inertia = all_inner(left, times(self.matrices.mass, right), self.comm)
         return inertia, np.ones(len(values), dtype=complex)
 
-    def transposed(self) -> "Undamped":
-        """The same of K^T, whose eigenvectors are left ones, of conjugate eigenvalues."""
-        return type(self)(self.matrices, self.shift, self.scale, self)
+    def transposed(self) -> Self:
+        """The same of the transposed pencil: its eigenvectors are conjugates of left ones."""
+        other = copy(self)
+        other._transposed, other.reach, other._decay = True, np.inf, np.inf
+        return other
 
     def free(self) -> None:
-        """Free the factors, but of a transposed operator."""
-        if not self._transposed:
-            self.factors.free()
+        """Free the factors."""
+        self.factors.free()
 
 
-class Companion(Undamped):
+class Companion(ShiftInvert):
     """The inverse of the companion form at a real shift; on each rank its rows of x and z.
 
     Parameters
     ----------
-    matrices
-        The pencil at given parameters.
-    shift
-        s (1/s).
-    end
-        omega of the end of the window, and g (1/s).
-    of
-        The operator whose factors are taken, with the transposed matrix.
+    matrices, shift, end
+        As of :class:`ShiftInvert`; the shift is s (1/s).
     decay
         Decay (1/s) down to which eigenvalues are of the window.
     """
 
-    damped = True
-    powers = 2
-    negligible = 1e-6
+    damped, powers, negligible = True, 2, 1e-6
+    damping: Damping
 
-    def __init__(
-        self,
-        matrices: Matrices,
-        shift: float,
-        end: float,
-        of: "Undamped | None" = None,
-        decay: float = np.inf,
-    ) -> None:
-        super().__init__(matrices, shift, end, of)
+    def __init__(self, matrices: Matrices, shift: float, end: float, decay: float = np.inf) -> None:
+        super().__init__(matrices, shift, end)
         self._decay, self.symmetric = decay, False
         self.rows, self.finite, self.local = 2 * self.rows, 2 * self.finite, 2 * self.local
-        self.damping = self._drag = Damping(matrices, transposed=self._transposed)
+        self.damping = Damping(matrices)
 
     def _factorised(self) -> Shifted:
         return Shifted.quadratic(self.matrices, self.shift)
 
     def apply(self, block: Floats, image: Floats) -> Floats:
         """OP on a block [a; b] whose image [M a; M b] is given."""
-        rows = len(block) // 2
+        rows, back = len(block) // 2, self._transposed
         load = -(self.scale * image[rows:] + self.shift * image[:rows])
-        load -= self._drag.times(block[:rows])
-        x = self.factors.solve_block(load, transposed=self._transposed)
+        load -= self.damping.times(block[:rows], transposed=back)
+        x = self.factors.solve_block(load, transposed=back)
         return np.asfortranarray(np.vstack([x, (block[:rows] + self.shift * x) / self.scale]))
 
     def image(self, block: Floats) -> Floats:
         """[M a; M b] of a block [a; b]."""
-        rows, columns = len(block) // 2, block.shape[1]
-        both = image_of(self.matrices.mass, np.hstack([block[:rows], block[rows:]]))
-        return np.asfortranarray(np.vstack([both[:, :columns], both[:, columns:]]))
+        rows = len(block) // 2
+        halves = [super(Companion, self).image(part) for part in (block[:rows], block[rows:])]
+        return np.asfortranarray(np.vstack(halves))
 
     def outside(self, theta: Complexes, errors: Floats) -> NDArray[np.bool_]:
-        """Which lambda lie outside of the window, its conjugates included, whatever their errors.
-
-        Those that do not oscillate, and grow or decay slowly, are in it.
-        """
+        """Which theta lie outside of the window and its conjugate by more than errors."""
         with np.errstate(divide="ignore", invalid="ignore"):
             values = self.shift + 1 / theta
         fast = np.abs(values.imag) - errors > (1 + MARGIN) * self.reach
@@ -221,7 +200,7 @@ class Companion(Undamped):
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         """P(s) x' + L^T f = (s - lambda) ((lambda + s) M + D) x, which is (P(s) - P(lambda)) x."""
         load = times(self.matrices.mass, x * (values + self.shift))
-        load += self._drag.times(x, transposed=transposed)
+        load += self.damping.times(x, transposed=transposed)
         return self.factors.solve_with_forces(load * (self.shift - values), transposed=transposed)
 
     def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
@@ -237,14 +216,10 @@ class Companion(Undamped):
     ) -> tuple[Complexes, Complexes]:
         """Y^H ((lambda_i + lambda_j) M + D) X, and 2 lambda."""
         inertia, _ = super().pairing(values, left, right)
-        drag = all_inner(left, self._drag.times(right), self.matrices.mass.comm)
+        drag = all_inner(left, self.damping.times(right), self.comm)
         return (values[:, None] + values) * inertia + drag, 2 * values
 
-    def transposed(self) -> "Companion":
-        """The same of P^T, whose vectors are conjugates of left ones."""
-        return Companion(self.matrices, self.shift, self.scale, self)
-
     def free(self) -> None:
-        """Free what is its own."""
-        self._drag.free()
+        """Free the factors and D."""
+        self.damping.free()
         super().free()

@@ -7,9 +7,9 @@ With forces f as unknowns (:mod:`cea.eigen.multipliers`) the matrix at kappa = -
                [               Z^T     ]
 
 and the displacement part of A(kappa)^-1 [r; 0] is what drivers iterate with: multipliers carry no
-mass, and Krylov spaces stay ones of displacements. Pieces of C of low rank stay out of the factors
-(:mod:`cea.eigen.low_rank`), and so do circulatory pieces of K of damped problems where they are
-small (:mod:`cea.eigen.neumann`); otherwise they are unknowns beside the forces.
+mass, and Krylov spaces stay ones of displacements. Pieces of C of low rank stay out of the factors,
+and so do circulatory pieces of K of damped problems where they are small
+(:mod:`cea.eigen.updated_factors`); otherwise they are unknowns beside the forces.
 """
 
 from dataclasses import replace
@@ -20,11 +20,10 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
 from cea.eigen.circulatory import CirculatorySum
-from cea.eigen.low_rank import LowRankUpdate
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
-from cea.eigen.neumann import NeumannSeries, Solver
 from cea.eigen.pencil import Matrices
+from cea.eigen.updated_factors import UpdatedFactors
 from cea.errors import ConvergenceError
 from cea.matrices import destroy, distributed, identity, largest_row, local_part
 from cea.petsc import PETSc
@@ -56,55 +55,47 @@ class Shifted:
         self._local = matrices.stiffness.getLocalSize()[0]
         turns = bool(rate) and matrices.gyroscopic is not None
         self._symmetric = matrices.symmetric and not turns
-        self._forces = matrices.multipliers
-        self._scale: Any | None = None
-        self._factors: Mumps | None = None
-        self._update: LowRankUpdate | None = None
-        circulatory = matrices.circulatory
-        if circulatory is not None and not (rate and self._by_series(circulatory)):
+        self._forces, circulatory = matrices.multipliers, matrices.circulatory
+        if rate and circulatory is not None:
+            try:
+                self._factorise(circulatory)
+            except ConvergenceError:
+                self.free()
+            else:
+                return
+        if circulatory is not None:
             self._forces = with_circulatory(matrices.multipliers, circulatory)
-        if self._factors is None:
-            self._solver: Solver = self._factorised()
+        self._factorise(None)
 
     @classmethod
     def quadratic(cls, matrices: Matrices, rate: float) -> "Shifted":
         """P(s) = s^2 M + s (C + Y) + K factorised at a real s (1/s)."""
         return cls(matrices, -(rate**2), rate)
 
-    def _by_series(self, circulatory: CirculatorySum) -> bool:
-        """Whether circulatory pieces are small beside the rest, whose factors serve then."""
-        try:
-            self._solver = NeumannSeries(
-                self._factorised(),
-                circulatory,
-                rows=self._rows,
-                local=self._local,
-                comm=self.matrices.stiffness.comm,
-            )
-        except ConvergenceError:
-            self._free_factors()
-            return False
-        return True
-
-    def _factorised(self) -> Solver:
-        """Factors with the forces, and what solves with the pieces of low rank too."""
+    def _factorise(self, rest: CirculatorySum | None) -> None:
+        """Factors with the forces, and what solves with pieces that stay out of them."""
         operator = self.matrices.operator(self.kappa, rate=self.rate)
+        self._scale: Any | None = None
         if self._forces is not None:
             self._scale = force_scale(operator, self._forces)
             whole = bordered(operator, self._forces, self._scale, symmetric=self._symmetric)
             destroy(operator)
             operator = whole
         self._rows = operator.getLocalSize()[0]
+        self._update: UpdatedFactors | None = None
+        self._factors: Mumps | None = None
         self._factors = Mumps(operator, symmetric=self._symmetric)
-        if not self.rate or self.matrices.low_rank is None:
-            return self._factors
-        root = self.matrices.low_rank.root()
+        low_rank = self.matrices.low_rank if self.rate else None
+        if low_rank is None and rest is None:
+            return
+        root = np.zeros((self._local, 0)) if low_rank is None else low_rank.root()
         try:
-            self._update = LowRankUpdate(self._factors, root, self.rate, symmetric=self._symmetric)
+            self._update = UpdatedFactors(
+                self._factors, root, self.rate, rest, symmetric=self._symmetric
+            )
         except ConvergenceError:
             self.free()
             raise
-        return self._update
 
     @property
     def multipliers(self) -> int:
@@ -118,7 +109,11 @@ class Shifted:
 
     def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Displacements for every column of forces, the rows of this rank."""
-        return self.solve_with_forces(b, transposed=transposed)[0]
+        if np.iscomplexobj(b) or self._rows > self._local:
+            return self.solve_with_forces(b, transposed=transposed)[0]
+        solver = self._update or self._factors
+        assert solver is not None
+        return solver.solve_block(b, transposed=transposed)
 
     def solve_with_forces(
         self, b: NDArray[Any], *, transposed: bool = False
@@ -142,13 +137,12 @@ class Shifted:
             both = self.solve_with_forces(parts, transposed=transposed)
             x, f = (part[:, :n] + 1j * part[:, n:] for part in both)
             return x, f
-        whole = b
-        if self._rows > self._local:
-            whole = np.zeros((self._rows, b.shape[1]), order="F")
-            whole[: self._local] = b
-        solution = self._solver.solve_block(whole, transposed=transposed)
-        end = self._local + self.multipliers
-        forces = solution[self._local : end]
+        whole = np.zeros((self._rows, b.shape[1]), order="F")
+        whole[: self._local] = b
+        solver = self._update or self._factors
+        assert solver is not None
+        solution = solver.solve_block(whole, transposed=transposed)
+        forces = solution[self._local : self._local + self.multipliers]
         if self._scale is not None:
             forces = forces * self._scale.array_r[: self.multipliers, None]
         return solution[: self._local], forces
@@ -157,9 +151,8 @@ class Shifted:
         """Whether the number of real eigenvalues beyond the shift is odd (1) or even (0).
 
         Those are kappa below it, or lambda above it. The determinant has the sign of (-1)^m there,
-        m contact forces, far away, and changes it at each real eigenvalue. Pieces that a Neumann
-        series brings in do not change it: with any part of them the matrix is regular. None where
-        it is not known: for symmetric matrices and forces without compliance.
+        m contact forces, far away, and changes it at each real eigenvalue. None where it is not
+        known: for symmetric matrices and forces without compliance.
         """
         if self._symmetric or (self._forces is not None and self._forces.tied):
             return None
@@ -169,16 +162,13 @@ class Shifted:
 
     def free(self) -> None:
         """Free the factors."""
-        self._free_factors()
-        if self._forces is not None and self._forces is not self.matrices.multipliers:
-            self._forces.free()
-
-    def _free_factors(self) -> None:
         if self._factors is not None:
             self._factors.free()
         if self._scale is not None:
             destroy(self._scale)
         self._factors = self._update = self._scale = None
+        if self._forces is not None and self._forces is not self.matrices.multipliers:
+            self._forces.free()
 
 
 def count_below(matrices: Matrices, kappa: float) -> int:
@@ -263,21 +253,7 @@ def nested(blocks: list[list[Any]]) -> Any:
 
 
 def bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric: bool) -> Any:
-    """[A, L^T s, .; s J, -s C s, s Z; ., Z^T s, .], PETSc AIJ; with J for L in its symmetric part.
-
-    Further rows may follow (:func:`nested`).
-
-    Parameters
-    ----------
-    operator
-        A.
-    multipliers
-        L, J, C and Z.
-    scale
-        s, PETSc vector (multipliers).
-    symmetric
-        Whether L is J.
-    """
+    """[A, L^T s, .; s J, -s C s, s Z; ., Z^T s, .], PETSc AIJ; J is L where it is symmetric."""
     closure = multipliers.closure.copy()
     closure.diagonalScale(L=scale)
     reaction = closure

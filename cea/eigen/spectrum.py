@@ -23,16 +23,17 @@ _TRUSTED = 1e-2
 class Window:
     """What was searched, and why it is believed complete.
 
-    A window holds the modes with 0 <= Im lambda <= omega of any growth; kappa = -lambda^2.
+    A window holds the modes with 0 <= Im lambda <= omega of any growth. Without damping and
+    rotation eigenvalues are kappa = -lambda^2 (1/s^2), with them lambda (1/s).
 
     Parameters
     ----------
     max_frequency
         omega / (2 pi) (Hz).
     shift, radius
-        Disc about the middle of the window in which every kappa was found (1/s^2).
+        First disc in which every eigenvalue was found.
     found
-        Number of eigenvalues kappa found, in all discs and around them.
+        Number of eigenvalues found, in all discs and around them.
     discs
         Number of discs, this one included.
     max_growth
@@ -41,11 +42,11 @@ class Window:
     bounded
         Whether it was shown that none can grow faster.
     odd
-        Whether the sign of a determinant shows that a real kappa was not found.
+        Whether the sign of a determinant shows that a real eigenvalue was not found.
     upper
-        Upper end of kappa for the count (1/s^2), a little above the window's.
+        Upper end of kappa for the count, a little above the window's; with damping omega (1/s).
     found_below
-        Eigenvalues found with Re kappa below ``upper``.
+        Eigenvalues found with Re kappa below ``upper``, or with 0 <= Im lambda <= ``upper``.
     symmetric_count
         Without friction, eigenvalues below ``upper`` by inertia; None with friction, where
         nothing counts them.
@@ -56,6 +57,11 @@ class Window:
         Frequency (Hz) of the lowest mode above an empty window, where it was found.
     whole
         Whether the system is so small that all eigenvalues were computed.
+    min_growth
+        With damping or rotation, growth rate (1/s) down to which every mode was found; modes that
+        decay faster are not listed. None without.
+    neighbours
+        Whether it is no window, but the eigenvalues nearest to a place were asked for.
     """
 
     max_frequency: float
@@ -72,16 +78,8 @@ class Window:
     growing_above: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
     lowest: float | None = field(default=None, kw_only=True)
     whole: bool = field(default=False, kw_only=True)
-
-    @property
-    def searched(self) -> str:
-        """What was computed, and why nothing is missing there, in words."""
-        if self.whole:
-            return f"LAPACK computed all eigenvalues, of which {self.found} were kept"
-        return (
-            f"{self.found} eigenvalues fill {self.discs} disc{'s' * (self.discs > 1)}, "
-            "in which appended random vectors found no further one"
-        )
+    min_growth: float | None = field(default=None, kw_only=True)
+    neighbours: bool = field(default=False, kw_only=True)
 
     @property
     def complete(self) -> bool:
@@ -99,36 +97,28 @@ class Window:
     @property
     def evidence(self) -> str:
         """Why the window is believed complete, or how far it is not, in words."""
+        if self.neighbours:
+            return f"{self.found} eigenvalues nearest to a place; no window was searched"
         if self.symmetric_count is not None:
             return (
                 f"below kappa = {self.upper:.5g} {self.found_below} eigenvalues were found, and "
                 f"the inertia of S - kappa M counts {self.symmetric_count}"
             )
-        found = self.searched
+        found = (
+            f"{self.found} eigenvalues fill {self.discs} disc{'s' * (self.discs > 1)}, "
+            "in which appended random vectors found no further one"
+        )
+        if self.whole:
+            found = f"LAPACK computed all eigenvalues, of which {self.found} were kept"
+        if self.min_growth is not None:
+            found += f"; the window reaches down to the growth rate {self.min_growth:.4g} 1/s"
         if self.odd:
             return f"{found}; the sign of a determinant shows that a real one is missing"
         if self.whole:
             return found
         if self.bounded:
-            return f"{found}; no eigenvalue lies farther"
+            return f"{found}; no eigenvalue of the window grows faster"
         return f"{found}; modes that grow faster than {self.max_growth:.4g} 1/s are not excluded"
-
-
-def nearest_window(kappa: float, found: Complexes) -> Window:
-    """What a search for the few eigenvalues nearest to kappa (1/s^2) found: no window is full."""
-    return Window(
-        max_frequency=np.inf,
-        shift=kappa,
-        radius=float(np.abs(found - kappa).max(initial=0.0)),
-        found=len(found),
-        discs=1,
-        max_growth=0.0,
-        bounded=False,
-        odd=False,
-        upper=np.inf,
-        found_below=len(found),
-        symmetric_count=None,
-    )
 
 
 @dataclass(frozen=True)
@@ -145,8 +135,7 @@ class Spectrum:
         abs(lambda)^2 abs(M) abs(x) and so on: the relative change of entries that makes it zero.
     conditions
         Condition numbers of lambda^2 in the M-norm, shape (n,): 1 for a symmetric problem without
-        damping, large
-        near a coalescence. Without left vectors, those within the computed invariant subspace.
+        damping, large near a coalescence. Without left vectors, those within the subspace found.
     growth_uncertainties
         What backward error and rounding of the matrices, times the condition, can make of lambda
         (1/s), shape (n,).
@@ -216,13 +205,7 @@ class Spectrum:
         return self.growth_uncertainties <= _TRUSTED * self.speeds
 
     def thresholds(self, threshold: float | None = None) -> Floats:
-        """Growth rates (1/s) above which modes are called unstable, shape (n,).
-
-        Parameters
-        ----------
-        threshold
-            The same for all (1/s); None takes 1e-4 of abs(lambda) of each.
-        """
+        """Growth rates (1/s) above which modes are called unstable; None takes 1e-4 abs(lambda)."""
         return thresholds(self.eigenvalues, threshold)
 
     def unstable(self, threshold: float | None = None) -> NDArray[np.bool_]:
@@ -246,13 +229,7 @@ class Spectrum:
         return classify_run(each, complete=window.complete, missing=window.missing)
 
     def table(self, threshold: float | None = None) -> ModeTable:
-        """A row for each mode: its number from 1, frequency (Hz), growth rate (1/s), errors.
-
-        Parameters
-        ----------
-        threshold
-            Growth rate (1/s) above which a mode is called unstable; see :meth:`thresholds`.
-        """
+        """A row for each mode: its number from 1, frequency (Hz), growth rate (1/s), errors."""
         ratios = zip(self.damping_ratios.tolist(), self.rigid.tolist(), strict=True)
         columns: dict[str, Iterable[Any]] = {
             "mode": range(1, len(self) + 1),

@@ -50,20 +50,18 @@ class InvariantSubspace:
         """Number of eigenvalues, with multiplicity."""
         return len(self.projected)
 
-    def eigenvalues(self, first: int = 0) -> Complexes:
-        """kappa, shape (k,), or those added since the subspace had a size."""
-        return self._values if first == 0 else self._values_of(self.projected[first:, first:])
+    @cached_property
+    def eigenvalues(self) -> Complexes:
+        """kappa, shape (k,)."""
+        if self.symmetric:
+            return np.linalg.eigvalsh(symmetric_part(self.projected)).astype(complex)
+        return np.linalg.eigvals(self.projected).astype(complex)
 
     def eigenpairs(self, rows: int | None = None) -> tuple[Complexes, Complexes]:
-        """Eigenvalues, shape (k,), and eigenvectors, the rows of this rank, shape (n_local, k).
+        """Eigenvalues, shape (k,), and the first rows of eigenvectors, shape (rows, k).
 
         A conjugate follows its eigenvalue, and its vector is the conjugate. Undamped ones rise with
         Im lambda, kappa = -lambda^2.
-
-        Parameters
-        ----------
-        rows
-            Of vectors; None takes all.
         """
         values, small = self._pairs
         basis = self.basis[:rows]
@@ -79,26 +77,13 @@ class InvariantSubspace:
         return values, vectors
 
     def duals(self) -> Complexes:
-        """Small vectors of the dual basis of eigenvectors of unit length, shape (k, k).
-
-        Their lengths are condition numbers, in the order of the pairs.
-        """
+        """Dual basis of the eigenvectors in the basis, (k, k); its lengths are conditions."""
         vectors = self._pairs[1]
         if self.symmetric or not self.size:
             return vectors
         left, sizes, right = svd(vectors, lapack_driver="gesvd")
         sizes = np.maximum(sizes, np.sqrt(np.finfo(float).eps) * sizes.max(initial=0.0))
         return np.asarray((left / sizes) @ right)
-
-    @cached_property
-    def _values(self) -> Complexes:
-        return self._values_of(self.projected)
-
-    def _values_of(self, part: Floats) -> Complexes:
-        values = (
-            np.linalg.eigvalsh(symmetric_part(part)) if self.symmetric else np.linalg.eigvals(part)
-        )
-        return values.astype(complex)
 
     @cached_property
     def _pairs(self) -> tuple[Complexes, Complexes]:

@@ -3,7 +3,7 @@
 Each disc is searched beside what the discs before it hold. Without damping the first lies about the
 middle of the window, in kappa = -lambda^2. Where friction leaves no more than a cone about the real
 axis it covers the window; else further discs, left of all, cover it as far as friction may move
-eigenvalues (:mod:`cea.eigen.coverage`). With damping or rotation the window holds the lambda with
+eigenvalues (:mod:`cea.eigen.regions`). With damping or rotation the window holds the lambda with
 0 <= Im lambda <= omega and Re lambda >= -d, and a disc about a real shift c > 0,
 
     abs(lambda - c)^2 <= (c + d)^2 + omega^2,
@@ -14,22 +14,28 @@ Of small systems the first disc tells all (:mod:`cea.eigen.dense`).
 
 import sys
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Iterator
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.block_krylov import CrowdedError, NearShiftError, krylov_schur
-from cea.eigen.coverage import Disc, distance_of_cone, distance_within, touching_disc, upper_end
-from cea.eigen.field_of_values import FieldOfValues, field_of_values, has_cone
+from cea.eigen.corrected_tests import CorrectedTests
+from cea.eigen.field_of_values import (
+    FieldOfValues,
+    bounded_growth,
+    field_of_values,
+    has_cone,
+    largest_growth,
+)
+from cea.eigen.krylov_schur import CrowdedError, KrylovOptions, NearShiftError, krylov_schur
 from cea.eigen.left_vectors import SAME
-from cea.eigen.options import KrylovOptions
 from cea.eigen.pencil import Matrices
-from cea.eigen.shift_invert import MARGIN, Companion, Undamped
+from cea.eigen.regions import Disc, distance_of_cone, distance_within, touching_disc, upper_end
+from cea.eigen.shift_invert import MARGIN, Companion, ShiftInvert
 from cea.eigen.shifted import count_below
 from cea.eigen.subspace import InvariantSubspace
-from cea.eigen.turned_field import TurnedField
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
@@ -44,6 +50,9 @@ _AROUND = 1.5
 """Radius up to which a disc about the middle is searched, relative to that of the plain one."""
 _DECAY = 0.1
 """Decay d down to which a damped window is complete by default, relative to omega."""
+_LEAST_SHIFT, _SHIFT, _FARTHEST_SHIFT = 0.1, 0.25, 0.5
+"""First real shift relative to omega: the least, so that it is no eigenvalue of those that hardly
+grow, that where growth may be large, and the farthest, whose disc holds all that may grow."""
 _CROWDED, _FEW = 4, 100
 """Eigenvalues in a disc that are too many: modes of the window without damping, and a number."""
 _AWAY, _SLIM = 4.0, 2.0
@@ -56,34 +65,6 @@ _ASIDE = 1e-3
 _INSIDE = 1 + SAME
 """Radius of a disc of left eigenvalues relative to the farthest right one in it: those that are the
 same but for rounding, which is large of rigid motions and near coalescence, are inside."""
-
-
-@dataclass(frozen=True)
-class Found:
-    """What a search of a window found.
-
-    Parameters
-    ----------
-    subspace
-        Invariant subspace of the eigenvalues found, of the companion form where something damps.
-    discs
-        Discs that were searched.
-    growth
-        Every eigenvalue of the window that grows at this rate or slower was found (1/s).
-    bounded
-        Whether none grows faster.
-    odd
-        Whether the sign of a determinant shows that a real eigenvalue is missing.
-    counted
-        Without friction, eigenvalues below :func:`cea.eigen.coverage.upper_end` by inertia.
-    """
-
-    subspace: InvariantSubspace
-    discs: tuple[Disc, ...] = ()
-    growth: float = 0.0
-    bounded: bool = False
-    odd: bool = False
-    counted: int | None = None
 
 
 class WindowSearch(ABC):
@@ -102,10 +83,15 @@ class WindowSearch(ABC):
 
     Attributes
     ----------
-    known
-        Invariant subspace of what was found.
+    found
+        Invariant subspace of the eigenvalues found, of the companion form where something damps.
     discs
         Discs that were searched.
+    growth, bounded
+        Every eigenvalue of the window that grows at this rate or slower was found (1/s), and
+        whether none grows faster.
+    counted
+        Without friction, eigenvalues below :func:`cea.eigen.regions.upper_end` by inertia.
     factorisations
         Factorisations made so far.
     """
@@ -114,27 +100,71 @@ class WindowSearch(ABC):
         self, matrices: Matrices, end: float, options: KrylovOptions, timer: StageTimer
     ) -> None:
         self._matrices, self._end, self._options, self._timer = matrices, end, options, timer
-        self.known: InvariantSubspace | None = None
+        self.found: InvariantSubspace | None = None
         self.discs: list[Disc] = []
+        self.growth, self.bounded = 0.0, False
+        self.counted: int | None = None
         self.factorisations = 0
-        self._op: Undamped | None = None
+        self._op: ShiftInvert | None = None
         self._parities: dict[float, int] = {}
+        self._most, self._crowded = sys.maxsize, ""
 
-    @abstractmethod
-    def run(self) -> Found:
-        """Every eigenvalue of the window, with what shows it.
+    def run(self) -> InvariantSubspace:
+        """Every eigenvalue of the window.
 
         Raises
         ------
         ConvergenceError
             When a disc cannot be searched; ``best`` is the invariant subspace so far.
         """
+        for centre, radius in self._plan():
+            for attempt in range(_ATTEMPTS):  # a shift steps aside where it is an eigenvalue
+                step = attempt * _ASIDE
+                disc = Disc(centre * (1 + step), radius + step * abs(centre))
+                op = self._at_regular(disc.centre)
+                if op is None:
+                    continue
+                try:
+                    with self._timer("krylov"):
+                        self.found = krylov_schur(
+                            op,
+                            disc.radius,
+                            self._options,
+                            self.found,
+                            seed=len(self.discs),
+                            most=self._most,
+                        )
+                except NearShiftError:
+                    self._parities.pop(disc.centre, None)
+                    continue
+                except CrowdedError as error:
+                    self._crowded = str(error)
+                else:
+                    self._crowded = ""
+                    self.discs.append(disc)
+                break
+            else:
+                raise ConvergenceError(
+                    f"the pencil is singular at every shift near {centre:.4g}", best=self.found
+                )
+        assert self.found is not None
+        if self.found.whole:
+            self.growth, self.bounded = np.inf, True
+        return self.found
 
     @abstractmethod
-    def _operator(self, shift: float) -> Undamped:
+    def _plan(self) -> Iterator[tuple[float, float]]:
+        """Centre and radius of each disc, once that before it was searched."""
+
+    @abstractmethod
+    def _operator(self, shift: float) -> ShiftInvert:
         """The operator at a shift."""
 
-    def at(self, shift: float) -> Undamped:
+    @abstractmethod
+    def _beyond(self, values: Complexes, shift: float) -> int:
+        """Number of eigenvalues beyond a shift."""
+
+    def at(self, shift: float) -> ShiftInvert:
         """The operator at a shift; that before it is freed.
 
         Raises
@@ -151,36 +181,7 @@ class WindowSearch(ABC):
                 self._parities[shift] = parity
         return self._op
 
-    @property
-    def near(self) -> Undamped:
-        """An operator near the window, by which modes are judged."""
-        near = [each.centre for each in self.discs[:2]]
-        if self._op is not None and (not near or self._op.shift in near):
-            return self._op
-        return self.at(self.discs[0].centre)
-
-    def search(self, centre: float, radius: float, most: int = sys.maxsize) -> None:
-        """Search a disc; its shift steps aside where it is an eigenvalue."""
-        before = self.known
-        for _ in range(_ATTEMPTS):
-            op = self._at_regular(centre)
-            try:
-                if op is not None:
-                    with self._timer("krylov"):
-                        self.known = krylov_schur(
-                            op, radius, self._options, before, seed=len(self.discs), most=most
-                        )
-                    self.discs.append(Disc(centre, radius))
-                    return
-            except NearShiftError:
-                self._parities.pop(centre, None)
-            radius += _ASIDE * abs(centre)
-            centre *= 1 + _ASIDE
-        raise ConvergenceError(
-            f"the pencil is singular at every shift near {centre:.4g}", best=before
-        )
-
-    def _at_regular(self, shift: float) -> Undamped | None:
+    def _at_regular(self, shift: float) -> ShiftInvert | None:
         """The operator at a shift; None where that is an eigenvalue."""
         try:
             return self.at(shift)
@@ -188,36 +189,38 @@ class WindowSearch(ABC):
             return None
 
     @property
+    def near(self) -> ShiftInvert:
+        """An operator near the window, by which errors are estimated."""
+        near = [each.centre for each in self.discs[:2]]
+        if self._op is not None and (not near or self._op.shift in near):
+            return self._op
+        return self.at(self.discs[0].centre)
+
+    @property
     def whole(self) -> bool:
         """Whether everything in the window was found, however fast it grows."""
-        return self.known is not None and self.known.whole
+        return self.found is not None and self.found.whole
 
     def odd(self, shift: float | None = None) -> bool:
         """Whether signs of determinants show another real eigenvalue beyond a shift, or any."""
-        assert self.known is not None
-        values = self.known.eigenvalues()
+        if self.found is None:
+            return False
+        values = self.found.eigenvalues
         chosen = self._parities if shift is None else {shift} & self._parities.keys()
         return any(self._parities[s] != self._beyond(values, s) % 2 for s in chosen)
 
-    @abstractmethod
-    def _beyond(self, values: Complexes, shift: float) -> int:
-        """Number of eigenvalues beyond a shift."""
-
     def left(self, rows: int) -> tuple[Complexes, Complexes]:
-        """Eigenvectors of the transposed pencil, and their eigenvalues, of all that was found.
+        """Eigenvalues of the transposed pencil and their vectors, of all that was found.
 
-        Parameters
-        ----------
-        rows
-            Displacements of this rank: the rows of the vectors.
+        The vectors have so many rows: the displacements of this rank.
 
         Raises
         ------
         ConvergenceError
             When they do not converge.
         """
-        assert self.known is not None
-        values, found = self.known.eigenvalues(), None
+        assert self.found is not None
+        values, found = self.found.eigenvalues, None
         for disc in sorted(
             self.discs, key=lambda each: self._op is None or each.centre != self._op.shift
         ):
@@ -227,7 +230,6 @@ class WindowSearch(ABC):
             op = self.at(disc.centre).transposed()
             with self._timer("krylov"):
                 found = krylov_schur(op, _INSIDE * farthest, self._options, found, seed=len(values))
-            op.free()
         assert found is not None
         return found.eigenpairs(rows)
 
@@ -246,7 +248,7 @@ class UndampedSearch(WindowSearch):
     matrices, end, options, timer
         Those of :class:`WindowSearch`.
     counted
-        Without friction, eigenvalues below :func:`cea.eigen.coverage.upper_end` by inertia.
+        Without friction, eigenvalues below :func:`cea.eigen.regions.upper_end` by inertia.
     near_contact
         Pencil of what lies near the contacts (:attr:`cea.eigen.pencil.Pencil.near_contact`).
     """
@@ -261,72 +263,67 @@ class UndampedSearch(WindowSearch):
         near_contact: Matrices | None = None,
     ) -> None:
         super().__init__(matrices, end, options, timer)
-        self._top, self._counted, self._near_contact = end**2, counted, near_contact
-        self._turned: TurnedField | None = None
-        self._turns = True
+        self._top, self.counted, self._near_contact = end**2, counted, near_contact
 
-    def run(self) -> Found:
-        """A window of any growth."""
-        return self._with_friction() if self._counted is None else self._symmetric(self._counted)
-
-    def _operator(self, shift: float) -> Undamped:
-        return Undamped(self._matrices, shift, self._end)
+    def _operator(self, shift: float) -> ShiftInvert:
+        return ShiftInvert(self._matrices, shift, self._end)
 
     def _beyond(self, values: Complexes, shift: float) -> int:
         return int(np.sum(values.real < shift))
 
-    def _below(self, upper: float) -> int:
-        assert self.known is not None
-        return int(np.sum(self.known.eigenvalues().real < upper))
+    def _plan(self) -> Iterator[tuple[float, float]]:
+        return self._with_friction() if self.counted is None else self._symmetric(self.counted)
 
-    def _symmetric(self, counted: int) -> Found:
-        """All that the inertia counts."""
+    def _symmetric(self, counted: int) -> Iterator[tuple[float, float]]:
+        """Discs until all that the inertia counts was found."""
         top, middle, upper = self._top, 0.5 * self._top, upper_end(self._top)
-        self.search(middle, upper - middle)
+        yield middle, upper - middle
         depth = 0.0
         while self._below(upper) < counted and len(self.discs) <= self._options.max_discs:
             depth = _FARTHER * max(depth, top)  # a stiffness that is not positive definite
             centre = touching_disc(top, depth)
-            self.search(centre, distance_within(top, centre, -depth, upper))
-        bounded = self._below(upper) == counted
-        return self._found(depth, bounded=bounded, counted=counted)
+            yield centre, distance_within(top, centre, -depth, upper)
+        self.growth, self.bounded = float(np.sqrt(depth)), self._below(upper) == counted
 
-    def _with_friction(self) -> Found:
+    def _below(self, upper: float) -> int:
+        assert self.found is not None
+        return int(np.sum(self.found.eigenvalues.real < upper))
+
+    def _with_friction(self) -> Iterator[tuple[float, float]]:
+        """Discs as far to the left as friction may move eigenvalues."""
         top, middle = self._top, 0.5 * self._top
         plain = upper_end(top) - middle
         if self._matrices.size <= self._options.dense_limit:
-            self.search(middle, plain)
-            return self._found(0.0, bounded=True)
+            yield middle, plain
+            return
         field = self._first_field()
-        radius = distance_of_cone(top, middle, field)
-        if radius <= _AROUND * plain:
-            self.search(middle, max(plain, radius))
-            if not self.odd():
-                return self._found(field.depth, bounded=field.bounded)
-        else:
-            self.search(middle, plain)
+        radius = self._radius_of(field)
+        covers = radius <= _AROUND * plain
+        yield middle, max(plain, radius) if covers else plain
+        if covers and not self.odd():
+            self.growth, self.bounded = float(np.sqrt(field.depth)), field.bounded
+            return
         bounded, reached = field.bounded, -top
         depth = field.depth if bounded else _DEEP * top
         for _ in range(self._options.max_discs):
             centre, left = touching_disc(top, depth), depth if bounded else _REACHED * depth
-            self.search(centre, distance_within(top, centre, -left, -reached))
+            yield centre, distance_within(top, centre, -left, -reached)
             reached, depth = left, _FARTHER * depth
             bounded = bounded or self._bounds(reached)
             if bounded and not self.odd(self.discs[-1].centre):
                 break
-        if self._turned is not None:
-            self._turned.free()
+        if (tests := vars(self).get("_corrected")) is not None:
+            tests.free()
+        self.growth, self.bounded = float(np.sqrt(max(reached, 0.0))), bounded
         for low, high in pairwise(sorted(self._parities)):  # a real one between two shifts
             if self.odd(low) != self.odd(high):
-                self.search(0.5 * (low + high), 0.5 * (high - low))
-        return self._found(reached, bounded=bounded)
+                yield 0.5 * (low + high), 0.5 * (high - low)
 
-    def _found(self, depth: float, *, bounded: bool, counted: int | None = None) -> Found:
-        assert self.known is not None
-        growth = np.inf if self.known.whole else float(np.sqrt(max(depth, 0.0)))
-        bounded = bounded or self.known.whole
-        odd = counted is None and self.odd()
-        return Found(self.known, tuple(self.discs), growth, bounded, odd, counted)
+    def _radius_of(self, field: FieldOfValues) -> float:
+        """Radius of the disc about the middle that holds what a cone leaves of the window."""
+        if not field.bounded:
+            return np.inf
+        return distance_of_cone(self._top, 0.5 * self._top, field.depth, field.slope)
 
     def _first_field(self) -> FieldOfValues:
         """How far friction moves eigenvalues near the window: what its first disc rests on.
@@ -337,8 +334,8 @@ class UndampedSearch(WindowSearch):
         with self._timer("factorisation"):
             self.factorisations += 1
             if near is not None and has_cone(near):
-                field, middle = field_of_values(near, _DEPTH * top, cone=True), 0.5 * top
-                if distance_of_cone(top, middle, field) <= _AROUND * (upper_end(top) - middle):
+                field = field_of_values(near, _DEPTH * top, cone=True)
+                if self._radius_of(field) <= _AROUND * (upper_end(top) - 0.5 * top):
                     return field
             return field_of_values(self._matrices, _DEPTH * top, cone=True)
 
@@ -349,15 +346,14 @@ class UndampedSearch(WindowSearch):
             if field_of_values(self._matrices, depth).bounded:
                 return True
             try:
-                if self._turns and self._turned is None:
-                    self.factorisations += 2
-                    self._turned = TurnedField.of(self._matrices)
-                self._turns = self._turned is not None
-                self.factorisations += self._turns
-                return self._turned is not None and self._turned.bounds(self._top, depth)
+                self.factorisations += 1
+                return self._corrected is not None and self._corrected.bounds(self._top, depth)
             except ConvergenceError:  # what shows nothing must not end what was found
-                self._turns = False
                 return False
+
+    @cached_property
+    def _corrected(self) -> CorrectedTests | None:
+        return CorrectedTests.of(self._matrices)
 
 
 class DampedSearch(WindowSearch):
@@ -388,33 +384,8 @@ class DampedSearch(WindowSearch):
         self._asked = decay is not None
         self.decay = _DECAY * end if decay is None else decay
 
-    def run(self) -> Found:
-        """A window of any growth, down to a decay."""
-        from cea.eigen.quadratic_coverage import first_shift, largest_growth
-
-        end = self._end
-        with self._timer("factorisation"):
-            self.factorisations += 2
-            largest = largest_growth(self._matrices, end)
-        centre = self._not_crowded(first_shift(largest, -self.decay, end))
-        growth = 2 * centre + self.decay
-        while not (bounded := self.whole or growth >= largest or self._bounded(growth)) or self.odd(
-            self.discs[-1].centre
-        ):
-            if len(self.discs) > self._options.max_discs:
-                break
-            left, centre = growth, _FARTHER * centre
-            try:
-                self.search(centre, self._radius(centre, left))
-            except CrowdedError:
-                break
-            growth = 2 * centre - left
-        assert self.known is not None
-        growth = np.inf if self.whole else growth
-        return Found(self.known, tuple(self.discs), growth, bounded, self.odd())
-
-    def _operator(self, shift: float) -> Undamped:
-        return Companion(self._matrices, shift, self._end, decay=self.decay)
+    def _operator(self, shift: float) -> ShiftInvert:
+        return Companion(self._matrices, shift, self._end, self.decay)
 
     def _beyond(self, values: Complexes, shift: float) -> int:
         return int(np.sum(values.real > shift))
@@ -423,36 +394,53 @@ class DampedSearch(WindowSearch):
         """Radius of a disc that holds the window to the right of a real part."""
         return float(np.hypot(centre - left, (1 + MARGIN) * self._end))
 
-    def _not_crowded(self, centre: float) -> float:
-        """Search the first disc; the real part of its shift.
+    def _plan(self) -> Iterator[tuple[float, float]]:
+        """Discs from the decay to the right, as far as modes may grow."""
+        end = self._end
+        with self._timer("factorisation"):
+            self.factorisations += 2
+            largest = largest_growth(self._matrices, end)
+        centre = max(_LEAST_SHIFT * end, 0.5 * (largest - self.decay))
+        yield from self._not_crowded(centre if centre <= _FARTHEST_SHIFT * end else _SHIFT * end)
+        centre = self.discs[0].centre
+        self.growth = 2 * centre + self.decay
+        while True:
+            self.bounded = self.whole or self.growth >= largest or self._bounded(self.growth)
+            if self.bounded and not self.odd(self.discs[-1].centre):
+                break
+            if len(self.discs) > self._options.max_discs:
+                break
+            left, centre = self.growth, _FARTHER * centre
+            yield centre, self._radius(centre, left)
+            self.growth = 2 * centre - left
+
+    def _not_crowded(self, centre: float) -> Iterator[tuple[float, float]]:
+        """The first disc, about shifts farther to the right until its modes do not crowd.
 
         Overdamped modes may crowd at one rate of decay. From farther to the right a disc reaches
         less beyond the decay asked for; where that does not help it is reduced, if nobody asked.
         """
-        most = sys.maxsize
         if self._matrices.size > self._options.dense_limit:  # else any number is affordable
             self.factorisations += 1
             with self._timer("factorisation"):
-                most = _CROWDED * count_below(self._matrices, self._end**2) + _FEW
+                counted = count_below(self._matrices, self._end**2)
+            self._most = _CROWDED * counted + _FEW
         for _ in range(_ATTEMPTS):
-            try:
-                self.search(centre, self._radius(centre, -self.decay), most)
-                return self.discs[0].centre
-            except CrowdedError as error:
-                crowded = error
+            yield centre, self._radius(centre, -self.decay)
+            if not self._crowded:
+                self._most = sys.maxsize
+                return
             self.free()
             if centre >= _SLIM * self._end and not self._asked:
                 self.decay /= _AWAY
             centre *= _AWAY
         raise ConvergenceError(
-            f"{crowded}: modes crowd near or above the growth rate {-self.decay:.4g} 1/s; a higher "
-            "min_growth leaves them out"
+            f"{self._crowded}: modes crowd near or above the growth rate {-self.decay:.4g} 1/s; "
+            "a higher min_growth leaves them out"
         )
 
     def _bounded(self, growth: float) -> bool:
         """Whether no eigenvalue of the window grows at a rate or faster."""
-        from cea.eigen.quadratic_coverage import bounded_growth
-
         self.factorisations += 1
         with self._timer("factorisation"):
             return bounded_growth(self._matrices, growth, self._end)

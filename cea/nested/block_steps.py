@@ -26,7 +26,7 @@ from scipy.linalg import eigvals
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, beside, column_blocks, columns_inner, combined, times
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_damping import Damping
+from cea.eigen.residuals import Damping
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 from cea.nested.remaining import left_of_errors

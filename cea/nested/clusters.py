@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import connected
+from cea.eigen.matching import connected
 
 NEAR = 2.0
 """Distance, in errors of both, within which eigenvalues are judged together."""

@@ -23,10 +23,9 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import columns_inner, times
-from cea.eigen.eigenvalue_matching import connected
+from cea.eigen.matching import connected
 from cea.eigen.pencil import Matrices
-from cea.eigen.quadratic_damping import Damping
-from cea.eigen.residuals import Sizes
+from cea.eigen.residuals import Damping, Sizes
 from cea.nested.clusters import NEAR
 from cea.nested.ritz import DEPENDENT, Approximation
 

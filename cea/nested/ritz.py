@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import eig, eigh
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import DEGENERATE, assign
+from cea.eigen.matching import DEGENERATE, assign
 
 DEPENDENT = 1e-13
 """Singular value of inner products, relative to the largest, that is rounding."""

@@ -7,7 +7,7 @@ subspace of both is followed then, and the eigenvalues within it by where they w
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import assign, group
+from cea.eigen.matching import assign, group
 from cea.reduced.spectrum import ReducedSpectrum
 
 _NEAR = 0.05

@@ -17,7 +17,7 @@ from typing import Protocol
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import connected
+from cea.eigen.matching import connected
 from cea.reduced.products import real_times
 from cea.reduced.rounding import Rounding
 

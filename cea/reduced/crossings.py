@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.eigen.spectrum import SLOW
 from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, Window, error_of_half
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.reduced.spectrum import upper_root
 
 GRID = 17

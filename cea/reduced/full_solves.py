@@ -13,7 +13,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, times
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError, InputError
 from cea.reduced.crossings import Threshold
@@ -84,7 +84,7 @@ class Solved(Protocol):
 class AtParameters:
     """Full solves of one pencil at a value that some of its parameters have."""
 
-    driver: KrylovSchur
+    driver: EigenSolver
     names: Sequence[str]
 
     def modes(self, value: float, max_frequency: float) -> Modes:
@@ -192,7 +192,7 @@ def threshold_between(
 
 
 def line_of(
-    driver: KrylovSchur, names: Sequence[str], ends: tuple[float, float], max_frequency: float
+    driver: EigenSolver, names: Sequence[str], ends: tuple[float, float], max_frequency: float
 ) -> Line:
     """Spectra of a reduced model between two values, by full solves where it has none.
 
@@ -238,7 +238,7 @@ def line_of(
 
 
 def first_threshold(
-    driver: KrylovSchur,
+    driver: EigenSolver,
     parameter: str | Sequence[str],
     real: float,
     flutter: float,
@@ -275,7 +275,7 @@ def first_threshold(
 
 
 def confirm(
-    driver: KrylovSchur,
+    driver: EigenSolver,
     point: Callable[[float], Mapping[str, float]],
     found: Threshold,
     window: Window,
@@ -308,7 +308,7 @@ def confirm(
 
 
 def _passes_zero(
-    driver: KrylovSchur,
+    driver: EigenSolver,
     point: Mapping[str, float],
     found: Threshold,
     window: Window,

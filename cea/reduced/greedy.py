@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError
 from cea.reduced.model import Growth, ReducedModel

@@ -22,7 +22,7 @@ import numpy as np
 from scipy.linalg import eig, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import connected
+from cea.eigen.matching import connected
 from cea.reduced.certificate import TOUCH, Certificate
 from cea.reduced.products import real_times
 from cea.reduced.residuals import Residuals

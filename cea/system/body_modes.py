@@ -8,9 +8,8 @@ from scipy.linalg import eigh
 from cea.arrays import Floats
 from cea.body import Body
 from cea.eigen.blocks import all_inner, image_of
-from cea.eigen.krylov_schur import solve_modes
-from cea.eigen.nearest import nearest
-from cea.eigen.options import KrylovOptions
+from cea.eigen.driver import solve_modes
+from cea.eigen.krylov_schur import KrylovOptions, nearest
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError
@@ -92,7 +91,7 @@ def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
     count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
     found, op = nearest(matrices, -least, count, KrylovOptions())
     op.free()
-    return float(np.sqrt(np.sort(found.eigenvalues().real)[count - 1])) / (2 * np.pi)
+    return float(np.sqrt(np.sort(found.eigenvalues.real)[count - 1])) / (2 * np.pi)
 
 
 def _window(matrices: Matrices, least: float, end: float, most: int) -> float:

@@ -130,6 +130,7 @@ class SlidingNewton:
 
     def _step(self, state: State, factor: float, run: Iteration) -> tuple[State, float] | None:
         """The next state and the part of the step that was taken; None where none helps."""
+        run.parity = None
         for part in _HELP:
             slopes = [
                 slope + part * closed
@@ -145,7 +146,6 @@ class SlidingNewton:
             except ConvergenceError:
                 free_tangent(tangent)
                 continue
-            run.parity = None
             if part == 0:
                 unstable = self._problem.unstable
                 run.parity = parity_beside(tangent, factors, unstable=unstable)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.matching import match_spectrum
 from cea.eigen.modes import Modes
 from exact_cea.reference import exact_eigenvalues
 from scenes import run_modes

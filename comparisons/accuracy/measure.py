@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.matching import match_spectrum
 from comparisons.accuracy.problems import problem
 from comparisons.accuracy.study import Case, overrides
 from scenes import Result, run_modes

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cea.eigen.classify import GROWING, Word, classify, thresholds
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from comparisons.converge.bars import Estimated
 from comparisons.converge.follow import Followed, matched
 from comparisons.converge.request import Request, half_unit

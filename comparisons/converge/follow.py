@@ -8,7 +8,7 @@ from math import isfinite
 import numpy as np
 
 from cea.arrays import Complexes, Ints
-from cea.eigen.eigenvalue_matching import assign, connected
+from cea.eigen.matching import assign, connected
 from comparisons.converge.bars import Estimated, bar_of, opened, pair, single
 from comparisons.converge.ladder import Mesh
 from scenes.results.matching import match_runs

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cea.eigen.classify import classify_run, counted_words
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.eigen.spectrum import Window
 from comparisons.converge.combine import Mode
 from comparisons.converge.course import Course

@@ -16,7 +16,7 @@ from typing import Any
 import pandas as pd
 
 from cea.arrays import Complexes
-from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.matching import match_spectrum
 from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column, wide
 from comparisons.study.formulations import Variant, variants

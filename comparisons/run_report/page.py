@@ -12,8 +12,8 @@ from comparisons.kit.shapes import Shapes, by_importance
 from comparisons.kit.tables import Table
 from comparisons.run_report import plots, tables, words
 from scenes import Result
-from scenes.results.describe import steady_lines
 from scenes.results.record import read_record
+from scenes.results.result import steady_lines
 
 TEMPLATE = Path(__file__).with_name("page.html")
 _KEY = "run"

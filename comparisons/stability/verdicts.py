@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.eigenvalue_matching import assign, group
+from cea.eigen.matching import assign, group
 from comparisons.stability.parts.case import Run, Verdict
 from comparisons.stability.parts.problems import (
     NOT_COMPLETE,

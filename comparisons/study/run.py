@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from hashlib import sha256
 from pathlib import Path
 from shutil import rmtree
@@ -15,7 +15,7 @@ from cea.petsc import MPI
 from comparisons.kit.progress import Progress
 from comparisons.study.result import StudyResult, read, read_case, write_arrays
 from comparisons.study.session import Session
-from comparisons.study.study import Case, Study, evaluated
+from comparisons.study.study import CHOOSES, Case, Study, evaluated
 from comparisons.study.worker import Workers
 from scenes.results.record import commit, record, write_record
 from scenes.spec.plain import as_data
@@ -130,7 +130,11 @@ def _inputs(options: Any) -> dict[str, Any]:
 def _key(study: Study, options: Any, labels: Any) -> str:
     """Digest of everything but the program that a case depends on."""
     scene = as_data(study.scene(labels, options)) if study.scene and labels != "once" else None
-    inputs = [study.name, asdict(options), labels, scene]
+    given = asdict(options)
+    for each in fields(options):
+        if each.metadata == CHOOSES:
+            del given[each.name]
+    inputs = [study.name, given, labels, scene]
     return sha256(json.dumps(inputs, sort_keys=True, default=str).encode()).hexdigest()[:20]
 
 

@@ -20,7 +20,7 @@ class Session:
     Attributes
     ----------
     scene
-        Scene of the case; None where the study has none for each.
+        Scene of the case, or scenes by name; None where the study has none for each.
     once, options
         What was computed once, and the options.
     runs
@@ -37,7 +37,7 @@ class Session:
         self._last: tuple[Scene | None, Any] = (None, None)
         self.begin(None)
 
-    def begin(self, scene: Scene | None) -> None:
+    def begin(self, scene: Any) -> None:
         """Begin a case."""
         self.scene = scene
         self.runs: list[dict[str, Any]] = []

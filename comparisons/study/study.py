@@ -20,6 +20,10 @@ Rows = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 """A row of the table "runs", several of them, or rows by the name of their table."""
 
 
+CHOOSES: Mapping[str, Any] = {"chooses": True}
+"""Metadata of a field of options that only chooses cases: a stored case is taken whatever it is."""
+
+
 def _one(labels: Any) -> int:
     return 1
 
@@ -67,7 +71,8 @@ class Study:
     sections
         Sections of the page.
     scene
-        Scene of a case, where it has one: it is part of what a stored case must agree in.
+        Scene of a case, where it has one, or several by name: part of what a stored case must agree
+        in.
     once
         Plain data computed once for all cases, e.g. exact eigenvalues.
     quick
@@ -89,7 +94,7 @@ class Study:
     cases: Callable[[Any], Iterable[Case]]
     evaluate: Callable[[Any, Session], Rows | Mapping[str, Rows]]
     sections: Sequence[Section]
-    scene: Callable[[Any, Any], Scene | None] | None = None
+    scene: Callable[[Any, Any], Scene | Mapping[str, Any] | None] | None = None
     once: Callable[[Any], Mapping[str, Any]] | None = None
     quick: Mapping[str, Any] = field(default_factory=dict)
     check: Callable[[StudyResult], str] | None = None

@@ -6,7 +6,7 @@ from itertools import product
 from pathlib import Path
 from typing import Any, Protocol
 
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil, release
 from cea.eigen.shifted import count_below
@@ -78,7 +78,7 @@ class Mapped:
         What modes must be read with at some parameters.
     """
 
-    driver: KrylovSchur
+    driver: EigenSolver
     axes: tuple[Varied, ...]
     names: tuple[Mapping[str, float], ...]
     scene: Mapping[str, Any]

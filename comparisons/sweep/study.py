@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.errors import ConvergenceError, InputError
 from comparisons.kit.run_warnings import Run, merged_warnings
 from comparisons.kit.tables import Data

@@ -15,7 +15,8 @@ from scipy.spatial.transform import Rotation
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from meshes.files.abaqus_deck import Keyword, Scope, Type, keywords_of
-from meshes.files.content import FACES, ElementBlock, FileContent, Sets, known_rows
+from meshes.files.content import ElementBlock, FileContent, Sets, known_rows
+from meshes.files.elements import FACES
 
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")
 _DEEPEST = 20

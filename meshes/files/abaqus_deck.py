@@ -11,7 +11,8 @@ import numpy as np
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.files import regular
-from meshes.files.content import KINDS, ElementBlock, Role, block, rows_of, without_nodes
+from meshes.files.content import ElementBlock, Role, block, rows_of, without_nodes
+from meshes.files.elements import KINDS
 
 _KEYWORD = re.compile(rb"^[ \t]*\*((?:[^\n]*,[ \t]*\n(?![ \t]*\*))*[^\n]*)", re.MULTILINE)
 """A line that begins with one star; it goes on where it ends with a comma."""

@@ -14,7 +14,6 @@ from cea.errors import InputError, require
 from meshes.files.content import (
     ElementBlock,
     FileContent,
-    Role,
     block,
     known_rows,
     rows_of,
@@ -24,9 +23,8 @@ from meshes.files.sandbox import arrays_of
 
 _HEAD = 10
 """Numbers of an element before its nodes: material, type, ..., its number."""
-_BRICKS = {45: 8, 185: 8, 95: 20, 186: 20}
-"""Nodes of hexahedra by the number of their type."""
-_TETRAHEDRA = {285: 4, 92: 10, 187: 10}
+_SOLIDS = {45: 8, 185: 8, 95: 20, 186: 20, 285: 4, 92: 10, 187: 10}
+"""Nodes of hexahedra and tetrahedra by the number of their type."""
 _MARKS = (154, 170, 173, 174, 175, 177)
 """Surface loads, and sides of contacts: they bear nothing of a body."""
 _NODES = re.compile(
@@ -35,14 +33,10 @@ _NODES = re.compile(
 )
 """Nodes from NBLOCK to the line that ends them."""
 _OF_BRICK = {
-    ("tetrahedron", 8): [0, 1, 2, 4],
-    ("tetrahedron", 20): [0, 1, 2, 4, 8, 9, 11, 16, 17, 18],
-    ("pyramid", 8): [0, 1, 2, 3, 4],
-    ("pyramid", 20): [0, 1, 2, 3, 4, 8, 9, 10, 11, 16, 17, 18, 19],
-    ("wedge", 8): [0, 1, 2, 4, 5, 6],
-    ("wedge", 20): [0, 1, 2, 4, 5, 6, 8, 9, 11, 12, 13, 15, 16, 17, 18],
-    ("hexahedron", 8): list(range(8)),
-    ("hexahedron", 20): list(range(20)),
+    "tetrahedron": [0, 1, 2, 4, 8, 9, 11, 16, 17, 18],
+    "pyramid": [0, 1, 2, 3, 4, 8, 9, 10, 11, 16, 17, 18, 19],
+    "wedge": [0, 1, 2, 4, 5, 6, 8, 9, 11, 12, 13, 15, 16, 17, 18],
+    "hexahedron": list(range(20)),
 }
 """Nodes of other elements among those of a brick whose other nodes fall on them."""
 
@@ -63,15 +57,16 @@ def ansys_content(file: Path) -> FileContent:
     require(len(count) > 0 and count.min() > 0, "file", str(file), "nodes of every element")
     heads = data[starts[:, None] + np.arange(_HEAD)]
     types = dict(arrays["types"].tolist())
-    known, place = np.unique(heads[:, 1], return_inverse=True)
-    kind = np.array([types.get(t, 0) for t in known.tolist()], dtype=np.int64)[place]
+    kind = np.array([types.get(number, 0) for number in heads[:, 1].tolist()], dtype=np.int64)
     blocks, places = [], []
     for each, nodes in sorted(set(zip(kind.tolist(), count.tolist(), strict=True))):
         rows = np.flatnonzero((kind == each) & (count == nodes))
         listed = data[starts[rows, None] + _HEAD + np.arange(nodes)]
-        for of_kind, inside in _blocks(each, heads[rows, 8], listed, numbers):
-            blocks.append(of_kind)
-            places.append(rows[inside])
+        cells = _cells(each, listed)
+        for cell in np.unique(cells).tolist():
+            own = cells == cell
+            blocks.append(_block(each, cell, heads[rows[own], 8], listed[own], numbers))
+            places.append(rows[own])
     order = np.empty(len(heads), dtype=np.int64)
     order[np.concatenate(places)] = np.arange(len(heads))
     node_sets = {
@@ -82,41 +77,33 @@ def ansys_content(file: Path) -> FileContent:
     return FileContent(points, numbers, blocks, _element_sets(arrays, heads, order), node_sets)
 
 
-def _blocks(
-    kind: int, numbers: Ints, nodes: Ints, known: Ints
-) -> list[tuple[ElementBlock, np.ndarray]]:
-    """Elements of a type: bricks, those that are other solids, and others."""
-    every = np.ones(len(nodes), dtype=bool)
-    name = f"type {kind}"
-    if kind in _TETRAHEDRA and nodes.shape[1] >= _TETRAHEDRA[kind]:
-        return [(_block(name, "tetrahedron", _TETRAHEDRA[kind], numbers, nodes, known), every)]
-    if kind not in _BRICKS or nodes.shape[1] < _BRICKS[kind]:
-        role: Role = "mark" if kind in _MARKS else "structural"
-        return [(without_nodes(name, numbers, role), every)]
-    count, corners = _BRICKS[kind], nodes[:, :8]
-    apex = (corners[:, 4:5] == corners[:, 5:]).all(axis=1)
-    triangle, above = corners[:, 2] == corners[:, 3], corners[:, 6] == corners[:, 7]
-    cells = np.select(
+def _cells(kind: int, nodes: Ints) -> np.ndarray:
+    """Cell of each element of a type, none where it is no solid, (n,)."""
+    count = _SOLIDS.get(kind, np.inf)
+    if count not in (8, 20) or nodes.shape[1] < count:
+        return np.full(len(nodes), "tetrahedron" if nodes.shape[1] >= count else "")
+    apex = (nodes[:, 4:5] == nodes[:, 5:8]).all(axis=1)
+    triangle, above = nodes[:, 2] == nodes[:, 3], nodes[:, 6] == nodes[:, 7]
+    return np.select(
         [apex & triangle, apex, triangle & above],
         ["tetrahedron", "pyramid", "wedge"],
         "hexahedron",
     )
-    found = []
-    for cell in np.unique(cells).tolist():
-        own, kept = cells == cell, _OF_BRICK[cell, count]
-        listed = nodes[own][:, kept]
-        found.append((_block(name, cell, len(kept), numbers[own], listed, known), own))
-    return found
 
 
-def _block(
-    name: str, cell: str, count: int, numbers: Ints, nodes: Ints, known: Ints
-) -> ElementBlock:
-    lacks = (nodes[:, :count] == 0).any(axis=1)
+def _block(kind: int, cell: str, numbers: Ints, nodes: Ints, known: Ints) -> ElementBlock:
+    """Elements of a type that are one cell."""
+    name = f"type {kind}"
+    if not cell:
+        return without_nodes(name, numbers, "mark" if kind in _MARKS else "structural")
+    count = _SOLIDS[kind]
+    listed = [i for i in _OF_BRICK[cell] if i < count] if count in (8, 20) else list(range(count))
+    nodes = nodes[:, listed]
+    lacks = (nodes == 0).any(axis=1)
     if lacks.any():
         worst = f"element {int(numbers[np.argmax(lacks)])}"
         raise InputError("file", worst, "elements with the middles of all edges")
-    return block(name, f"{cell}{count}", numbers, rows_of(known, nodes[:, :count], "a node"))
+    return block(name, f"{cell}{len(listed)}", numbers, rows_of(known, nodes, "a node"))
 
 
 def _element_sets(arrays: Mapping[str, Any], heads: Ints, place: Ints) -> dict[str, Ints]:

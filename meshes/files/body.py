@@ -18,7 +18,8 @@ from cea.mesh import (
     node_order,
     reference_nodes,
 )
-from meshes.files.content import FileContent, facet_sides, node_marks
+from meshes.files.content import FileContent, node_marks
+from meshes.files.elements import facet_sides
 from meshes.files.part import Part, check_nodes
 from meshes.files.surfaces import surface_faces
 from meshes.files.tetrahedra import completed, tetrahedra

@@ -11,14 +11,8 @@ import numpy as np
 from cea.arrays import Ints
 from cea.errors import require
 from cea.mesh import matching_nodes, reference_nodes
-from meshes.files.content import (
-    DIVIDED,
-    ElementBlock,
-    FileContent,
-    full_kind,
-    rows_of,
-    without_copies,
-)
+from meshes.files.content import ElementBlock, FileContent, rows_of, without_copies
+from meshes.files.elements import DIVIDED, full_kind
 from meshes.files.sandbox import arrays_of
 
 _CELLS = {

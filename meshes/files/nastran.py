@@ -264,7 +264,7 @@ def _sets(cards: Cards, of_elements: Ints) -> dict[str, Ints]:
 
 
 def _nodes(card: Card, kind: _Kind) -> list[int]:
-    """Nodes of an element in the order of :data:`meshes.files.content.KINDS`; 0 is a blank."""
+    """Nodes of an element in the order of :data:`meshes.files.elements.KINDS`; 0 is a blank."""
     corners = [card.whole(2 + i) for i in range(kind.corners)]
     more = range(kind.corners, kind.nodes) if any(card.fields[2 + kind.corners :]) else ()
     middles = [card.whole(2 + i, default=0) for i in more]

@@ -13,15 +13,8 @@ from scipy.spatial import cKDTree
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.mesh import Cell
-from meshes.files.content import (
-    DIVIDED,
-    ElementBlock,
-    FileContent,
-    Sets,
-    first_of_near,
-    lacks_middles,
-    shown,
-)
+from meshes.files.content import ElementBlock, FileContent, Sets, first_of_near, shown
+from meshes.files.elements import DIVIDED
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""
@@ -70,7 +63,7 @@ class Part:
     @property
     def incomplete(self) -> bool:
         """Whether its elements have not all nodes of Lagrange cells, as 20-node hexahedra."""
-        return any(lacks_middles(block) for block in self.blocks)
+        return any(block.lacks_middles for block in self.blocks)
 
 
 _SOLIDS = "triangles, quadrilaterals, tetrahedra, pyramids, wedges or hexahedra"

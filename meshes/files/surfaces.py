@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from cea.arrays import Ints
 from cea.errors import InputError
-from meshes.files.content import FACES, FileContent, node_marks, shown, side_nodes
+from meshes.files.content import FileContent, node_marks, shown
+from meshes.files.elements import FACES, side_nodes
 from meshes.files.part import Part
 
 Bools = NDArray[np.bool_]
@@ -36,7 +37,7 @@ class Facets:
 
 @lru_cache(4)
 def facets_of(part: Part, n_points: int) -> Facets:
-    """Faces of the elements of a body, as :data:`meshes.files.content.FACES` counts them."""
+    """Faces of the elements of a body, as :data:`meshes.files.elements.FACES` counts them."""
     marks = node_marks(n_points)
     most = max(len(FACES[block.cell]) for block in part.blocks)
     sums = np.zeros((len(part.elements), most), dtype=np.uint64)
@@ -77,7 +78,7 @@ def _nodes_on(part: Part, on: Bools) -> Ints:
     """Nodes on faces of elements."""
     nodes, start = [np.empty(0, dtype=np.int64)], 0
     for block in part.blocks:
-        for i, side in enumerate(side_nodes(block)):
+        for i, side in enumerate(side_nodes(block.cell, block.reference)):
             nodes.append(block.nodes[on[start : start + len(block), i]][:, side].ravel())
         start += len(block)
     return np.unique(np.concatenate(nodes))
@@ -186,7 +187,7 @@ def _of_nodes(part: Part, facets: Facets, rows: Ints, n_points: int) -> Bools:
     inside[rows] = True
     on, start = np.zeros(facets.group.shape, dtype=bool), 0
     for block in part.blocks:
-        for i, side in enumerate(side_nodes(block)):
+        for i, side in enumerate(side_nodes(block.cell, block.reference)):
             on[start : start + len(block), i] = inside[block.nodes[:, side]].all(axis=1)
         start += len(block)
     return facets.free & on

@@ -19,7 +19,8 @@ import numpy as np
 from cea.arrays import Floats, Ints
 from cea.errors import require
 from cea.mesh import facet_nodes, node_order
-from meshes.files.content import FACES, ElementBlock, full_kind, lacks_middles, node_marks
+from meshes.files.content import ElementBlock, node_marks
+from meshes.files.elements import CORNERS, FACES, full_kind
 
 
 class Tetrahedra(NamedTuple):
@@ -56,7 +57,7 @@ def completed(
     The shape functions of elements that have no such nodes lie in the space of those that do, so
     that the geometry is what it was where these put them. A neighbour may have the node.
     """
-    if not any(lacks_middles(block) for block in blocks):
+    if not any(block.lacks_middles for block in blocks):
         return points, blocks
     marks = node_marks(len(points))
     nodes, keys, at, columns = [], [], [], []
@@ -96,7 +97,7 @@ def _divided(block: ElementBlock, start: int) -> tuple[Ints, Ints, Ints]:
     nodes = [middle[local[:, group[0]], local[:, group[-1]]] for group in kind.groups]
     order = node_order("tetrahedron", block.order, kind.reference)
     cells = block.nodes[elements[:, None], np.stack(nodes, axis=1)[:, order]]
-    local = local[:, node_order("tetrahedron", 1, full_kind("tetrahedron", 1).reference)]
+    local = local[:, node_order("tetrahedron", 1, CORNERS["tetrahedron"])]
     on = np.array([[c in face for face in FACES[block.cell]] for c in range(local.max() + 1)])
     sides = np.full((len(cells), 4), -1, dtype=np.int64)
     for facet, corners in enumerate(facet_nodes("tetrahedron", 1)):
@@ -126,7 +127,7 @@ def _pieces(block: ElementBlock) -> tuple[Ints, Ints]:
 def _middles(cell: str, order: int) -> Ints:
     """Node of :func:`full_kind` in the middle of each two corners, (n_corners, n_corners)."""
     kind = full_kind(cell, order)
-    corners = full_kind(cell, 1).reference
+    corners = CORNERS[cell]
     means = (corners[:, None] + corners) / 2
     apart = np.linalg.norm(means[:, :, None] - kind.reference, axis=3)
     return apart.argmin(axis=2).astype(np.int64)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel, TypeAdapter
 
-from cea.eigen.quadratic_window import QuadraticWindow
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
@@ -60,7 +59,7 @@ class RunRecord(Record):
     skipped: dict[str, str]
     warnings: tuple[ResultWarning, ...]
     eigenvalues: list[Eigenvalue] | None = None
-    window: QuadraticWindow | Window | None = None
+    window: Window | None = None
     stresses: dict[str, dict[str, SideStress]] | None = None
 
 

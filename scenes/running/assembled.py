@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cea.body import Body
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import InputError
 from cea.reduced.following import Window
@@ -68,7 +68,7 @@ class AssembledScene:
             scene, leave_out=False, listener=listener
         )
         with self.timer("assembly"):
-            self._driver = KrylovSchur(self._system.pencil())
+            self._driver = EigenSolver(self._system.pencil())
 
     @property
     def bodies(self) -> Mapping[str, Body]:
@@ -76,7 +76,7 @@ class AssembledScene:
         return self._system.bodies
 
     @property
-    def driver(self) -> KrylovSchur:
+    def driver(self) -> EigenSolver:
         """What solves its pencil."""
         return self._driver
 

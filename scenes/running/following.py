@@ -6,7 +6,7 @@ import numpy as np
 
 from cea.arrays import Complexes
 from cea.eigen.blocks import all_inner, times
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.residuals import internal_forces
@@ -39,7 +39,7 @@ class FollowedState:
 
     def modes(self, value: float, max_frequency: float) -> Modes:
         """All modes up to a frequency (Hz), with left vectors."""
-        with KrylovSchur(self._system_at(value).pencil()) as driver:
+        with EigenSolver(self._system_at(value).pencil()) as driver:
             modes = driver.solve(max_frequency, left=True)
             self.solves += driver.solves
             self.factorisations += driver.factorisations

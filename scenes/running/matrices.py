@@ -4,9 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.modes import Modes
-from cea.eigen.run_window import run_window
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
@@ -72,11 +71,11 @@ class AssembledMatrices:
         with self.timer("reading"):
             self.pieces = read_pieces(scene, MPI.COMM_WORLD)
         self._pencil = matrix_pencil(scene, self.pieces)
-        self._driver = KrylovSchur(self._pencil)
+        self._driver = EigenSolver(self._pencil)
         self._checked: tuple[float, ...] | None = None
 
     @property
-    def driver(self) -> KrylovSchur:
+    def driver(self) -> EigenSolver:
         """What solves its pencil."""
         return self._driver
 

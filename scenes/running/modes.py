@@ -5,10 +5,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
 from cea.contact.interface import Interface
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.mode_table import SIGNS, ModeTable
 from cea.eigen.modes import Modes
-from cea.eigen.run_window import run_window
 from cea.errors import InputError
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
@@ -49,7 +48,7 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
-    with KrylovSchur(pencil) as driver:
+    with EigenSolver(pencil) as driver:
         return solved(scene, system, interfaces, timer, driver, left=left)
 
 
@@ -62,7 +61,7 @@ def solved(
     system: CoupledSystem,
     interfaces: Mapping[str, Interface],
     timer: StageTimer,
-    driver: KrylovSchur,
+    driver: EigenSolver,
     values: Mapping[str, float] | None = None,
     *,
     left: bool = False,

@@ -6,9 +6,9 @@ import scipy.linalg
 from petsc_matrices import to_petsc
 from scipy.sparse import csr_array, diags_array, eye_array, random_array
 
-from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.driver import EigenSolver, solve_modes
+from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.modes import Modes
-from cea.eigen.options import KrylovOptions
 from cea.eigen.pencil import FRICTION, Pencil
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError
@@ -184,7 +184,7 @@ def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones():
 
 
 def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
-    driver = KrylovSchur(pencil(np.diag([1.0, 2.0, 3.0, 4.0]), np.eye(4)))
+    driver = EigenSolver(pencil(np.diag([1.0, 2.0, 3.0, 4.0]), np.eye(4)))
     for place in (1.0, 1.1):
         assert driver.nearest(place, 1).eigenvalues == pytest.approx([1j])
     with pytest.raises(InputError, match="wanted"):
@@ -192,7 +192,7 @@ def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
 
 
 def test_an_interrupted_change_leaves_a_driver_that_works(monkeypatch):
-    driver = KrylovSchur(pencil(np.diag([1.0, 2.0, 30.0]), np.eye(3), np.diag([0.1, 0.0], 1)))
+    driver = EigenSolver(pencil(np.diag([1.0, 2.0, 30.0]), np.eye(3), np.diag([0.1, 0.0], 1)))
     before = driver.solve(0.3).eigenvalues
 
     def interrupted(*_):

@@ -10,7 +10,7 @@ from petsc_matrices import to_petsc
 from random_graded import POWERS, random_graded, random_graded_damped, sheared
 from random_runs import graded_damped_outcome, graded_outcome, statistics, tell
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError
 

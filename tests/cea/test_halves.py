@@ -8,7 +8,7 @@ from blocks import PLACEMENTS, ROTATED, assemble, block, coarse, two_blocks
 from covering import covering
 from motions import control_points, dense, product, resultant, rotation_of, unknowns
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.matrices import gather
 from scenes import run_scene
 from scenes.spec.problems import SceneError

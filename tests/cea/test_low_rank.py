@@ -8,12 +8,13 @@ from petsc_matrices import to_numpy, to_petsc
 from quadratic_cases import damped
 from scipy.linalg import eig
 
-from cea.eigen.krylov_schur import KrylovSchur, solve_modes
-from cea.eigen.low_rank import LowRank, LowRankTerm, LowRankUpdate, sum_of
+from cea.eigen.driver import EigenSolver, solve_modes
+from cea.eigen.low_rank import LowRank, LowRankTerm, sum_of
 from cea.eigen.mumps import Mumps
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.eigen.shifted import Shifted
+from cea.eigen.updated_factors import UpdatedFactors
 from cea.errors import ConvergenceError
 from cea.petsc import PETSc
 
@@ -115,7 +116,7 @@ def test_signs_of_determinants_know_the_piece(pencil):
 
 
 def update(matrix, root, shift):
-    return LowRankUpdate(Mumps(to_petsc(matrix), symmetric=False), root, shift, symmetric=False)
+    return UpdatedFactors(Mumps(to_petsc(matrix), symmetric=False), root, shift, symmetric=False)
 
 
 @pytest.mark.parametrize("near", [0.5, 1e-6, 1e-10, 1e-12])
@@ -132,7 +133,6 @@ def test_digits_lost_next_to_a_singular_matrix_come_back(near):
         assert solver.solve_block(np.asfortranarray(b), transposed=transposed) == pytest.approx(
             x, abs=1e-11
         )
-        assert (solver.steps(transposed=transposed) > 0) == (near < 0.1)
 
 
 def test_singular_sums_are_refused():
@@ -167,7 +167,7 @@ def test_modes_are_those_of_the_full_matrix(pencil):
 
 def test_derivatives_are_those_of_differences(pencil):
     step = 1e-5
-    with KrylovSchur(pencil) as driver:
+    with EigenSolver(pencil) as driver:
         slopes = driver.solve(0.6, left=True).sensitivity("d")
         ends = [driver.solve(0.6, {"d": 1 + s}).eigenvalues for s in (step, -step)]
     assert slopes == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blocks import two_blocks
 
-from cea.eigen.eigenvalue_matching import assign, group, match_spectrum
+from cea.eigen.matching import assign, group, match_spectrum
 from cea.eigen.mode_matching import (
     ModeSet,
     circumferential_content,

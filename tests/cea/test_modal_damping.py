@@ -8,8 +8,8 @@ from petsc_matrices import to_numpy
 from scipy.linalg import eigh
 
 from cea.damping import ModalDamping
-from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.driver import EigenSolver, solve_modes
+from cea.eigen.matching import assign
 from cea.errors import InputError
 
 GPTS = {"method": "gpts", "points": 3}
@@ -185,7 +185,7 @@ def test_the_ratio_is_a_parameter(backend):
     assert root @ root.T == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
     overdamped = solve_modes(pencil, TOP, {"bodies.block.damping.modal.ratio": 1.25})
     assert overdamped.window.complete
-    with KrylovSchur(pencil) as driver:
+    with EigenSolver(pencil) as driver:
         omega = driver.solve(TOP).eigenvalues.imag
         wide = driver.solve(TOP, {"bodies.block.damping.modal.ratio": 1.25}, min_growth=-13.0)
     slow, fast = -omega[omega < 1.9 * np.pi] * 0.5, -omega[omega < 1.9 * np.pi] * 2.0

@@ -13,9 +13,9 @@ from petsc_matrices import to_numpy
 from same_numbers import assert_same
 
 from cea.eigen import window
+from cea.eigen.driver import EigenSolver
 from cea.eigen.field_of_values import field_of_values
-from cea.eigen.krylov_schur import KrylovSchur
-from cea.eigen.options import KrylovOptions
+from cea.eigen.krylov_schur import KrylovOptions
 from cea.errors import InputError
 from cea.rotation import Rotation
 from cea.system import near_contact
@@ -131,7 +131,7 @@ def test_the_same_modes_by_the_smaller_factorisation(kept, monkeypatch):
     modes = {}
     for small in (True, False):
         pencil = assemble(on_a_bar(mu=0.1)).pencil(parted_from=0 if small else 10**9)
-        with KrylovSchur(pencil, KrylovOptions(dense_limit=0)) as driver:
+        with EigenSolver(pencil, KrylovOptions(dense_limit=0)) as driver:
             modes[small] = driver.solve(0.4)
             assert driver.factorisations == 2
     assert sizes[0] == len(kept[0]) < 0.5 * sizes[1]
@@ -151,7 +151,7 @@ def test_where_it_says_too_little_the_whole_is_asked(kept, monkeypatch):
         return original(matrices, *arguments, **options)
 
     monkeypatch.setattr(window, "field_of_values", noted)
-    with KrylovSchur(pencil, KrylovOptions(dense_limit=0)) as driver:
+    with EigenSolver(pencil, KrylovOptions(dense_limit=0)) as driver:
         modes = driver.solve(0.3)
     assert sizes[0] == len(kept[0])
     assert sizes[1] == pencil.at().size

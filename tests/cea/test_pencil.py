@@ -6,7 +6,7 @@ from blocks import assemble, two_blocks
 from covering import covering
 from petsc_matrices import to_numpy, to_petsc
 
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
 from cea.eigen.parameters import Coefficient, Monomial, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
@@ -172,6 +172,6 @@ def test_damping_and_rotation_are_sums_too():
     moved = pencil.moved(matrices, {"Omega": 2.0}, {"Omega": -3.0})
     assert moved.damping is matrices.damping
     assert to_numpy(moved.gyroscopic) == pytest.approx(-3 * Y)
-    with KrylovSchur(pencil) as driver:
+    with EigenSolver(pencil) as driver:
         assert driver.quadratic()
         assert driver.solve(1.0).residuals.max() < 1e-13

@@ -14,10 +14,10 @@ from random_quadratic import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
 from scipy.sparse import diags_array, eye_array
 
-from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.driver import EigenSolver, solve_modes
+from cea.eigen.field_of_values import bounded_growth, largest_growth
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
-from cea.eigen.quadratic_coverage import bounded_growth, largest_growth
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError, InputError
 from cea.reduced.full_solves import first_threshold
@@ -72,7 +72,7 @@ def test_the_threshold_of_a_damped_system_is_exact(c1, c2):
         if e["name"] == f"Hulten {name.get((c1, c2), 'mu=0.1 c=(0.002,0.02)')}"
     )
     exact = float(entry["info"]["mu_c"])
-    with KrylovSchur(hulten(c1, c2)) as driver:
+    with EigenSolver(hulten(c1, c2)) as driver:
         found = first_threshold(driver, "mu", 0.01, 0.5, max_frequency=0.3)
         assert found.value == pytest.approx(exact, rel=1e-10)
         assert abs(found.eigenvalue.real) < 1e-12

@@ -9,7 +9,7 @@ from quadratic_cases import damped
 from quadratic_judge import dense_quadratic
 from random_quadratic import pencil_of
 
-from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 
@@ -56,7 +56,7 @@ def test_those_nearest_to_complex_and_real_places_are_found(place, low_rank):
         piece = 0.1 * random.standard_normal((N, 3)), np.array([1.0, 2.0, 0.5])
     whole = D if piece is None else D + (piece[0] * piece[1]) @ piece[0].T
     dense = in_upper_half(M, whole, K, abs(place))
-    with KrylovSchur(pencil_of(M, D, K, piece)) as driver:
+    with EigenSolver(pencil_of(M, D, K, piece)) as driver:
         modes = driver.nearest(-(place**2), WANTED)
         assert (driver.solves, driver.factorisations) == (1, 1)
     assert_nearest(modes, dense, place)
@@ -70,7 +70,7 @@ def test_overdamped_ones_next_to_a_real_place_are_real():
     D = 3 * np.sqrt(np.diag(np.diag(M) * np.diag(K)))  # each decays without swinging
     dense, _ = dense_quadratic(M, D, K, 1.0)
     assert np.abs(dense.imag).max() < 1e-6
-    with KrylovSchur(pencil_of(M, D, K)) as driver:
+    with EigenSolver(pencil_of(M, D, K)) as driver:
         modes = driver.nearest(-1.0, WANTED)
     assert_nearest(modes, dense, 1.0)
     assert (modes.eigenvalues.imag == 0).all()
@@ -80,14 +80,14 @@ def test_a_place_that_is_an_eigenvalue_gives_it_and_its_neighbours():
     M, D, K = matrices()
     dense = in_upper_half(M, D, K, 20.0)
     place = dense[np.argmin(np.abs(dense - 20j))]
-    with KrylovSchur(pencil_of(M, D, K)) as driver:
+    with EigenSolver(pencil_of(M, D, K)) as driver:
         assert_nearest(driver.nearest(-(place**2), WANTED), dense, place)
 
 
 def test_more_than_there_are_gives_all():
     M, D, K = np.eye(3), 0.1 * np.eye(3), np.diag([1.0, 4.0, 9.0])
     dense = in_upper_half(M, D, K, 1.0)
-    with KrylovSchur(pencil_of(M, D, K)) as driver:
+    with EigenSolver(pencil_of(M, D, K)) as driver:
         found = driver.nearest(2.0, 50).eigenvalues
     assert found == pytest.approx(dense[np.argsort(dense.imag)], rel=1e-12)
 
@@ -102,7 +102,7 @@ def test_they_are_modes_of_the_window(backend, form):
     window = solve_modes(pencil, 1.0)
     middle = window.eigenvalues[len(window.eigenvalues) // 2]
     place = middle * 1.01
-    with KrylovSchur(pencil) as driver:
+    with EigenSolver(pencil) as driver:
         modes = driver.nearest(-(place**2), 3)
     first = np.argsort(np.abs(window.eigenvalues - place))[:3]
     assert_nearest(modes, window.eigenvalues[first], place, 3)
@@ -120,12 +120,12 @@ def test_they_are_modes_of_the_window(backend, form):
 
 def test_what_cannot_be_a_place_is_refused():
     M, D, K = matrices()
-    with KrylovSchur(pencil_of(M, D, K)) as driver:
+    with EigenSolver(pencil_of(M, D, K)) as driver:
         for kappa in (0.0, np.nan, complex(1, np.inf)):
             with pytest.raises(InputError, match="not zero"):
                 driver.nearest(kappa, 1)
         with pytest.raises(InputError, match="1 or more"):
             driver.nearest(1.0, 0)
-    linear = KrylovSchur(Pencil.of(to_petsc(K), to_petsc(M)))
+    linear = EigenSolver(Pencil.of(to_petsc(K), to_petsc(M)))
     with linear, pytest.raises(InputError, match="real number"):
         linear.nearest(1 + 1j, 1)

@@ -19,8 +19,8 @@ from reduced_cases import (
 from same_numbers import assert_same
 from scipy.optimize import brentq
 
-from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
+from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.errors import InputError
 from cea.reduced.branches import Branches
@@ -57,7 +57,7 @@ def maps():
 def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
     built = maps(backend)
     assert len(built.snapshots) < 12
-    full = KrylovSchur(built.model.pencil)
+    full = EigenSolver(built.model.pencil)
     for mu, decade in zip(RNG.uniform(0, 1, 4), RNG.uniform(-1, 5, 4), strict=True):
         point = {MU: mu, P: 10**decade}
         modes = full.solve(MARGIN * TOP, point)
@@ -161,7 +161,7 @@ def test_two_contacts_each_with_its_friction(backend):
         for pair in np.array(np.meshgrid(axis, axis)).T.reshape(-1, 2).tolist()
     ]
     assert built.cover(points) <= built.tolerance
-    full = KrylovSchur(pencil)
+    full = EigenSolver(pencil)
     for one, other in RNG.uniform(0, 0.9, (3, 2)):
         point = {names[0]: one, names[1]: other}
         modes = full.solve(MARGIN * TOP, point)
@@ -177,7 +177,7 @@ def test_forces_as_unknowns_are_eliminated(backend):
     assert pencil.forces
     built = enrichment(pencil, {MU: (0.0, 0.8), P: (1.0, 1e6)}, TOP)
     built.cover(grid(mu=[0.0, 0.4, 0.8], P=[1.0, 1e3, 1e6]))
-    full = KrylovSchur(pencil)
+    full = EigenSolver(pencil)
     for point in ({MU: 0.63, P: 7.0}, {MU: 0.2, P: 2.5e5}):
         modes = full.solve(MARGIN * TOP, point)
         assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
@@ -190,7 +190,7 @@ def test_materials_are_parameters_too(backend):
     built = enrichment(pencil, {E: (1.0, 3.0), rho: (1.0, 2.0)}, TOP)
     built.cover([{E: e, rho: r} for e in (1.0, 1.7, 3.0) for r in (1.0, 1.5, 2.0)])
     point = {E: 1.37, rho: 1.81}
-    modes = KrylovSchur(pencil).solve(MARGIN * TOP, point)
+    modes = EigenSolver(pencil).solve(MARGIN * TOP, point)
     assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
 
 

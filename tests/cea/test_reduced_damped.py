@@ -19,8 +19,8 @@ from reduced_cases import (
 )
 from same_numbers import assert_same
 
-from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
+from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.reduced.greedy import largest_ratio
 from cea.reduced.pieces import Pieces
@@ -70,7 +70,7 @@ def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
     tested = [each.tested for each in built.snapshots if each.tested is not None]
     assert tested
     assert max(tested) <= 1
-    full, reach = KrylovSchur(built.model.pencil), built.model.small.settings.reach
+    full, reach = EigenSolver(built.model.pencil), built.model.small.settings.reach
     for _ in range(4):
         point = dict(zip(BOX, (RNG.uniform(*ends) for ends in BOX.values()), strict=True))
         modes, found = full.solve(MARGIN * TOP, point, min_growth=-reach), built.at(point)
@@ -88,7 +88,7 @@ def test_without_damping_it_is_the_undamped_problem(maps, backend):
     body = "bodies.upper.damping.beta"
     assert built.model.pencil.parameters[body].value == 0.0
     point = {MU: 0.7, P: 40.0, ALPHA: 0.0, RATIO: 0.0}
-    full = KrylovSchur(built.model.pencil)
+    full = EigenSolver(built.model.pencil)
     assert not full.quadratic(point)
     modes, found = full.solve(MARGIN * TOP, point), built.at(point)
     assert largest_ratio(found, modes) <= 1
@@ -156,7 +156,7 @@ def test_a_threshold_of_growth_is_that_of_full_solves(maps, backend):
     found = line.thresholds[0]
     assert found.begins
     assert not line.unresolved
-    with KrylovSchur(damped_blocks_pencil(backend, point)) as driver:
+    with EigenSolver(damped_blocks_pencil(backend, point)) as driver:
         modes = driver.solve(TOP, {MU: found.value})
     own = int(np.argmin(np.abs(modes.eigenvalues - found.eigenvalue)))
     off = abs(modes.growth_rates[own] / found.slope)

@@ -6,7 +6,7 @@ from dense_reference import dense_eigenvalues
 from petsc_matrices import to_numpy
 from reduced_cases import MU, P, enrichment, grid, plane_blocks_pencil
 
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.reduced.greedy import TOLERANCE
 from cea.reduced.rounding import Rounding
 from cea.reduced.rows import along

@@ -9,7 +9,7 @@ from covering import covering
 from motions import dense
 from scipy.linalg import eigvals, null_space
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.shifted import count_below
 from cea.errors import InputError
 from scenes import run_scene

@@ -10,7 +10,7 @@ from covering import covering
 from petsc_matrices import to_numpy, to_petsc
 from reference_data import plane_meshes, stored
 
-from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.pencil import FRICTION, Pencil
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
@@ -54,7 +54,7 @@ def check(pencil, max_frequency, steps, *, margin=1.02, least=1e-3):
 
     Steps relative to the parameters: near pairs ask for short ones, rounding for long ones.
     """
-    with KrylovSchur(pencil) as driver:
+    with EigenSolver(pencil) as driver:
         modes = driver.solve(max_frequency, left=True)
         inside = modes.frequencies < max_frequency / margin
         chosen = np.flatnonzero(inside & (np.abs(modes.eigenvalues) > 0))
@@ -125,7 +125,7 @@ def test_derivatives_of_the_blocks_near_coalescence(backend, distance):
     overrides += plane_meshes(backend, 2, MESHES[backend])
     pencil = system_of(load_scene(Path("blocks"), overrides, backend)).pencil()
     name, top = "contacts.interface.mu", 0.53
-    with KrylovSchur(pencil) as driver:
+    with EigenSolver(pencil) as driver:
         threshold = first_threshold(
             driver, name, 0.9 * mu_c, 1.1 * mu_c, max_frequency=top, frequency=omega / (2 * np.pi)
         )
@@ -221,7 +221,7 @@ def assert_nearest(modes, dense, kappa):
 
 def test_the_symmetric_part_is_counted_once(random_pencil):
     pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
-    with KrylovSchur(pencil) as driver:
+    with EigenSolver(pencil) as driver:
         for top, made in ((0.6, 2), (0.6, 3), (0.5, 5), (0.6, 6)):  # a count once, a shift each
             driver.solve(top, {FRICTION: 0.0})
             assert driver.factorisations == made

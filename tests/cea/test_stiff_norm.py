@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from reduced_cases import MU, P, blocks_pencil, enrichment, errors_of_means, grid
 
-from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
+from cea.eigen.matching import assign
 from cea.reduced.greedy import largest_ratio
 from cea.reduced.rows import in_parts
 from cea.reduced.spectrum import MARGIN
@@ -56,7 +56,7 @@ def test_it_is_between_the_norm_there_and_that_of_the_map(built, p):
 
 
 def test_bounds_are_smaller_where_a_contact_is_stiff_and_full_solves_keep_them(built):
-    model, full = built.model, KrylovSchur(built.model.pencil)
+    model, full = built.model, EigenSolver(built.model.pencil)
     for p in (1e5, 1e8):
         point = {MU: 0.37, P: p}
         values = model.pencil.values(point)

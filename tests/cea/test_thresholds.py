@@ -8,7 +8,7 @@ from covering import covering
 from petsc_matrices import to_petsc
 from reference_data import plane_meshes, stored
 
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
@@ -35,7 +35,7 @@ def lumped(coupling, others=12):
     friction[0, 1], friction[1, 0] = -coupling, coupling
     mass = np.diag(np.linspace(1, 2, n))
     root = np.sqrt(mass)
-    return KrylovSchur(
+    return EigenSolver(
         Pencil.of(
             to_petsc(root @ stiffness @ root), to_petsc(mass), to_petsc(root @ friction @ root)
         )
@@ -52,7 +52,7 @@ def blocks(backend, degree, n, p):
     scene, timer = load_scene(Path("blocks"), overrides, backend), StageTimer()
     bodies = build_bodies(scene, timer)
     interfaces = build_interfaces(scene, bodies, timer)
-    return KrylovSchur(build_system(scene, bodies, interfaces, timer).pencil())
+    return EigenSolver(build_system(scene, bodies, interfaces, timer).pencil())
 
 
 def test_several_parameters_have_one_value():
@@ -62,7 +62,7 @@ def test_several_parameters_have_one_value():
     for name in ("s", "t"):
         half = Coefficient.of({name: (1.0, 1.0)}, factor=-0.5)
         terms.append(Term("stiffness", friction, half, symmetric=False))
-    driver = KrylovSchur(Pencil(terms, [Parameter("s", 1.0), Parameter("t", 1.0)]))
+    driver = EigenSolver(Pencil(terms, [Parameter("s", 1.0), Parameter("t", 1.0)]))
     found = first_threshold(driver, ("s", "t"), 0.0, 0.9 / 0.7, max_frequency=TOP)
     assert found.value == pytest.approx(0.5 / 0.7, rel=1e-12)
     assert found.parameter == "s, t"
@@ -106,7 +106,7 @@ def test_flutter_that_ends_as_friction_rises():
     stiffness, mass, friction = (term.matrix.copy() for term in lumped(1.0).pencil.terms)
     stiffness.axpy(-1.0, friction)
     friction.scale(-1.0)
-    opposed = KrylovSchur(Pencil.of(stiffness, mass, friction))
+    opposed = EigenSolver(Pencil.of(stiffness, mass, friction))
     threshold = first_threshold(opposed, FRICTION, real=0.9, flutter=0.1, max_frequency=TOP)
     assert threshold.value == pytest.approx(0.5, rel=1e-12)
 
@@ -135,7 +135,7 @@ def test_the_first_threshold_is_found_though_another_pair_grows_faster_at_the_en
     friction = np.zeros((4, 4))
     friction[0, 1], friction[1, 0] = -0.2, 0.2
     friction[2, 3], friction[3, 2] = -1.0, 1.0
-    driver = KrylovSchur(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(4), friction))))
+    driver = EigenSolver(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(4), friction))))
     for frequency, value in ((None, 0.25), (np.sqrt(1.05) / (2 * np.pi), 0.25), (0.25, 0.5)):
         found = first_threshold(driver, FRICTION, 0.0, 2.0, max_frequency=TOP, frequency=frequency)
         assert found.value == pytest.approx(value, rel=1e-12)
@@ -146,7 +146,7 @@ def test_divergence_is_no_flutter():
     stiffness, friction = np.diag(np.r_[1.0, 2.0, 0.05, 3.0, 4, 5, 6, 7]), np.zeros((8, 8))
     friction[0, 1], friction[1, 0] = -0.6, 0.6
     friction[2, 3], friction[3, 2] = 1.0, 0.16
-    driver = KrylovSchur(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(8), friction))))
+    driver = EigenSolver(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(8), friction))))
     modes = driver.solve(TOP)
     assert modes.unstable(0.0)[modes.eigenvalues.imag == 0].any()
     threshold = first_threshold(driver, FRICTION, 0.0, 1.0, max_frequency=TOP, frequency=0.0)
@@ -158,7 +158,7 @@ def test_flutter_may_lie_at_zero():
     stiffness, mass, friction = lumped(1.0).pencil.terms
     against = Term("stiffness", friction.matrix, Coefficient.of({"s": (1.0, 1.0)}), symmetric=False)
     first = Term("stiffness", friction.matrix, Coefficient.of({}, factor=-1.0), symmetric=False)
-    driver = KrylovSchur(Pencil([stiffness, mass, first, against], [Parameter("s", 0.0)]))
+    driver = EigenSolver(Pencil([stiffness, mass, first, against], [Parameter("s", 0.0)]))
     threshold = first_threshold(driver, "s", real=0.9, flutter=0.0, max_frequency=TOP)
     assert threshold.value == pytest.approx(0.5, rel=1e-12)
 
@@ -166,7 +166,7 @@ def test_flutter_may_lie_at_zero():
 def test_without_friction_nothing_flutters():
     pencil = Pencil.of(to_petsc(np.eye(2)), to_petsc(np.eye(2)))
     with pytest.raises(InputError, match="friction"):
-        first_threshold(KrylovSchur(pencil), FRICTION, 0.0, 1.0, max_frequency=TOP)
+        first_threshold(EigenSolver(pencil), FRICTION, 0.0, 1.0, max_frequency=TOP)
 
 
 @pytest.mark.parametrize(("mesh", "i"), covering([("fe", 4, 1), ("iga", 4, 2)], [0, 3], strength=1))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from accuracy_workers import failing
 
-from cea.eigen.eigenvalue_matching import match_spectrum
+from cea.eigen.matching import match_spectrum
 from cea.errors import InputError
 from comparisons.accuracy.exact_lists import FILE, computed, exact
 from comparisons.accuracy.measure import Measurer, errors, peak_memory, start_memory

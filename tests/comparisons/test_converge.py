@@ -12,7 +12,7 @@ from file_scenes import built, from_file
 from mpi import on_ranks
 from typer.testing import CliRunner
 
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.errors import InputError
 from comparisons.cli.app import app
 from comparisons.converge import ladder

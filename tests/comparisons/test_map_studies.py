@@ -7,8 +7,8 @@ import pytest
 from reduced_blocks import flutter_of_the_blocks
 from reduced_cases import enrichment, errors_of_means, model_line, three_blocks_pencil
 
-from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
+from cea.eigen.matching import assign
 from cea.reduced.full_solves import first_threshold
 from cea.reduced.greedy import Enrichment, largest_ratio
 from cea.reduced.model import ReducedModel
@@ -95,7 +95,7 @@ def test_two_contacts_each_with_its_friction_and_stiffness(backend):
     values = product((0.0, 0.45, 0.9), (0.0, 0.45, 0.9), *[(0.1, 10.0, 1e4)] * 2)
     points = [dict(zip((*names, *stiff), each, strict=True)) for each in values]
     assert built.cover(points) <= built.tolerance
-    full = KrylovSchur(pencil)
+    full = EigenSolver(pencil)
     for _ in range(20):
         point = dict(zip(names, RNG.uniform(0, 0.9, 2), strict=True))
         point |= dict(zip(stiff, 10 ** RNG.uniform(-1, 4, 2), strict=True))

@@ -13,8 +13,8 @@ import pytest
 import xarray
 from reference_data import plane_meshes
 
-from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
+from cea.eigen.matching import assign
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
@@ -118,7 +118,7 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
         replace(each, value=chosen["P"]) if each.name == P else each
         for each in pencil.parameters.values()
     ]
-    driver = KrylovSchur(Pencil(pencil.terms, parameters, pencil.forces, leave_out=False))
+    driver = EigenSolver(Pencil(pencil.terms, parameters, pencil.forces, leave_out=False))
     near = (0.999 * chosen["value"], 1.001 * chosen["value"])
     expected = first_threshold(
         driver, MU, *near, max_frequency=0.4, frequency=chosen["im"] / (2 * np.pi)

@@ -13,7 +13,7 @@ from reference_data import plane_meshes, stored
 from same_numbers import assert_same
 from scipy.stats import kstest, lognorm, norm, truncnorm
 
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from comparisons.cli.app import main

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from comparisons.sweep.axes import read_axis
 from comparisons.sweep.map_study import AskedMap, run_map
 from scenes import run_modes

@@ -8,8 +8,7 @@ import pytest
 from comparisons.accuracy import page as accuracy_page
 from comparisons.accuracy.runner import COMMAND as ACCURACY
 from comparisons.brake.study import STUDY as BRAKE
-from comparisons.paper.common.store import COMMAND as FIGURE
-from comparisons.paper.common.store import STORED
+from comparisons.paper.study import STUDY as PAPER
 from comparisons.peers.study import COMMAND as PEERS
 from comparisons.peers.study import STORED as PEERS_STORED
 from comparisons.reference.study import STUDY as REFERENCE
@@ -19,7 +18,7 @@ from scenes.results.record import PROVENANCE, read_record
 
 MEASURED = Path(accuracy_page.__file__).with_name("results") / "result.json.gz"
 RECORDS = [
-    *((FIGURE, file) for file in sorted(STORED.glob("*.json.gz"))),
+    (PAPER.name, PAPER.shipped / "result.json.gz"),
     (ACCURACY, MEASURED),
     (REFERENCE.name, REFERENCE.shipped / "result.json.gz"),
     (BRAKE.name, BRAKE.shipped / "result.json.gz"),

@@ -9,9 +9,9 @@ from scipy.io import mmread, mmwrite
 from scipy.sparse import csr_array
 from typer.testing import CliRunner
 
-from cea.eigen import krylov_schur, window
+from cea.eigen import driver, window
 from cea.eigen.field_of_values import FieldOfValues
-from cea.eigen.options import KrylovOptions
+from cea.eigen.krylov_schur import KrylovOptions
 from comparisons.cli.app import app
 from scenes import load_scene, run_modes
 
@@ -85,7 +85,7 @@ def written(request, tmp_path, monkeypatch):
         scene, more, top = str(file), [], HERTZ
     elif name == "complete up to a growth rate":
         few = KrylovOptions(dense_limit=0, max_discs=1)
-        monkeypatch.setattr(krylov_schur, "KrylovOptions", lambda: few)
+        monkeypatch.setattr(driver, "KrylovOptions", lambda: few)
         monkeypatch.setattr(
             window, "field_of_values", lambda _, depth, **__: FieldOfValues(depth, bounded=False)
         )

@@ -23,7 +23,7 @@ from cea.contact.friction import AlongVector
 from cea.contact.half_pass import HalfPass
 from cea.contact.interface import default_reach, pair
 from cea.contact.laws import Friction, LinearLaw
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.material import IsotropicMaterial
 from cea.mesh import Mesh, facet_nodes
 from cea.supports.boundary import Support

@@ -6,7 +6,7 @@ from cea.contact.friction import AlongVector
 from cea.contact.half_pass import HalfPass
 from cea.contact.interface import pair
 from cea.contact.laws import Friction, LinearLaw
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.material import IsotropicMaterial

@@ -4,7 +4,7 @@ import numpy as np
 from random_graded import random_graded, random_graded_damped
 from scipy.sparse import csr_array
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import distributed
 from cea.petsc import MPI

@@ -5,7 +5,7 @@ from bodies import nurbs_body
 from closed_patches import annulus, as_shape
 from iga_data import STEEL, TURNED, body, turned
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.matrices import gather

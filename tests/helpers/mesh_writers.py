@@ -5,7 +5,7 @@ import meshio
 import numpy as np
 
 from cea.mesh import DIMENSION, Mesh, lattice
-from meshes.files.content import KINDS
+from meshes.files.elements import KINDS
 from meshes.unstructured import gmsh_session
 
 MESHIO = {

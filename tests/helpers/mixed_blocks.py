@@ -4,7 +4,8 @@ from itertools import product
 
 import numpy as np
 
-from meshes.files.content import KINDS, block
+from meshes.files.content import block
+from meshes.files.elements import KINDS
 
 CUBE = [tuple(corner) for corner in KINDS["hexahedron8"].reference.astype(int).tolist()]
 WEDGES = [(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)]

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from mpi4py import MPI
 
-from meshes.files.content import KINDS
+from meshes.files.elements import KINDS
 from scenes import run_modes
 from scenes.spec.reading import read_scene
 

@@ -2,7 +2,7 @@
 
 from blocks import assemble, two_blocks
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 
 
 def on_a_bar(upper="fe", method=None, *, form=None, mu=0.4, turned=False, lower="fe"):

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from reference_data import plane_meshes
 
-from cea.eigen.eigenvalue_matching import assign
+from cea.eigen.matching import assign
 from cea.matrices import gather
 from scenes import run_modes
 from scenes.running.enrich import richer_scene

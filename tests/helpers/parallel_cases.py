@@ -11,7 +11,7 @@ from unittest.mock import patch
 import numpy as np
 from blocks import SECTIONS, block, two_blocks
 
-from cea.eigen.options import KrylovOptions
+from cea.eigen.krylov_schur import KrylovOptions
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed

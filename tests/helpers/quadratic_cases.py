@@ -4,7 +4,7 @@ import numpy as np
 from blocks import assemble, coarse, two_blocks
 from random_quadratic import pencil_of
 
-from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.parameters import Coefficient
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import distributed, local_part
@@ -58,7 +58,7 @@ def numbers():
             f"im {form}": modes.eigenvalues.imag.tolist(),
             f"slope {form}": np.abs(modes.sensitivity("contacts.interface.mu")).tolist(),
         }
-        with KrylovSchur(pencil) as driver:
+        with EigenSolver(pencil) as driver:
             near = driver.nearest(-((0.2 + 4j) ** 2), 3).eigenvalues
         found |= {f"near {form}": [*near.real, *near.imag]}
     return found | {"re": found["re penalty"]}

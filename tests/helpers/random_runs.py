@@ -24,7 +24,7 @@ from random_quadratic import random_low_rank, random_quadratic
 from random_scenes import random_scene
 
 import cea.petsc  # noqa: F401  (ahead of all that needs PETSc)
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import release
 from cea.errors import ConvergenceError, InputError

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from reference_data import plane_meshes, stored
 
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, build_interfaces, build_system
 from scenes.spec.reading import load_scene
@@ -26,6 +26,6 @@ def flutter_of_the_blocks(backend):
     scene, timer = load_scene(Path("blocks"), overrides, backend), StageTimer()
     bodies = build_bodies(scene, timer)
     interfaces = build_interfaces(scene, bodies, timer)
-    driver = KrylovSchur(build_system(scene, bodies, interfaces, timer).pencil())
+    driver = EigenSolver(build_system(scene, bodies, interfaces, timer).pencil())
     mu_c, omega = float(entry["mu_c"]), float(entry["omega"])
     return driver, "contacts.interface.mu", (0.9 * mu_c, 1.1 * mu_c), 1.2 * omega / 6.283185307

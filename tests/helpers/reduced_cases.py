@@ -7,8 +7,8 @@ from blocks import assemble, block, coarse, two_blocks
 from petsc_matrices import to_petsc
 from scipy.linalg import eig
 
-from cea.eigen.eigenvalue_matching import assign
-from cea.eigen.krylov_schur import KrylovSchur
+from cea.eigen.driver import EigenSolver
+from cea.eigen.matching import assign
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.reduced.greedy import Enrichment
@@ -22,7 +22,7 @@ ALPHA, RATIO = "bodies.upper.damping.alpha", "bodies.lower.damping.modal.ratio"
 
 def enrichment(pencil, box, top, **options):
     """A reduced model of a pencil with nothing in it yet, and what fills it."""
-    return Enrichment(ReducedModel(pencil, box, top), KrylovSchur(pencil), top, **options)
+    return Enrichment(ReducedModel(pencil, box, top), EigenSolver(pencil), top, **options)
 
 
 def errors_of_means(found, kappa):

@@ -3,7 +3,7 @@
 import numpy as np
 from bodies import lagrange_body, nurbs_body
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.material import IsotropicMaterial

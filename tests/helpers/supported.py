@@ -2,7 +2,7 @@
 
 from blocks import ROTATED
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.material import IsotropicMaterial
 from cea.timing import StageTimer

@@ -8,7 +8,7 @@ from mixed_blocks import mixed_blocks
 from mixed_files import abaqus_deck, ansys_archive, vtu_file
 
 from cea.errors import InputError
-from meshes.files.content import KINDS
+from meshes.files.elements import KINDS
 from meshes.mesh_file import MeshFile
 from meshes.unstructured import gmsh_session
 

@@ -8,7 +8,7 @@ from mixed_blocks import mixed_blocks
 from mixed_files import listed
 
 from cea.errors import InputError
-from meshes.files.content import KINDS
+from meshes.files.elements import KINDS
 from meshes.files.reading import read_mesh_file
 from meshes.mesh_file import MeshFile
 

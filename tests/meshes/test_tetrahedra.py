@@ -11,7 +11,8 @@ from mixed_blocks import mixed_blocks
 from cea.errors import InputError
 from cea.mesh import Mesh, facet_nodes, node_order
 from meshes.files.body import check_elements
-from meshes.files.content import FACES, KINDS, block
+from meshes.files.content import block
+from meshes.files.elements import FACES, KINDS
 from meshes.files.tetrahedra import completed, tetrahedra
 
 RULE = np.array([0.5 - np.sqrt(15) / 10, 0.5, 0.5 + np.sqrt(15) / 10]), np.array([5, 8, 5]) / 18

@@ -6,7 +6,7 @@ import sys
 import pytest
 from blocks import assemble, two_blocks
 
-import cea.eigen.krylov_schur
+import cea.eigen.driver
 from scenes import run_scene
 from scenes.checking.steps import GIVEN, skipped_by
 from scenes.spec.reading import read_scene
@@ -19,13 +19,13 @@ LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 def taken(monkeypatch):
     """Whether each search that is made takes the symmetric path."""
     paths = []
-    original = cea.eigen.krylov_schur.UndampedSearch
+    original = cea.eigen.driver.UndampedSearch
 
     def recorded(matrices, *arguments, **options):
         paths.append(matrices.symmetric)
         return original(matrices, *arguments, **options)
 
-    monkeypatch.setattr(cea.eigen.krylov_schur, "UndampedSearch", recorded)
+    monkeypatch.setattr(cea.eigen.driver, "UndampedSearch", recorded)
     return paths
 
 
@@ -116,7 +116,7 @@ def test_what_is_given_without_use_is_told_with_its_path(backend, changes, unuse
 
 UNUSED = (
     *("meshes.files.reading", "meshes.files.part", "scenes.matrices", "scenes.spec.matrices"),
-    *("cea.eigen.quadratic_coverage", "cea.eigen.static", "cea.system.steady_sliding"),
+    *("cea.eigen.static", "cea.system.steady_sliding"),
     *("cea.system.sliding_newton", "cea.system.modal_damping", "cea.system.rotating_damping"),
     *("scenes.running.static", "scenes.checking.steady", "scenes.export"),
     *("scenes.pictures", "scenes.refinement", "scenes.results.opened", "gmsh", "pyvista"),

@@ -12,9 +12,9 @@ import numpy as np
 from cea.mesh import Ints, Mesh, facet_nodes, reference_nodes
 from comparisons.stability.parts.problems import Answer, OfScene
 from meshes.breaks import breaks_of
-from meshes.files.content import KINDS
+from meshes.files.elements import KINDS
+from meshes.mesh_file import METRES, Unit
 from meshes.shape_mesh import shape_mesh
-from meshes.units import METRES, Unit
 from scenes.spec.reading import read_scene
 from scenes.spec.scene import SceneSpec
 

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.classify import classify_run, thresholds
-from cea.eigen.krylov_schur import KrylovSchur, solve_modes
+from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.spectrum import Spectrum
 from cea.matrices import distributed
@@ -223,7 +223,7 @@ class OfMap:
         pencil, top = system.pencil(leave_out=False), _end(scene)
         box = {name: (float(min(each)), float(max(each))) for name, each in self.axes.items()}
         model = ReducedModel(pencil, box, top, self.data["analysis"].get("min_growth"))
-        built = Enrichment(model, KrylovSchur(pencil), top)
+        built = Enrichment(model, EigenSolver(pencil), top)
         points = product(*self.axes.values())
         built.cover([dict(zip(self.axes, values, strict=True)) for values in points])
         found = built.at({}).window

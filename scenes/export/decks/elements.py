@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.mesh import Cell, Ints, Mesh, matching_nodes, reference_nodes
-from meshes.files.content import facet_sides, full_kind, named_sides
+from meshes.files.content import named_sides
+from meshes.files.elements import facet_sides, full_kind
 
 ELEMENTS: Mapping[tuple[Cell, int], str] = {
     ("tetrahedron", 1): "C3D4",

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from cea.eigen.krylov_schur import solve_modes
+from cea.eigen.driver import solve_modes
 from cea.timing import StageTimer
 from comparisons.bench.solve.methods.method import Answer
 from comparisons.bench.solve.methods.problem import Problem

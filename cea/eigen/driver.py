@@ -1,0 +1,408 @@
+"""The eigenvalue driver: (lambda^2 M + lambda (C + Y) + K) x = 0 by shift-and-invert and MUMPS.
+
+Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
+Without friction it is solved as a symmetric problem. With damping or rotation the problem is
+quadratic in lambda, and its companion form is solved about real shifts. The driver takes a
+parametric pencil, not bodies, and keeps inertia counts for the solves that follow.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.linalg import LinAlgError
+
+from cea.arrays import Complexes
+from cea.eigen.errors import error_estimates
+from cea.eigen.krylov_schur import KrylovOptions, nearest
+from cea.eigen.left_vectors import (
+    LeftVectors,
+    left_vectors_of,
+    needs_left_vectors,
+    two_sided,
+    with_lengths,
+)
+from cea.eigen.modes import Modes, modes_of, warnings_of
+from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.regions import upper_end
+from cea.eigen.shifted import count_below
+from cea.eigen.spectrum import Window
+from cea.eigen.subspace import InvariantSubspace
+from cea.eigen.window import DampedSearch, UndampedSearch, WindowSearch
+from cea.errors import ConvergenceError, InputError
+from cea.heap import give_back
+from cea.timing import StageTimer
+
+ABOVE = 1.05
+"""End of the search of :func:`run_window` relative to that of the window."""
+
+
+class EigenSolver:
+    """Shift-and-invert Krylov-Schur on a parametric pencil.
+
+    Inertia counts are kept for as long as the symmetric parts stay as they are.
+
+    Parameters
+    ----------
+    pencil
+        What is solved.
+    options
+        Options of the method.
+
+    Attributes
+    ----------
+    solves, factorisations
+        Eigenvalue problems solved and matrices factorised so far, inertia counts included.
+    """
+
+    def __init__(self, pencil: Pencil, options: KrylovOptions | None = None) -> None:
+        if not any(term.role == "mass" for term in pencil.terms):
+            raise InputError("mass", None, "a mass: modes have none without")
+        self.pencil, self.options = pencil, options or KrylovOptions()
+        self.solves = self.factorisations = 0
+        self._counts: dict[tuple[float, ...], int] = {}
+        self._summed: tuple[dict[str, float], Matrices] | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.free()
+
+    def free(self) -> None:
+        """Free the sums and give their memory back; what was counted is kept."""
+        if self._summed is not None:
+            release(self._summed[1])
+            self._summed = None
+        give_back()
+
+    def solve(
+        self,
+        max_frequency: float,
+        changes: Mapping[str, float] | None = None,
+        *,
+        min_growth: float | None = None,
+        left: bool = False,
+        timer: StageTimer | None = None,
+    ) -> Modes:
+        """All modes up to a frequency, of any growth.
+
+        Parameters
+        ----------
+        max_frequency
+            Upper end of the modes asked for (Hz).
+        changes
+            Parameters of the pencil that differ from their own values.
+        min_growth
+            With damping or rotation, growth rate (1/s), zero or less, down to which modes are
+            asked for; None takes a tenth of the angular frequency of the end, or less where
+            overdamped modes crowd. Without, modes that decay mirror those that grow.
+        left
+            Whether left vectors are wanted too, for sensitivities and true condition numbers.
+        timer
+            Counts assembly, factorisation, krylov and post-processing.
+
+        Raises
+        ------
+        InputError
+            When a parameter is unknown or refused.
+        ConvergenceError
+            When the window cannot be searched; the modes found so far are attached.
+        """
+        if not 0 < max_frequency < np.inf:
+            raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
+        if min_growth is not None and not -np.inf < min_growth <= 0:
+            raise InputError("min_growth", min_growth, "zero or a negative number (1/s), or none")
+        timer, values = timer or StageTimer(), self.pencil.values(changes)
+        with timer("assembly"):
+            matrices = self._matrices(values)
+        end, search = 2 * np.pi * max_frequency, None
+        try:
+            search = self._search(matrices, values, end, min_growth, timer)
+            search.run()
+            modes = self._modes(search, values, end, timer, left=left)
+        except LinAlgError as error:
+            raise ConvergenceError(
+                f"numbers of this system are too far apart to be computed with ({error})"
+            ) from error
+        except ConvergenceError as error:
+            if isinstance(error.best, InvariantSubspace) and error.best.size and search:
+                search.found = error.best
+                error.best = self._modes(search, values, end, timer, left=None)
+            raise
+        finally:
+            self.solves += 1
+            if search is not None:
+                self.factorisations += search.factorisations
+                search.free()
+        window = modes.window
+        if window.symmetric_count is not None and not window.complete:
+            raise ConvergenceError(
+                f"{window.found_below} eigenvalues found below kappa = {window.upper:.6g}, the "
+                f"inertia of S - kappa M counts {window.symmetric_count}",
+                best=modes,
+            )
+        return modes
+
+    def _search(
+        self,
+        matrices: Matrices,
+        values: Mapping[str, float],
+        end: float,
+        min_growth: float | None,
+        timer: StageTimer,
+    ) -> WindowSearch:
+        if matrices.quadratic:
+            decay = None if min_growth is None else -min_growth
+            return DampedSearch(matrices, end, self.options, timer, decay)
+        counted, near = None, None
+        if matrices.symmetric:
+            upper = upper_end(end**2)
+            key = (*self.pencil.symmetric_values(values), upper)
+            if key not in self._counts:
+                with timer("factorisation"):
+                    self._counts[key] = count_below(matrices, upper)
+                self.factorisations += 1
+            counted = self._counts[key]
+        elif self.pencil.near_contact is not None:
+            with timer("assembly"):
+                near = self.pencil.near_contact.at(values)
+        return UndampedSearch(matrices, end, self.options, timer, counted, near)
+
+    def _modes(
+        self,
+        search: WindowSearch,
+        values: Mapping[str, float],
+        end: float,
+        timer: StageTimer,
+        *,
+        left: bool | None,
+    ) -> Modes:
+        """Modes of what was found in a window, with their errors.
+
+        Left vectors are searched where they are wanted or errors cannot be told without; never
+        where ``left`` is None.
+        """
+        subspace, op = search.found, search.near
+        assert subspace is not None
+        with timer("post-processing"):  # those around the window show too what rounding does
+            pairs = error_estimates(op, subspace)
+            unsure = left is not None and needs_left_vectors(op, subspace, pairs)
+        both: tuple[Complexes, LeftVectors] | None = None
+        if op.symmetric and left:
+            both = pairs.values, LeftVectors(pairs.vectors, pairs.forces)
+        elif left or unsure:
+            try:
+                left_values, vectors = search.left(len(pairs.vectors))
+                op = search.near
+                with timer("post-processing"):
+                    both = left_values, left_vectors_of(op, pairs, left_values, vectors)
+            except (ConvergenceError, LinAlgError):
+                if left:
+                    raise
+                op = search.near
+        with timer("post-processing"):
+            if left and both is not None and not (op.symmetric or subspace.graded):
+                pairs = with_lengths(op, pairs, both[1])
+            if unsure:
+                pairs = two_sided(op, subspace, pairs, both)
+            window = _window(search, end, pairs.values)
+            wanted = both[1] if left and both is not None else None
+            return modes_of(self.pencil, values, op.matrices, pairs, wanted, window)
+
+    def nearest(
+        self,
+        kappa: complex,
+        wanted: int,
+        changes: Mapping[str, float] | None = None,
+        *,
+        timer: StageTimer | None = None,
+    ) -> Modes:
+        """The few modes nearest to kappa = -lambda^2.
+
+        With damping or rotation they are nearest in lambda, to the root with Im lambda > 0, or the
+        positive one.
+
+        Parameters
+        ----------
+        kappa
+            Where (1/s^2). Without damping and rotation a real number, with them any but zero.
+        wanted
+            Number of eigenvalues; a few more may come.
+        changes
+            Parameters of the pencil that differ from their own values.
+        timer
+            Counts assembly, factorisation, krylov and post-processing.
+
+        Raises
+        ------
+        InputError
+            When there is no such place, or too few are wanted.
+        ConvergenceError
+            When fewer converge.
+        """
+        if wanted < 1:
+            raise InputError("wanted", wanted, "1 or more")
+        timer, values = timer or StageTimer(), self.pencil.values(changes)
+        with timer("assembly"):
+            matrices = self._matrices(values)
+        place: complex = kappa
+        if matrices.quadratic:
+            if not (kappa and np.isfinite(kappa)):
+                raise InputError("kappa", kappa, "a finite number that is not zero")
+            place = complex(np.sqrt(-complex(kappa)))
+            place = place if place.imag >= 0 else -place
+        elif isinstance(kappa, complex):
+            raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
+        self.solves += 1
+        self.factorisations += 1
+        with timer("krylov"):
+            found, op = nearest(matrices, place, wanted, self.options)
+        with timer("post-processing"):
+            pairs = error_estimates(op, found)
+        largest = float(np.abs(pairs.values).max(initial=abs(op.shift)))
+        window = Window(
+            max_frequency=largest / (2 * np.pi) if op.damped else np.inf,
+            shift=op.shift,
+            radius=float(np.abs(pairs.values - place).max(initial=0.0)),
+            found=len(pairs.values),
+            discs=1,
+            max_growth=0.0,
+            bounded=False,
+            odd=False,
+            upper=np.inf,
+            found_below=len(pairs.values),
+            symmetric_count=None,
+            neighbours=True,
+        )
+        modes = modes_of(self.pencil, values, matrices, pairs, None, window)
+        op.free()
+        if op.damped:
+            order = np.argsort(np.abs(modes.eigenvalues - place), kind="stable")[:wanted]
+            modes = modes[np.sort(order)]
+            radius = float(np.abs(modes.eigenvalues - place).max(initial=0.0))
+            modes = replace(modes, window=replace(window, found=len(modes), radius=radius))
+        return modes
+
+    def _matrices(self, values: dict[str, float]) -> Matrices:
+        """The pencil at given values of all parameters."""
+        if self._summed is None:
+            self._summed = (values, self.pencil.at(values))
+        elif self._summed[0] != values:
+            before, matrices = self._summed
+            self._summed = None  # an interruption leaves nothing that was freed
+            self._summed = (values, self.pencil.moved(matrices, before, values))
+        return self._summed[1]
+
+    def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
+        """Whether the pencil is damped or rotates at given parameters."""
+        return self._matrices(self.pencil.values(changes)).quadratic
+
+    def conservative(self, changes: Mapping[str, float] | None = None) -> bool:
+        """Whether there is neither friction nor damping at given parameters."""
+        return self._matrices(self.pencil.values(changes)).conservative
+
+    def mass(self, values: Mapping[str, float]) -> Any:
+        """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
+        return self._matrices(self.pencil.values(values)).mass
+
+
+def _window(search: WindowSearch, end: float, values: Complexes) -> Window:
+    """The window that was searched, and why it is believed complete."""
+    disc, upper, min_growth = search.discs[0] if search.discs else None, end, None
+    if isinstance(search, DampedSearch):
+        below = int(np.sum((values.imag >= 0) & (values.imag <= end)))
+        min_growth = -search.decay
+    else:
+        upper = upper_end(end**2)
+        below = int(np.sum(values.real < upper))
+    return Window(
+        max_frequency=end / (2 * np.pi),
+        shift=disc.centre if disc else 0.0,
+        radius=disc.radius if disc else 0.0,
+        found=len(values),
+        discs=len(search.discs),
+        max_growth=np.inf if search.bounded else search.growth,
+        bounded=search.bounded,
+        odd=search.counted is None and search.odd(),
+        upper=upper,
+        found_below=below,
+        symmetric_count=search.counted,
+        whole=search.whole,
+        min_growth=min_growth,
+    )
+
+
+def solve_modes(
+    pencil: Pencil,
+    max_frequency: float,
+    changes: Mapping[str, float] | None = None,
+    *,
+    min_growth: float | None = None,
+    left: bool = False,
+    options: KrylovOptions | None = None,
+    timer: StageTimer | None = None,
+) -> Modes:
+    """All modes of a pencil up to a frequency: one solve of an :class:`EigenSolver`.
+
+    Parameters and errors are those of the solver and of :meth:`EigenSolver.solve`.
+    """
+    with EigenSolver(pencil, options) as driver:
+        return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)
+
+
+def run_window(
+    driver: EigenSolver,
+    max_frequency: float,
+    changes: Mapping[str, float] | None = None,
+    *,
+    min_growth: float | None = None,
+    left: bool = False,
+    timer: StageTimer | None = None,
+) -> Modes:
+    """Modes up to a frequency, with what a reader of them should know of those above.
+
+    Parameters and errors are those of :meth:`EigenSolver.solve`. The window
+    names the modes that grow up to 5 percent above its end, and where it is empty the lowest mode.
+    Where nothing can grow for the structure of the problem, nothing is searched above the end.
+    """
+    above = 1.0 if driver.conservative(changes) else ABOVE
+    try:
+        wider = driver.solve(
+            above * max_frequency, changes, min_growth=min_growth, left=left, timer=timer
+        )
+    except ConvergenceError as error:
+        if isinstance(error.best, Modes):
+            error.best = _up_to(error.best, max_frequency, min_growth)
+        raise
+    modes = _up_to(wider, max_frequency, min_growth)
+    if len(modes) or modes.window.odd:
+        return modes
+    window = replace(modes.window, lowest=_lowest(driver, max_frequency, changes))
+    return replace(modes, window=window)
+
+
+def _up_to(wider: Modes, max_frequency: float, min_growth: float | None) -> Modes:
+    """Modes of a window that was searched beyond its end."""
+    beyond = wider.frequencies > max_frequency
+    grow = beyond & (wider.growth_rates > wider.growth_uncertainties)
+    pairs = np.column_stack([wider.frequencies, wider.growth_rates])[grow]
+    window = replace(
+        wider.window, max_frequency=max_frequency, growing_above=tuple(map(tuple, pairs.tolist()))
+    )
+    kept = ~beyond
+    if window.min_growth is not None and min_growth is None:  # it is relative to the end
+        least = window.min_growth * max_frequency / wider.window.max_frequency
+        window, kept = replace(window, min_growth=least), kept & (wider.growth_rates >= least)
+    modes = replace(wider[np.flatnonzero(kept)], window=window)
+    return replace(modes, warnings=warnings_of(modes))
+
+
+def _lowest(driver: EigenSolver, end: float, changes: Mapping[str, float] | None) -> float | None:
+    """Frequency (Hz) of the lowest mode, which lies above the end of an empty window (Hz)."""
+    try:
+        found = driver.nearest(0.5 * (2 * np.pi * end) ** 2, 1, changes).frequencies
+    except ConvergenceError:  # there may be no mode at all
+        return None
+    return min(found[found > end].tolist(), default=None)

@@ -1,0 +1,75 @@
+"""Which eigenvalues a window may hold, and the discs that cover it.
+
+Modes with 0 <= Im lambda <= omega, of any growth, have kappa = -lambda^2 inside the parabola
+
+    |kappa| + Re kappa <= 2 omega^2,   (Im kappa)^2 <= 4 omega^2 (omega^2 - Re kappa).
+
+The disc that touches the parabola at its tip and meets it at Re kappa = -X,
+
+    centre -(X + 3 omega^2) / 2,   radius (X + 5 omega^2) / 2,
+
+holds all of it to the right of there, and no more of the positive axis than the window itself.
+Friction opens the parabola to the left: how far, and that it often leaves no more than a cone of it
+near the real axis, says the field of values (:mod:`cea.eigen.field_of_values`).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.arrays import Complexes, Floats
+
+_MARGIN = 1.05
+"""Radius of the disc about the middle of the window relative to half the window."""
+TIP = 1.01
+"""Tip of the covered parabola relative to omega^2: room between the window and the first mode
+beyond it."""
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A disc about a real shift: of kappa (1/s^2), or with damping or rotation of lambda (1/s)."""
+
+    centre: float
+    radius: float
+
+
+def upper_end(top: float) -> float:
+    """Upper end of the disc about the middle of a window that ends at omega^2 (1/s^2)."""
+    return 0.5 * top * (1 + _MARGIN)
+
+
+def touching_disc(top: float, depth: float) -> float:
+    """Centre of the disc that covers the window, to omega^2, to Re kappa = -depth (1/s^2)."""
+    return -0.5 * (depth + 3 * TIP * top)
+
+
+def outside_of_window(upper: float, kappa: Complexes, errors: Floats) -> NDArray[np.bool_]:
+    """Which kappa lie outside of the parabola by more than their errors (1/s^2), shape (n,)."""
+    return np.abs(kappa) + kappa.real - 2 * errors > 2 * upper
+
+
+def distance_within(top: float, centre: float, left: float, right: float) -> float:
+    """Largest distance from a centre of points of the parabola with Re kappa from left to right.
+
+    The distance is convex along the parabola: it is largest at an end.
+    """
+    tip = TIP * top
+    ends = np.array([left, right])
+    heights = 4 * tip * np.maximum(tip - ends, 0.0)
+    return float(np.sqrt((ends - centre) ** 2 + heights).max())
+
+
+def distance_of_cone(top: float, centre: float, depth: float, slope: float) -> float:
+    """The same of points with abs(Im kappa) <= slope (Re kappa + depth).
+
+    It is largest at the tip of the cone, where cone and parabola meet, or at the parabola's tip.
+    """
+    if np.isinf(slope):
+        return np.inf
+    tip, square = TIP * top, slope**2
+    linear, constant = 2 * square * depth + 4 * tip, 4 * tip**2 - square * depth**2
+    meet = 2 * constant / (linear + np.sqrt(linear**2 + 4 * square * constant))
+    height = 2 * np.sqrt(tip * max(tip - meet, 0.0))
+    return float(max(abs(-depth - centre), np.hypot(meet - centre, height), abs(tip - centre)))

@@ -1,0 +1,341 @@
+"""Claims of the paper in the order of its text: what decides each, and from which value on.
+
+What the paper says in words ("largely", "identical", "considerable") is read as: within 1 per cent,
+0.1 per cent and 5 per cent of the largest growth.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+import pandas as pd
+
+from comparisons.paper.crowned_pad import COLLOCATION, QUADRATURE
+from comparisons.paper.disc_pad import HIGH, LOW, MIDDLE
+from comparisons.paper.figure import MESHES, Mesh, Row
+from comparisons.study.result import StudyResult
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Numbers of the figures on a kind of mesh.
+
+    Parameters
+    ----------
+    result
+        Result of the study of the paper.
+    mesh
+        Kind of mesh.
+    """
+
+    result: StudyResult
+    mesh: Mesh
+
+    def rows(self, table: str, *figures: str) -> pd.DataFrame:
+        """Rows of a table of some figures.
+
+        Raises
+        ------
+        LookupError
+            When there are none: the figure was not made.
+        """
+        frame = self.result.frame(table)
+        if len(frame):
+            frame = frame[frame["figure"].isin(figures) & (frame["mesh"] == self.mesh)]
+        if frame.empty:
+            raise LookupError(f"no {table} of {figures} on {self.mesh}")
+        return frame
+
+    def __call__(self, figure: str, P: float, number: int) -> Any:
+        """Measures of a case of a diagram beside its reference."""
+        rows = self.rows("measures", figure)
+        (row,) = rows[(rows["P"] == P) & (rows["number"] == number)].itertuples()
+        return row
+
+    def off(self, column: str, formulation: str) -> pd.Series:
+        """How far a formulation is from the exact integration on the crowned pad, by load."""
+        rows = self.rows("crowned", "crowned")
+        return rows.loc[rows["formulation"] == formulation, column].abs().reset_index(drop=True)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim of the paper, or a question it leaves open.
+
+    Parameters
+    ----------
+    name, claim, section
+        Short name; the claim in our words; where the paper makes it.
+    measure
+        What the deciding number is.
+    value
+        That number on a kind of mesh.
+    holds, depends
+        Whether the claim holds for it, or depends on what is looked at.
+    """
+
+    name: str
+    claim: str
+    section: str
+    measure: str
+    value: Callable[[Evidence], float]
+    holds: Callable[[float, Evidence], bool]
+    depends: Callable[[float, Evidence], bool] = lambda value, e: False
+
+    def judged(self, evidence: Evidence) -> tuple[str, float]:
+        """Verdict and number on a kind of mesh; LookupError where figures are not made."""
+        value = float(self.value(evidence))
+        if self.holds(value, evidence):
+            return "holds", value
+        return "depends" if self.depends(value, evidence) else "does not", value
+
+
+def judged(result: StudyResult) -> pd.DataFrame:
+    """Every claim whose figures were made, with verdict and number on every kind of mesh."""
+    rows = []
+    for claim in CLAIMS:
+        row: Row = {name: getattr(claim, name) for name in ("name", "claim", "section", "measure")}
+        try:
+            for mesh in MESHES:
+                verdict, value = claim.judged(Evidence(result, mesh))
+                row |= {f"{mesh}_verdict": verdict}
+                row |= {f"{mesh}_value": value if isfinite(value) else None}
+        except LookupError:
+            continue
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _lumped_patch(e: Evidence) -> float:
+    rows = e.rows("patch_tests", "3")
+    lumped = rows["case"].str.contains("lumped") & (rows["P"] == 1e14)
+    return rows.loc[lumped, "oscillation"].item() / 1000.0
+
+
+def _b_over_a(e: Evidence) -> pd.Series:
+    rows = e.rows("patch_tests", "7", "12")
+    return rows.loc[rows["P"] == 1e6, "b_over_a"]
+
+
+def _higher_degrees(e: Evidence) -> list[Any]:
+    rows = e.rows("measures", "14")
+    return list(rows[rows["degree"] > 2].itertuples())
+
+
+def _worst_degree(e: Evidence) -> Any:
+    def rank(row: Any) -> tuple[bool, bool, float]:
+        far = row.shift_below_13k >= 0.01
+        return far, row.growth_part >= 0.05, row.shift_below_13k
+
+    return max(_higher_degrees(e), key=rank)
+
+
+def _above_over_below(e: Evidence) -> list[float]:
+    return [row.shift_above_13k / row.shift_below_13k for row in _higher_degrees(e)]
+
+
+def _saddle_over_penalty(e: Evidence) -> float:
+    shifts = [e("stiff", HIGH, number).shift for number in (1, 2, 3, 4)]
+    return max(shifts[2:]) / max(shifts[:2])
+
+
+def _worst(e: Evidence, column: str, formulation: str) -> float:
+    return float(e.off(column, formulation).max())
+
+
+CLAIMS = (
+    Claim(
+        "lumped patch test",
+        "Lumped contact passes the patch test to machine precision at P = 10¹⁴",
+        "3",
+        "oscillation of σₙ over σₙ; 1e-10 is precision",
+        _lumped_patch,
+        lambda v, e: v < 1e-10,
+    ),
+    Claim(
+        "lumping locks",
+        "Lumping locks the interface at P = 10⁶: the disc moves less along the "
+        "normal in the contact than elsewhere",
+        "3",
+        "that part of its motion, lumped over plain, median of all modes; 0.5 is much less",
+        lambda e: e("4 and 5", 1e6, 1).contact_motion,
+        lambda v, e: v < 0.5,
+        lambda v, e: e("6", LOW, 1).contact_motion < 0.5,
+    ),
+    Claim(
+        "false stiffness",
+        "What lumping changes comes of the false stiffness it gives to "
+        "rotations common to both bodies",
+        "3, left open",
+        "part of the shifts of frequencies at P = 10⁹ "
+        "that it explains to first order; 0.8 is explained",
+        lambda e: e.rows("lumping", "lumping")["explained"].item(),
+        lambda v, e: v > 0.8,
+        lambda v, e: v > 0.5,
+    ),
+    Claim(
+        "lumped spectra",
+        "With and without lumping, unstable modes largely do not coincide at P = 10⁹",
+        "3",
+        "part of them that coincide in frequency within 1 %; it depends where only growth does not",
+        lambda e: e("6", LOW, 1).share_frequency,
+        lambda v, e: v < 0.5,
+        lambda v, e: e("6", LOW, 1).share_both < 0.5,
+    ),
+    Claim(
+        "side b",
+        "σₙ of side b oscillates more than that of side a, for the points lie on a, "
+        "whichever side is finer",
+        "3",
+        "least oscillation of b over a at P = 10⁶, before and after the exchange of meshes",
+        lambda e: _b_over_a(e).min(),
+        lambda v, e: v > 1,
+        lambda v, e: _b_over_a(e).max() > 1,
+    ),
+    Claim(
+        "collocation grows",
+        "Collocation overestimates growth below 10 kHz at P = 10⁹",
+        "3",
+        "sum of growth rates, collocation over GPTS",
+        lambda e: e("13", LOW, 1).growth_below_10k,
+        lambda v, e: v > 1.01,
+    ),
+    Claim(
+        "identical",
+        "Collocation and GPTS are identical at P = 10¹²",
+        "3",
+        "largest relative distance of eigenvalues; 1e-3 is identical",
+        lambda e: e("13", MIDDLE, 1).distance,
+        lambda v, e: v < 1e-3,
+    ),
+    Claim(
+        "less identical",
+        "Collocation and GPTS differ more at P = 10¹⁴ than at 10¹²",
+        "3",
+        "largest relative distance of eigenvalues at P = 10¹⁴",
+        lambda e: e("13", HIGH, 1).distance,
+        lambda v, e: v > e("13", MIDDLE, 1).distance,
+    ),
+    Claim(
+        "round-off",
+        "The difference at P = 10¹⁴ is round-off of ill-conditioned matrices",
+        "3",
+        "largest shift of a frequency from mortar, saddle form over penalty; below 0.5 it is",
+        _saddle_over_penalty,
+        lambda v, e: v < 0.5,
+    ),
+    Claim(
+        "over-constraint",
+        "The difference at P = 10¹⁴ is over-constraint: more points than side a has functions",
+        "3, left open",
+        "largest shift of GPTS from mortar, both in the saddle form; "
+        "three times that at P = 10¹² or more",
+        lambda e: e("stiff", HIGH, 4).shift,
+        lambda v, e: v > 3 * e("stiff", MIDDLE, 4).shift,
+    ),
+    Claim(
+        "more points",
+        "CEA is insensitive to more Gauss points",
+        "3",
+        "largest shift below 13 kHz; 1 % and 5 % of the largest growth are none",
+        lambda e: e("14", LOW, 1).shift_below_13k,
+        lambda v, e: v < 0.01 and e("14", LOW, 1).growth_part < 0.05,
+        lambda v, e: v < 0.01,
+    ),
+    Claim(
+        "higher degree",
+        "CEA is insensitive to degree and continuity below 13 kHz",
+        "3",
+        "largest shift below 13 kHz of the worst degree to 5 (Lagrange 4); 1 % and 5 % of the "
+        "largest growth are none",
+        lambda e: _worst_degree(e).shift_below_13k,
+        lambda v, e: v < 0.01 and _worst_degree(e).growth_part < 0.05,
+        lambda v, e: v < 0.01,
+    ),
+    Claim(
+        "above 13 kHz",
+        "A higher degree shifts frequencies above 13 kHz more than those below",
+        "3",
+        "largest shift above over largest below, least of all degrees; it depends where only "
+        "some shift more",
+        lambda e: min(_above_over_below(e)),
+        lambda v, e: v > 1,
+        lambda v, e: max(_above_over_below(e)) > 1,
+    ),
+    Claim(
+        "places of points",
+        "Collocation is sensitive to where its points lie at P = 10⁹",
+        "3",
+        "part of the unstable modes that coincide within 1 %, growth too",
+        lambda e: e("15", LOW, 1).share_both,
+        lambda v, e: v < 0.5,
+    ),
+    Claim(
+        "GPTS suffices",
+        "GPTS loses little against segments and mortar, and costs less",
+        "4",
+        "largest shift of a frequency from segments; 1e-3 and 1 % of growth are little",
+        lambda e: e("yardsticks", LOW, 1).shift,
+        lambda v, e: (
+            v < 1e-3
+            and e("yardsticks", LOW, 1).growth_part < 0.01
+            and e("yardsticks", LOW, 1).search_over < 1
+        ),
+        lambda v, e: v < 1e-3 and e("yardsticks", LOW, 1).growth_part < 0.01,
+    ),
+    Claim(
+        "boundary",
+        "The mesh of the disc must trace the boundary of the contact",
+        "3",
+        "largest difference of growth rates over the largest, from a mesh refined there, where "
+        "it is ignored; 0.01 and half as much again as where traced matter",
+        lambda e: e("boundary", LOW, 2).growth_part,
+        lambda v, e: v > max(1.5 * e("boundary", LOW, 1).growth_part, 0.01),
+        lambda v, e: v > e("boundary", LOW, 1).growth_part,
+    ),
+    Claim(
+        "full pass",
+        "A full pass overcomes the bias of collocation",
+        "3, left open",
+        "largest difference of growth rates from segments, full over half pass; 0.5 and less "
+        "overcomes it",
+        lambda e: (
+            e("yardsticks", LOW, 6).growth_difference / e("yardsticks", LOW, 4).growth_difference
+        ),
+        lambda v, e: v < 0.5,
+        lambda v, e: v < 1,
+    ),
+    Claim(
+        "equilibrium",
+        "Collocation disturbs the equilibrium of steady sliding more than quadrature",
+        "1, left open",
+        "distance of the pressure on a crowned pad from segments on the same mesh, collocation "
+        "over GPTS 3 × 3, least of all loads",
+        lambda e: (e.off("pressure_off", COLLOCATION) / e.off("pressure_off", QUADRATURE)).min(),
+        lambda v, e: v > 1,
+        lambda v, e: (
+            (e.off("pressure_off", COLLOCATION) / e.off("pressure_off", QUADRATURE)).max() > 1
+        ),
+    ),
+    Claim(
+        "p of the scheme",
+        "p(x) of steady sliding varies with the scheme that finds it",
+        "3",
+        "largest relative difference of the integral of p from segments, of collocation and GPTS; "
+        "0.01 varies, it depends where only one does",
+        lambda e: max(_worst(e, "P_off", COLLOCATION), _worst(e, "P_off", QUADRATURE)),
+        lambda v, e: min(_worst(e, "P_off", COLLOCATION), _worst(e, "P_off", QUADRATURE)) > 0.01,
+        lambda v, e: v > 0.01,
+    ),
+    Claim(
+        "growth of the scheme",
+        "Each in its own equilibrium, collocation errs more in growth than quadrature",
+        "1, left open",
+        "largest difference of the largest growth rate from segments over all loads, collocation "
+        "over GPTS 3 × 3",
+        lambda e: _worst(e, "growth_off", COLLOCATION) / _worst(e, "growth_off", QUADRATURE),
+        lambda v, e: v > 1,
+    ),
+)
+"""Every claim."""

@@ -1,1 +1,0 @@
-"""The paper's claims, and what decides each of them."""

@@ -1,0 +1,259 @@
+"""Study of the crowned pad: equilibrium, contact stiffness and growth against the load.
+
+The paper gives p(x) and sets aside what a scheme makes of steady sliding (sections 2.3 and 3). Here
+each formulation finds its own state, whose p(x) its small motions meet.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from cea.arrays import Floats
+from cea.contact.formulations import (
+    Botella,
+    Formulation,
+    GaussPointToSurface,
+    Greville,
+    Grid,
+    Mortar,
+    NodeToSurface,
+    Segments,
+)
+from cea.errors import InputError
+from comparisons.paper.figure import BACKENDS, MESHES, Mesh, Row, Tables
+from comparisons.study.result import StudyResult
+from comparisons.study.session import Session
+from meshes.shapes import Crowned, Sector
+from scenes import Result
+from scenes.spec.body import BodySpec
+from scenes.spec.mesh import MeshSpec
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.scene import on_backend, with_contact
+
+CONTACT, PAD, DISC = "pad_disc", "pad", "disc"
+"""Names in the scene."""
+EXACT, COLLOCATION, QUADRATURE = "segments", "collocation", "GPTS 3 × 3"
+"""Labels of the exact integration, and of what the paper sets against each other."""
+WEIGHTED, FINER = "collocation, area weights", "segments, finer mesh"
+"""Labels of collocation whose points bear the area that is theirs, not equal parts of it, and of
+the exact integration on the finer mesh."""
+PRESSURES = (1e5, 4e5, 2e6)
+"""Pressures on the back of the pad (N/m^2)."""
+RADII, ANGLES = 9, 60
+"""Points across and along the pad at which pressures are compared."""
+_REFINED = 1.5
+"""Factor on the elements of the finer mesh in every direction."""
+
+
+def formulations(mesh: Mesh) -> dict[str, Formulation]:
+    """Formulations by label that a kind of mesh has; the exact integration first."""
+    common = {EXACT: Segments(), "mortar": Mortar(), QUADRATURE: GaussPointToSurface(3)}
+    if mesh != "NURBS":
+        own = {COLLOCATION: NodeToSurface(), WEIGHTED: NodeToSurface("tributary")}
+        return {**common, **own, "grid": Grid(4)}
+    own_splines = {COLLOCATION: Greville(), WEIGHTED: Greville("area"), "Botella": Botella()}
+    return {**common, **own_splines, "grid": Grid(10)}
+
+
+def crowned_scene(
+    mesh: Mesh, formulation: Formulation, pressure: float, factor: float = 1.0
+) -> Scene:
+    """The scene on a kind of mesh; tetrahedra are hexahedra divided into six.
+
+    Parameters
+    ----------
+    mesh
+        Kind of mesh.
+    formulation
+        Points and weights on the pad.
+    pressure
+        On the back of the pad (N/m^2).
+    factor
+        Factor on the elements in every direction.
+    """
+    scene = with_contact(
+        on_backend(load_scene("crowned_pad"), BACKENDS[mesh]), formulation=formulation
+    )
+    bodies = {n: replace(body, mesh=_mesh(body, mesh, factor)) for n, body in scene.bodies.items()}
+    (load,) = scene.loads
+    return replace(scene, bodies=bodies, loads=(replace(load, pressure=pressure),))
+
+
+def _mesh(body: BodySpec, mesh: Mesh, factor: float) -> MeshSpec:
+    def finer(elements: tuple[int, ...]) -> tuple[int, ...]:
+        return tuple(round(factor * n) for n in elements)
+
+    fe, iga = body.mesh.fe, body.mesh.iga
+    assert iga is not None
+    assert fe is not None
+    assert fe.elements is not None
+    if mesh == "NURBS":
+        return MeshSpec(iga=replace(iga, elements=finer(iga.elements)))
+    cell = "tetrahedron" if mesh == "tetrahedra" else fe.cell
+    return MeshSpec(fe=replace(fe, cell=cell, elements=finer(fe.elements)))
+
+
+@dataclass(frozen=True)
+class CrownedPad:
+    """Steady sliding and its small motions by formulation, against the pressure on the pad."""
+
+    name: str = "crowned"
+    title: str = "Steady sliding of a crowned pad by formulation"
+    meshes: tuple[Mesh, ...] = MESHES
+
+    def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
+        """Scenes of every formulation under every load, those of one load together."""
+        named = formulations(mesh)
+        return {
+            f"{label}, {pressure:g}": crowned_scene(mesh, rule, pressure, factor)
+            for pressure in PRESSURES
+            for label, rule, factor in (
+                *((label, rule, 1.0) for label, rule in named.items()),
+                (FINER, named[EXACT], _REFINED),
+            )
+        }
+
+    def evaluate(self, mesh: Mesh, session: Session) -> Tables:
+        """Run every case; rows tell how far it is from the exact integration under its load."""
+        rows, pressures, slopes = [], [], []
+        for pressure in PRESSURES:
+            exact: tuple[Row, Floats] | None = None
+            for label in (*formulations(mesh), FINER):
+                result = session.solve(session.scene[f"{label}, {pressure:g}"])
+                row, own, slope = state(result)
+                exact = exact or (row, own)
+                labels = {"formulation": label, "load": pressure}
+                rows.append(labels | row | off(row, own, *exact))
+                pressures.append(own)
+                slopes.append(slope)
+        session.keep("pressure", np.stack(pressures))
+        session.keep("stiffness", np.stack(slopes))
+        return {"crowned": rows}
+
+
+def off(row: Row, pressure: Floats, exact: Row, its: Floats) -> Row:
+    """How far a case is from the exact integration: pressure in the mean square, P, growth."""
+    return {
+        "pressure_off": float(np.linalg.norm(pressure - its) / np.linalg.norm(its)),
+        "P_off": row["P"] / exact["P"] - 1,
+        "growth_off": row["growth"] - exact["growth"],
+    }
+
+
+def state(result: Result) -> tuple[Row, Floats, Floats]:
+    """What is kept of a run.
+
+    Returns
+    -------
+    dict
+        The equilibrium, the contact stiffness, the growth.
+    ndarray
+        Pressure of the law (N/m^2) at the common points, shape (RADII, ANGLES).
+    ndarray
+        Contact stiffness p (N/m^3) there.
+    """
+    assert result.steady is not None
+    law, pad = result.scene.contacts[CONTACT].law, result.scene.bodies[PAD].geometry
+    assert law is not None
+    assert isinstance(pad, Crowned)
+    steady = result.steady.contacts[CONTACT]
+    weight = result.interfaces[CONTACT].points.weight
+    closed = closures(result, common_points(pad)[2])
+    row = {
+        "dofs": result.system.size,
+        "points": len(weight),
+        "closed": steady.closed_fraction,
+        "force": steady.normal_force,
+        "P": float(weight @ steady.stiffness),
+        "growth": float(result.growth_rates.max(initial=0.0)),
+        "unstable": int(np.sum(result.unstable)),
+        "iterations": result.steady.iterations,
+        "seconds": result.timer.total,
+    }
+    shape = RADII, ANGLES
+    return row, law.pressure(closed).reshape(shape), law.slope(closed).reshape(shape)
+
+
+def common_points(pad: Crowned) -> tuple[Floats, Floats, Floats]:
+    """Points of the crowned face at the midpoints of equal parts.
+
+    Parameters
+    ----------
+    pad
+        The crowned sector.
+
+    Returns
+    -------
+    ndarray
+        Radii (m), shape (RADII,).
+    ndarray
+        Angles (degrees), shape (ANGLES,).
+    ndarray
+        Points (m), radius by radius, shape (RADII * ANGLES, 3).
+    """
+    base = pad.base
+    assert isinstance(base, Sector)
+    r, theta = (
+        low + (high - low) * (np.arange(count) + 0.5) / count
+        for low, high, count in (
+            (base.inner_radius, base.outer_radius, RADII),
+            (base.start, base.end, ANGLES),
+        )
+    )
+    radius, angle = (part.ravel() for part in np.meshgrid(r, np.deg2rad(theta), indexing="ij"))
+    flat = [radius * np.cos(angle), radius * np.sin(angle), np.full(radius.size, base.bottom)]
+    return r, theta, pad.crown(np.column_stack(flat))
+
+
+def closures(result: Result, x: Floats) -> Floats:
+    """Closures u_n - g_n (m) that the displacements of a state of steady sliding give at points.
+
+    Parameters
+    ----------
+    result
+        A run with steady sliding.
+    x
+        Points on the face of the pad (m), shape (n, 3).
+
+    Raises
+    ------
+    InputError
+        When a point lies on no side.
+    """
+    assert result.steady is not None
+    bodies, system, displaced = result.system.bodies, result.system, result.steady.displacement
+    pad, disc = bodies[PAD].surfaces["bottom"], bodies[DISC].surfaces["top"]
+    up = np.tile([0.0, 0.0, 1.0], (len(x), 1))
+    own = pad.locate(x, up, pad.mesh_size)
+    normal = pad.normal(own.at)
+    opposite = disc.locate(x + own.distance[:, None] * up, normal, disc.mesh_size)
+    if own.missed.any() or opposite.missed.any():
+        raise InputError("x", f"{len(x)} points", "points between both sides of the contact")
+    moved = pad.trace(own.at) @ system.displacement(displaced, PAD).reshape(-1, 3)
+    moved -= disc.trace(opposite.at) @ system.displacement(displaced, DISC).reshape(-1, 3)
+    gap = opposite.distance + disc.offset(opposite.at, normal) - pad.offset(own.at, normal)
+    return np.einsum("ij,ij->i", normal, moved) - gap
+
+
+def middle_circle(result: StudyResult) -> pd.DataFrame:
+    """Pressure (N/m^2) and stiffness (N/m^3) of every case along the middle circle of the pad."""
+    frame = result.frame("crowned")
+    if frame.empty:
+        return frame
+    pad = load_scene("crowned_pad").bodies[PAD].geometry
+    assert isinstance(pad, Crowned)
+    angles, parts = common_points(pad)[1], []
+    for mesh, own in frame.groupby("mesh", sort=False):
+        labels = {"figure": "crowned", "mesh": mesh}
+        arrays = [result.array(labels, name) for name in ("pressure", "stiffness")]
+        for i, (_, row) in enumerate(own.iterrows()):
+            pressure, p = (array[i, RADII // 2] for array in arrays)
+            line = pd.DataFrame({"angle": angles, "pressure": pressure, "p": p})
+            parts.append(line.assign(**row[["mesh", "formulation", "load"]]))
+    return pd.concat(parts, ignore_index=True)
+
+
+CROWNED_PAD = CrownedPad()
+"""The study."""

@@ -1,1 +1,0 @@
-"""Steady sliding of a crowned pad: what each contact formulation makes of the equilibrium."""

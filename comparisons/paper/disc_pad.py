@@ -1,0 +1,146 @@
+"""The paper's disc and pad: a mesh, a formulation and a contact stiffness (sections 3 and 4).
+
+mu = 0.7; the knots of the disc trace the boundary of the pad.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from cea.contact.coupling import Form
+from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid
+from comparisons.paper.figure import BACKENDS, MOST_LAGRANGE, Mesh, as_lagrange
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.scene import on_backend, with_contact
+
+DISC, PAD = "disc", "pad"
+"""Names of the bodies."""
+LOW, MIDDLE, HIGH = 1e9, 1e12, 1e14
+"""Contact stiffnesses (N/m) at which the paper tells formulations apart, finds them identical, and
+nearly so."""
+MAX_FREQUENCY = 15.5e3
+"""Upper end of the modes (Hz): the paper shows 15 kHz, where modes of some formulations lie on
+either side; none is near this one."""
+
+Boundary = Literal["traced", "ignored", "refined"]
+"""Whether element boundaries of the disc follow the boundary of the pad, and are finer there."""
+
+_SPANS_KEPT_TO = 3
+"""Degree up to which NURBS keep their spans; at degree 5 those would take 9 GB and more."""
+_SIZES = {DISC: 0.010, PAD: 0.0075}
+"""Edge lengths of quadratic tetrahedra (m), with about as many dofs as the NURBS."""
+_REFINED = {"r": 0.003, "theta": 1.5}
+"""Distances of more element boundaries on both sides of the pad's boundary (m, degrees)."""
+
+
+@dataclass(frozen=True)
+class DiscPad:
+    """One analysis of disc and pad.
+
+    Parameters
+    ----------
+    formulation
+        Points and weights on the pad.
+    P
+        Global contact stiffness (N/m).
+    form
+        Contact forces eliminated or unknowns.
+    degree
+        Of both bodies in every direction. NURBS keep their spans up to degree 3, then spans grow
+        with the degree; Lagrange elements always do, so that dofs stay about the same.
+    full_pass
+        Whether points lie on the disc too.
+    boundary
+        How the mesh of the disc regards the boundary of the pad; unstructured tetrahedra cannot
+        trace it.
+    divided
+        Whether tetrahedra are hexahedra each divided into six, which can.
+    """
+
+    formulation: Formulation
+    P: float = LOW
+    form: Form = "penalty"
+    degree: int = 2
+    full_pass: bool = False
+    boundary: Boundary = "traced"
+    divided: bool = False
+
+    def on(self, mesh: Mesh) -> "DiscPad":
+        """The case as a kind of mesh has it."""
+        if mesh == "NURBS":
+            return replace(self, divided=False)
+        divided = self.divided and mesh == "tetrahedra"
+        boundary = self.boundary if divided or mesh == "hexahedra" else "ignored"
+        formulation = as_lagrange(self.formulation)
+        return replace(self, formulation=formulation, boundary=boundary, divided=divided)
+
+    def exists_on(self, mesh: Mesh) -> bool:
+        """Whether a kind of mesh has elements of the degree."""
+        return mesh == "NURBS" or self.degree <= MOST_LAGRANGE
+
+    @property
+    def label(self) -> str:
+        """What tells it from other cases of one contact stiffness."""
+        words = {
+            "divided hexahedra": self.divided,
+            f"degree {self.degree}": True,
+            self.formulation.label: True,
+            "full pass": self.full_pass,
+            "saddle form": self.form == "saddle",
+            f"pad boundary {self.boundary}": self.boundary != "traced",
+        }
+        return ", ".join(word for word, said in words.items() if said)
+
+    def scene(self, mesh: Mesh) -> Scene:
+        """The scene of the case on a kind of mesh."""
+        case = self.on(mesh)
+        scene = on_backend(load_scene("disc_pad"), BACKENDS[mesh])
+        bodies = {
+            name: replace(spec, mesh=case._mesh(spec.mesh, name, mesh))
+            for name, spec in scene.bodies.items()
+        }
+        assert isinstance(scene.analysis, ComplexEigenvalueAnalysis)
+        analysis = replace(scene.analysis, max_frequency=MAX_FREQUENCY)
+        return with_contact(
+            replace(scene, bodies=bodies, analysis=analysis),
+            **{n: getattr(case, n) for n in ("formulation", "P", "form", "full_pass")},
+        )
+
+    def _mesh(self, spec: MeshSpec, name: str, mesh: Mesh) -> MeshSpec:
+        degree, fe, iga = self.degree, spec.fe, spec.iga
+        assert fe is not None
+        assert fe.elements is not None
+        assert iga is not None
+        if mesh == "tetrahedra" and not self.divided:
+            return MeshSpec(fe=FeMesh("tetrahedron", degree, size=_SIZES[name] * degree / 2))
+        through = {} if self.boundary == "ignored" else iga.through
+        added = 0
+        if through and self.boundary == "refined":
+            through = {
+                axis: tuple(e + side * _REFINED[axis] for e in edges for side in (-1, 0, 1))
+                for axis, edges in through.items()
+            }
+            added = 4
+
+        def elements(counts: tuple[int, ...], factor: float) -> tuple[int, ...]:
+            each = zip(counts, (added, added, 0), strict=True)
+            return tuple(max(1, round(factor * n)) + more for n, more in each)
+
+        if mesh == "NURBS":
+            spans = elements(iga.elements, min(1.0, _SPANS_KEPT_TO / degree))
+            return MeshSpec(iga=IgaMesh((degree,) * 3, spans, through=through))
+        return MeshSpec(
+            fe=FeMesh(
+                "tetrahedron" if self.divided else "hexahedron",
+                degree,
+                elements=elements(fe.elements, 2 / degree),
+                through=through,
+            )
+        )
+
+
+GPTS = DiscPad(GaussPointToSurface(5))
+LUMPED = DiscPad(GaussPointToSurface(5, lumped=True))
+COLLOCATION = DiscPad(Greville())
+GRID = DiscPad(Grid(10))

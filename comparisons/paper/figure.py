@@ -1,0 +1,74 @@
+"""What every figure of the paper offers: kinds of meshes, inputs, and rows of numbers."""
+
+from collections.abc import Mapping
+from typing import Any, Literal, Protocol
+
+from cea.contact.formulations import Formulation, Greville, Grid, NodeToSurface
+from comparisons.study.session import Session
+from scenes.spec.body import Backend
+
+Mesh = Literal["NURBS", "hexahedra", "tetrahedra", "none"]
+BACKENDS: dict[Mesh, Backend] = {"NURBS": "iga", "hexahedra": "fe", "tetrahedra": "fe"}
+"""Backend of each kind of mesh."""
+MESHES: tuple[Mesh, ...] = tuple(BACKENDS)
+MOST_LAGRANGE = 4
+"""Highest degree of Lagrange elements."""
+_FACET_GRID = 4
+
+Row = dict[str, Any]
+Tables = dict[str, list[Row]]
+
+
+class Figure(Protocol):
+    """A figure of the paper, or a study beside it."""
+
+    @property
+    def name(self) -> str:
+        """Number of the figure; a word for a study."""
+        ...
+
+    @property
+    def title(self) -> str:
+        """What it shows."""
+        ...
+
+    @property
+    def meshes(self) -> tuple[Mesh, ...]:
+        """Kinds of meshes that it is made on."""
+        ...
+
+    def inputs(self, mesh: Mesh) -> Mapping[str, Any]:
+        """Everything that determines its numbers: scenes by label."""
+        ...
+
+    def evaluate(self, mesh: Mesh, session: Session) -> Tables:
+        """Rows by the name of their table; collective. ``session.scene`` holds the inputs."""
+        ...
+
+
+def quoted(
+    what: str, paper: float | str | None, ours: float, unit: str = "", remark: str = ""
+) -> Row:
+    """A row of the table "numbers".
+
+    Parameters
+    ----------
+    what
+        What it is.
+    paper
+        Value in the paper; words where it has only those, None where it says nothing.
+    ours
+        Value computed here.
+    unit
+        Unit of both.
+    remark
+        What a reader must know to compare them.
+    """
+    return {"what": what, "paper": paper, "ours": float(ours), "unit": unit, "remark": remark}
+
+
+def as_lagrange(formulation: Formulation) -> Formulation:
+    """The formulation for Lagrange elements: nodes for Greville points, a grid on every facet."""
+    if isinstance(formulation, Greville):
+        return NodeToSurface()
+    return Grid(_FACET_GRID) if isinstance(formulation, Grid) else formulation

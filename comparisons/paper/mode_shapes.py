@@ -1,0 +1,197 @@
+"""Figures 4 and 5: a mode of disc and pad with and without lumping, at low contact stiffness.
+
+Of the modes that both runs have in common, the one whose disc moves most along the normal in the
+contact, relative to elsewhere. Figure 4 shows it, Figure 5 its normal displacement along a line on
+the disc that crosses the boundary of the pad twice.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import tau
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from cea.arrays import Floats
+from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
+from comparisons.paper.figure import MESHES, Mesh, Row, Tables, quoted
+from comparisons.paper.measures import case_row, tables_of
+from comparisons.paper.spectra import Data, compare_spectra, displacements, spectrum_of
+from comparisons.study.result import StudyResult
+from comparisons.study.session import Session
+from scenes import Result
+from scenes.spec.reading import Scene
+
+P = 1e6
+"""Contact stiffness of the figures (N/m)."""
+RUNS = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}
+"""Runs that are compared."""
+EDGE = 0.115 * np.tan(np.radians(20.0))
+"""Distance from the middle at which the line crosses the boundary of the pad (m)."""
+_MIDDLE, _HALF, _SAMPLES = (0.115, 45.0), 0.07, 281
+"""Radius (m) and angle (degrees) of the middle of the line, which is tangential there; half its
+length (m); its points."""
+_NEAR_EDGE = 0.004
+_ALIKE = 0.5
+"""Modal assurance of modes that have the same characteristics."""
+_DIGITS, _SHAPE_DIGITS = 6, 4
+"""Decimals by which points of the bodies (m) are told apart, and those kept of displacements
+relative to the largest."""
+
+
+@dataclass(frozen=True)
+class ModeShapes:
+    """A mode with and without lumping."""
+
+    name: str = "4 and 5"
+    title: str = "Figures 4 and 5: a mode with and without lumping, P = 10⁶"
+    meshes: tuple[Mesh, ...] = MESHES
+
+    def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
+        """Scenes of both runs."""
+        return {name: case.scene(mesh) for name, case in RUNS.items()}
+
+    def evaluate(self, mesh: Mesh, session: Session) -> Tables:
+        """Run both cases and take the mode from each."""
+        results = {name: session.solve(session.scene[name]) for name in RUNS}
+        spectra = {name: spectrum_of(result) for name, result in results.items()}
+        match = compare_spectra(spectra["lumped"], spectra["plain"])
+        lumped, plain = (spectra[name].data for name in ("lumped", "plain"))
+        label = case_row(P, 1, RUNS["lumped"].on(mesh))
+        measured = tables_of(label, lumped, plain, match, "much below 1")["measures"]
+        chosen = dict(zip(("lumped", "plain"), common_mode(match, plain), strict=True))
+        lines, modes = [], {}
+        for name, result in results.items():
+            line = mode_line(result, chosen[name])
+            lines += [{"run": name, **row} for row in line.to_dict("records")]
+            value, motion = result.eigenvalues[chosen[name]], spectra[name].data["contact_motion"]
+            modes[name] = {
+                "frequency": float(value.imag / tau),
+                "growth": float(value.real),
+                "contact_motion": motion[chosen[name]],
+                "line": line,
+            }
+            for array, values in bodies_of(result, chosen[name]).items():
+                session.keep(f"{name}/{array}", values)
+        return {"measures": measured, "lines": lines, "numbers": numbers_of(modes)}
+
+
+def numbers_of(modes: Mapping[str, Data]) -> list[Row]:
+    """Both modes beside each other.
+
+    Parameters
+    ----------
+    modes
+        Of "plain" and "lumped": ``frequency``, ``growth``, ``contact_motion`` and the ``line``.
+    """
+    rows = []
+    for name, mode in modes.items():
+        rows.append(quoted(f"{name}: frequency", None, mode["frequency"], "Hz"))
+        rows.append(quoted(f"{name}: growth rate", None, mode["growth"], "1/s"))
+    lumped, plain = modes["lumped"], modes["plain"]
+    motion = lumped["contact_motion"] / plain["contact_motion"]
+    slopes = [_slope_at_edge(mode["line"]) for mode in (lumped, plain)]
+    far = (lumped["line"]["disc"] - plain["line"]["disc"]).abs().max()
+    return [
+        *rows,
+        quoted("motion of the disc in the contact, lumped over plain", "much below 1", motion),
+        quoted(
+            "slope of the disc at the boundary of the pad, lumped over plain",
+            *("above 1", slopes[0] / slopes[1]),
+        ),
+        quoted("largest difference of the disc's lines, of 1", None, far),
+    ]
+
+
+def common_mode(match: Data, reference: Data) -> tuple[int, int]:
+    """Numbers of a mode in the first run and in the reference."""
+    pairs = [
+        (group["modes"][0][0], group["modes"][1][0])
+        for group in match["groups"]
+        if len(group["modes"][0]) == len(group["modes"][1]) == 1 and group["assurance"] > _ALIKE
+    ]
+    return max(pairs, key=lambda pair: reference["contact_motion"][pair[1]] or 0.0)
+
+
+def mode_line(result: Result, mode: int) -> pd.DataFrame:
+    """Normal displacements of disc and pad, the largest of the disc 1, on the disc's normal.
+
+    Columns are ``arc`` (m), ``disc`` and ``pad``; None where the line leaves the pad.
+    """
+    arc = np.linspace(-_HALF, _HALF, _SAMPLES)
+    angle = np.radians(_MIDDLE[1])
+    radial = np.array([np.cos(angle), np.sin(angle), 0.0])
+    tangent = np.array([-np.sin(angle), np.cos(angle), 0.0])
+    geometry: Any = result.scene.bodies[DISC].geometry
+    x = _MIDDLE[0] * radial + arc[:, None] * tangent + [0.0, 0.0, geometry.top]
+    lines = {}
+    for body, surface in ((DISC, "top"), (PAD, "bottom")):
+        u, hit = displacements(result, body, surface, x, [mode])
+        lines[body] = np.full(_SAMPLES, np.nan + 0j)
+        lines[body][hit] = u[2::3, 0]
+    peak = lines[DISC][np.argmax(np.abs(lines[DISC]))]
+    frame = pd.DataFrame({"arc": arc} | {name: (u / peak).real for name, u in lines.items()})
+    return frame.astype(object).where(frame.notna(), None)
+
+
+def _slope_at_edge(line: pd.DataFrame) -> float:
+    """Largest slope of the disc near the boundary of the pad (1/m), largest displacement 1."""
+    arc, disc = (line[name].to_numpy(dtype=float) for name in ("arc", "disc"))
+    slope = np.abs(np.gradient(disc, arc))
+    return float(slope[np.abs(np.abs(arc) - EDGE) < _NEAR_EDGE].max())
+
+
+def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
+    """Points (m), cells and real displacements of both bodies at the largest deflection, by name.
+
+    Names are ``disc/points`` and so on; there are some on rank 0 alone.
+    """
+    from scenes.pictures.drawing import largest_deflection  # brings pyvista
+
+    arrays, shapes = {}, {}
+    for name, body in result.system.bodies.items():
+        sample = body.volume_sample(1)
+        u = result.mode_shapes(name, sample.values, [mode], everywhere=False)[..., 0]
+        if body.comm.rank == 0:
+            rounded = np.round(sample.points, _DIGITS)
+            points, first, number = np.unique(
+                rounded, axis=0, return_index=True, return_inverse=True
+            )
+            shapes[name] = u[first]
+            arrays[f"{name}/points"] = points
+            arrays[f"{name}/cells"] = number.ravel()[sample.cells].astype(np.int32)
+    if shapes:
+        turned, largest = largest_deflection(np.concatenate(list(shapes.values())))
+        ends = np.cumsum([len(shape) for shape in shapes.values()])[:-1]
+        for name, part in zip(shapes, np.split(turned.real / largest, ends), strict=True):
+            arrays[f"{name}/displacement"] = np.round(part, _SHAPE_DIGITS)
+    return arrays
+
+
+def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Figure:
+    """The deformed bodies with lumping on the left, without on the right."""
+    from scenes.pictures.drawing import Drawing
+    from scenes.pictures.grids import straight_outside
+
+    labels = {"figure": figure.name, "mesh": mesh}
+    picture = Figure(figsize=(10.0, 3.8), layout="constrained")
+    picture.suptitle(f"Figure 4: a mode with and without lumping, P = 10⁶, {mesh}", fontsize=10)
+    for axes, name in zip(picture.subplots(1, 2), ("lumped", "plain"), strict=True):
+        bodies = {}
+        for body in (PAD, DISC):
+            points, cells, u = (
+                result.array(labels, f"{name}/{body}/{array}")
+                for array in ("points", "cells", "displacement")
+            )
+            bodies[body] = straight_outside(points, cells, u)
+        (image,) = Drawing.of(bodies, "").images([0.0])
+        axes.imshow(np.asarray(image))
+        axes.set_axis_off()
+        axes.set_title("with lumping" if name == "lumped" else "without lumping")
+    return picture
+
+
+SHAPES = ModeShapes()
+"""Figures 4 and 5."""

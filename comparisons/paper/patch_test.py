@@ -1,0 +1,263 @@
+"""Figures 3, 7 to 10 and 12: normal stress in the contact patch test.
+
+Section 3 of the paper: E = 1e5 N/m^2, nu = 0, a pressure of 1000 N/m^2 on top, so that the normal
+stress on the interface is -1000 N/m^2 exactly. A discretisation is told by the oscillation of the
+normal stress: its largest minus its smallest value over the interface.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from math import floor, log10
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.lines import Line2D
+
+from cea.arrays import Floats
+from cea.contact.formulations import Formulation
+from cea.system.contact_stresses import pressure_along, stress_map
+from comparisons.kit.numbers import number
+from comparisons.kit.plots import BLUE, GREY, VERMILION
+from comparisons.paper.figure import (
+    BACKENDS,
+    MESHES,
+    MOST_LAGRANGE,
+    Mesh,
+    Row,
+    Tables,
+    as_lagrange,
+    quoted,
+)
+from comparisons.study.result import StudyResult
+from comparisons.study.session import Session
+from scenes import Result
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.scene import on_backend, with_contact
+
+EXACT = -1000.0
+"""Normal stress on the interface (N/m^2)."""
+INTERFACE = "interface"
+"""Name of the contact in the scene."""
+SIDES = (("b", BLUE, "-"), ("a", VERMILION, "--"))
+"""Sides of a contact with colour and line: solid for b, dashed for a, as in the paper."""
+_MAP_SAMPLES, _MAP_DIGITS = 61, 3
+"""Points across a map, and digits kept of its range."""
+_WIDTH = 9.0
+"""Width of the interface (m), along which tetrahedra have as many edges as others elements."""
+_ACROSS, _SIZE = 5, (2.9, 6.8)
+"""Cases side by side, width and height of the three panels of a case (inches)."""
+
+
+@dataclass(frozen=True)
+class PatchTest:
+    """A run of the contact patch test.
+
+    Parameters
+    ----------
+    formulation
+        Points and weights on side a.
+    P
+        Global contact stiffness (N/m).
+    degree, continuity
+        Of both bodies in every direction; Lagrange elements are continuous and no more.
+    elements
+        Elements along each side of the interface, of a and of b.
+    paper
+        Oscillation in the paper (N/m^2), in words where it has only those.
+    remark
+        What a reader must know to compare it.
+    """
+
+    formulation: Formulation
+    P: float = 1e6
+    degree: int = 2
+    continuity: int = 1
+    elements: tuple[int, int] = (3, 5)
+    paper: float | str | None = field(default=None, compare=False)
+    remark: str = field(default="", compare=False)
+
+    def on(self, mesh: Mesh) -> "PatchTest":
+        """The case as a kind of mesh has it."""
+        if mesh == "NURBS":
+            return self
+        return replace(self, continuity=0, formulation=as_lagrange(self.formulation))
+
+    @property
+    def space(self) -> str:
+        """Degree and continuity in the paper's notation."""
+        return f"D{self.degree}C{self.continuity}"
+
+    @property
+    def label(self) -> str:
+        """What tells it from other cases."""
+        return f"{self.space}, {self.formulation.label}, P = {number(self.P, 1)}"
+
+    def scene(self, mesh: Mesh) -> Scene:
+        """The scene of the case on a kind of mesh."""
+        scene = on_backend(load_scene(Path("patch_test")), BACKENDS[mesh])
+        sizes = zip(("upper", "lower"), self.elements, strict=True)
+        bodies = {n: replace(scene.bodies[n], mesh=self._mesh(mesh, size)) for n, size in sizes}
+        scene = replace(scene, bodies=bodies)
+        return with_contact(scene, formulation=self.formulation, P=self.P, form="penalty")
+
+    def _mesh(self, mesh: Mesh, n: int) -> MeshSpec:
+        """Both meshes of a body; the one that its backend does not use says nothing."""
+        elements, degree = (n, n, 1), min(self.degree, MOST_LAGRANGE)
+        return MeshSpec(
+            fe=FeMesh("tetrahedron", degree, size=_WIDTH / n)
+            if mesh == "tetrahedra"
+            else FeMesh("hexahedron", degree, elements=elements),
+            iga=IgaMesh((self.degree,) * 3, elements, (self.continuity,) * 3),
+        )
+
+
+@dataclass(frozen=True)
+class PatchTests:
+    """A figure of the patch test.
+
+    Parameters
+    ----------
+    name, title
+        Number of the figure, and what it shows.
+    cases
+        Its runs; those of equal discretisation follow each other and share bodies.
+    ratios
+        Oscillation of one case over that of another, by their numbers, of which the paper says
+        that it is below 1.
+    """
+
+    name: str
+    title: str
+    cases: tuple[PatchTest, ...]
+    ratios: tuple[tuple[int, int], ...] = ()
+    meshes: tuple[Mesh, ...] = MESHES
+
+    def on(self, mesh: Mesh) -> dict[str, PatchTest]:
+        """Cases by label as a kind of mesh has them; of those that become equal, the first."""
+        cases: dict[str, PatchTest] = {}
+        for case in (case.on(mesh) for case in self.cases):
+            cases.setdefault(case.label, case)
+        return cases
+
+    def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
+        """Scenes of all cases."""
+        return {label: case.scene(mesh) for label, case in self.on(mesh).items()}
+
+    def evaluate(self, mesh: Mesh, session: Session) -> Tables:
+        """Oscillations of every case; stresses along the diagonal and over the interface."""
+        rows, lines, maps = [], [], []
+        for label, case in self.on(mesh).items():
+            result = session.solve(session.scene[label])
+            line, plane, row = stresses(result)
+            lines.append(line)
+            maps.append(plane)
+            rows.append({"case": label, "paper": case.paper, **row, "remark": case.remark})
+        session.keep("lines", np.stack(lines))
+        session.keep("maps", np.stack(maps))
+        worse = {row["case"]: row["oscillation"] for row in rows}
+        return {"patch_tests": rows, "numbers": list(self._compared(mesh, worse))}
+
+    def _compared(self, mesh: Mesh, worse: Mapping[str, float]) -> Iterator[Row]:
+        for pair in self.ratios:
+            over, under = (self.cases[i].on(mesh).label for i in pair)
+            if over != under:
+                yield quoted(f"{over} over {under}", "below 1", worse[over] / worse[under])
+
+
+def stresses(result: Result) -> tuple[Floats, Floats, Row]:
+    """What a case shows.
+
+    Parameters
+    ----------
+    result
+        The run.
+
+    Returns
+    -------
+    ndarray
+        Distance (m) along the diagonal of side a, sigma_n of sides a and b and p g (N/m^2) there,
+        shape (4, n); NaN beside a surface.
+    ndarray
+        sigma_n of sides a and b (N/m^2) over the interface, y by rows, shape (2, m, m).
+    dict
+        Points, dofs, oscillations and seconds.
+    """
+    sides, interface = result.stresses[INTERFACE], result.interfaces[INTERFACE]
+    x, system, P = result.displacement, result.system, result.scene.contacts[INTERFACE].P
+    assert P is not None
+    plane = stress_map(system, INTERFACE, x, _MAP_SAMPLES)
+    p_gap = pressure_along(system, INTERFACE, x, P / interface.a.area, result.analysis.samples)
+    line = [sides["a"].arc, *(sides[side].sigma_n_along for side in "ab"), p_gap]
+    a, b = (sides[side].oscillation for side in "ab")
+    row = {
+        "P": P,
+        "points": len(interface.points),
+        "dofs": result.dofs,
+        "oscillation": max(a, b),
+        "oscillation_a": a,
+        "oscillation_b": b,
+        "b_over_a": b / a,
+        "oscillation_p_gap": float(np.ptp(p_gap[np.isfinite(p_gap)])),
+        "seconds": result.timer.total,
+    }
+    return np.stack(line), np.stack([shown(plane.sigma_n[side]) for side in "ab"]), row
+
+
+def shown(stress: Floats) -> Floats:
+    """A map rounded to the digits kept of its range, so that it is small when compressed."""
+    extent = float(np.ptp(stress[np.isfinite(stress)]))
+    return np.round(stress, _MAP_DIGITS - floor(log10(extent))) if extent else stress
+
+
+def drawn(figure: PatchTests, mesh: Mesh, result: StudyResult) -> Figure:
+    """Every case on a kind of mesh: sigma_n less the exact one along the diagonal, maps below.
+
+    Each panel has its own scale, since oscillations go from 1e-9 to 3000 N/m^2.
+    """
+    frame = result.frame("patch_tests")
+    frame = frame[(frame["figure"] == figure.name) & (frame["mesh"] == mesh)]
+    labels = {"figure": figure.name, "mesh": mesh}
+    lines, maps = (result.array(labels, name) for name in ("lines", "maps"))
+    rows = -(-len(frame) // _ACROSS)
+    columns = -(-len(frame) // rows)
+    size = (max(_SIZE[0] * columns, 6.0), 0.6 + _SIZE[1] * rows)
+    whole = Figure(figsize=size, layout="constrained")
+    whole.suptitle(f"{figure.title}, {mesh}", fontsize=10)
+    places = whole.subfigures(rows, columns, squeeze=False).ravel()
+    for place, row, line, plane in zip(places, frame.to_dict("records"), lines, maps, strict=False):
+        _draw(place, {str(name): value for name, value in row.items()}, line, plane)
+    looks = [(rf"$\sigma_n^{{({side})}}$", colour, style) for side, colour, style in SIDES]
+    handles = [
+        Line2D([], [], color=colour, linestyle=style, label=label)
+        for label, colour, style in (*looks, ("$-p g$", GREY, ":"))
+    ]
+    whole.legend(handles=handles, loc="outside lower center", ncols=3)
+    return whole
+
+
+def _draw(place: SubFigure, row: Row, line: Floats, plane: Floats) -> None:
+    above, *below = place.subplots(3, 1, height_ratios=(1, 1.1, 1.1))
+    arc, a, b, p_gap = line
+    for stress, (_, colour, style) in zip((b, a), SIDES, strict=True):
+        above.plot(arc, stress - EXACT, style, color=colour, linewidth=1.2)
+    low, high = above.get_ylim()
+    pressure = -p_gap - EXACT
+    # Where P is large p g is noise, far beyond the panel: all but vertical lines across it.
+    pressure[(pressure < low) | (pressure > high)] = np.nan
+    above.plot(arc, pressure, ":", color=GREY, linewidth=0.9)
+    above.set(
+        title=row["case"], xlabel="along the diagonal (m)", ylabel=r"$\sigma_n + 1000$ (N/m²)"
+    )
+    above.ticklabel_format(axis="y", scilimits=(-2, 3))
+    for axes, side, sigma in zip(below, "ab", plane, strict=True):
+        stress = sigma - np.nanmean(sigma)
+        extreme = float(np.nanmax(np.abs(stress))) or 1.0
+        extent = (0.0, _WIDTH, 0.0, _WIDTH)
+        image = axes.imshow(
+            stress, origin="lower", extent=extent, cmap="RdBu_r", vmin=-extreme, vmax=extreme
+        )
+        axes.grid(visible=False)
+        axes.set_title(f"side {side}: oscillation {number(row[f'oscillation_{side}'])} N/m²")
+        place.colorbar(image, ax=axes, shrink=0.85).formatter.set_powerlimits((-2, 3))

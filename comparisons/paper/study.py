@@ -1,0 +1,283 @@
+"""The paper's figures, each computed, stored, drawn and set beside the numbers of its text."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from matplotlib.figure import Figure as Picture
+
+from comparisons.kit.numbers import number, shown
+from comparisons.kit.plots import styled
+from comparisons.paper import mode_shapes, patch_test, patch_test_meshes
+from comparisons.paper.claims import judged
+from comparisons.paper.crowned_pad import middle_circle
+from comparisons.paper.figure import Mesh, Tables
+from comparisons.paper.figures import DIAGRAMS, FIGURES, PATCH_TESTS, chosen
+from comparisons.paper.quadrature import expected
+from comparisons.study.columns import Column
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Drawing, Frame, Plot, Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import CHOOSES, Case, Study
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the study.
+
+    Parameters
+    ----------
+    figures
+        Numbers of figures, names of studies beside them; all by default.
+    """
+
+    figures: tuple[str, ...] = field(default=(), metadata=CHOOSES)
+
+
+def cases(options: Options) -> Iterator[Case]:
+    """Every figure on every kind of mesh."""
+    for figure in chosen(options.figures):
+        for mesh in figure.meshes:
+            yield {"figure": figure.name, "mesh": mesh}
+
+
+def inputs(case: Case, options: Options) -> Mapping[str, Any]:
+    """Everything that determines a case."""
+    return FIGURES[case["figure"]].inputs(case["mesh"])
+
+
+def evaluate(case: Case, session: Session) -> Tables:
+    """Rows of a figure."""
+    return FIGURES[case["figure"]].evaluate(case["mesh"], session)
+
+
+def _of(table: str, *figures: str) -> Callable[[StudyResult], pd.DataFrame]:
+    """Rows of a table, of some figures alone."""
+
+    def frame(result: StudyResult) -> pd.DataFrame:
+        every = result.frame(table)
+        return every[every["figure"].isin(figures)] if figures and len(every) else every
+
+    return frame
+
+
+def _panels(*names: str, table: str, figure: str = "") -> Callable[[StudyResult], pd.DataFrame]:
+    """Rows of a table with a column that sets panels apart."""
+
+    def frame(result: StudyResult) -> pd.DataFrame:
+        every = _of(table, *([figure] if figure else []))(result)
+        if every.empty:
+            return every
+        words = [
+            every[n].map(lambda v: f"P = {number(v, 1)}") if n == "P" else every[n] for n in names
+        ]
+        return every.assign(panel=words[0].str.cat(words[1:], sep=", "))
+
+    return frame
+
+
+def _melted(result: StudyResult) -> pd.DataFrame:
+    """Lines of Figure 5, those of disc and pad below each other."""
+    frame = _panels("mesh", "run", table="lines")(result)
+    if frame.empty:
+        return frame
+    return frame.melt(["panel", "arc"], ["disc", "pad"], "body", "u").dropna()
+
+
+def _drawing(draw: Any, figure: Any, mesh: Mesh) -> Drawing:
+    def drawing(result: StudyResult) -> Picture | None:
+        made = any(case["labels"] == {"figure": figure.name, "mesh": mesh} for case in result.cases)
+        return styled(lambda _: draw(figure, mesh, result))({}) if made else None
+
+    drawing.__name__ = f"figure_{figure.name.replace(' ', '_')}_{mesh}"
+    drawing.__doc__ = f"{figure.title}, {mesh}."
+    return drawing
+
+
+def _drawings(module: Any, *figures: Any) -> list[Drawing]:
+    """Pictures that a module draws of some figures, one for each kind of mesh."""
+    return [_drawing(module.drawn, each, mesh) for each in figures for mesh in each.meshes]
+
+
+def headline(result: StudyResult) -> str | None:
+    """How many claims hold on every kind of mesh, and on none."""
+    frame = judged(result)
+    if frame.empty:
+        return None
+    verdicts = frame.filter(like="_verdict")
+    everywhere, nowhere = ((verdicts == word).all(axis=1).sum() for word in ("holds", "does not"))
+    return f"{everywhere} of {len(frame)} claims hold on every kind of mesh, {nowhere} on none."
+
+
+def _quoted(value: float | str) -> str:
+    return value if isinstance(value, str) else number(value)
+
+
+OWN = {
+    "figure": Column("figure"),
+    "what": Column("what"),
+    "paper": Column("paper", show=_quoted),
+    "ours": Column("ours", show=shown(3)),
+    "unit": Column("unit"),
+    "oscillation": Column("oscillation, worse side", "N/m²", shown(3)),
+    "oscillation_a": Column("side a", "N/m²", shown(3)),
+    "oscillation_b": Column("side b", "N/m²", shown(3)),
+    "oscillation_p_gap": Column("of p g", "N/m²", shown(3)),
+    "arc": Column("along the line", "m", shown(3)),
+    "u": Column("normal displacement, largest of the disc 1", show=shown(3)),
+    "closure": Column("closure", "m", shown(3)),
+    "pressure": Column("pressure", "N/m²", shown(3)),
+    "growth_difference": Column("largest difference of growth", "1/s", shown(3)),
+    "load": Column("pressure on the back", "N/m²", shown(3)),
+    "growth_off": Column("growth off segments", "1/s", shown(3)),
+    "points": Column("points", show=number),
+}
+
+
+def _table(name: str, caption: str, *, group: str = "figure", **options: Any) -> Table:
+    return Table(name, caption, options.pop("frame", _of(name)), OWN, group, **options)
+
+
+def _plot(
+    name: str, caption: str, frame: Frame, x: str, y: str, series: str, **options: Any
+) -> Plot:
+    return Plot(name, caption, frame, x, y, (series,), own=OWN, **options)
+
+
+def _by_load(y: str, caption: str, log: str = "x") -> Plot:
+    named = f"crowned_{y}", caption, _of("crowned"), "load", y, "formulation"
+    return _plot(*named, panel="mesh", log=log)
+
+
+SECTIONS = [
+    Section(
+        "Claims",
+        "What the paper says, and what the figures say of it on each kind of mesh.",
+        headline,
+        [_table("claims", "Claims.", group="", frame=judged, printed=True)],
+    ),
+    Section(
+        "Numbers of the paper",
+        "Numbers of the paper are those of NURBS. The paper draws the law of Figure 1 without "
+        "numbers; the elements of Figure 2 are not in its text, those of Figure 11 in a picture "
+        "only.",
+        tables=[_table("numbers", "Numbers of the paper beside ours.", printed=True)],
+        plots=[
+            _plot(
+                "figure_1",
+                "Figure 1: the law and its tangent at steady sliding.",
+                *(_of("law"), "closure", "pressure", "curve"),
+            ),
+            *_drawings(patch_test_meshes, *patch_test_meshes.SETTINGS),
+        ],
+    ),
+    Section(
+        "Contact patch test",
+        "Oscillation: largest less smallest normal stress over the interface. 34 N/m² of Figure 10 "
+        "is not met by D2C1: side a oscillates by 0.034 N/m² with 15 × 15 points, which would be a "
+        "slip of units, and D2C0 comes near with 12 × 12. No pair of uniform meshes of 2 to 8 "
+        "elements a side gives all four oscillations of Figure 12.",
+        tables=[_table("patch_tests", "Every run.", printed=True)],
+        plots=_drawings(patch_test, *PATCH_TESTS),
+    ),
+    Section(
+        "Gauss points",
+        "Lines have the slope -(c + 2), c the continuity.",
+        tables=[_table("quadrature", "Errors.", shown=False)],
+        plots=[
+            _plot(
+                *("points", FIGURES["points"].title, _of("quadrature")),
+                *("points", "oscillation", "space"),
+                panel="mesh",
+                log="xy",
+                lines=expected,
+            )
+        ],
+    ),
+    Section(
+        "Lumping",
+        "Figures 4 and 5 show the mode common to both runs whose disc moves most along the normal "
+        "in the contact. Rotations are about a horizontal axis: energy in the contact of both "
+        "bodies together, which should be none, over that of the pad alone. The part explained is "
+        "1 - |shift - false shift|² / |shift|² over all modes.",
+        tables=[
+            _table("lumping", "What lumping adds, and what it explains.", printed=True),
+            _table("lumping_shifts", "Relative shifts of all modes.", shown=False),
+            _table("lines", "Lines of Figure 5.", shown=False),
+        ],
+        plots=[
+            *_drawings(mode_shapes, mode_shapes.SHAPES),
+            _plot(
+                "figure_5",
+                "Figure 5: normal displacement across the boundary of the pad.",
+                *(_melted, "arc", "u", "body"),
+                panel="panel",
+            ),
+            _plot(
+                *("lumping", FIGURES["lumping"].title, _of("lumping_shifts")),
+                *("false_shift", "shift", "mesh"),
+                style="markers",
+            ),
+        ],
+    ),
+    Section(
+        "Disc and pad",
+        "Modes are unstable when they grow by more than 10 1/s. Shares are of the unstable modes "
+        "of either run, shifts are of all modes that were paired, means where modes nearly "
+        "coalesce; motion of the disc is along the normal in the contact relative to elsewhere, "
+        "the gap relative to the motion, medians over all modes. NURBS keep their spans to degree "
+        "3, then spans grow with it; Lagrange elements, which stop at degree 4, always do. "
+        "Unstructured tetrahedra cannot trace the pad: those of the study of its boundary are "
+        "hexahedra divided into six.",
+        tables=[
+            _table("measures", "Cases beside the reference of their diagram.", printed=True),
+            _table("runs", "Every run."),
+            *(_table(name, f"{name}.", shown=False) for name in ("modes", "matches")),
+        ],
+        plots=[
+            _plot(
+                *(f"figure_{each.name}", f"{each.title}."),
+                _panels("mesh", "P", table="modes", figure=each.name),
+                *("frequency", "growth", "case"),
+                panel="panel",
+                style="markers",
+            )
+            for each in DIAGRAMS
+        ],
+    ),
+    Section(
+        "Steady sliding",
+        "Each formulation in the state that it finds itself, beside the exact integration "
+        "(segments) on the same mesh: pressure of the law at 9 × 60 points of the pad in the mean "
+        "square, P the integral of p. Tetrahedra are hexahedra divided into six.",
+        tables=[
+            _table("crowned", "Every case.", group="mesh"),
+            _table("crowned_line", "Along the middle circle.", frame=middle_circle, shown=False),
+        ],
+        plots=[
+            _by_load("pressure_off", "Distance of the pressure from segments.", "xy"),
+            _by_load("closed", "Closed part of the pad."),
+            _by_load("growth", "Largest growth rate."),
+            _plot(
+                "crowned_line",
+                "Contact pressure along the middle circle, 0.4 MPa on the back.",
+                lambda r: f[f["load"] == 4e5] if len(f := middle_circle(r)) else f,
+                *("angle", "pressure", "formulation"),
+                panel="mesh",
+            ),
+        ],
+    ),
+]
+STUDY = Study(
+    name="paper",
+    title="Figures of Mohanasundaram, Shimoyama, Gillot and Besset (2023), and what they say",
+    options=Options,
+    cases=cases,
+    evaluate=evaluate,
+    sections=SECTIONS,
+    scene=inputs,
+    quick={"figures": ("1", "2", "7", "points", "4", "lumping", "6", "13", "crowned")},
+    shipped=Path(__file__).with_name("results"),
+)

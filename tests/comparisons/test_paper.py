@@ -1,0 +1,151 @@
+"""The paper as a study: what comes with the project, verdicts on claims, names of figures."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from paper_figures import made
+
+from cea.errors import InputError
+from comparisons.paper.claims import CLAIMS, Evidence, judged
+from comparisons.paper.crowned_pad import COLLOCATION, QUADRATURE
+from comparisons.paper.figures import FIGURES, chosen
+from comparisons.paper.measures import Diagram, case_row, tables_of
+from comparisons.paper.patch_test import PatchTests
+from comparisons.paper.spectra import spectrum_of
+from comparisons.paper.study import STUDY, Options, cases
+from comparisons.study.result import StudyResult, read
+from comparisons.study.run import run
+from scenes import run_modes
+
+SHIPPED = read("paper", STUDY.shipped)
+CASES = [case["labels"] for case in SHIPPED.cases]
+ROUNDING = ("residual", "condition", "seconds", "search_over")
+"""Rounding errors and times differ from run to run."""
+
+
+def test_every_figure_comes_with_the_project(tmp_path):
+    """Equal inputs, so that nothing is computed, whichever figures are asked for."""
+    started = []
+    for options in (Options(), Options(("6", "5", "6"))):
+        result = run(STUDY, options, tmp_path / "out", progress=_progress(started.append))
+        assert [case["labels"] for case in result.cases] == list(cases(options))
+    assert started == []
+    assert sum(file.stat().st_size for file in Path(STUDY.shipped).iterdir()) < 3e6
+
+
+def _progress(step):
+    from comparisons.kit.progress import Progress
+
+    return Progress(step=step, stage=lambda stage: None)
+
+
+def test_figures_go_by_name():
+    assert [figure.name for figure in chosen(("5", "stiff", "4"))] == ["4 and 5", "stiff"]
+    assert chosen(()) == list(FIGURES.values())
+    assert all(figure.name == name for name, figure in FIGURES.items())
+    with pytest.raises(InputError, match="figure = '99': one of 1, 2, 11, 3"):
+        chosen(("99",))
+
+
+def test_claims_rest_on_the_stored_numbers():
+    frame = judged(SHIPPED)
+    assert list(frame["name"]) == [claim.name for claim in CLAIMS]
+    assert np.isfinite(frame.filter(like="_value").to_numpy(dtype=float)).all()
+
+
+def test_claims_whose_figures_were_not_made_are_left_out():
+    some = [case for case in SHIPPED.cases if case["labels"]["figure"] == "15"]
+    assert list(judged(StudyResult({"cases": some}))["name"]) == ["places of points"]
+    assert judged(StudyResult({"cases": []})).empty
+
+
+def evidence(figure, **tables):
+    labels = {"figure": figure, "mesh": "NURBS"}
+    return Evidence(StudyResult({"cases": [{"labels": labels, "tables": tables}]}), "NURBS")
+
+
+def claim(name):
+    return next(claim for claim in CLAIMS if claim.name == name)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "both", "verdict"),
+    [(1.0, 1.0, "does not"), (1.0, 0.0, "depends"), (0.0, 0.0, "holds")],
+)
+def test_verdict_on_lumped_spectra_follows_the_data(frequency, both, verdict):
+    row = {"P": 1e9, "number": 1, "share_frequency": frequency, "share_both": both}
+    found = claim("lumped spectra").judged(evidence("6", measures=[row]))
+    assert found == (verdict, frequency)
+
+
+def test_verdicts_on_equilibrium_follow_the_data():
+    def crowned(label, pressure, P, growth):
+        off = zip(pressure, P, growth, strict=True)
+        names = ("formulation", "pressure_off", "P_off", "growth_off")
+        return [dict(zip(names, (label, *row), strict=True)) for row in off]
+
+    far = crowned(COLLOCATION, (0.1, 0.04), (0.0, 0.1), (0.0, 4.0))
+    near = crowned(QUADRATURE, (0.01, 0.02), (0.0, 0.005), (0.0, -2.0))
+    found = evidence("crowned", crowned=far + near)
+    assert claim("equilibrium").judged(found) == ("holds", 2.0)
+    assert claim("p of the scheme").judged(found) == ("depends", 0.1)
+    assert claim("growth of the scheme").judged(found) == ("holds", 2.0)
+    swapped = {COLLOCATION: QUADRATURE, QUADRATURE: COLLOCATION}
+    rows = [row | {"formulation": swapped[row["formulation"]]} for row in far + near]
+    assert claim("equilibrium").judged(evidence("crowned", crowned=rows))[0] == "does not"
+    assert claim("growth of the scheme").judged(evidence("crowned", crowned=rows))[0] == "does not"
+
+
+def cheapest(figure, mesh, stored):
+    """A figure of one case, with its stored rows, where one can be run alone.
+
+    Of the patch test the softest contact, which leaves more than rounding, that ran fastest.
+    """
+    if not isinstance(figure, PatchTests):
+        return figure, stored
+    row = min(stored["patch_tests"], key=lambda row: (row["P"], row["seconds"]))
+    case = next(case for case in figure.cases if case.on(mesh).label == row["case"])
+    return replace(figure, cases=(case,), ratios=()), {"patch_tests": [row]}
+
+
+def assert_same_rows(found, expected):
+    """Equal words; numbers to 1e-8 of the largest of their column."""
+    found, expected = pd.DataFrame(found), pd.DataFrame(expected)
+    assert list(found) == list(expected)
+    for name in set(expected) - set(ROUNDING):
+        if expected[name].dtype.kind == "f" or name in ("disc", "pad"):
+            same = (frame[name].to_numpy(dtype=float) for frame in (found, expected))
+            scale = np.nanmax(np.abs(expected[name].to_numpy(dtype=float)))
+            np.testing.assert_allclose(*same, rtol=0, atol=1e-8 * scale + 1e-14, err_msg=name)
+        else:
+            assert list(found[name]) == list(expected[name]), name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("labels", CASES, ids=lambda labels: "-".join(labels.values()))
+def test_stored_numbers_are_those_of_the_program(labels):
+    """Of a diagram the fastest run, of the patch test one case, of everything else all of it."""
+    figure, mesh = FIGURES[labels["figure"]], labels["mesh"]
+    stored = next(case for case in SHIPPED.cases if case["labels"] == labels)["tables"]
+    if isinstance(figure, Diagram):
+        fastest = min(stored["runs"], key=lambda row: row["seconds"])
+        P, number = fastest["P"], fastest["number"]
+        case = figure.panels(mesh)[P][number]
+        found = spectrum_of(run_modes(case.scene(mesh))).data
+        found = tables_of(case_row(P, number, case), found, found, None, None)
+        for name in ("runs", "modes"):
+            own = [row for row in stored[name] if (row["P"], row["number"]) == (P, number)]
+            assert_same_rows(found[name], own)
+        return
+    figure, stored = cheapest(figure, mesh, stored)
+    tables, arrays = made(figure, mesh)
+    for name, rows in stored.items():
+        assert_same_rows(tables[name], rows)
+    for name, array in arrays.items() if not isinstance(figure, PatchTests) else ():
+        expected = SHIPPED.array(labels, name)
+        rel = 1e-4 if name.endswith("displacement") else 1e-8  # stored rounded
+        atol = rel * np.abs(expected).max()
+        np.testing.assert_allclose(array, expected, rtol=0, atol=atol, err_msg=name)

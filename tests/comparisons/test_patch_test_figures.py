@@ -1,0 +1,201 @@
+"""Figures of the patch test: their numbers, the stresses they show, rates of quadrature."""
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from paper_figures import made
+
+from cea.contact.formulations import GaussPointToSurface, Greville, NodeToSurface
+from cea.system.contact_stresses import pressure_along, stress_map
+from comparisons.paper.figures import FIGURES
+from comparisons.paper.patch_test import PatchTest, shown, stresses
+from comparisons.paper.quadrature import QUADRATURE
+from scenes import run_scene
+from scenes.spec.reading import load_scene
+
+EXPECTED = {
+    "12": {
+        "D2C1, Greville, P = 10⁶": 2594.0,
+        "D2C1, GPTS 15 × 15, P = 10⁶": 0.0748,
+        "D2C1, Greville, P = 10¹⁴": 58.4,
+    },
+    "3": {
+        "D2C1, GPTS 25 × 25, P = 10⁶": 0.116,
+        "D2C1, GPTS 25 × 25, lumped, P = 10⁶": 0.0982,
+    },
+}
+"""Oscillation (N/m^2) by figure and case, from an independent prototype."""
+figure = cache(lambda name, mesh="NURBS": made(FIGURES[name], mesh))
+"""Tables and arrays of a figure, computed once."""
+
+
+def oscillations(name, mesh="NURBS"):
+    return {row["case"]: row["oscillation"] for row in figure(name, mesh)[0]["patch_tests"]}
+
+
+@pytest.mark.grid(quick=1)
+@pytest.mark.parametrize("name", EXPECTED)
+def test_numbers_of_the_patch_test(name):
+    for case, expected in EXPECTED[name].items():
+        assert oscillations(name)[case] == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.slow
+def test_lumping_passes_the_patch_test_at_high_stiffness():
+    ours = oscillations("3")
+    plain, lumped = (ours[f"D2C1, GPTS 25 × 25{name}, P = 10¹⁴"] for name in ("", ", lumped"))
+    assert lumped < 1000 * 1e-10
+    assert 1e-2 > plain > 100 * lumped
+
+
+def test_maps_and_lines_hold_what_the_numbers_say():
+    tables, arrays = figure("12")
+    assert [row["paper"] for row in tables["patch_tests"]] == [2300.0, 0.055, 0.16, 0.05]
+    assert arrays["maps"].shape == (4, 2, 61, 61)
+    assert arrays["lines"].shape == (4, 4, 181)
+    # The map is coarser than the samples of the oscillation.
+    for side, found in zip("ab", arrays["maps"][0], strict=True):
+        expected = tables["patch_tests"][0][f"oscillation_{side}"]
+        assert np.ptp(found) == pytest.approx(expected, rel=0.01)
+
+
+def test_maps_keep_three_digits_of_what_they_show():
+    for extent in (3000.0, 0.034, 4e-9):
+        stress = -1000.0 + extent * np.array([[0.0, 0.123456789], [np.nan, 1.0]])
+        kept = shown(stress)
+        assert np.isnan(kept[1, 0])
+        error = np.nanmax(np.abs(kept - stress))
+        assert error <= 0.5e-3 * extent
+        if extent > 1e-8:
+            assert error > 0
+    flat = np.full((2, 2), -1000.0)
+    np.testing.assert_array_equal(shown(flat), flat)
+
+
+def test_lagrange_elements_have_the_cases_that_differ_for_them():
+    for mesh in ("hexahedra", "tetrahedra"):
+        cases = list(FIGURES["7"].on(mesh))
+        assert cases == ["D2C0, GPTS 3 × 3, P = 10⁶", "D4C0, GPTS 5 × 5, P = 10⁶"]
+    case = PatchTest(Greville(), elements=(5, 3))
+    assert case.on("tetrahedra").formulation == NodeToSurface()
+    assert case.on("NURBS") == case
+    upper, lower = case.on("tetrahedra").scene("tetrahedra").bodies.values()
+    assert {(m.mesh.fe.cell, m.mesh.fe.size) for m in (upper, lower)} == {
+        ("tetrahedron", 9 / 5),
+        ("tetrahedron", 9 / 3),
+    }
+
+
+def test_spaces_of_one_continuity_agree_over_backends():
+    """Quadratic C0 splines and Lagrange elements span the same functions."""
+    case = PatchTest(GaussPointToSurface(12), continuity=0)
+    runs = [run_scene(case.scene(mesh)) for mesh in ("hexahedra", "NURBS")]
+    assert runs[0].dofs == runs[1].dofs
+    fe, iga = (stresses(run)[0][1:3] for run in runs)
+    assert np.median(np.abs(fe - iga)) < 1e-5  # at facets Lagrange stresses jump
+
+
+def yardstick(*overrides):
+    formulation = "contacts.interface.formulation={method='segments'}"
+    return run_scene(load_scene(Path("patch_test"), [formulation, *overrides]))
+
+
+def test_stress_map_and_line_of_an_exact_contact(backend):
+    result = yardstick(*(f"bodies.{body}.backend='{backend}'" for body in ("upper", "lower")))
+    plane = stress_map(result.system, "interface", result.displacement, 11)
+    assert plane.u[[0, -1]] == pytest.approx([0.0, 9.0])
+    assert plane.v[[0, -1]] == pytest.approx([0.0, 9.0])
+    for stress in plane.sigma_n.values():
+        assert stress == pytest.approx(np.full((11, 11), -1000.0), rel=1e-9)
+    line = result.stresses["interface"]["a"]
+    assert line.arc[-1] == pytest.approx(9 * np.sqrt(2))
+    pressure = pressure_along(result.system, "interface", result.displacement, 1e6 / 81, 46)
+    assert pressure == pytest.approx(np.full(91, 1000.0), rel=1e-8)
+
+
+def test_stress_map_is_the_stress_at_its_points():
+    scene = PatchTest(Greville()).scene("NURBS")
+    result = run_scene(replace(scene, analysis=replace(scene.analysis, samples=13)))
+    plane = stress_map(result.system, "interface", result.displacement, 13)
+    u, v = np.meshgrid(plane.u, plane.v)
+    for side, stress in result.stresses["interface"].items():
+        found = dict(zip(map(tuple, np.round(stress.x[:, :2], 6)), stress.sigma_n, strict=True))
+        points = zip(np.round(u.ravel(), 6), np.round(v.ravel(), 6), strict=True)
+        expected = [found[point] for point in points]
+        assert plane.sigma_n[side].ravel() == pytest.approx(expected, rel=1e-9)
+
+
+def test_stress_map_of_a_turned_contact_has_nothing_beside_it():
+    turn = "placement={axis=[0.0,0.0,1.0],angle=45.0}"
+    result = yardstick(*(f"bodies.{body}.{turn}" for body in ("upper", "lower")))
+    plane = stress_map(result.system, "interface", result.displacement, 41)
+    assert np.ptp(plane.u) == pytest.approx(9 * np.sqrt(2))
+    for stress in plane.sigma_n.values():
+        inside = np.isfinite(stress)
+        # A square on its corner fills half of the square around it.
+        assert inside.mean() == pytest.approx(0.5, abs=0.03)
+        assert stress[inside] == pytest.approx(np.full(inside.sum(), -1000.0), rel=1e-9)
+
+
+def slopes(study, mesh):
+    """Fitted and expected slope of every space."""
+    tables, _ = made(study, mesh)
+    expected = {row["space"]: -(row["c"] + 2) for row in tables["quadrature"]}
+    found = {row["what"].removeprefix("slope, "): row["ours"] for row in tables["numbers"]}
+    return [(found[space], expected[space]) for space in expected]
+
+
+@pytest.mark.convergence
+def test_error_falls_with_gauss_points_as_continuity_allows(monkeypatch):
+    spaces = {"NURBS": ((1, 0), (2, 1))}
+    monkeypatch.setattr("comparisons.paper.quadrature._SPACES", spaces)
+    for found, expected in slopes(replace(QUADRATURE, points=tuple(range(5, 25))), "NURBS"):
+        assert found == pytest.approx(expected, abs=0.3)
+
+
+@pytest.mark.convergence
+@pytest.mark.slow
+@pytest.mark.parametrize("mesh", ["NURBS", "hexahedra"])
+def test_error_falls_with_gauss_points_in_every_space(mesh):
+    found = slopes(QUADRATURE, mesh)
+    assert len(found) >= 4
+    for slope, expected in found:
+        assert slope == pytest.approx(expected, abs=0.3)
+
+
+@pytest.mark.grid(quick=1)
+@pytest.mark.parametrize("name", ["2", "11"])
+def test_settings_show_the_meshes_of_both_backends(name):
+    arrays = {mesh: figure(name, mesh)[1] for mesh in ("NURBS", "hexahedra")}
+    assert len(arrays["NURBS"]) == 12
+    for surface, corners in arrays["NURBS"].items():
+        middles = (cells.mean(axis=1) for cells in (corners, arrays["hexahedra"][surface]))
+        np.testing.assert_allclose(*middles, atol=1e-9)
+    ours = {row["what"]: row["ours"] for row in figure(name)[0]["numbers"]}
+    assert (ours["elements of a"], ours["elements of b"]) == {"2": (9, 25), "11": (25, 9)}[name]
+    assert ours["height of a"] == pytest.approx(4.5)
+    assert ours["Greville points of a"] == {"2": 25, "11": 49}[name]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["3", "7", "8", "9", "10", "12"])
+def test_ratios_are_as_the_paper_says(name):
+    tables, _ = figure(name)
+    assert all(row["ours"] < 1 for row in tables["numbers"])
+    for row in tables["patch_tests"]:
+        if name == "7":
+            assert row["b_over_a"] > 1
+        if name == "10" and row["paper"] is not None and row["paper"] > 1000:
+            assert row["oscillation"] == pytest.approx(row["paper"], rel=0.05), row["case"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mesh", ["hexahedra", "tetrahedra"])
+@pytest.mark.parametrize("name", ["3", "7", "8", "9", "10", "12"])
+def test_every_figure_can_be_made_of_lagrange_elements(name, mesh):
+    found = oscillations(name, mesh)
+    assert list(found) == list(FIGURES[name].on(mesh))
+    assert np.isfinite(list(found.values())).all()
