@@ -22,13 +22,7 @@ def used_surfaces(scene: SceneSpec, body: str) -> list[str]:
 
 
 def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
-    """Mesh of a body of Lagrange elements; of a mesh file, with the surfaces that are asked for.
-
-    Raises
-    ------
-    InputError
-        Naming a field of its geometry.
-    """
+    """Mesh of a body of Lagrange elements; of a mesh file, with the surfaces that are asked for."""
     if isinstance(spec.geometry, MeshFile):
         try:
             return spec.geometry.mesh(surfaces, spec.placement)

@@ -19,17 +19,7 @@ from scenes.spec.scene import SceneSpec
 
 @dataclass(frozen=True)
 class BodyParts:
-    """What a body is made of.
-
-    Parameters
-    ----------
-    spec
-        Its section of the scene without damping and rotation, which are pieces of the system.
-    loads
-        Loads that act on it.
-    surfaces
-        Surfaces that are read with a mesh from a file.
-    """
+    """What a body is made of."""
 
     spec: BodySpec
     loads: tuple[LoadSpec, ...] = ()
@@ -49,19 +39,7 @@ def body_parts(scene: SceneSpec, name: str) -> BodyParts:
 
 @dataclass(frozen=True)
 class PointParts:
-    """What the contact points of a half pass are made of, beside the two bodies.
-
-    Parameters
-    ----------
-    a, b
-        Sides as "body.surface"; the points lie on a.
-    formulation
-        Points and weights.
-    reach, max_missed
-        As of :class:`scenes.spec.contact.ContactSpec`.
-    full_pass
-        Whether the other half has its points on b.
-    """
+    """What the contact points of a half pass are made of, beside the two bodies."""
 
     a: str
     b: str
@@ -78,15 +56,7 @@ def point_parts(spec: ContactSpec, *, opposite: bool = False) -> PointParts:
 
 
 class Built[Part](dict[str, Part]):
-    """Bodies or contact points by name, with what each was made of.
-
-    Parameters
-    ----------
-    parts
-        The bodies, or the points.
-    made_of
-        What each was made of.
-    """
+    """Bodies or contact points by name, with what each was made of."""
 
     def __init__(self, parts: Mapping[str, Part], made_of: Mapping[str, Any]) -> None:
         super().__init__(parts)

@@ -60,13 +60,7 @@ def left_alone(scene: SceneSpec) -> str:
 
 
 def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
-    """Materials that no solid has in SI units, and bodies that are too large or too small.
-
-    Parameters
-    ----------
-    scene
-        The scene; one of other units, or without, is left alone.
-    """
+    """Materials that no solid has in SI units, and bodies that are too large or too small."""
     if left_alone(scene):
         return
     for name, body in scene.bodies.items():
@@ -100,17 +94,7 @@ def _doubtful_material(E: float, rho: float | None) -> Iterator[tuple[str, float
 
 
 def doubtful_motions(scene: SceneSpec, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
-    """Displacements larger than their body and strains that linear elasticity has no right to.
-
-    Parameters
-    ----------
-    scene
-        The scene; one of other units, or without, is left alone.
-    system
-        Its system; collective.
-    x
-        Unknowns in equilibrium, PETSc vector.
-    """
+    """Displacements larger than their body and strains that linear elasticity has no right to."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
         sample, full = body.volume_sample(1), system.displacement(x, name, everywhere=False)
         found = made_on_first(body.comm, partial(_motion, sample, full))
@@ -143,15 +127,7 @@ def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
 
 
 def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
-    """Pairs of bodies without a contact of which one has middles of cells in the other; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    bodies
-        Its bodies.
-    """
+    """Pairs of bodies without a contact, one with middles of cells in the other; collective."""
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
     boxes = {name: _box(bodies[name]) for name in {name for pair in pairs for name in pair}}

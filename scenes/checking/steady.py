@@ -62,13 +62,7 @@ def steady_warnings(
 
 
 def kept_state_warning(parameters: str) -> ResultWarning:
-    """What is told where such parameters change and the state is kept.
-
-    Parameters
-    ----------
-    parameters
-        In words.
-    """
+    """What is told where such parameters change and the state is kept."""
     return ResultWarning(
         STATE_KEPT,
         f"the state of steady sliding depends on {parameters}, and is kept in derivatives and "
@@ -220,15 +214,7 @@ class ClosedZone:
 
 
 def closed_zone(x: Floats, closure: Floats) -> ClosedZone | None:
-    """The closed zone of a contact; None where all of it is closed, or nothing.
-
-    Parameters
-    ----------
-    x
-        Its points (m), shape (n, dim).
-    closure
-        Closures there (m), shape (n,).
-    """
+    """The closed zone of a contact; None where all of it is closed, or nothing."""
     closed, still_open = x[closure > 0], x[closure <= 0]
     if not len(closed) or not len(still_open):
         return None
@@ -243,17 +229,7 @@ def closed_zone(x: Floats, closure: Floats) -> ClosedZone | None:
 def coarse_closed_zone(
     bodies: Mapping[str, BodySpec], contact: Contact, state: ContactState, halves: int
 ) -> Iterator[ResultWarning]:
-    """A closed zone that ends inside a contact and has too few elements across for its law.
-
-    Parameters
-    ----------
-    bodies
-        Bodies of the scene.
-    contact, state
-        A half pass and what it carries.
-    halves
-        Half passes of the contact, each of which has its share of the stiffness.
-    """
+    """A closed zone that ends inside a contact and has too few elements across for its law."""
     interface, half = contact.interface, contact.half
     zone = closed_zone(interface.points.x, state.closure)
     if zone is None:

@@ -70,15 +70,7 @@ problem is a relative stiffness of 6 in blocks and drum, of 1 in ring.
 
 
 def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWarning, ...]:
-    """Warnings of bodies and contacts, before anything is solved; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    contacts
-        Its contacts, both halves of each full pass.
-    """
+    """Warnings of bodies and contacts, before anything is solved; collective."""
     found = [w for name, body in scene.bodies.items() for w in volumetric_locking(name, body)]
     found += nodes_left_out(scene)
     if scene.analysis.kind == "cea":
@@ -199,19 +191,7 @@ def short_modes(
     shapes: Callable[[str, SurfaceCoordinates], Complexes],
     count: int,
 ) -> tuple[ResultWarning, ...]:
-    """Modes whose waves are too short for the elements of a contact; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    bodies
-        Its bodies.
-    shapes
-        Displacements of all modes at points of a surface "body.surface", (n, dim, modes).
-    count
-        Number of modes.
-    """
+    """Modes whose waves are too short for the elements of a contact; collective."""
     short, worst = np.zeros(count, dtype=bool), 0.0
     for spec in scene.contacts.values() if count else ():
         sides = {

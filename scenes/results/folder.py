@@ -57,14 +57,7 @@ class NewFolder:
 
 
 def check_out(out: Path, name: str = "out") -> None:
-    """Refuse a folder that cannot take a result, before the work; it is made where there is none.
-
-    Raises
-    ------
-    InputError
-        Under the name of the option, when it is a file, lies in one or cannot be written; or when
-        it holds a ``result.json`` that this program did not write.
-    """
+    """Refuse a folder that cannot take a result; it is made where there is none."""
     from scenes.results.record import PROVENANCE, read_record
 
     try:
@@ -85,22 +78,7 @@ def check_out(out: Path, name: str = "out") -> None:
 
 
 def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> None:
-    """Refuse a folder that cannot take the result of a run, or holds that of another scene.
-
-    Parameters
-    ----------
-    out
-        The folder, as of :func:`check_out`.
-    inputs
-        What the run is given; its scene or its matrices tell whose result it is.
-    overwrite
-        Whether the result of another scene may be lost.
-
-    Raises
-    ------
-    InputError
-        As :func:`check_out`; and when another scene's result, or another command's, stands there.
-    """
+    """Refuse a folder that cannot take the result of a run, or holds that of another scene."""
     from scenes.results.record import read_record
 
     check_out(out)
@@ -116,20 +94,7 @@ def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> N
 
 @contextmanager
 def new_folder(out: Path, *, root: bool = True) -> Iterator[NewFolder]:
-    """A folder to fill, whose files take the place of an earlier result when the block has ended.
-
-    Parameters
-    ----------
-    out
-        The folder.
-    root
-        Whether this rank writes; others fill nothing.
-
-    Raises
-    ------
-    WriteError
-        When files cannot be written; an earlier result then stays as it was.
-    """
+    """A folder to fill, whose files take the place of an earlier result at the end."""
     new = NewFolder(out / f".{node()}.{os.getpid()}{_PART}", out)
     if not root:
         yield new

@@ -77,13 +77,7 @@ def record(
     seconds: float,
     warnings: Iterable[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
-    """What a command computed, plain data, with all that tells where it comes from.
-
-    Raises
-    ------
-    InputError
-        When a field of the data has a name of the provenance.
-    """
+    """What a command computed, plain data, with all that tells where it comes from."""
     taken = [name for name in data if name in PROVENANCE]
     if taken:
         raise InputError("data", taken, f"other names than {', '.join(PROVENANCE)}")
@@ -108,13 +102,7 @@ def write_record(data: Mapping[str, Any], file: Path) -> Path:
 
 
 def as_json(data: Mapping[str, Any], *, compact: bool = False) -> str:
-    """Plain data as the text of a record; compact, without spaces and lines.
-
-    Raises
-    ------
-    InputError
-        When something is not a number.
-    """
+    """Plain data as the text of a record; compact, without spaces and lines."""
     layout: dict[str, Any] = {"separators": (",", ":")} if compact else {"indent": 1}
     return json.dumps(_in_json(data), allow_nan=False, **layout)
 

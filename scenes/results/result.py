@@ -422,7 +422,7 @@ def _there[T](value: T | None, name: str, allowed: str) -> T:
 
 
 def steady_lines(data: Mapping[str, Any]) -> list[str]:
-    """Lines for people of a state as its record has it: half passes in each load step, and at last."""
+    """Lines of a state as its record has it: half passes in each load step, and at last."""
     steps = [
         f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
         for step in data["path"]

@@ -113,13 +113,7 @@ def displacements_at(
     vectors: Complexes,
     **options: Any,
 ) -> Complexes:
-    """:func:`gathered_displacements` of a body, or of a surface "body.surface".
-
-    Raises
-    ------
-    InputError
-        When there is no such place.
-    """
+    """:func:`gathered_displacements` of a body, or of a surface "body.surface"."""
     body, _, name = place.partition(".")
     if body not in system.bodies:
         raise InputError("place", place, f"one of {', '.join(system.bodies)}")

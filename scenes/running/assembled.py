@@ -174,17 +174,7 @@ class AssembledScene:
     def warnings(
         self, modes: Modes, max_frequency: float, values: Mapping[str, float]
     ) -> tuple[ResultWarning, ...]:
-        """What modes up to a frequency must be read with, solved at other parameters; collective.
-
-        Parameters
-        ----------
-        modes
-            Modes of its pencil, perhaps of a longer window.
-        max_frequency
-            Frequency (Hz) up to which they count.
-        values
-            Parameters of the pencil that differ from their own values.
-        """
+        """What modes up to a frequency (Hz) must be read with at other parameters; collective."""
         scene = at_parameters(self.scene, self._driver.pencil, values)
         inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
         known = self._system, self.interfaces, StageTimer()

@@ -52,11 +52,6 @@ def enriched_scene(scene: Scene) -> Scene:
     In the plane elements are bisected; in space they get a degree more, and NURBS a continuous
     derivative more too. What has no degree more is bisected, what has no elements along directions
     gets a degree more.
-
-    Raises
-    ------
-    InputError
-        When the cells of a file have elements of the highest degree already.
     """
     bodies = {name: _body(name, body, _way(body)) for name, body in scene.bodies.items()}
     return replace(scene, bodies=bodies)

@@ -21,18 +21,7 @@ from scenes.spec.reading import Scene
 
 
 def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolongation:
-    """Prolongation from the unknown displacements of a scene to those of a finer one; collective.
-
-    Parameters
-    ----------
-    coarse, fine
-        Bodies of the scenes by name, on the same backends.
-
-    Raises
-    ------
-    InputError
-        When bodies differ in name, shape or backend.
-    """
+    """Prolongation from the free displacements of a scene to those of a finer one; collective."""
     if list(coarse) != list(fine):
         raise InputError("bodies", list(fine), f"those of the coarse scene: {', '.join(coarse)}")
     return of_system([of_body(coarse[name], fine[name]) for name in fine])

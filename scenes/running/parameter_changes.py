@@ -25,22 +25,7 @@ _ROUNDING = 1e-12
 
 
 def parameters_changed(pencil: Pencil, old: Scene, new: Scene) -> dict[str, float] | None:
-    """Parameters of a pencil at which it is that of another scene.
-
-    Parameters
-    ----------
-    pencil
-        The pencil.
-    old
-        The scene that it is of.
-    new
-        The other scene.
-
-    Returns
-    -------
-    dict or None
-        By name; None where scenes differ in anything else.
-    """
+    """Parameters of a pencil at which it is that of another scene."""
     values: dict[str, float] = {}
     old, new = _in_factors(old, old.bodies), _in_factors(new, new.bodies)
     for path, before, after in differences(old, new):
@@ -71,25 +56,7 @@ def _in_factors(scene: Scene, names: Iterable[str]) -> Scene:
 
 
 def at_parameters(scene: Scene, pencil: Pencil, values: Mapping[str, float]) -> Scene:
-    """The scene whose pencil is that of another one at some parameters.
-
-    Parameters
-    ----------
-    scene
-        The scene of the pencil.
-    pencil
-        The pencil.
-    values
-        Parameters that differ from their own values; those that are factors on fields which are no
-        numbers, or P on p, multiply these.
-
-    Raises
-    ------
-    SceneError
-        When a field may not have the value.
-    InputError
-        When there is no such parameter.
-    """
+    """The scene whose pencil is that of another one at some parameters."""
     scene = _in_factors(scene, {path.split(".")[1] for path in values if ".damping." in path})
     changes: dict[str, Any] = {}
     for name, value in values.items():

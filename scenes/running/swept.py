@@ -58,24 +58,7 @@ def _begins_like(name: str, pattern: str) -> bool:
 
 
 def parameters_meant(pencil: Pencil, name: str, bonded: Iterable[str] = ()) -> list[str]:
-    """Parameters of a pencil that a name means.
-
-    Parameters
-    ----------
-    pencil
-        The pencil.
-    name
-        A path, with asterisks for any name; or ``mu`` and ``P`` of every contact that can slide,
-        ``E`` and ``rho`` of every body, ``alpha``, ``beta`` and ``Omega`` of those that have such
-        damping or rotate.
-    bonded
-        Contacts that cannot slide.
-
-    Raises
-    ------
-    InputError
-        When there is none; it says what to do instead.
-    """
+    """Parameters of a pencil that a name means."""
     pattern = _SHORT.get(name, name)
     aside = {f"contacts.{each}." for each in bonded} if name in _SHORT else set()
     found = [
@@ -91,20 +74,7 @@ def parameters_meant(pencil: Pencil, name: str, bonded: Iterable[str] = ()) -> l
 
 
 def stiffnesses_meant(contacts: Mapping[str, ContactSpec], name: str) -> dict[str, float]:
-    """The p of each contact whose p a name means: P is proportional to it.
-
-    Parameters
-    ----------
-    contacts
-        The contacts of a scene, by their names.
-    name
-        A path, with asterisks for any name, or ``p`` of every contact that can slide.
-
-    Raises
-    ------
-    InputError
-        When the scene gives one of them otherwise than as a number.
-    """
+    """The p of each contact whose p a name means: P is proportional to it."""
     pattern, found = _SHORT.get(name, name), {}
     for each, spec in contacts.items():
         path = f"contacts.{each}.p"

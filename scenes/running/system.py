@@ -79,17 +79,7 @@ def _linearised(scene: Scene, system: CoupledSystem, timer: StageTimer) -> Coupl
 def system_warnings(
     scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
 ) -> tuple[ResultWarning, ...]:
-    """What bodies, contacts, their forms and steady sliding must be read with; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    system
-        Its system, or that of a scene that has other parameters.
-    values
-        Parameters at which the pencil of the system is that of the scene.
-    """
+    """What bodies, contacts, their forms and steady sliding must be read with; collective."""
     found = (
         *doubtful_numbers(scene),
         *overlapping_bodies(scene, system.bodies),

@@ -18,13 +18,7 @@ _BY_NAME = ("bodies", "contacts")
 
 
 def set_by_text(data: dict[str, Any], override: str) -> None:
-    """Set a field of plain data by "path.to.field=value" with a TOML value.
-
-    Raises
-    ------
-    InputError
-        When there is no value, or no such place.
-    """
+    """Set a field of plain data by "path.to.field=value" with a TOML value."""
     path, equals, text = override.partition("=")
     if not equals:
         raise InputError("--set", override, "path.to.field=value")
@@ -70,13 +64,7 @@ def set_at(data: dict[str, Any], path: str, value: Any) -> None:
 
 
 def parts_of(path: str) -> list[Part]:
-    """Names and numbers of a path.
-
-    Raises
-    ------
-    InputError
-        When it is none.
-    """
+    """Names and numbers of a path."""
     parts: list[Part] = []
     for step in path.split("."):
         match = _STEP.fullmatch(step.strip())

@@ -32,14 +32,7 @@ do not stand there where they have their defaults."""
 
 
 def as_data(section: Any) -> Any:
-    """A scene or a section of one as nested dictionaries, as :func:`dataclasses.asdict` gives it.
-
-    Parameters
-    ----------
-    section
-        Dataclasses, and tables and lists of them. Some fields are left out where they have their
-        defaults.
-    """
+    """A scene or a section of one as nested dictionaries, as ``dataclasses.asdict`` gives it."""
     if is_dataclass(section):
         later = _LATER.get(type(section).__name__, set())
         return {
@@ -55,13 +48,7 @@ def as_data(section: Any) -> Any:
 
 
 def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
-    """Nested dictionaries as what they should be.
-
-    Raises
-    ------
-    SceneError
-        With one line for each fault.
-    """
+    """Nested dictionaries as what they should be."""
     try:
         content = json.dumps(data, default=_plain, ensure_ascii=False).encode()
     except (TypeError, ValueError, RecursionError) as error:

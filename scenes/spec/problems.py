@@ -48,17 +48,7 @@ class SceneError(ValueError):
 
 
 def problems(error: ValidationError, data: Any, schema: Node) -> list[InputError]:
-    """Faults that pydantic found, each under its own field.
-
-    Parameters
-    ----------
-    error
-        What pydantic raised.
-    data
-        The plain data that it read.
-    schema
-        JSON Schema of what they should be, for names that were probably meant.
-    """
+    """Faults that pydantic found, each under its own field."""
     found: dict[str, InputError] = {}
     for detail in error.errors(include_url=False):
         for fault in _faults_of(detail, data, schema):
