@@ -1,22 +1,17 @@
 """Every field of a scene, changed after it was assembled: as in a fresh run, or refused."""
 
-from dataclasses import dataclass, field, fields, is_dataclass
+from dataclasses import dataclass, field, is_dataclass
 from math import inf
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin
 
 import numpy as np
 import pytest
 from changed_scenes import SCENES, scene_of
-from mpi import on_ranks
-from same_numbers import assert_same
 
 from cea.errors import InputError
 from scenes import assemble, run_modes
-from scenes.spec.analysis import StaticAnalysis
-from scenes.spec.paths import parts_of
 from scenes.spec.plain import as_data
 from scenes.spec.problems import SceneError
-from scenes.spec.scene import SceneSpec
 
 UPPER, LOWER, CONTACT = "bodies.upper", "bodies.lower", "contacts.interface"
 OUTER, INNER = "bodies.outer", "bodies.inner"
@@ -305,67 +300,3 @@ def dataclasses_of(hint):
     elif get_origin(hint) is not Literal:
         for part in get_args(hint):
             yield from dataclasses_of(part)
-
-
-def fields_of_scenes():
-    """Every field that a scene can have, by class and name.
-
-    Of shapes and formulations, which builders are given whole, those of the scenes of this test.
-    """
-    wanted, found = [SceneSpec], {}
-    variants = {type(each) for name in SCENES for each in _variants(scene_of(name, "fe"))}
-    while wanted:
-        owner = wanted.pop()
-        if owner in found or owner is StaticAnalysis:
-            continue
-        hints = get_type_hints(owner, include_extras=False)
-        found[owner] = [f.name for f in fields(owner) if not _names_the_class(hints[f.name])]
-        for name in found[owner]:
-            if name in ("geometry", "formulation"):
-                wanted += variants
-            else:
-                wanted += dataclasses_of(hints[name])
-    return {(owner.__name__, name) for owner, names in found.items() for name in names}
-
-
-def _variants(scene):
-    return [
-        *(body.geometry for body in scene.bodies.values()),
-        *(contact.formulation for contact in scene.contacts.values()),
-    ]
-
-
-def _names_the_class(hint):
-    """Whether a field has one value, by which a class is told from others."""
-    return get_origin(hint) is Literal and len(get_args(hint)) == 1
-
-
-def changed_by(row):
-    """Fields that a row changes, by class and name; entries of tables and lists are of these."""
-    for path in row.changes:
-        owner, owned = scene_before(row), None
-        for part in parts_of(path):
-            if is_dataclass(owner):
-                owned = "SceneSpec" if isinstance(owner, SceneSpec) else type(owner).__name__, part
-                owner = getattr(owner, part)
-            else:
-                owner = owner.get(part) if isinstance(owner, dict) else owner[int(part)]
-        yield owned
-
-
-def test_quick_rows_change_every_field_of_a_scene():
-    """A field that came later needs a row of its own."""
-    changed = {each for row in ROWS if row.quick for each in changed_by(row)}
-    there = fields_of_scenes()
-    assert there - changed == set()
-    assert changed <= there
-    assert len(there) > 60
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize(
-    ("ranks", "backends"), [(2, ("fe", "iga")), pytest.param(3, ("fe",), marks=pytest.mark.slow)]
-)
-def test_ranks_find_the_same_changes(ranks, backends):
-    found, expected = (on_ranks(n, "changed_scenes.changed_numbers", *backends) for n in (ranks, 1))
-    assert_same(found, expected, rel=1e-9)

@@ -17,7 +17,6 @@ from curved_scenes import (
     rings,
     shaft,
 )
-from mpi import on_ranks
 
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, build_interfaces
@@ -71,22 +70,6 @@ def test_rings_meet_the_pressure_of_lame(degree, elements, formulation):
     assert result.warnings == () or formulation is SEGMENTS
 
 
-@pytest.mark.convergence
-@pytest.mark.parametrize(("degree", "order"), [(1, 2), (2, 4), (3, 6)])
-def test_forces_of_rings_converge_as_energies_do(degree, order):
-    """Order 2p of the normal force; the peak is a pressure at a point, of order 1 at least."""
-    sizes = np.array([1, 2, 4])
-    expected, errors, peaks = lame(), [], []
-    for k in sizes:
-        _, state, _ = pressed(rings(degree, ((k, 12 * k), (k, 8 * k)), mu=0.0))
-        errors.append(abs(state.normal_force / normal_force(expected) - 1))
-        peaks.append(abs(state.pressure.max() / expected - 1))
-    assert np.polyfit(np.log(sizes), np.log(errors), 1)[0] < -(order - 0.4)
-    assert np.polyfit(np.log(sizes), np.log(peaks), 1)[0] < -1
-    assert errors[-1] < {1: 2e-4, 2: 1e-6, 3: 1e-8}[degree]
-    assert peaks[-1] < {1: 4e-3, 2: 1e-4, 3: 2e-4}[degree]
-
-
 @pytest.mark.parametrize("degree", [1, 2])
 def test_gaps_that_a_mesh_file_cannot_tell_count_as_zero(degree, tmp_path):
     """Rings touch; their normal force is right, and it is said that nobody knows that they do."""
@@ -107,22 +90,3 @@ def test_a_clearance_below_the_error_of_a_mesh_file_is_told(tmp_path):
     found = kinds(result)
     assert found["gaps-as-zero"]["geometry_error"] > 2e-5
     assert found["geometry-error"]["relative"] > 1
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_states_do_not_depend_on_the_number_of_ranks(ranks, tmp_path):
-    in_files(rings(2, ((1, 12), (1, 8))), tmp_path)
-    found, expected = (
-        on_ranks(n, "curved_scenes.on_any_number_of_ranks", str(tmp_path)) for n in (ranks, 1)
-    )
-    for name, numbers in expected.items():
-        assert found[name]["force"] == pytest.approx(numbers["force"], rel=1e-9)
-        np.testing.assert_allclose(found[name]["pressure"], numbers["pressure"], rtol=1e-6)
-        assert found[name]["warnings"].keys() == numbers["warnings"].keys()
-        for kind, data in numbers["warnings"].items():
-            other = found[name]["warnings"][kind]
-            assert other["contact"] == data["contact"] == "s"
-            for key in data.keys() - {"contact", "half"}:
-                assert other[key] == pytest.approx(data[key], rel=1e-6)
-    assert expected["shapes"]["force"] == pytest.approx(normal_force(lame()), rel=1e-3)

@@ -5,7 +5,6 @@ import pytest
 from covering import covering
 from damped_numbers import damped_disc
 from dense_damped_modes import assert_modes_are_dense
-from mpi import on_ranks
 from pressed import pressed_blocks
 
 from scenes import run_modes
@@ -53,42 +52,6 @@ def test_changes_need_no_assembly(assembled, change, monkeypatch):
     np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
 
 
-@pytest.fixture(scope="module")
-def with_left_vectors(assembled):
-    """Modes of that scene with left vectors."""
-    return assembled.modes(left=True).modes
-
-
-QUICK = {
-    "bodies.pad.damping.beta",
-    "bodies.disc.rotation.rate",
-    "contacts.interface.sliding.pressure",
-}
-VELOCITY_PARAMETERS = {
-    *QUICK,
-    "bodies.pad.damping.alpha",
-    "bodies.disc.damping.alpha",
-    "bodies.disc.damping.beta",
-    "contacts.interface.sliding.mu_slope",
-    "contacts.interface.sliding.speed",
-}
-"""Parameters that act on velocities."""
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=() if name in QUICK else pytest.mark.slow)
-        for name in sorted(VELOCITY_PARAMETERS)
-    ],
-)
-def test_sensitivities_are_differences(assembled, with_left_vectors, name):
-    value = with_left_vectors.values[name]
-    step = 1e-4 * abs(value)
-    ends = [assembled._driver.solve(0.3, {name: value + s * step}) for s in (1, -1)]
-    slopes = (ends[0].eigenvalues - ends[1].eigenvalues) / (2 * step)
-    size = np.abs(slopes).max()
-    np.testing.assert_allclose(with_left_vectors.sensitivity(name), slopes, atol=1e-4 * size)
 
 
 def test_matrices_are_named(assembled):
@@ -144,50 +107,3 @@ def test_the_pressure_is_that_of_steady_sliding(backend):
 def test_what_cannot_be_is_refused(change, named):
     with pytest.raises(SceneError, match=named):
         read_scene(damped_disc("iga")).change(change)
-
-
-def test_sliding_cannot_turn_in_the_plane():
-    data = damped_disc("iga")
-    ring = {"shape": "ring", "inner_radius": 0.5, "outer_radius": 1.0}
-    inner = {"shape": "ring", "inner_radius": 0.2, "outer_radius": 0.5}
-    for body, geometry in (("disc", ring), ("pad", inner)):
-        data["bodies"][body] |= {"geometry": geometry, "supports": []}
-        data["bodies"][body]["mesh"] = {"iga": {"degree": [2, 2], "elements": [1, 8]}}
-    data["contacts"]["interface"] |= {"a": "pad.outer", "b": "disc.inner"}
-    with pytest.raises(SceneError, match=r"contacts\.interface\.sliding\.speed"):
-        read_scene(data)
-    del data["contacts"]["interface"]["sliding"]["speed"]
-    read_scene(data)
-
-
-def kinds(assembled, change):
-    return {warning.kind for warning in assembled.modes(change).warnings}
-
-
-def test_rotation_and_friction_that_disagree_are_told(assembled):
-    """Friction pushes the pad along the motion of the disc under it, not against it."""
-    assert "against-rotation" not in kinds(assembled, {})
-    turned = {"contacts.interface.friction_direction_on_a.circumferential_about": [0.0, 0.0, -1.0]}
-    assert "against-rotation" in kinds(assembled, turned)
-    turned["bodies.disc.rotation.axis"] = [0.0, 0.0, -1.0]
-    assert "against-rotation" not in kinds(assembled, turned)
-    turned |= {"contacts.interface.mu": 0.0, "contacts.interface.sliding": None}
-    del turned["bodies.disc.rotation.axis"]
-    assert "against-rotation" not in kinds(assembled, turned)
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize(
-    ("ranks", "backend"),
-    [
-        (2, "iga"),
-        pytest.param(2, "fe", marks=pytest.mark.slow),
-        pytest.param(3, "fe", marks=pytest.mark.slow),
-        pytest.param(3, "iga", marks=pytest.mark.slow),
-    ],
-)
-def test_numbers_do_not_depend_on_the_ranks(ranks, backend):
-    alone, together = (on_ranks(n, "damped_numbers.of_backend", backend) for n in (1, ranks))
-    assert alone["asymmetry"] == together["asymmetry"] == 0
-    for key in ("norms", "re", "im"):
-        np.testing.assert_allclose(together[key], alone[key], rtol=1e-9, atol=1e-9)

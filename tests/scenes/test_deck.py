@@ -1,14 +1,10 @@
 """Decks of CalculiX and Abaqus: read back by their keywords."""
 
-import sys
-from pathlib import Path
-
 import decks
 import numpy as np
 import pytest
 from deck_scenes import ELEMENTS, alone, in_contact
 
-from comparisons.cli.app import main
 from scenes import run_modes
 from scenes.export.decks.bodies import deck_bodies
 from scenes.export.decks.write import write_deck
@@ -69,29 +65,6 @@ def check_middles(x, elements, kind):
             assert np.allclose(x[middle], expected, atol=1e-15)
 
 
-@pytest.mark.parametrize("name", ELEMENTS)
-def test_surfaces_are_whole_and_their_nodes_are_the_sets(name, tmp_path):
-    deck = decks.cards(write_deck(alone(*ELEMENTS[name]), tmp_path)[1])
-    x = decks.nodes(deck)
-    faces = decks.faces(deck, "part-outer", "part")
-    members = decks.members(deck, "part-outer")
-    assert {n for face in faces for n in face} <= members
-    radii = [np.hypot(*x[n][:2]) for face in faces for n in face]
-    assert np.allclose(radii, 0.2)
-    sides = 16 if "CPE" in name else 12
-    around = sides * 2 * 0.2 * np.sin(np.pi / sides)
-    sizes = [size(np.array([x[n] for n in face])) for face in faces]
-    assert sum(sizes) == pytest.approx(around if "CPE" in name else around * 0.05)
-
-
-def size(corners):
-    """Length of an edge, area of a flat triangle or quadrilateral."""
-    if len(corners) == 2:
-        return np.linalg.norm(corners[1] - corners[0])
-    diagonals = corners[2] - corners[0], corners[-1] - corners[1]
-    return np.linalg.norm(np.cross(*diagonals)) / 2
-
-
 def test_a_contact_has_the_stiffness_and_the_sides_of_the_scene(written):
     _, (_, *both) = written
     for deck in both:
@@ -118,29 +91,3 @@ def test_a_model_read_back_is_the_body_that_was_written(written, tmp_path):
     again = decks.cards(write_deck(scene, tmp_path)[0])
     assert len(decks.nodes(again)) == len(decks.nodes(deck))
     assert decks.faces(again, "pad-bottom", "pad") != []
-
-
-def test_the_command_names_what_it_wrote_or_what_is_wrong(tmp_path, monkeypatch, capsys):
-    mesh = 'mesh.fe={cell="hexahedron", degree=1, elements=[3, 16, 1]}'
-    command = [
-        "cea",
-        "scene",
-        "export",
-        "disc",
-        "--out",
-        str(tmp_path),
-        "--set",
-        f"bodies.disc.{mesh}",
-    ]
-    for more, code in ((["--backend", "fe", "--modes", "7"], 0), ([], 1)):
-        monkeypatch.setattr(sys, "argv", [*command, *more])
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert (end.value.code or 0) == code
-    told = capsys.readouterr()
-    files = [Path(line) for line in told.out.splitlines()]
-    assert sorted(files) == sorted(tmp_path.iterdir())
-    assert len(files) == 3
-    (frequency,) = decks.of(decks.cards(tmp_path / "disc_calculix.inp"), "FREQUENCY")
-    assert frequency.rows == [["7"]]
-    assert told.err.startswith("error: bodies.disc.backend = 'iga'")

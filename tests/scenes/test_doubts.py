@@ -1,17 +1,12 @@
 """Doubts about the input come with every run, and never with scenes that are meant as they are."""
 
-from pathlib import Path
-
 import pytest
 from doubtful_scenes import STEEL, TONNES, bar, kinds, pulled, two_bars
 
 from scenes import run_scene
 from scenes.checking.check import inspect_scene
 from scenes.checking.doubts import doubtful_numbers
-from scenes.spec.files import scene_names
-from scenes.spec.reading import load_scene, read_scene
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
+from scenes.spec.reading import read_scene
 
 
 def test_steel_in_tonnes_and_millimetres_is_told_by_every_run(backend):
@@ -91,10 +86,3 @@ def test_scenes_without_units_say_so_once_and_are_left_alone(backend):
         "doubtful-units",
         "doubtful-size",
     ]
-
-
-@pytest.mark.parametrize(
-    "name", [*scene_names(), EXAMPLES / "hub_pad.toml", EXAMPLES / "two_pads.toml"]
-)
-def test_scenes_of_the_project_raise_no_doubt(name):
-    assert list(doubtful_numbers(load_scene(name))) == []

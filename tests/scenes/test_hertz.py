@@ -10,7 +10,7 @@ there, far from the rim, falls faster than what the law yields.
 
 import numpy as np
 import pytest
-from hertz_scenes import CYLINDER, FINE, SPHERE, closed_form, radius_of, rate, refined
+from hertz_scenes import CYLINDER, FINE, closed_form, radius_of, rate, refined
 
 from scenes import load_scene
 
@@ -42,15 +42,3 @@ def test_a_cylinder_on_a_block(backend):
     check_orders(found, row, CYLINDER)
     assert abs(found["radius"][-1]) < 5e-4
     assert abs(found["peak"][-1]) < 5e-4
-
-
-@pytest.mark.slow
-@pytest.mark.convergence
-def test_a_sphere_on_a_block(backend):
-    """Lagrange elements of one size have four times the functions of splines on a surface."""
-    row = {"fe": (2, 3, 4, 5), "iga": (4, 6, 8, 10)}[backend]
-    gpts = {"method": "gpts", "points": 3}
-    found = refined(SPHERE, backend, row, first_c_n=row[0] * 1.25e13, formulation=gpts)
-    check_orders(found, row, SPHERE)
-    assert abs(found["radius"][-1]) < 0.02
-    assert abs(found["peak"][-1]) < 0.03

@@ -8,7 +8,6 @@ from wrong_scenes import changed, coarse
 from scenes import run_modes
 from scenes.checking import check as inspection
 from scenes.checking.check import gaps, inspect_scene, told
-from scenes.checking.steps import needed_by, skipped_by
 from scenes.pictures.scene import draw_scene
 from scenes.spec.reading import load_scene, read_scene
 
@@ -83,19 +82,6 @@ def test_gaps_are_those_of_the_geometry(backend):
     wider = inspect_scene(scene.change("contacts.pad_disc.added_gap", 1e-4))
     (wide,) = wider.halves.values()
     np.testing.assert_allclose(gaps(wide), found + 1e-4, atol=1e-15)
-
-
-def test_steps_and_what_is_left_out_do_not_overlap(backend):
-    for base in ("disc_pad", "crowned_pad", "disc_pad_damped", "patch_test", "disc"):
-        scene = load_scene(base, backend=backend)
-        needed, skipped = needed_by(scene), skipped_by(scene)
-        assert not needed.keys() & skipped.keys()
-        assert all(needed.values())
-        steps = {"meshing", "search", "friction", "newton"}
-        if scene.analysis.kind == "cea":
-            steps |= {"damping", "gyroscopic"}
-        assert steps <= needed.keys() | skipped.keys()
-        assert ("eigenvalues" in needed) == (scene.analysis.kind == "cea") == ("mass" in needed)
 
 
 @pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])

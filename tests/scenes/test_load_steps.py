@@ -5,9 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 import pyvista
-from mpi import on_ranks
 from pressed import AREA, PRESSURE, pressed_blocks
-from same_numbers import assert_same
 
 from cea.errors import ConvergenceError
 from cea.system.sliding_newton import Iteration, SlidingNewton
@@ -108,19 +106,6 @@ def test_every_step_is_a_time_in_paraview(result, tmp_path):
         assert np.abs(upper["displacement"]).max() == pytest.approx(np.abs(u).max(), rel=0.3)
 
 
-def test_prescribed_displacements_grow_with_the_steps(backend, tmp_path):
-    data = pressed_blocks(backend, GPTS, kind="static", c_n=10.0, mu=0.0) | {"loads": []}
-    data["bodies"]["upper"]["supports"] = [{"surface": "z_max", "value": [0.0, 0.0, -1e-3]}]
-    data["analysis"]["load_steps"] = 4
-    result = run_scene(read_scene(data))
-    forces = [step.state.contacts["interface"].normal_force for step in result.steady.path]
-    assert forces == pytest.approx([forces[-1] * part for part in (0.25, 0.5, 0.75, 1.0)])
-    reader = pyvista.get_reader(write_load_steps(result, tmp_path)[0])
-    for factor in reader.time_values:
-        reader.set_active_time_value(factor)
-        assert reader.read()[0]["displacement"][:, 2].min() == pytest.approx(-1e-3 * factor)
-
-
 @pytest.mark.parametrize(
     "steps",
     [0, -1, 1001, 2.5, [], [0.5], [0.0, 1.0], [0.5, 0.5, 1.0], [0.5, 1.5], [1.0, 0.5], "many"],
@@ -132,18 +117,3 @@ def test_what_are_no_steps_is_refused(backend, steps):
     if isinstance(steps, list):
         with pytest.raises(ValueError, match="rise"):
             check_steps(steps, "steps")
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize(
-    ("ranks", "backend"),
-    [
-        (2, "iga"),
-        pytest.param(2, "fe", marks=pytest.mark.slow),
-        pytest.param(3, "fe", marks=pytest.mark.slow),
-        pytest.param(3, "iga", marks=pytest.mark.slow),
-    ],
-)
-def test_ranks_find_the_same_history(ranks, backend):
-    found, expected = (on_ranks(n, "prestress_numbers.history", backend) for n in (ranks, 1))
-    assert_same(found, expected, rel=1e-8)

@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from external_data import external
 from matrix_files import dense, inside, pieces, scene, write
-from mpi import on_ranks
 from scipy.io import mmwrite
 from scipy.sparse import csr_array, diags_array
 
@@ -69,23 +67,6 @@ def test_sums_are_those_of_the_formulas_to_the_last_bits(result):
     C = 1.5 * made["D"] + 2 * made["G"]
     for name, true in {"M": made["M"], "C": C, "K": K}.items():
         np.testing.assert_allclose(sums[name].toarray(), true, rtol=0, atol=1e-15 * abs(true).max())
-
-
-def test_other_parameters_need_no_reading(folder):
-    made = write(folder, pieces())
-    assembled = AssembledMatrices(read_matrix_scene(scene(made)))
-    (made / "K.npz").rename(made / "away.npz")
-    try:
-        for speed in (0.5, 3.0):
-            found = assembled.modes({"parameters.v": speed}).eigenvalues
-            np.testing.assert_allclose(found, inside(dense(pieces(), speed)), rtol=1e-9)
-    finally:
-        (made / "away.npz").rename(made / "K.npz")
-    with pytest.raises(InputError, match="stiffness"):
-        assembled.modes({"stiffness.K": 2.0})
-    with pytest.raises(SceneError, match=r"parameters\.v"):
-        assembled.modes({"parameters.v": "fast"})
-    assembled.free()
 
 
 def test_what_is_symmetric_to_rounding_is_taken_so_and_told(tmp_path):
@@ -202,48 +183,6 @@ def test_a_mass_is_singular_or_not_whatever_its_units(tmp_path):
     data = read_matrix_scene(chain(tmp_path, mass=0.5 * (singular + singular.T)))
     with pytest.raises(InputError, match="positive definite"):
         run_matrices(data)
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_answers_do_not_depend_on_the_number_of_ranks(ranks, folder, result):
-    told = on_ranks(ranks, "matrix_files.on_this_many_ranks", str(folder))
-    found = np.array(told["re"]) + 1j * np.array(told["im"])
-    np.testing.assert_allclose(found, result.eigenvalues, rtol=1e-9)
-    assert told["verdicts"] == result.modes.verdicts()
-    assert told["pieces"] == {name: piece.plain() for name, piece in result.pieces.items()}
-    sums = {name: float(abs(matrix).sum()) for name, matrix in result.matrices().items()}
-    assert told["sums"] == pytest.approx(sums, rel=1e-13)
-
-
-PUBLISHED = """
-    119.2+26260i  74.83+17400i  5.474+4932i  0.5738+36380i  9.587e-5+5131i  -0.04333+10090i
-    -1.122+1409i  -1.433+3521i  -1.834+3337i  -1.913+16340i  -2.367+4038i  -3.983+39190i
-    -6.571+22890i
-"""
-
-
-def rounded(value):
-    """A number to four digits."""
-    return f"{value:.3e}"
-
-
-@pytest.fixture(scope="module")
-def brake():
-    folder = external("tu_berlin_brake")
-    return run_matrices(load_matrices("tu_berlin", data=folder))
-
-
-@pytest.mark.slow
-def test_published_eigenvalues_of_the_brake_to_every_printed_digit(brake):
-    """All thirteen of Re in [-10, 1000], Im in [-50, 42000], five of them unstable, none extra."""
-    published = [complex(text.replace("i", "j")) for text in PUBLISHED.split()]
-    printed = sorted((rounded(v.real), rounded(v.imag)) for v in published)
-    found = sorted((rounded(v.real), rounded(v.imag)) for v in brake.eigenvalues)
-    assert found == printed
-    assert brake.modes.window.complete
-    assert brake.modes.verdicts(0.0).count("unstable") == 5
-    assert "undecided" not in brake.modes.verdicts(0.0)
 
 
 def chains(folder, **parameters):

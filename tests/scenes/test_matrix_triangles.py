@@ -5,7 +5,6 @@ import pytest
 from scipy.sparse import csr_array, diags_array, save_npz, tril
 
 from cea.errors import InputError
-from scenes.matrices.reading import read_matrix
 from scenes.running.matrices import run_matrices
 from scenes.spec.matrices import read_matrix_scene
 
@@ -83,24 +82,3 @@ def test_files_of_abaqus_with_labels(tmp_path, header):
 def test_files_of_abaqus_with_coordinates(tmp_path):
     M, K = coordinates(MASS, tmp_path / "M.mtx"), coordinates(CHAIN, tmp_path / "K.mtx")
     np.testing.assert_allclose(frequencies(scene(M, K)), CLOSED_FORM, rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("1,1,1,1\n", "lines of 3 or 5 numbers"),
-        ("nothing of the kind\n", "nor lines of Abaqus"),
-        ("1 1 1.0\n2 2\n", "nor lines of Abaqus"),
-        ("0 1 1.0\n", "counted from 1"),
-        ("1.5 1 1.0\n", "whole numbers"),
-        ("2 2 3\n1 1 1.0\n1 2 1.0\n2 2 1.0\n", "each entry once"),
-        ("nan 1 1.0\n", "whole numbers"),
-        ("1,1,1,1,inf\n", "finite numbers"),
-        ("999999999 1 1.0\n", "rows, not 999999999"),
-        ("** nothing\n", "nor lines of Abaqus|a matrix|lines of 3 or 5"),
-    ],
-)
-def test_what_is_refused(tmp_path, text, words):
-    (tmp_path / "a.mtx").write_text(text)
-    with pytest.raises(InputError, match=words):
-        read_matrix(tmp_path / "a.mtx", field="files.K")

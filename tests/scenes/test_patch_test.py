@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import pytest
-from covering import covering
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
 from scenes import run_scene
@@ -42,30 +41,3 @@ def test_mean_stress_balances_the_load(backend, collocation):
         assert side.sigma_n.mean() == pytest.approx(-1000.0, rel=1e-3)
     oscillation = max(s.oscillation for s in stresses(backend, collocation, 1e6).values())
     assert oscillation > 100
-
-
-BODIES = ("fe", "iga", "tetrahedra")
-
-
-@pytest.mark.parametrize(
-    ("upper", "lower", "method"), covering(BODIES, BODIES, ("segments", "mortar"))
-)
-def test_yardsticks_pass_in_every_pairing(method, upper, lower):
-    overrides = [f"contacts.interface.formulation={{method='{method}'}}", "analysis.samples=31"]
-    for name, kind in (("upper", upper), ("lower", lower)):
-        overrides.append(f"bodies.{name}.backend={'iga' if kind == 'iga' else 'fe'}")
-        if kind == "tetrahedra":
-            mesh = "{cell='tetrahedron', degree=2, size=2.5}"
-            overrides.append(f"bodies.{name}.mesh.fe={mesh}")
-    sides = run_scene(load_scene(Path("patch_test"), overrides)).stresses["interface"]
-    assert max(s.oscillation for s in sides.values()) < 1000 * 1e-10
-
-
-@pytest.mark.parametrize("backend", ["fe", "iga"])
-def test_mortar_pressure_is_the_load(backend):
-    scene = load_scene(
-        Path("patch_test"), ["contacts.interface.formulation={method='mortar'}"], backend
-    )
-    result = run_scene(scene)
-    pressure = result.system.contacts[0].pressure(result.displacement)
-    assert pressure == pytest.approx(1000.0, rel=1e-9)

@@ -7,7 +7,6 @@ import pytest
 import pyvista
 from blocks import two_blocks
 from matplotlib.image import imread
-from PIL import Image
 
 from scenes import run_scene
 from scenes.export.pictures import draw_modes
@@ -86,28 +85,6 @@ def test_images_follow_the_phase():
     assert fit[1].real > 10
     assert abs(fit[1].imag) < 0.1 * fit[1].real
     assert np.sqrt(residual[0].real) < 0.1 * fit[1].real
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("backend", ["iga"])
-def test_an_animation_is_a_small_endless_period(result, tmp_path):
-    unstable = with_growth(result, [0.0, 0.7])
-    picture, animation = draw_modes(unstable, 1, tmp_path, animated=True)
-    assert (picture.name, animation.name) == ("mode_iga_2.png", "mode_iga_2.gif")
-    assert animation.stat().st_size < 2_000_000
-    with Image.open(animation) as image:
-        assert (image.format, image.n_frames, image.info["loop"]) == ("GIF", 24, 0)
-        frames = []
-        for frame in range(24):
-            image.seek(frame)
-            frames.append(np.asarray(image.convert("RGB"), dtype=int))
-    changes = [np.abs(a - b).mean() for a, b in zip(frames, np.roll(frames, -1, 0), strict=True)]
-    assert min(changes) > 0
-    # The last frame leads back to the first one.
-    assert changes[-1] < 2 * max(changes[:-1])
-    assert np.abs(frames[12] - frames[0]).mean() > 0.5 * max(changes)
-    still = Image.open(picture).convert("RGB").resize((750, 450))
-    assert np.abs(np.asarray(still, dtype=int) - frames[0]).mean() < 8
 
 
 def test_a_static_scene_has_no_modes_to_draw():

@@ -13,7 +13,6 @@ from reference_data import (
     exact,
     solve,
     stored,
-    whole_ring,
 )
 
 from exact_cea.reference import exact_eigenvalues, whole_spectrum
@@ -108,18 +107,6 @@ def test_a_nurbs_body_on_a_lagrange_body_both_ways_round(scene, side_a, method):
     assert found.errors.max() < 4e-5
 
 
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=slow), "iga"])
-def test_an_order_and_its_mirror_image_grow_with_opposite_signs(backend):
-    highest = 2.7
-    modes = solve("drum", highest, overrides(mu=0.7), backend)
-    for entry in stored("drum_2d"):
-        if (entry["p"], entry["mu"]) == ("1", "0.7"):
-            values = both_signs(eigenvalues(entry), entry["m"])
-            found = compare(modes, values, highest)
-            assert not len(found.missing)
-            assert found.errors.max() < 4e-5
-
-
 @slow
 def test_the_drum_in_space(backend):
     """Below 2.1 live plane strain and one wave along z."""
@@ -147,20 +134,3 @@ def test_the_blocks_in_space(backend):
             found = compare(modes, eigenvalues(entry), highest)
             assert not len(found.missing)
             assert found.errors.max() < {"fe": 4e-3, "iga": 7e-4}[backend]
-
-
-def ring_is_found(backend, highest, bound, meshes=()):
-    modes = solve("ring", highest, meshes, backend)
-    found = compare(modes, whole_ring(), highest)
-    assert found.complete
-    assert found.errors.max() < bound
-    # The disc turns freely: one eigenvalue is zero.
-    assert np.sum(np.abs(modes.eigenvalues) < 1e-4 * highest) == 1
-
-
-@slow
-def test_the_ring(backend):
-    numbers = {"pad": [2, 20, 1], "disc": [2, 24, 1]}
-    mesh = {"fe": "elements={}", "iga": "degree=[3, 3, 3], elements={}"}[backend]
-    meshes = [f"bodies.{body}.mesh.{backend}={{{mesh.format(n)}}}" for body, n in numbers.items()]
-    ring_is_found(backend, 66e3, {"fe": 3e-2, "iga": 2e-3}[backend], meshes)

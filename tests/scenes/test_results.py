@@ -62,32 +62,6 @@ def test_matrices_have_the_eigenvalues(result):
     assert inside.sum() == len(result.modes)
 
 
-def test_what_is_printed_begins_with_the_unstable_modes(result):
-    table = result.table()
-    assert [row["mode"] for row in table] == list(range(1, len(result.modes) + 1))
-    assert [row["frequency"] for row in table] == result.frequencies.tolist()
-    assert [row["unstable"] for row in table] == result.unstable.tolist()
-    first, *_ = str(result).splitlines()
-    for fact in (
-        "two blocks",
-        f"{len(table)} modes",
-        "1 Hz",
-        "; threshold 10 1/s; verdict: ",
-        result.verdict,
-    ):
-        assert fact in first
-    hints = result.modes.hints
-    told = str(result.modes).splitlines()
-    assert told[1 : 1 + len(hints)] == hints
-    assert len(told) == len(table) + 3 + len(hints)
-    frequencies = [float(line[1:].split()[1]) for line in told[2 + len(hints) : -1]]
-    np.testing.assert_allclose(frequencies, result.frequencies, rtol=0, atol=5e-7)
-    for fact in (str(result.dofs), result.modes.window.evidence):
-        assert fact in str(result)
-    for warning in result.warnings:
-        assert warning.message in str(result)
-
-
 def test_bodies_and_contact_points_are_used_again(result):
     scene = result.scene.change({MU: 0.2, "contacts.interface.P": 5.0})
     anew = run_modes(scene)
@@ -171,26 +145,3 @@ def test_an_assembled_scene_builds_again_what_changed(assembled):
 
     other = assembled.modes({"bodies.upper.material.nu": 0.2})
     assert other.bodies["upper"] is not assembled.bodies["upper"]
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_one_friction_for_all_contacts_leaves_bonded_ones_out(backend):
-    """A lower block in two bonded halves is the uncut block: friction changes both alike."""
-    data = two_blocks(backend, GPTS, held=True, mu=0.1)
-    lower = data["bodies"].pop("lower")
-    for name, bottom, supports in (("middle", 0.2, []), ("base", 0.0, lower["supports"])):
-        geometry = lower["geometry"] | {"size": [1.0, 1.1, 0.2], "origin": [0.0, 0.0, bottom]}
-        data["bodies"][name] = lower | {"geometry": geometry, "supports": supports}
-    data["contacts"]["interface"]["b"] = "middle.z_max"
-    bond = {"formulation": {"method": "bonded"}, "P": float("inf"), "form": "saddle"}
-    data["contacts"]["bond"] = {"a": "middle.z_min", "b": "base.z_max", **bond}
-    cut = assemble(read_scene(data))
-    for mu in (0.3, 0.5):
-        found = cut.modes(mu=mu)
-        anew = run_modes(read_scene(data).change(MU, mu))
-        assert found.scene == anew.scene
-        assert found.scene.contacts["bond"].mu == 0.0
-        np.testing.assert_allclose(found.eigenvalues, anew.eigenvalues, rtol=1e-8, atol=1e-8)
-    del data["contacts"]["interface"], data["bodies"]["upper"]
-    with pytest.raises(InputError, match=r"mu = 0\.3: left out: the scene has no contact that can"):
-        assemble(read_scene(data)).modes(mu=0.3)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from mpi import on_ranks
 from scipy.sparse.linalg import spsolve
 from scipy.special import jv, jvp, yv, yvp
 
@@ -144,24 +143,3 @@ def test_static_displacement_under_pressure_is_exact(backend):
         sizes[rate] = np.linalg.norm(u, axis=1)
         np.testing.assert_allclose(sizes[rate], widened_ring(rate), rtol=2e-5)
     assert sizes[0.6].mean() > 1.1 * sizes[0.3].mean()
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize(
-    ("ranks", "backend", "damping"),
-    [
-        (2, "iga", "Rayleigh"),
-        (2, "fe", "modal"),
-        pytest.param(3, "fe", "modal", marks=pytest.mark.slow),
-        pytest.param(3, "iga", "Rayleigh", marks=pytest.mark.slow),
-        pytest.param(2, "fe", "Rayleigh", marks=pytest.mark.slow),
-    ],
-)
-def test_numbers_do_not_depend_on_the_ranks(ranks, backend, damping):
-    alone, together = (
-        on_ranks(n, "rotating_numbers.numbers", backend, damping) for n in (1, ranks)
-    )
-    assert max(each["residual"] for each in (alone, together)) < 1e-10
-    for key in ("force", "pressure", "re", "im", "slopes", "reactions"):
-        size = np.abs(alone[key]).max()
-        np.testing.assert_allclose(together[key], alone[key], rtol=1e-8, atol=1e-8 * size)

@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 import pytest
-from blocks import assemble, two_blocks
+from blocks import two_blocks
 
 import cea.eigen.driver
 from scenes import run_scene
@@ -39,18 +39,6 @@ def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, taken
     assert results[0.4].system.contacts[0].slip is not None
     assert "friction" in results[0.0].skipped
     assert "friction" not in results[0.4].skipped
-
-
-def test_static_scenes_assemble_no_mass(backend):
-    data = two_blocks(backend, GPTS, held=True, mu=0.0)
-    data["analysis"] = {"kind": "static", "samples": 5}
-    data["loads"] = [{"surface": "upper.x_min", "pressure": 1.0}]
-    for body in data["bodies"].values():
-        del body["material"]["rho"]
-    result = run_scene(read_scene(data))
-    assert result.system.mass is None
-    assert {"mass", "eigenvalues"} <= set(result.skipped)
-    assert assemble(data | {"loads": []}).mass is None
 
 
 EVERY_RUN = {

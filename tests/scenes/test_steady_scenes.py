@@ -1,14 +1,10 @@
 """Scenes whose contacts obey normal compliance: equilibrium first, then modes about it."""
 
-import numpy as np
 import pytest
-from blocks import FORMULATIONS
 from covering import covering
-from mpi import on_ranks
 from pressed import SOFT, pressed_blocks
-from same_numbers import assert_same
 
-from scenes import assemble, read_scene, run_modes, run_scene
+from scenes import read_scene, run_scene
 from scenes.spec.problems import SceneError
 
 GPTS = {"method": "gpts", "points": 3}
@@ -16,20 +12,6 @@ GPTS = {"method": "gpts", "points": 3}
 
 def run(*arguments, **options):
     return run_scene(read_scene(pressed_blocks(*arguments, **options)))
-
-
-@pytest.mark.parametrize(
-    ("changes", "backend", "formulation"),
-    covering(({}, {"full_pass": True}), ("fe", "iga"), FORMULATIONS, strength=1),
-    indirect=["formulation"],
-)
-def test_uniform_closed_contact_has_the_modes_of_uniform_stiffness(backend, formulation, changes):
-    """The closed points of a law of m = 1 have p = c_n, to the last bit where nothing projects."""
-    found = run(backend, formulation, c_n=SOFT, **changes)
-    assert all(state.closed_fraction == 1.0 for state in found.steady.contacts.values())
-    known = run(backend, formulation, p=SOFT, **changes)
-    scale = np.abs(known.eigenvalues).max()
-    assert np.abs(found.eigenvalues - known.eigenvalues).max() <= 1e-10 * scale
 
 
 def test_open_points_stay_points(backend):
@@ -48,20 +30,6 @@ def test_friction_is_a_parameter_and_stiffness_is_none(backend):
     parameters = run_scene(scene).modes.pencil.parameters
     assert "contacts.interface.mu" in parameters
     assert "contacts.interface.P" not in parameters
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_a_sweep_seeks_each_state_anew(backend):
-    """Friction moves the equilibrium too; density does not."""
-    scene = read_scene(pressed_blocks(backend, GPTS, c_n=1e2, m_n=2.0))
-    assembled = assemble(scene)
-    for field, value in (("contacts.interface.mu", 0.3), ("bodies.upper.material.E", 3.0)):
-        swept, fresh = assembled.modes({field: value}), run_modes(scene.change(field, value))
-        assert swept.eigenvalues == pytest.approx(fresh.eigenvalues, rel=1e-8, abs=1e-8)
-    heavier = {"bodies.upper.material.rho": 2.0}
-    swept, fresh = assembled.modes(heavier), run_modes(scene.change(heavier))
-    assert swept.steady is assembled.modes().steady
-    assert swept.eigenvalues == pytest.approx(fresh.eigenvalues, rel=1e-8, abs=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -100,20 +68,3 @@ def test_what_makes_no_law_is_refused(backend, changes, field):
     with pytest.raises(SceneError) as refused:
         read_scene(pressed_blocks(backend, formulation, **options))
     assert any(fault.field.endswith(f".{field}") for fault in refused.value.faults)
-
-
-CASES = ("fe gpts", "iga mortar", "fe full pass", "fe mortar", "iga saddle")
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize(
-    ("ranks", "cases"),
-    [
-        (2, ("iga mortar",)),
-        pytest.param(2, CASES, marks=pytest.mark.slow),
-        pytest.param(3, CASES, marks=pytest.mark.slow),
-    ],
-)
-def test_ranks_find_the_same_state(ranks, cases):
-    found, expected = (on_ranks(n, "steady_numbers.states", *cases) for n in (ranks, 1))
-    assert_same(found, expected, rel=1e-8)

@@ -1,6 +1,5 @@
 """Records of commands: whole or not at all, with what made them, and opened again as results."""
 
-import json
 from dataclasses import asdict
 from math import inf
 from pathlib import Path
@@ -11,7 +10,7 @@ from blocks import two_blocks
 
 from cea.errors import InputError
 from scenes import open_result, read_scene, run_modes, run_static, save_result
-from scenes.results.record import PROVENANCE, commit, read_record, record, write_record
+from scenes.results.record import commit, read_record, record, write_record
 
 GPTS = {"method": "gpts", "points": 3}
 
@@ -67,14 +66,6 @@ def test_any_record_opens(name, tmp_path):
     assert made_by["commit"] == commit()
     assert made_by["machine"]["cpus"] >= 1
     assert opened.data == {"numbers": [1, 2.5, inf, -inf, None], "words": {"a": "b"}}
-
-
-def test_provenance_stands_beside_the_data(tmp_path):
-    data = json.loads(write_record(made(numbers=[inf]), tmp_path / "r.json").read_text())
-    assert list(data) == [*PROVENANCE, "numbers"]
-    assert data["numbers"] == ["inf"]
-    with pytest.raises(InputError, match="seconds"):
-        made(seconds=3)
 
 
 def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):

@@ -4,14 +4,12 @@ from functools import reduce
 from itertools import product
 from xml.etree import ElementTree
 
-import dolfinx
 import numpy as np
 import pytest
 import pyvista
 from blocks import two_blocks
 from covering import covering
 from iga_data import body as nurbs_body
-from lagrange_bodies import DIMENSION, MATERIAL, ROUND, body_of, csr
 from motions import mode_displacement
 from scipy.interpolate import BSpline
 from vtkmodules.vtkCommonCore import reference
@@ -27,7 +25,6 @@ from scenes.spec.reading import read_scene
 RNG = np.random.default_rng(11)
 ANNULUS, RING, DISC = Annulus(0.5, 1.0, 0.0, 0.3), Ring(0.5, 1.0), Disc(1.0, 0.0, 0.3)
 GPTS = {"method": "gpts", "points": 3}
-COSTLY = {("tetrahedron", 4), ("hexahedron", 4)}
 """Cells and degrees of slow tests."""
 
 
@@ -71,39 +68,6 @@ def inside(dim, simplex, n=6):
     """Random coordinates inside a reference cell."""
     x = RNG.dirichlet(np.ones(dim + 1), n)[:, :dim] if simplex else RNG.uniform(size=(n, dim))
     return 0.02 + 0.95 * x
-
-
-def check_lagrange_cells(body, tmp_path):
-    """Volume by the mass, displacement in cells chosen at random by the library's evaluation."""
-    cells = body.volume_cells()
-    u = RNG.normal(size=(body.num_scalar_dofs, body.dim))
-    grid = cell_grid(cells)
-    grid.point_data["u"] = in_space(cells.values @ u)
-    grid = reread(grid, tmp_path)
-    fields = [dolfinx.fem.Function(body.space.scalar) for _ in range(body.dim)]
-    for field, component in zip(fields, u.T, strict=True):
-        field.x.array[:] = component
-    for number in RNG.choice(len(cells.cells), 3, replace=False):
-        for at in inside(body.dim, cells.simplex):
-            x, value = evaluated(grid, int(number), at)
-            expected = np.concatenate([field.eval(x, [number]) for field in fields])
-            np.testing.assert_allclose(value[: body.dim], expected, atol=1e-10)
-    volume = csr(body.mass()).sum() / (body.dim * MATERIAL.rho)
-    assert converged_measure(grid) == pytest.approx(volume, rel=1e-5)
-    assert handedness(grid) > 0
-
-
-@pytest.mark.parametrize(
-    ("cell", "degree"),
-    [
-        pytest.param(*row, marks=pytest.mark.slow if row in COSTLY else ())
-        for row in product(DIMENSION, (1, 2, 3, 4))
-    ],
-)
-def test_lagrange_cells_hold_geometry_and_displacement(cell, degree, tmp_path):
-    body = body_of(ROUND, cell, degree)
-    assert body.volume_cells().degree == degree
-    check_lagrange_cells(body, tmp_path)
 
 
 def nurbs(patch, coefficients, at):

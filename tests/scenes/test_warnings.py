@@ -6,11 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from catalogue import MESHED
 from covering import covering
 
 from comparisons.accuracy.problems import problem
-from scenes import run_modes, run_scene
+from scenes import run_modes
 from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
 from scenes.running.system import coupled
 from scenes.spec.reading import load_scene, read_scene
@@ -39,26 +38,6 @@ def blocks(backend, **changes):
     return scene.change(mesh | contact)
 
 
-COSTLY = {
-    ("crowned_pad", "fe"),
-    ("crowned_pad", "iga"),
-    ("disc_pad", "iga"),
-    ("drum_3d", "iga"),
-    ("hertz_sphere", "fe"),
-    ("hertz_sphere", "iga"),
-    ("ring", "fe"),
-    ("ring", "iga"),
-    ("ventilated_brake", "fe"),
-}
-"""Scenes that take long to build."""
-
-
-@pytest.mark.parametrize(
-    ("name", "backend"),
-    [pytest.param(*row, marks=pytest.mark.slow if row in COSTLY else ()) for row in MESHED],
-)
-def test_scenes_of_the_catalogue_are_free_of_warnings(name, backend):
-    assert told(load_scene(name, backend=backend)) == {}
 
 
 @pytest.mark.parametrize(
@@ -67,12 +46,6 @@ def test_scenes_of_the_catalogue_are_free_of_warnings(name, backend):
 )
 def test_modes_of_the_catalogue_are_free_of_warnings(name, backend):
     assert run_modes(load_scene(name, backend=backend)).warnings == ()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "backend"), MESHED)
-def test_results_of_the_catalogue_are_free_of_warnings(name, backend):
-    assert run_scene(load_scene(name, backend=backend)).warnings == ()
 
 
 def test_too_few_points_are_told_with_their_numbers(backend):
@@ -120,12 +93,6 @@ def two_plates(shift=0.0, apart=0.0, **contact):
         },
         "analysis": {"kind": "cea", "max_frequency": 1.0},
     }
-
-
-def test_what_finds_nothing_is_told_as_a_part_of_the_side():
-    found = told(read_scene(two_plates(shift=0.3, max_missed=0.5)))
-    assert found["partly-uncovered"]["fraction"] == pytest.approx(0.3, abs=1e-9)
-    assert told(read_scene(two_plates())) == {}
 
 
 def test_a_closed_gap_is_told_with_its_width():
