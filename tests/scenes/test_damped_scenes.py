@@ -52,8 +52,6 @@ def test_changes_need_no_assembly(assembled, change, monkeypatch):
     np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
 
 
-
-
 def test_matrices_are_named(assembled):
     matrices = assembled.modes().matrices()
     assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y", "K_c", "L", "N", "J"]

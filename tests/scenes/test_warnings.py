@@ -38,8 +38,6 @@ def blocks(backend, **changes):
     return scene.change(mesh | contact)
 
 
-
-
 @pytest.mark.parametrize(
     ("name", "backend"),
     covering(("blocks", "blocks_constant_mu", "drum"), ("fe", "iga"), strength=1),
