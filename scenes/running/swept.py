@@ -18,26 +18,6 @@ _SHORT = {
     "Omega": "bodies.*.rotation.rate",
 }
 """Short names of what contacts and bodies have."""
-_IN_FULL = "so each value is a run of its own: cea sweep ... --full, along this field alone"
-_NO_PARAMETER = {
-    "bodies.*.material.nu": f"the stiffness is not proportional to it, {_IN_FULL}",
-    "bodies.*.material": "E and rho are those of a material",
-    "bodies.*.damping.alpha": "damping = { alpha = 0.0 } in the scene makes it a parameter",
-    "bodies.*.damping.beta": "damping = { beta = 0.0 } in the scene makes it a parameter",
-    "bodies.*.damping": "alpha and beta, or the ratios of modal damping, are those of damping",
-    "bodies.*.rotation.rate": "a rotation in the scene, of rate 0 too, makes it a parameter",
-    "bodies.*.supports": f"other displacements are unknowns, {_IN_FULL}",
-    "bodies.*.springs": f"a spring is part of the stiffness that E does not scale, {_IN_FULL}",
-    "bodies": f"it makes another mesh, {_IN_FULL}",
-    "contacts.*.mu": "friction_direction_on_a in the scene makes it a parameter of a contact",
-    "contacts.*.P": "the law of a contact with c_n makes it in its state of steady sliding",
-    "contacts.*.p": "P of the contact is proportional to it",
-    "contacts.*.sliding": "it is one of a contact that has it in the scene",
-    "contacts": f"it makes other matrices of the contact, {_IN_FULL}",
-    "loads": f"loads move the state of steady sliding alone, {_IN_FULL}",
-    "analysis": "it changes no eigenvalue: --set sets it",
-}
-"""What to do instead, by the beginnings of paths that are no parameters; the first one counts."""
 
 
 def means_several(name: str) -> bool:
@@ -47,14 +27,9 @@ def means_several(name: str) -> bool:
 
 def is_one_of(name: str, pattern: str) -> bool:
     """Whether a path is one that another means, in which asterisks stand for names."""
-    return name.count(".") == pattern.count(".") and _begins_like(name, pattern)
-
-
-def _begins_like(name: str, pattern: str) -> bool:
     parts, meant = name.split("."), pattern.split(".")
-    return len(parts) >= len(meant) and all(
-        one in (part, "*") for part, one in zip(parts, meant, strict=False)
-    )
+    same = (one in (part, "*") for part, one in zip(parts, meant, strict=False))
+    return len(parts) == len(meant) and all(same)
 
 
 def parameters_meant(pencil: Pencil, name: str, bonded: Iterable[str] = ()) -> list[str]:
@@ -67,9 +42,11 @@ def parameters_meant(pencil: Pencil, name: str, bonded: Iterable[str] = ()) -> l
         if is_one_of(each, pattern) and not any(each.startswith(start) for start in aside)
     ]
     if not found:
-        instead = (do for kind, do in _NO_PARAMETER.items() if _begins_like(pattern, kind))
-        there = f"one of {', '.join(sorted(pencil.parameters)) or 'none'}"
-        raise InputError("parameter", pattern, "; ".join([*[*instead][:1], there]))
+        allowed = (
+            f"one of {', '.join(sorted(pencil.parameters)) or 'none'}; other fields make other "
+            "pieces: cea sweep ... --full solves each value in full"
+        )
+        raise InputError("parameter", pattern, allowed)
     return found
 
 
