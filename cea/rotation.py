@@ -40,7 +40,7 @@ of the body R u is its L2 projection, R = M^-1 B with B = int rho v . R u, skew:
 so that of a mode x of the body x^H K M^-1 B x = omega^2 x^H B x: there is no energy in it but by
 damping, and decay does not depend on the frame. Both R and K keep to what supports leave free where
 these are alike all round the axis. M^-1 is full: the products are never formed
-(:mod:`cea.eigen.circulatory`). Springs and friction stay where they are in space; no rotation
+(:mod:`cea.eigen.unformed`). Springs and friction stay where they are in space; no rotation
 enters their damping.
 """
 

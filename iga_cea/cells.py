@@ -1,4 +1,4 @@
-"""Bezier elements of the knot spans of patches: geometry and trial space as they are."""
+"""The whole of a body of patches: Bezier elements of its knot spans, and samples."""
 
 from functools import reduce
 
@@ -7,9 +7,10 @@ from scipy.sparse import coo_array, csr_array, diags_array, kron, vstack
 from scipy.special import comb
 
 from cea.arrays import Floats, Ints
-from cea.volume import VolumeCells
+from cea.errors import InputError
+from cea.volume import VolumeCells, VolumeSample
 from iga_cea.multipatch import Multipatch
-from iga_cea.patch import Patch, outward, tensor_cells
+from iga_cea.patch import Patch, outward, subdivided, tensor_cells
 from iga_cea.splines import insertion_matrix
 
 
@@ -46,6 +47,32 @@ def bezier_cells(multipatch: Multipatch) -> VolumeCells:
         cells=np.concatenate(cells),
         values=every,
     )
+
+
+def sample_volume(multipatch: Multipatch, subdivisions: int) -> VolumeSample:
+    """Sample of all patches, each knot span divided so many times a direction.
+
+    Points on joints of patches appear once for each patch.
+
+    Raises
+    ------
+    InputError
+        When subdivisions is less than 1.
+    """
+    if subdivisions < 1:
+        raise InputError("subdivisions", subdivisions, "at least 1")
+    cells, values, count = [], [], 0
+    for patch, dofs in zip(multipatch.patches, multipatch.dofs, strict=True):
+        parameters = [subdivided(breaks, subdivisions) for breaks in patch.breaks]
+        basis = patch.basis_on_grid(parameters)
+        columns = dofs.ravel()[basis.indices]
+        shape = (basis.shape[0], multipatch.num_scalar_dofs)
+        values.append(csr_array((basis.data, columns, basis.indptr), shape=shape))
+        grid = tensor_cells([len(x) for x in parameters])
+        cells.append(count + outward(grid, values[-1] @ multipatch.control_points))
+        count += basis.shape[0]
+    every = csr_array(vstack(values, format="csr"))
+    return VolumeSample(every @ multipatch.control_points, np.concatenate(cells), every)
 
 
 def _extraction(patch: Patch, degree: int) -> tuple[csr_array, Floats]:

@@ -14,7 +14,7 @@ from cea.ranks import agreed
 from iga_cea.grids import chunks
 from iga_cea.metric import Map, factors_of, lines_of
 from iga_cea.multipatch import Multipatch
-from iga_cea.pattern import Order, Pattern
+from iga_cea.pattern import Pattern
 from iga_cea.sum_factorisation import Form, slabs
 
 
@@ -83,9 +83,6 @@ def _add_patch(
             chosen = place_of[here].ravel()
             if factors is None:
                 slab = slab * _weights(patch.weights.reshape(rows.shape), lines, here)
-            if pattern.order is not None:
-                _put_in_order(data, pattern, pattern.order, chosen, slab)
-                continue
             row = pattern.sparse_rows(number, chosen, rows[here].ravel())[:, None]
             place = pattern.tables[number][chosen][:, None, :]
             component = np.arange(n)[:, None]
@@ -99,22 +96,6 @@ def _add_patch(
                 data[at] = slab
             else:
                 data[at] += slab
-
-
-def _put_in_order(data: Floats, pattern: Pattern, order: Order, chosen: Ints, slab: Floats) -> None:
-    """A slab of which the pairs on this rank lie as they come, in one stretch."""
-    first, last = int(chosen[0]), int(chosen[-1]) + 1
-    assert last - first == len(chosen)
-    count, n, offsets, _ = slab.shape
-    starts, rows = pattern.starts, pattern.last - pattern.first
-    every = np.broadcast_to(order.near[first:last, None], (count, n, offsets))
-    stretch = data[n * starts[first] : n * starts[last]]
-    np.take(slab.reshape(-1, n), np.flatnonzero(every), axis=0, out=stretch, mode="clip")
-    far = slice(*starts[rows + np.array([first, last])] - pattern.num_inner)
-    function, offset = np.divmod(order.far[far], offsets)
-    row = (rows + function)[:, None]
-    at = n * starts[row] + pattern.counts[row] * np.arange(n) + order.places[far][:, None]
-    data[at] = slab[(function - first)[:, None], np.arange(n), offset[:, None]]
 
 
 def _weights(weights: Floats, lines: Any, here: Any) -> Floats:

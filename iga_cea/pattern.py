@@ -25,25 +25,6 @@ from iga_cea.sum_factorisation import Box
 
 
 @dataclass(frozen=True)
-class Order:
-    """Pairs of functions and offsets whose columns on this rank lie as they come, row by row.
-
-    Parameters
-    ----------
-    near
-        True for those pairs, (functions of the rank, offsets).
-    far
-        Numbers of the pairs whose columns are other ranks', in an array of that shape, rising.
-    places
-        Where these lie in their sparse rows.
-    """
-
-    near: Any
-    far: Ints
-    places: Ints
-
-
-@dataclass(frozen=True)
 class Pattern:
     """Scalar sparsity of the rows of one rank.
 
@@ -65,8 +46,6 @@ class Pattern:
     outer
         For each patch whether that is a column of another rank, of the same shape; None where there
         is no other rank.
-    order
-        Which pairs there are where they lie in their own order; tables are empty then.
     """
 
     first: int
@@ -76,17 +55,12 @@ class Pattern:
     rows: tuple[Ints, ...]
     tables: tuple[Any, ...]
     outer: tuple[Any, ...] | None
-    order: Order | None = None
 
     @classmethod
     def of(cls, multipatch: Multipatch, rank: int) -> "Pattern":
         """Pattern of the matrices of a rank."""
         first, last = (int(n) for n in multipatch.dof_ranges[rank : rank + 2])
         total = multipatch.num_scalar_dofs
-        if len(multipatch.patches) == 1:
-            in_order = cls._in_order(multipatch.patches[0], multipatch.dofs[0], first, last, total)
-            if in_order is not None:
-                return in_order
         rows, columns, keys, coupled = [], [], [], []
         for patch, dofs in zip(multipatch.patches, multipatch.dofs, strict=True):
             row = np.where((dofs >= first) & (dofs < last), dofs - first, -1)
@@ -128,39 +102,6 @@ class Pattern:
             done = part.stop
         far_of = None if beyond is None else tuple(outer)
         return cls(first, last, starts, column, tuple(rows), tuple(tables), far_of)
-
-    @classmethod
-    def _in_order(
-        cls, patch: Patch, dofs: Ints, first: int, last: int, total: int
-    ) -> "Pattern | None":
-        """Pattern of one patch whose rows and columns rise with its functions; None of others."""
-        row = np.where((dofs >= first) & (dofs < last), dofs - first, -1)
-        mine = np.flatnonzero(row >= 0)
-        if not np.array_equal(row.ravel()[mine], np.arange(last - first)):
-            return None
-        near = _coupled(patch, mine)
-        partner = mine.astype(np.int32)[:, None] + _steps(patch).astype(np.int32)
-        columns = dofs.ravel().astype(np.int32)[partner[near]]
-        beyond = (columns < first) | (columns >= last)
-        far = np.flatnonzero(near)[beyond] if beyond.any() else np.empty(0, dtype=np.int64)
-        near.ravel()[far] = False
-        far_row = far // near.shape[1]
-        by_column = np.lexsort((columns[beyond], far_row))
-        lengths = np.concatenate(
-            [np.count_nonzero(near, axis=1), np.bincount(far_row, minlength=len(near))]
-        )
-        starts = np.append(0, np.cumsum(lengths))
-        inner = columns[~beyond]
-        rising = inner[1:] > inner[:-1]
-        begun = starts[: len(near)]
-        rising[begun[(begun > 0) & (begun < len(inner))] - 1] = True
-        if not rising.all():
-            return None
-        places = np.empty_like(far)
-        places[by_column] = np.arange(len(inner), len(columns))
-        order = Order(near, far, places - starts[len(near) + far_row])
-        columns = np.concatenate([inner, columns[beyond][by_column]])
-        return cls(first, last, starts, columns, (row,), (), None, order)
 
     @property
     def num_inner(self) -> int:

@@ -34,15 +34,7 @@ the threshold of a mode."""
 
 
 def thresholds(eigenvalues: Complexes, threshold: float | None = None) -> Floats:
-    """Growth rates (1/s) above which modes are called unstable, shape (n,).
-
-    Parameters
-    ----------
-    eigenvalues
-        lambda (1/s), shape (n,).
-    threshold
-        The same for all (1/s); None takes 1e-4 of abs(lambda) of each.
-    """
+    """Growth rates (1/s) above which modes are called unstable; None takes 1e-4 abs(lambda)."""
     if threshold is None:
         return RELATIVE_GROWTH * np.abs(eigenvalues)
     return np.full(len(eigenvalues), float(threshold))
@@ -100,17 +92,8 @@ def cannot_grow(kappa: Complexes, errors: Floats, *, symmetric: bool) -> NDArray
     kappa = -lambda^2 are eigenvalues of real matrices: one leaves the real axis only where it
     meets another. So a real positive kappa that is apart from all others by more than their errors
     belongs to a mode that does not grow; and so do copies whose conditions are fine, which no
-    coalescence has. Without friction all kappa are real. With rotation alone, neither friction nor
-    damping, the same holds of -i lambda.
-
-    Parameters
-    ----------
-    kappa
-        Eigenvalues -lambda^2 (1/s^2), or -i lambda (1/s), those around the window too, shape (n,).
-    errors
-        Their errors, shape (n,).
-    symmetric
-        Whether the problem is symmetric: neither friction nor rotation.
+    coalescence has. Without friction all kappa are real: the problem is symmetric. With rotation
+    alone, neither friction nor damping, the same holds of -i lambda.
     """
     real = (np.abs(kappa.imag) <= errors) & (kappa.real > errors)
     if symmetric:
@@ -123,16 +106,10 @@ def cannot_grow(kappa: Complexes, errors: Floats, *, symmetric: bool) -> NDArray
 
 
 def classify_run(words: Sequence[Word], *, complete: bool, missing: bool = False) -> RunWord:
-    """The word of a whole window.
+    """The word of a whole window, by those of its modes.
 
-    Parameters
-    ----------
-    words
-        Those of its modes.
-    complete
-        Whether all modes of the window were found, however fast they grow.
-    missing
-        Whether a mode is known to be missing.
+    It is complete where all modes were found, however fast they grow; some may be known to be
+    missing.
     """
     for word in ("unstable", "grows slowly", "undecided"):
         if word in words:
@@ -145,17 +122,7 @@ def classify_run(words: Sequence[Word], *, complete: bool, missing: bool = False
 
 
 def counted_words(words: Sequence[Word], growth: Sequence[float], threshold: float | None) -> str:
-    """How many modes have each word, the fastest that grows, and the threshold that decided.
-
-    Parameters
-    ----------
-    words
-        Those of the modes.
-    growth
-        Their growth rates (1/s).
-    threshold
-        Growth rate (1/s) above which a mode is called unstable; None where it is relative.
-    """
+    """How many modes have each word, the fastest that grows, and the threshold that decided."""
     parts = []
     for word in BY_URGENCY:
         rates = [rate for rate, own in zip(growth, words, strict=True) if own == word]

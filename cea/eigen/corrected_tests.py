@@ -204,21 +204,17 @@ class CorrectedTests:
         if factors.negative_eigenvalues() != self.inner.getSize()[0] or factors.null_pivots():
             factors.free()
             return None
-        rows, whole = mass.getLocalSize()[0], factors.matrix.getLocalSize()[0]
+        rows = mass.getLocalSize()[0]
         inner = Mumps(self.inner.copy(), symmetric=True)
 
         def solve(load: Floats) -> Floats:
-            padded = np.zeros((whole, load.shape[1]), order="F")
-            padded[:rows] = load
-            return factors.solve_block(padded)[:rows]
+            return factors.solve_block(load)[:rows]
 
         def both(x: Floats) -> tuple[Floats, Floats]:
             """(1 + N Z)^T M x and its transpose, z = Z x."""
             moved = image_of(mass, x)
             along = transposed_times(normals, moved)
-            pushed = np.zeros((outer.getLocalSize()[0], x.shape[1]), order="F")
-            pushed[: len(along)] = along
-            forward = moved + transposed_times(outer, inner.solve_block(pushed))
+            forward = moved + transposed_times(outer, inner.solve_block(along))
             z = inner.solve_block(np.asfortranarray(times(outer, x)))[: len(along)]
             return forward, image_of(mass, np.asfortranarray(x + times(normals, z)))
 

@@ -34,16 +34,9 @@ _STEPS = 6
 
 @dataclass(frozen=True)
 class Dependence:
-    """Sums of closures that vanish: N^T J = 0.
+    """Sums of closures that vanish: N^T J = 0, N for closures of unit length, by contact.
 
-    Parameters
-    ----------
-    blocks
-        N of each contact for closures of unit length, the rows of this rank, shape (rows, size).
-    lengths
-        Lengths of the closures of each contact, the rows of this rank, shape (rows,).
-    comm
-        Communicator (petsc4py).
+    ``blocks`` are the rows of this rank of N, ``lengths`` those of the closures.
     """
 
     blocks: tuple[Floats, ...]
@@ -59,14 +52,7 @@ class Dependence:
     def of(cls, closure: Mat, rows: Sequence[int], tolerance: float) -> "Dependence":
         """Find the sums of closures, each scaled to unit length, that are below a tolerance.
 
-        Parameters
-        ----------
-        closure
-            J of all contacts, PETSc AIJ.
-        rows
-            Rows of each contact on this rank, one below the other.
-        tolerance
-            Size of a sum that counts as none.
+        J of all contacts has so many rows of each on this rank, one below the other.
         """
         unit, length = _unit_rows(closure)
         null = _null_vectors(unit, tolerance)
@@ -90,13 +76,7 @@ class Dependence:
 
         Of contacts of different stiffness the softest decides: columns are weighted by its P, and
         what does not involve it is left to the next. So none of them is lost beside the others.
-
-        Parameters
-        ----------
-        compliances
-            C^ of each contact, PETSc AIJ.
-        scales
-            c_c (m/N) of each contact, zero where it is infinitely stiff.
+        Given are C^ and c_c (m/N) of each contact.
         """
         images = [
             times(compliance, block / length[:, None])

@@ -3,7 +3,7 @@
 Undamped sliding is linear in kappa = -lambda^2: K x = kappa M x, with K unsymmetric by friction.
 Without friction it is solved as a symmetric problem. With damping or rotation the problem is
 quadratic in lambda, and its companion form is solved about real shifts. The driver takes a
-parametric pencil, not bodies, and keeps inertia counts for the solves that follow.
+parametric pencil, not bodies.
 """
 
 from collections.abc import Mapping
@@ -41,8 +41,6 @@ ABOVE = 1.05
 class EigenSolver:
     """Shift-and-invert Krylov-Schur on a parametric pencil.
 
-    Inertia counts are kept for as long as the symmetric parts stay as they are.
-
     Parameters
     ----------
     pencil
@@ -61,7 +59,6 @@ class EigenSolver:
             raise InputError("mass", None, "a mass: modes have none without")
         self.pencil, self.options = pencil, options or KrylovOptions()
         self.solves = self.factorisations = 0
-        self._counts: dict[tuple[float, ...], int] = {}
         self._summed: tuple[dict[str, float], Matrices] | None = None
 
     def __enter__(self) -> Self:
@@ -71,7 +68,7 @@ class EigenSolver:
         self.free()
 
     def free(self) -> None:
-        """Free the sums and give their memory back; what was counted is kept."""
+        """Free the sums and give their memory back."""
         if self._summed is not None:
             release(self._summed[1])
             self._summed = None
@@ -158,13 +155,9 @@ class EigenSolver:
             return DampedSearch(matrices, end, self.options, timer, decay)
         counted, near = None, None
         if matrices.symmetric:
-            upper = upper_end(end**2)
-            key = (*self.pencil.symmetric_values(values), upper)
-            if key not in self._counts:
-                with timer("factorisation"):
-                    self._counts[key] = count_below(matrices, upper)
-                self.factorisations += 1
-            counted = self._counts[key]
+            self.factorisations += 1
+            with timer("factorisation"):
+                counted = count_below(matrices, upper_end(end**2))
         elif self.pencil.near_contact is not None:
             with timer("assembly"):
                 near = self.pencil.near_contact.at(values)
@@ -287,12 +280,12 @@ class EigenSolver:
 
     def _matrices(self, values: dict[str, float]) -> Matrices:
         """The pencil at given values of all parameters."""
-        if self._summed is None:
-            self._summed = (values, self.pencil.at(values))
-        elif self._summed[0] != values:
-            before, matrices = self._summed
-            self._summed = None  # an interruption leaves nothing that was freed
-            self._summed = (values, self.pencil.moved(matrices, before, values))
+        if self._summed is not None and self._summed[0] == values:
+            return self._summed[1]
+        before, self._summed = self._summed, None  # an interruption leaves nothing that was freed
+        if before is not None:
+            release(before[1])
+        self._summed = (values, self.pencil.at(values))
         return self._summed[1]
 
     def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:

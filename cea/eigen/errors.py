@@ -164,7 +164,7 @@ def _checked(
         rounding = np.finfo(float).eps * works
         scale = np.maximum(np.abs(square), rounding)
         whole = norms(parts, comm) if op.damped else scale * norms(inertia, comm)
-        residuals[block] = norms(defect, comm) / whole
+        residuals[block] = norms(defect, comm) / np.maximum(whole, np.finfo(float).tiny)
         if op.damped:
             slopes[block] *= lengths[block]
         error = _LUMPED * norms(defect / root, comm)

@@ -44,14 +44,15 @@ from cea.eigen.blocks import all_inner, combined, image_of, subtract, times, tra
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
-from cea.eigen.shifted import balanced, count_below, force_scale, nested
+from cea.eigen.shifted import bordered, count_below, force_scale
 from cea.errors import ConvergenceError
 from cea.matrices import (
     antisymmetrised,
+    block_diagonal,
     destroy,
     distributed,
-    largest_row,
     local_part,
+    one_below_the_other,
     scaled_total,
     symmetrised,
 )
@@ -245,9 +246,7 @@ def _quotients(factors: Mumps, matrices: Matrices, depth: float) -> tuple[float,
     skew = None if unsymmetric is None else antisymmetrised(unsymmetric.copy())
 
     def solve(b: Floats) -> Floats:
-        whole = np.zeros((factors.matrix.getLocalSize()[0], b.shape[1]), order="F")
-        whole[:rows] = b
-        return factors.solve_block(whole)[:rows]
+        return factors.solve_block(b)[:rows]
 
     def image(x: Floats) -> Floats:
         own = image_of(of_bodies, x)
@@ -369,39 +368,26 @@ class _EliminatedForces:
 def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
     """H with the forces of contacts as two sets of unknowns; None where there is no bound."""
     mean, half = _mean_and_half(forces)
-    scale = force_scale(hermitian, forces)
-    mean.diagonalScale(L=scale)
-    half.diagonalScale(L=scale)
-    compliance = forces.compliance.copy()
-    compliance.diagonalScale(L=scale, R=scale)
-    diagonal = compliance.getDiagonal()
+    diagonal = forces.compliance.getDiagonal()
     tied = diagonal.array_r == 0
     friction = local_part(half)
     friction.eliminate_zeros()
-    with_friction = np.diff(friction.indptr) > 0
-    bordered = None
-    if not hermitian.comm.tompi4py().allreduce(bool((with_friction & tied).any()), MPI.LOR):
-        of_mean, of_half = mean.transpose(PETSc.Mat()), half.transpose(PETSc.Mat())
-        other = compliance.copy()
+    both = bool(((np.diff(friction.indptr) > 0) & tied).any())
+    bordered_matrix = None
+    if not hermitian.comm.tompi4py().allreduce(both, MPI.LOR):
+        other = forces.compliance.copy()
         diagonal.array[:] = np.where(tied, 1.0, diagonal.array_r)
         other.setDiagonal(diagonal)
         other.assemble()
-        compliance.scale(-1.0)
-        blocks: list[list[Any]]
-        blocks = [[hermitian, of_mean, of_half], [mean, compliance, None], [half, None, other]]
-        made = [of_mean, of_half, other]
+        other.scale(-1.0)
+        closure, border = one_below_the_other([mean, half]), None
+        compliance = block_diagonal([forces.compliance, other]).convert("aij")
         if forces.border is not None:
-            border = balanced(forces.border, scale, largest_row(mean))
-            across = border.transpose(PETSc.Mat())
-            blocks = [
-                [hermitian, of_mean, of_half, None, None],
-                [mean, compliance, None, border, None],
-                [half, None, other, None, border],
-                [None, across, None, None, None],
-                [None, None, across, None, None],
-            ]
-            made += [border, across]
-        bordered = nested(blocks)
-        destroy(*made)
-    destroy(mean, half, scale, compliance, diagonal)
-    return bordered
+            border = block_diagonal([forces.border, forces.border]).convert("aij")
+        sets = Multipliers(closure, closure, compliance, border, 0, stacked=True)
+        scale = force_scale(hermitian, sets)
+        bordered_matrix = bordered(hermitian, sets, scale, symmetric=True)
+        sets.free()
+        destroy(other, scale)
+    destroy(mean, half, diagonal)
+    return bordered_matrix

@@ -22,11 +22,16 @@ from scipy.linalg import schur
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import combined
-from cea.eigen.dense import Radius, dense_subspace
 from cea.eigen.krylov_space import KrylovSpace
 from cea.eigen.pencil import Matrices
 from cea.eigen.shift_invert import Companion, ShiftInvert
-from cea.eigen.subspace import InvariantSubspace, small_eigenpairs, symmetric_part
+from cea.eigen.subspace import (
+    InvariantSubspace,
+    Radius,
+    dense_subspace,
+    small_eigenpairs,
+    symmetric_part,
+)
 from cea.errors import ConvergenceError
 
 _POWERS = 3
@@ -157,6 +162,13 @@ def krylov_schur(
     check, restarts = options.first_check * block, 0
     verified, counted, last_random = not verify, 0, 0  # random vectors take part up to that size
     worst: tuple[int, int, float] | None = None
+
+    def append_random() -> bool:
+        room = op.rows - locked.size - space.size - space.next
+        if (columns := min(options.random_columns, room)) > 0:
+            space.append_random(_random_block(op, random, columns))
+        return bool(space.next)
+
     while True:
         if space.size < check and space.next:
             space.extend()
@@ -167,15 +179,19 @@ def krylov_schur(
         nearly = residuals <= options.loose * sizes
         if (nearly & (_NEAR_SHIFT * abs(op.shift) * sizes > 1)).any():
             raise NearShiftError(near)
-        if not space.next:  # it holds all directions there are
-            finite = sizes * abs(op.shift) > op.negligible
-            return _locked(op, space, locked, theta, inside & finite)
         number = int(inside.sum())
+        if last_random and (space.size >= last_random or not space.next):
+            verified, last_random = verified or number <= counted, 0
+        if not space.next:  # invariant: it holds all directions, or all that its vectors see
+            counted, check = number, space.size + options.random_steps * block
+            if verified or not append_random():
+                finite = sizes * abs(op.shift) > op.negligible
+                return _locked(op, space, locked, theta, inside & finite)
+            last_random = check
+            continue
         if number > most:
             raise CrowdedError(f"a disc holds {number} eigenvalues or more")
         wanted = _wanted(op, theta, inside)
-        if last_random and space.size >= last_random:
-            verified, last_random = verified or number <= counted, 0
         seen = converged | ~wanted & _outside(op, theta, residuals, nearly)
         if verified and seen[inside].all() and _clear(sizes, residuals, inside, least):
             return _locked(op, space, locked, theta, converged)
@@ -193,10 +209,7 @@ def krylov_schur(
         check = _next_check(before, worst, space, options)
         if nearly[wanted].all() and not (verified or last_random):
             counted = number
-            room = op.rows - locked.size - space.size - space.next
-            if (columns := min(options.random_columns, room)) > 0:
-                space.append_random(_random_block(op, random, columns))
-                worst = None
+            append_random()
             last_random = check = space.size + options.random_steps * space.next
         elif last_random:
             check = min(check, last_random)

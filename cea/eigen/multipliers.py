@@ -9,7 +9,7 @@ to mu and c_c = 1/P. Multipliers carry no mass. Where closures depend on each ot
 from those that only their friction would feel (:mod:`cea.eigen.dependence`); e is then zero.
 
 Circulatory pieces of the stiffness, c L N^-1 J, may follow as unknowns of the same form,
-w = N^-1 J x (:mod:`cea.eigen.circulatory`).
+w = N^-1 J x (:mod:`cea.eigen.unformed`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -17,9 +17,9 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Any
 
-from cea.eigen.circulatory import CirculatorySum
 from cea.eigen.dependence import Dependence
 from cea.eigen.parameters import Coefficient
+from cea.eigen.unformed import CirculatorySum
 from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total, zeros
 from cea.petsc import Mat, PETSc
 
@@ -127,13 +127,7 @@ class Multipliers:
 
 
 class AllForces:
-    """Contact forces of every contact whose forces are unknowns.
-
-    Parameters
-    ----------
-    parts
-        Those of each contact, at least one.
-    """
+    """Contact forces of every contact whose forces are unknowns, at least one."""
 
     def __init__(self, parts: Sequence[ForcesOfContact]) -> None:
         self.parts = tuple(parts)
@@ -194,13 +188,6 @@ def with_circulatory(contacts: Multipliers | None, circulatory: CirculatorySum) 
     """Contact forces and below them, as new matrices, the unknowns of circulatory pieces.
 
     L and J of a piece share its factor so that both are of one size.
-
-    Parameters
-    ----------
-    contacts
-        The contact forces; None without.
-    circulatory
-        The pieces.
     """
     closures, reactions, compliances = [], [], []
     if contacts is not None:

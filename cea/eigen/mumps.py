@@ -1,11 +1,23 @@
-"""Direct factorisations: all that a driver needs of MUMPS, set up in one place."""
+"""Direct factorisations: all that a driver needs of MUMPS, set up in one place.
 
+What is factorised inside of :func:`factors_on_disk` is written to files of a temporary folder, each
+rank's to its own, and read again at every solve; the system keeps as much of them in memory as is
+left. A folder is locked while it is in use: those that killed programs left behind are removed.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from fcntl import LOCK_EX, LOCK_NB, flock
+from pathlib import Path
+from shutil import rmtree
+from tempfile import TemporaryDirectory, gettempdir
+from time import time
 from typing import Any
 
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.factors_on_disk import folder_of_factors
 from cea.errors import ConvergenceError
 from cea.matrices import dense, destroy
 from cea.petsc import PETSc
@@ -23,6 +35,10 @@ _SAME = 0.9
 """Part of the nodes of which all unknowns have the same columns, where unknowns are by node."""
 _LOOKED_AT = 2000
 """Nodes of which that is seen."""
+_FOLDER_OF_FACTORS: ContextVar[Path | None] = ContextVar("folder of factors", default=None)
+_PREFIX, _LOCK = "factors-", "in_use"
+_NEW = 60.0
+"""Age (s) up to which a folder may be about to be locked."""
 
 
 class Mumps:
@@ -106,11 +122,18 @@ class Mumps:
         return pc
 
     def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
-        """Solve for every column of b: the rows of this rank, shape (n_local, columns)."""
-        solution = np.zeros(b.shape, order="F")
+        """Solve for every column of b, the first rows of this rank: those that follow are zero.
+
+        The result has all rows of this rank, shape (n_local, columns).
+        """
+        layout, comm = self.matrix.getSizes()[0], self.matrix.comm
+        solution = np.zeros((layout[0], b.shape[1]), order="F")
         if not b.shape[1]:  # which MUMPS refuses: an empty window has no eigenvectors
             return solution
-        layout, comm = self.matrix.getSizes()[0], self.matrix.comm
+        if len(b) < layout[0]:
+            whole = np.zeros_like(solution)
+            whole[: len(b)] = b
+            b = whole
         right, left = dense(b, layout, comm), dense(solution, layout, comm)
         (self._pc.matApplyTranspose if transposed else self._pc.matApply)(right, left)
         destroy(right, left)
@@ -161,3 +184,31 @@ def _has_same_columns(matrix: Any, first: int, count: int) -> bool:
     """Whether so many rows from one on have the same columns."""
     columns = [matrix.getRow(row)[0] for row in range(first, first + count)]
     return all(np.array_equal(columns[0], each) for each in columns[1:])
+
+
+def folder_of_factors() -> Path | None:
+    """Where factors are written now; None where they stay in memory."""
+    return _FOLDER_OF_FACTORS.get()
+
+
+@contextmanager
+def factors_on_disk() -> Iterator[Path]:
+    """Keep factors on disk while this lasts; they must be freed before it ends."""
+    _remove_left_behind(Path(gettempdir()))
+    with TemporaryDirectory(prefix=_PREFIX) as name, (Path(name) / _LOCK).open("w") as lock:
+        flock(lock, LOCK_EX)
+        token = _FOLDER_OF_FACTORS.set(Path(name))
+        try:
+            yield Path(name)
+        finally:
+            _FOLDER_OF_FACTORS.reset(token)
+
+
+def _remove_left_behind(parent: Path) -> None:
+    """Remove folders of factors that no program uses any more."""
+    for path in parent.glob(f"{_PREFIX}*/{_LOCK}"):
+        with suppress(OSError):  # in use, of somebody else, or just removed
+            if time() - path.stat().st_mtime > _NEW:
+                with path.open() as lock:
+                    flock(lock, LOCK_EX | LOCK_NB)
+                    rmtree(path.parent)

@@ -67,15 +67,9 @@ class Dependence(Protocol):
 
 @dataclass(frozen=True)
 class Monomial:
-    """A product of powers of parameters, each relative to a reference.
+    """A factor times powers (t / reference)^exponent, given as (reference, exponent) by parameter.
 
-    Parameters
-    ----------
-    factor
-        What the product is multiplied by.
-    powers
-        By parameter, its reference value and its exponent: (t / reference)^exponent is 1 to the
-        last bit at the reference.
+    At its reference a parameter counts as 1 to the last bit.
     """
 
     factor: float = 1.0

@@ -5,7 +5,7 @@
 with coefficients c_j in named parameters t. K of a body scales with its E, M with its rho, K_n and
 K_f of a contact with P and mu P; C holds damping and gyroscopic pieces alike. Contact
 forces may be unknowns beside the displacements (:mod:`cea.eigen.multipliers`); circulatory pieces
-of K are never formed (:mod:`cea.eigen.circulatory`). One object serves a single run, a sweep, a
+of K are never formed (:mod:`cea.eigen.unformed`). One object serves a single run, a sweep, a
 threshold, a derivative.
 """
 
@@ -14,10 +14,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
 
-from cea.eigen.circulatory import CirculatorySum, CirculatoryTerm, circulatory_sum
-from cea.eigen.low_rank import LowRankSum, LowRankTerm, sum_of
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
+from cea.eigen.unformed import (
+    CirculatorySum,
+    CirculatoryTerm,
+    LowRankSum,
+    LowRankTerm,
+    circulatory_sum,
+    sum_of,
+)
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
 from cea.nodes import Nodes
@@ -44,7 +50,7 @@ class Term:
     symmetric
         Whether A is symmetric, to the last bit.
     contact
-        Whether A is the stiffness of a contact: K_n, normal to it, or what friction makes.
+        Whether A is the stiffness K_n of a contact, or what friction makes.
     """
 
     role: Role
@@ -198,10 +204,10 @@ class Pencil:
 
     @cached_property
     def near_contact(self) -> "Pencil | None":
-        """Pencil of some of the displacements, whose field of values tells of that of this one.
+        """Pencil of some of the displacements whose bounds hold for all; collective.
 
         What the rest adds to M and to the symmetric part of K is positive semidefinite, and all of
-        friction is near. Collective.
+        friction is near.
         """
         return None if self._near_contact is None else self._near_contact()
 
@@ -213,18 +219,9 @@ class Pencil:
         friction: Mat | None = None,
         near_contact: "Pencil | None" = None,
     ) -> "Pencil":
-        """Pencil of given matrices: lambda^2 M + S - s F with one parameter, the factor s.
+        """Pencil of given PETSc AIJ matrices: lambda^2 M + S - s F, s the parameter ``friction``.
 
-        Parameters
-        ----------
-        stiffness
-            Symmetric part S, PETSc AIJ (N/m).
-        mass
-            Symmetric positive definite M, PETSc AIJ (kg); None in statics.
-        friction
-            Unsymmetric part F, PETSc AIJ (N/m); None without, and then there is no parameter.
-        near_contact
-            The same of what lies near the contacts.
+        S is symmetric (N/m), M symmetric positive definite (kg), F of any kind (N/m).
         """
         terms = [Term("stiffness", stiffness)]
         if mass is not None:
@@ -286,13 +283,12 @@ class Pencil:
         return self.at_rest().names
 
     def check(self, changes: Mapping[str, float]) -> None:
-        """Refuse parameters at which the pieces would be others.
+        """Refuse parameters at which a piece is not known, as modal damping of modes that move.
 
         Raises
         ------
         InputError
-            When there is no such parameter, it may not have the value, or a piece holds at its own
-            values alone: modal damping of modes that move.
+            When that is so, or there is no such parameter, or it may not have the value.
         """
         values = self.values(changes)
         for piece in self.low_rank:
@@ -304,39 +300,11 @@ class Pencil:
         stiffness = self._sum("stiffness", values, symmetric=True)
         if stiffness is None:
             raise InputError("terms", len(self.terms), "a symmetric piece of the stiffness")
-        mass = self._sum("mass", values, symmetric=True)
-        return self._with_sums(
-            values, stiffness, mass, self._sum("damping", values, symmetric=True)
-        )
-
-    def moved(
-        self, matrices: Matrices, before: Mapping[str, float], after: Mapping[str, float]
-    ) -> Matrices:
-        """Matrices at other parameters; what is symmetric stays as it is where it is the same.
-
-        Parameters
-        ----------
-        matrices
-            Those before; what is not taken over is freed.
-        before, after
-            Values of all parameters.
-        """
-        if self.symmetric_values(before) != self.symmetric_values(after):
-            release(matrices)
-            return self.at(after)
-        destroy(*(m for m in (matrices.unsymmetric, matrices.gyroscopic) if m))
-        if matrices.multipliers is not None:
-            matrices.multipliers.free()
-        return self._with_sums(after, matrices.stiffness, matrices.mass, matrices.damping)
-
-    def _with_sums(
-        self, values: Mapping[str, float], S: Mat, M: Mat | None, C: Mat | None
-    ) -> Matrices:
         return Matrices(
-            stiffness=S,
+            stiffness=stiffness,
             unsymmetric=self._sum("stiffness", values, symmetric=False),
-            mass=M,
-            damping=C,
+            mass=self._sum("mass", values, symmetric=True),
+            damping=self._sum("damping", values, symmetric=True),
             gyroscopic=self._sum("damping", values, symmetric=False),
             low_rank=self.low_rank_at(values),
             circulatory=self.circulatory_at(values),
@@ -359,11 +327,6 @@ class Pencil:
         """Pieces of low rank at given values of all parameters; None where all vanish."""
         parts = [(term.coefficient.at(values), term.piece) for term in self.low_rank]
         return sum_of(parts, self.terms[0].matrix.getLocalSize()[0], self.comm)
-
-    def symmetric_values(self, values: Mapping[str, float]) -> tuple[float, ...]:
-        """Coefficients of the symmetric parts: equal ones make equal S, M and constraints."""
-        parts = [t.coefficient.at(values) for t in self.terms if t.symmetric]
-        return (*parts, *(f.inverse_stiffness.at(values) for f in self.forces))
 
     def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Mat | None:
         # What is damped by nothing is linear in kappa: that is never kept.

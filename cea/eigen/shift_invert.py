@@ -86,7 +86,7 @@ class ShiftInvert:
 
     def apply(self, _: Floats, image: Floats) -> Floats:
         """OP on a block whose product with M is given."""
-        return self.factors.solve_block(image, transposed=self._transposed)
+        return self.factors.solve_with_forces(image, transposed=self._transposed)[0]
 
     def image(self, block: Floats) -> Floats:
         """A block times the matrix of the inner product."""
@@ -171,7 +171,7 @@ class Companion(ShiftInvert):
         rows, back = len(block) // 2, self._transposed
         load = -(self.scale * image[rows:] + self.shift * image[:rows])
         load -= self.damping.times(block[:rows], transposed=back)
-        x = self.factors.solve_block(load, transposed=back)
+        x, _ = self.factors.solve_with_forces(load, transposed=back)
         return np.asfortranarray(np.vstack([x, (block[:rows] + self.shift * x) / self.scale]))
 
     def image(self, block: Floats) -> Floats:

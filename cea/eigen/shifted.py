@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
-from cea.eigen.circulatory import CirculatorySum
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
+from cea.eigen.unformed import CirculatorySum
 from cea.eigen.updated_factors import UpdatedFactors
 from cea.errors import ConvergenceError
 from cea.matrices import destroy, distributed, identity, largest_row, local_part
@@ -81,7 +81,6 @@ class Shifted:
             whole = bordered(operator, self._forces, self._scale, symmetric=self._symmetric)
             destroy(operator)
             operator = whole
-        self._rows = operator.getLocalSize()[0]
         self._update: UpdatedFactors | None = None
         self._factors: Mumps | None = None
         self._factors = Mumps(operator, symmetric=self._symmetric)
@@ -109,39 +108,23 @@ class Shifted:
 
     def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Displacements for every column of forces, the rows of this rank."""
-        if np.iscomplexobj(b) or self._rows > self._local:
-            return self.solve_with_forces(b, transposed=transposed)[0]
-        solver = self._update or self._factors
-        assert solver is not None
-        return solver.solve_block(b, transposed=transposed)
+        return self.solve_with_forces(b, transposed=transposed)[0]
 
     def solve_with_forces(
         self, b: NDArray[Any], *, transposed: bool = False
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         """Displacements and contact forces for every column of forces, the rows of this rank.
 
-        Parameters
-        ----------
-        b
-            Shape (n_local, columns), real or complex.
-        transposed
-            Whether with the transposed matrix.
-
-        Returns
-        -------
-        tuple
-            Shapes (n_local, columns) and (multipliers of this rank, columns).
+        They are real or complex; the matrix may be the transposed one.
         """
         if np.iscomplexobj(b):
             n, parts = b.shape[1], np.hstack([b.real, b.imag])
             both = self.solve_with_forces(parts, transposed=transposed)
             x, f = (part[:, :n] + 1j * part[:, n:] for part in both)
             return x, f
-        whole = np.zeros((self._rows, b.shape[1]), order="F")
-        whole[: self._local] = b
         solver = self._update or self._factors
         assert solver is not None
-        solution = solver.solve_block(whole, transposed=transposed)
+        solution = solver.solve_block(b, transposed=transposed)
         forces = solution[self._local : self._local + self.multipliers]
         if self._scale is not None:
             forces = forces * self._scale.array_r[: self.multipliers, None]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.classify import RunWord, Word, classify, classify_run, counted_words, thresholds
-from cea.eigen.mode_table import SIGNS, ModeTable, aligned
+from cea.mode_table import SIGNS, ModeTable, aligned
 from cea.warned import ResultWarning
 
 SLOW = 0.1

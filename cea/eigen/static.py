@@ -21,17 +21,7 @@ _PROBES = 4
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """Displacements under a load.
-
-    Parameters
-    ----------
-    displacement
-        Free displacements (m), PETSc vector.
-    forces
-        Contact forces that are unknowns (N), the rows of this rank.
-    uncertainty
-        What rounding the entries of K makes of the displacements, relative to the largest.
-    """
+    """Free displacements (m), contact forces that are unknowns (N), and the relative error."""
 
     displacement: Vec
     forces: Floats
@@ -86,21 +76,9 @@ def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = No
 
 
 def rounding_uncertainty(matrices: Matrices, factors: Shifted, x: Floats, f: Floats) -> float:
-    """What random roundings of the entries of K, u abs(K) abs(x), make of the displacements.
+    """What random roundings of the entries of K make of displacements, relative to the largest.
 
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    factors
-        Its factors at kappa = 0.
-    x, f
-        Displacements and contact forces, the rows of this rank, one column each.
-
-    Returns
-    -------
-    float
-        Relative to the largest displacement.
+    Given are factors at kappa = 0, displacements x and contact forces f, one column each.
     """
     comm = matrices.stiffness.comm.tompi4py()
     sizes = Sizes(matrices)

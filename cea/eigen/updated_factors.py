@@ -17,8 +17,8 @@ from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 
 from cea.arrays import Floats
 from cea.eigen.blocks import column_blocks, image_of, norms, transposed_times
-from cea.eigen.circulatory import CirculatorySum
 from cea.eigen.mumps import Mumps
+from cea.eigen.unformed import CirculatorySum
 from cea.errors import ConvergenceError
 
 _MOST_STEPS = 8
@@ -69,7 +69,8 @@ class UpdatedFactors:
             self._prepare(transposed)
 
     def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
-        """Solutions for every column of b, the rows of this rank, shape (rows, columns)."""
+        """Solutions for every column of b, the first rows of this rank, as of :class:`Mumps`."""
+        b = np.vstack([b, np.zeros((self._rows - len(b), b.shape[1]))])
         transposed = transposed and not self._symmetric
         self._prepare(transposed)
         x = self._once(b, transposed)
@@ -87,11 +88,9 @@ class UpdatedFactors:
         """Find Z, 1 + s B^T Z and the steps; with the Z of A the formula for A^T is unstable."""
         if transposed in self._steps:
             return
-        whole = np.zeros((self._rows, self._root.shape[1]), order="F")
-        whole[: len(self._root)] = self._root
-        image = whole.copy(order="F")
-        for each in column_blocks(whole.shape[1]):
-            image[:, each] = self._matrix.solve_block(whole[:, each], transposed=transposed)
+        image = np.zeros((self._rows, self._root.shape[1]), order="F")
+        for each in column_blocks(image.shape[1]):
+            image[:, each] = self._matrix.solve_block(self._root[:, each], transposed=transposed)
         small = np.eye(image.shape[1]) + self._shift * self._inner(image)
         if not np.isfinite(small).all():
             raise ConvergenceError("a matrix is singular without a piece of low rank")

@@ -9,7 +9,7 @@ eigenvalues (:mod:`cea.eigen.regions`). With damping or rotation the window hold
     abs(lambda - c)^2 <= (c + d)^2 + omega^2,
 
 holds all of it up to the growth 2 c + d, and the conjugates; further discs follow to the right.
-Of small systems the first disc tells all (:mod:`cea.eigen.dense`).
+Of small systems the first disc tells all (:mod:`cea.eigen.subspace`).
 """
 
 import sys

@@ -18,11 +18,11 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.blocks import image_of
-from cea.eigen.low_rank import LowRank
 from cea.eigen.multipliers import ForcesOfContact
 from cea.eigen.mumps import Mumps
 from cea.eigen.parameters import CONSTANT, Dependence
 from cea.eigen.pencil import Pencil, Role
+from cea.eigen.unformed import LowRank
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
 from cea.petsc import PETSc

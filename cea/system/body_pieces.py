@@ -6,10 +6,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from cea.body import Body
-from cea.eigen.circulatory import CirculatoryTerm
-from cea.eigen.low_rank import LowRankTerm
 from cea.eigen.parameters import Parameter
 from cea.eigen.pencil import Term
+from cea.eigen.unformed import CirculatoryTerm, LowRankTerm
 from cea.petsc import Mat
 from cea.system.body_terms import STILL, Motion, body_parameters, body_terms
 from cea.system.embedding import Embedding

@@ -14,8 +14,8 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping
 from cea.eigen.blocks import image_of
-from cea.eigen.low_rank import LowRank, LowRankTerm
 from cea.eigen.parameters import Coefficient, Dependence, Parameter
+from cea.eigen.unformed import LowRank, LowRankTerm
 from cea.errors import ConvergenceError, InputError
 from cea.system.body_modes import ElasticModes, elastic_modes
 

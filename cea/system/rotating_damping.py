@@ -4,7 +4,7 @@ With B = int rho v . R u of the rotation (:mod:`cea.rotation`), pieces of the st
 
     alpha Omega B,    beta Omega K M^-1 B,    Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T,
 
-the last two full (:mod:`cea.eigen.circulatory`). K is without the springs of the body, which stay
+the last two full (:mod:`cea.eigen.unformed`). K is without the springs of the body, which stay
 where they are in space.
 """
 
@@ -15,8 +15,8 @@ from typing import Any
 
 from cea.body import Body
 from cea.eigen.blocks import image_of
-from cea.eigen.circulatory import Circulatory, CirculatoryTerm
 from cea.eigen.pencil import Term
+from cea.eigen.unformed import Circulatory, CirculatoryTerm
 from cea.matrices import destroy, identity, scaled_total
 from cea.petsc import Mat, PETSc
 from cea.rotation import Rotation

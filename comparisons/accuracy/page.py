@@ -1,144 +1,350 @@
-"""The page of a study: JSON, CSV files, figures and Markdown, all drawn from plain data."""
+"""The page of the study: where rules may be used, errors against cost, orders, Pareto fronts."""
 
-import json
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
-from matplotlib.figure import Figure
+import numpy as np
+import pandas as pd
 
-from cea.files import write_whole
-from comparisons.accuracy import figures, tables, words
-from comparisons.accuracy.matrix import matrix_lines
-from comparisons.accuracy.runner import COMMAND
-from comparisons.kit.plots import png
-from comparisons.kit.records import RESULT, read_result
-from comparisons.kit.tables import Table
-from scenes.results.record import write_record
+from cea.timing import STAGES
+from comparisons.accuracy.cases import INTEGRATING, YARDSTICKS
+from comparisons.accuracy.problems import PROBLEMS
+from comparisons.kit.numbers import counted, number, shown
+from comparisons.study.columns import Column, wide
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Plot, Section, Table
+from scenes.spec.names import backend_name
 
-Data = dict[str, Any]
+TOLERABLE = 0.01
+"""Error of growth, relative to the largest growth rate, up to which a rule is called usable."""
+_TOO_COARSE = 0.1
+"""Error of growth of a yardstick from which on a mesh says nothing of contact rules."""
+_ROUNDING = 1e-9
+"""Errors below this say nothing of the order: exact lists and Krylov iteration end here."""
+_FITTED = 3
+"""Finest meshes that an order is fitted to."""
+_METHOD = ["problem", "backend", "degree", "rule"]
+LINE = [*_METHOD, "p"]
+"""Labels of a line of a plot."""
 
-_DPI = 150
+
+def runs(result: StudyResult) -> pd.DataFrame:
+    """Every run."""
+    frame = result.frame()
+    return frame if frame.empty else frame.drop(columns="part")
 
 
-def read(out: Path) -> Data:
-    """Data of a study that was written to a folder, as it is or compressed.
+def _drawn(result: StudyResult) -> pd.DataFrame:
+    """Runs at the first stiffness that lost no modes."""
+    frame = runs(result)
+    if frame.empty:
+        return frame
+    return frame[(frame["p"] == result.record["inputs"]["stiffnesses"][0])].dropna(
+        subset="lambda_worst"
+    )
 
-    Raises
-    ------
-    InputError
-        When the folder holds none.
+
+def every_degree(result: StudyResult) -> pd.DataFrame:
+    """Every degree with mortar."""
+    frame = _drawn(result)
+    return frame if frame.empty else frame[frame["rule"] == "mortar"]
+
+
+def every_rule(result: StudyResult) -> pd.DataFrame:
+    """Every contact rule at degree 2."""
+    frame = _drawn(result)
+    return frame if frame.empty else frame[frame["degree"] == 2]
+
+
+def observed_order(refinements: Any, errors: Any) -> float | None:
+    """Exponent q of ``error ~ refinement^-q`` by least squares; None of fewer than two."""
+    n, error = np.asarray(refinements, float), np.asarray(errors, float)
+    return -float(np.polyfit(np.log(n), np.log(error), 1)[0]) if len(n) > 1 else None
+
+
+def orders(result: StudyResult) -> pd.DataFrame:
+    """Observed orders of the finest meshes whose error is above rounding, beside theory.
+
+    Theory knows the order of a smooth solution integrated exactly, capped by a singularity.
     """
-    return read_result(out, COMMAND)
+    frame, rows = runs(result), []
+    for values, own in frame.groupby(LINE, sort=False) if len(frame) else ():
+        line = dict(zip(LINE, values, strict=True))
+        fitted = own[own["lambda_worst"] > _ROUNDING][-_FITTED:]
+        order = observed_order(fitted["refinement"], fitted["lambda_worst"])
+        if order is not None:
+            smooth = 2.0 * line["degree"] if line["rule"] in INTEGRATING else None
+            cap = PROBLEMS[line["problem"]].highest_order
+            theory = min(smooth, cap) if smooth and cap else smooth
+            last = own["lambda_worst"].iloc[-1]
+            rows.append(line | {"order": order, "theory": theory, "lambda_worst": last})
+    return pd.DataFrame(rows)
 
 
-def write(data: Data, out: Path) -> Path:
-    """Write data, tables, figures and the page.
+def pareto(result: StudyResult) -> pd.DataFrame:
+    """Runs that none beats in both run time and worst error of lambda."""
+    frame = runs(result)
+    if frame.empty:
+        return frame
+    by_time = frame.dropna(subset="lambda_worst").sort_values(["seconds", "lambda_worst"])
+    before = by_time.groupby(["problem", "p"])["lambda_worst"].transform(
+        lambda error: error.cummin().shift(fill_value=np.inf)
+    )
+    front = by_time[by_time["lambda_worst"] < before]
+    kept = ["dofs", "seconds", "lambda_worst", "growth_worst", "memory"]
+    place = {name: i for i, name in enumerate(PROBLEMS)}
+    ordered = front.sort_values(["problem", "p", "seconds"], key=lambda c: c.replace(place))
+    return ordered[["problem", "p", *_METHOD[1:], "refinement", *kept]]
 
-    Returns
-    -------
-    Path
-        The page.
+
+def uses(result: StudyResult) -> pd.DataFrame:
+    """Growth errors of every rule beside a yardstick, on the finest mesh that both were run on.
+
+    Lines without a yardstick at their degree are left out, and meshes on which the yardstick itself
+    lost modes or is far off.
     """
-    write_record(data, out / RESULT)
-    made = {table.name: table for table in (make(data) for make in tables.TABLES)}
-    for table in made.values():
-        table.write_csv(out)
-    for problem in data["problems"]:
-        _save(figures.error_against_cost, data, problem, out / f"error_{problem}.png")
-        _save(figures.growth_against_stiffness, data, problem, out / f"growth_{problem}.png")
-    page = out / "report.md"
-    write_whole(("\n".join(_page(data, made)) + "\n").encode(), page)
-    return page
+    frame = runs(result)
+    if frame.empty:
+        return frame
+    mesh = ["problem", "backend", "degree", "p", "refinement"]
+    best = pd.DataFrame()
+    for rule in reversed(YARDSTICKS):  # a better one takes the place of a worse one
+        own = frame.loc[frame["rule"] == rule, [*mesh, "growth_worst"]]
+        own = own.rename(columns={"growth_worst": "floor"}).assign(yardstick=rule)
+        beside = frame.loc[frame["rule"] != rule, [*mesh, "rule", "growth_worst"]].merge(own)
+        best = pd.concat([best, beside]).drop_duplicates([*mesh, "rule"], keep="last")
+    best = best[best["floor"] <= _TOO_COARSE].sort_values("refinement")
+    best = best.drop_duplicates(LINE, keep="last")
+    best["usable"] = best["growth_worst"] <= np.maximum(TOLERABLE, 2 * best["floor"])
+    found = frame[LINE].drop_duplicates().merge(best, on=LINE)
+    return found[[*LINE, "refinement", "growth_worst", "yardstick", "floor", "usable"]]
 
 
-def _save(draw: Callable[[Data, str], Figure], data: Data, problem: str, file: Path) -> None:
-    write_whole(png(draw(data, problem), _DPI), file)
+def judged(result: StudyResult) -> pd.DataFrame:
+    """Rules that users choose among, at degree 2: over all problems usable, or how far off."""
+    frame = uses(result)
+    if frame.empty:
+        return frame
+    frame = frame[(frame["degree"] == 2) & ~frame["rule"].isin(INTEGRATING)]
+    frame = frame.assign(lost=frame["growth_worst"].isna())
+    cells = frame.groupby(["backend", "rule", "p"], sort=False).agg(
+        usable=("usable", "all"),
+        lost=("lost", "any"),
+        growth_worst=("growth_worst", "max"),
+        floor=("floor", "max"),
+    )
+    return cells.reset_index()
 
 
-def _page(data: Data, made: dict[str, Table]) -> list[str]:
-    sections = list(_sections(data, made))
-    contents = [f"- [{title}](#{_anchor(title)})" for title, _ in sections]
-    text = ["# Error of flutter eigenvalues against run time", "", *_matrix(data, made)]
-    text += ["## Contents", "", *contents, ""]
-    for title, lines in sections:
-        text += [f"## {title}", "", *lines]
-    return text
-
-
-def _matrix(data: Data, made: dict[str, Table]) -> list[str]:
-    """What the page opens with: which formulation may be used at which stiffness."""
-    return [
-        "## Where each formulation may be used",
-        "",
-        *matrix_lines(data),
-        words.verdict_rule(),
-        "",
-        words.in_short(data),
-        "",
-        *_files(made["matrix"], made["uses"]),
+def matrix(result: StudyResult) -> pd.DataFrame:
+    """For every rule and p whether it may be used, and its worst error; what yardsticks reach."""
+    cells = judged(result)
+    if cells.empty:
+        return cells
+    floors = cells.groupby(["backend", "p"], sort=False)["floor"].max().reset_index()
+    floors = floors.assign(rule="yardstick", text=floors["floor"].map(shown(2)))
+    cells["text"] = [
+        f"{'✓' if usable else '✗'} {'modes lost' if lost else number(error, 2)}"
+        for usable, lost, error in zip(
+            cells["usable"], cells["lost"], cells["growth_worst"], strict=True
+        )
     ]
+    every = pd.concat([cells, floors]).sort_values("p", kind="stable")
+    order = pd.concat([cells, floors])[["backend", "rule"]].drop_duplicates()
+    return order.merge(wide(every, ["backend", "rule"], "p", "text"))
 
 
-def _sections(data: Data, made: dict[str, Table]) -> Iterator[tuple[str, list[str]]]:
-    """Titles and lines of all else."""
-    if data.get("no_flutter"):
-        lines = _bullets(words.without_flutter(data))
-        yield "Where nothing may grow", [*lines, "", *_files(made["no_flutter"])]
-    if data.get("finest"):
-        yield "Finest meshes", [*_bullets(words.finest(data)), "", *_files(made["finest"])]
-    for problem in data["problems"]:
-        yield problem, _problem(data, problem)
-    yield "Tables", _files(*(made[name] for name in ("runs", "pareto", "orders")))
-    yield "Omissions", _omissions(data, made)
-    yield "How it was measured", [words.how_measured(data), ""]
-    yield "As run", _machine(data)
+def against_stiffness(result: StudyResult) -> pd.DataFrame:
+    """Growth errors of rules at degree 2, by rising p."""
+    frame = uses(result)
+    if frame.empty:
+        return frame
+    return frame[(frame["degree"] == 2) & (frame["growth_worst"] > 0)].sort_values("p")
 
 
-def _problem(data: Data, problem: str) -> list[str]:
-    described = data["problems"][problem]
-    low, high = described["band"]
-    return [
-        f"Exact eigenvalues with {low:g} <= Im lambda <= {high:g} rad/s, friction "
-        f"{described['friction']}, p in units of {described['unit']:g} N/m³.",
-        "",
-        f"![error against run time and dofs](error_{problem}.png)",
-        "",
-        f"![error of growth against p](growth_{problem}.png)",
-        "",
-        "No other run is better in both error and time:",
-        "",
-        *_bullets(words.front(data, problem)),
-        "",
-    ]
+def in_short(result: StudyResult) -> str:
+    """Contact rules by the stiffnesses at which they may be used."""
+    cells = judged(result)
+    if cells.empty:
+        return "No formulation could be judged: no yardstick was run beside one."
+    tried = sorted(cells["p"].unique())
+    by_range: dict[tuple[float, ...], list[str]] = {}
+    for (backend, rule), own in cells.groupby(["backend", "rule"], sort=False):
+        usable = tuple(sorted(own.loc[own["usable"], "p"]))
+        by_range.setdefault(usable, []).append(f"{rule} ({backend_name(backend)})")
+    told = []
+    for usable, rules in sorted(by_range.items(), key=lambda item: -len(item[0])):
+        where = f"at p = {', '.join(f'{p:g}' for p in usable)}" if usable else "at no p tried"
+        told.append(
+            f"{'at every p tried' if len(usable) == len(tried) else where}: {'; '.join(rules)}"
+        )
+    return f"Usable {'. Usable '.join(told)}."
 
 
-def _anchor(title: str) -> str:
-    """Address of a heading, as programs that show Markdown make it."""
-    return title.lower().replace(" ", "-")
+def fair(result: StudyResult) -> str | None:
+    """The fastest run of each problem within a hundredth, at the first stiffness."""
+    front = pareto(result)
+    if front.empty:
+        return None
+    front = front[front["p"] == result.record["inputs"]["stiffnesses"][0]]
+    best = front[front["lambda_worst"] <= TOLERABLE].groupby("problem", sort=False).head(1)
+    told = (
+        f"{row['problem']}: {backend_name(row['backend'])} {row['degree']}, {row['rule']}, "
+        f"{number(row['seconds'], 2)} s"
+        for row in best.to_dict("records")
+    )
+    return f"Fastest within {TOLERABLE:g} at the first p. {'; '.join(told)}."
 
 
-def _bullets(sentences: list[str]) -> list[str]:
-    return [f"- {sentence}" for sentence in sentences]
+def unexplained(result: StudyResult) -> str | None:
+    """How often something grew that must not."""
+    frame = result.frame("no_flutter")
+    if frame.empty:
+        return None
+    grown = frame[frame["unexplained"] > 0]
+    told = "".join(
+        f" {row['rule']} ({backend_name(row['backend'])}; {row['problem']}) lets "
+        f"{counted(row['unexplained'], 'mode')} of {row['modes']} grow or decay, by up to "
+        f"{number(row['growth'], 2)} of abs(λ)."
+        for row in grown.to_dict("records")
+    )
+    return (
+        f"In {len(frame) - len(grown)} of {counted(len(frame), 'run')} no mode grows by more than "
+        f"its residual times its condition number explains.{told}"
+    )
 
 
-def _files(*tables: Table) -> list[str]:
-    """Tables in files of their own, each with what it shows."""
-    return [*(f"- [{t.name}.csv]({t.name}.csv): {t.caption}" for t in tables), ""]
+def digits(result: StudyResult) -> str | None:
+    """The error that no finest mesh exceeds, by problem and backend."""
+    frame = result.frame("finest")
+    if frame.empty:
+        return None
+    rows = frame.groupby(["problem", "backend"], sort=False)["lambda_worst"]
+    return "; ".join(
+        f"{problem}, {backend_name(backend)}: "
+        + ("modes lost" if own.isna().any() else f"worst error {number(own.max(), 2)}")
+        for (problem, backend), own in rows
+    )
 
 
-def _omissions(data: Data, made: dict[str, Table]) -> list[str]:
-    parts = [made[name] for name in ("omissions", "incomplete")]
-    if not any(table.rows for table in parts):
-        return ["Nothing was left out and nothing failed.", ""]
-    return [*_bullets([*words.reasons(data), words.lost(data)]), "", *_files(*parts)]
+def lost(result: StudyResult) -> pd.DataFrame:
+    """Runs that missed listed modes, or found modes in the band that stand for none."""
+    frame = runs(result)
+    if frame.empty:
+        return frame
+    found = frame[(frame["missing"] > 0) | (frame["spurious"] > 0)]
+    return found[[*LINE, "refinement", "modes", "missing", "spurious"]]
 
 
-def _machine(data: Data) -> list[str]:
-    versions = ", ".join(f"{name} {version}" for name, version in data["versions"].items())
-    machine = data["machine"]
-    return [
-        f"{machine['system']} {machine['machine']}, {machine['cpus']} processors; {versions}; "
-        f"commit {data['commit']}. "
-        f"Study: {json.dumps(data['inputs']['study'])}. All numbers: `{RESULT}`, `runs.csv`.",
-    ]
+def _without_part(table: str) -> Callable[[StudyResult], pd.DataFrame]:
+    return lambda result: result.frame(table).drop(columns="part", errors="ignore")
+
+
+def _plot(name: str, caption: str, frame: Any, x: str, series: tuple[str, ...]) -> Plot:
+    return Plot(name, caption, frame, x, "lambda_worst", series, "problem", "xy", COLUMNS)
+
+
+_TWO, _COUNT = shown(2), number
+COLUMNS = {
+    "problem": Column("problem"),
+    "rule": Column("contact rule"),
+    "degree": Column("degree", show=_COUNT),
+    "p": Column("p", show=shown(3)),
+    "refinement": Column("refinement", show=_COUNT),
+    **{
+        f"{name}_{which}": Column(f"{which} error of {name}", show=_TWO)
+        for name in ("lambda", "frequency", "growth")
+        for which in ("worst", "median")
+    },
+    **{stage: Column(stage, "s", _TWO) for stage in STAGES},
+    "memory_process": Column("whole process", "MB", shown(3)),
+    "modes": Column("modes", show=_COUNT),
+    "order": Column("observed order", show=_TWO),
+    "theory": Column("theory", show=_TWO),
+    "floor": Column("error of the yardstick", show=_TWO),
+    "growth": Column("largest growth", show=_TWO),
+    "explained": Column("explained", show=_TWO),
+    "bound": Column("asked for", show=_TWO),
+    "compared": Column("listed", show=_COUNT),
+}
+SECTIONS = [
+    Section(
+        "Where each formulation may be used",
+        "A number is the worst error of the growth rate over all problems, relative to the largest "
+        "growth rate of the listed modes, on bodies of degree 2 and the finest mesh that a "
+        "yardstick was run on too (mortar; where that failed, segments, then GPTS); meshes too "
+        f"coarse for it are left out. ✓: in every problem at most {TOLERABLE:g} or twice the error "
+        "of the yardstick, which is that of the bodies' meshes. p counts in units of each problem.",
+        in_short,
+        tables=[
+            Table("matrix", "Formulations by p.", matrix, COLUMNS, printed=True),
+            Table("uses", "Every rule beside its yardstick.", uses, COLUMNS, shown=False),
+        ],
+        plots=[
+            Plot(
+                "growth",
+                "Worst error of growth against p, bodies of degree 2.",
+                *(against_stiffness, "p", "growth_worst", ("rule", "backend"), "problem", "xy"),
+                own=COLUMNS,
+            )
+        ],
+    ),
+    Section(
+        "Error against cost",
+        "Run time is processor time on one thread, median of the runs, from geometry to "
+        "eigenpairs; the first run of each problem and method in a process is not timed. Peak "
+        "memory is above what the process held before. Errors of lambda are relative to "
+        "abs(lambda), over all listed modes of the band.",
+        fair,
+        plots=[
+            _plot(f"{part}_{x}", caption, frame, x, series)
+            for part, frame, caption, series in (
+                ("degrees", every_degree, "Every degree, mortar.", ("degree", "backend")),
+                ("rules", every_rule, "Degree 2, every contact rule.", ("rule", "backend")),
+            )
+            for x in ("seconds", "dofs")
+        ],
+        tables=[
+            Table(
+                "pareto",
+                "Runs that no other beats in both run time and worst error of lambda.",
+                *(pareto, COLUMNS),
+                group="problem",
+            ),
+            Table(
+                "orders",
+                "Order of the worst error of lambda in the mesh size. Theory: twice the degree "
+                "where the solution is smooth and the traces are integrated exactly; a corner "
+                "singularity caps it; point rules have no order of their own.",
+                *(orders, COLUMNS),
+                group="problem",
+            ),
+            Table("runs", "Every run.", runs, COLUMNS, shown=False),
+        ],
+    ),
+    Section(
+        "Where nothing may grow",
+        "Problems that cannot flutter: largest growth relative to abs(lambda), and what residual "
+        "times condition explains of it.",
+        unexplained,
+        tables=[Table("no_flutter", "", _without_part("no_flutter"), COLUMNS)],
+    ),
+    Section(
+        "Finest meshes",
+        "Worst relative error of every listed eigenvalue.",
+        digits,
+        tables=[Table("finest", "", _without_part("finest"), COLUMNS)],
+    ),
+    Section(
+        "Omissions",
+        tables=[
+            Table("omissions", "Meshes at which a line ends.", _without_part("omissions"), COLUMNS),
+            Table(
+                "incomplete",
+                "Runs that missed listed modes (they have no error and are not drawn), or found "
+                "modes in the band that stand for none.",
+                *(lost, COLUMNS),
+            ),
+        ],
+    ),
+]

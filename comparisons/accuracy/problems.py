@@ -6,7 +6,6 @@ from math import pi
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.errors import InputError
 from exact_cea.reference import whole_spectrum
 
 _BEYOND = 1.1
@@ -96,10 +95,9 @@ class Problem:
         return len(self.bodies[0].coarsest)
 
     @property
-    def friction(self) -> str:
-        """Friction coefficient as TOML."""
-        text = self.profile.format(mu=self.mu)
-        return text if self.profile == "{mu}" else f'"{text}"'
+    def friction(self) -> float | str:
+        """Friction coefficient as scenes have it: a number, or an expression."""
+        return self.mu if self.profile == "{mu}" else self.profile.format(mu=self.mu)
 
     @property
     def max_frequency(self) -> float:
@@ -132,19 +130,6 @@ class Problem:
     def listed(self, values: Complexes) -> Complexes:
         """Those of the band."""
         return values[(values.imag >= self.band[0]) & (values.imag <= self.band[1])]
-
-
-def problem(name: str) -> Problem:
-    """A problem by name.
-
-    Raises
-    ------
-    InputError
-        When there is none of that name.
-    """
-    if name not in PROBLEMS:
-        raise InputError("problem", name, f"one of {', '.join(PROBLEMS)}")
-    return PROBLEMS[name]
 
 
 _PLANE_RING = (False, True), (False, True)

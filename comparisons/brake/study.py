@@ -3,7 +3,7 @@
 Modes of each mesh are matched with those of the next by their shapes on the contact surfaces and by
 eigenvalue; the spread of a mode over the meshes says how far its frequency and its growth rate may
 be trusted. Contacts are mortar: Gauss points on quadratic elements are not usable at such a
-stiffness (``cea accuracy``), and mortar does not lock where p is larger still.
+stiffness (``cea study accuracy``), and mortar does not lock where p is larger still.
 """
 
 import resource

@@ -23,14 +23,14 @@ COMMANDS = {
     "study": ("study:app", "Run a study: both backends, formulations, accuracy, damping, ..."),
     "figure": ("paper:figure", "Make a figure of the paper."),
     "claims": ("paper:claims", "Judge the paper's claims by the figures' data."),
-    "bench": ("bench:app", "Time and memory beside other programs and methods."),
+    "bench": ("study:bench", "Time and memory beside other programs and methods."),
     "scene": ("scene:app", "Look at scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
     "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),
-    "accuracy": ("studies:accuracy", "Error of every method against run time."),
 }
 """Place of each command below this package, and its help."""
 RENAMED = {
+    "accuracy": "study accuracy",
     "brake": "study brake",
     "damping": "study damping",
     "stability": "study stability",

@@ -90,7 +90,7 @@ def say(to: Console, text: str, style: str | None = None) -> None:
 
 def _print_modes(result: "Result", to: Console) -> None:
     """Print the verdict, the unstable modes, all modes, and why they are all."""
-    from cea.eigen.mode_table import MARKS, SIGNS, TITLES, shown_cells
+    from cea.mode_table import MARKS, SIGNS, TITLES, shown_cells
 
     rows = result.table()
     texts = shown_cells(rows)

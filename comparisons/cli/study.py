@@ -1,4 +1,4 @@
-"""``cea study NAME``: one command for every study; its options are the fields of its dataclass."""
+"""``cea study NAME`` and ``cea bench NAME``, whose options are the fields of a dataclass."""
 
 import inspect
 import re
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "agreement": ("agreement:STUDY", "Both backends on the same scenes, every formulation.", ()),
+    "accuracy": ("accuracy.study:STUDY", "Error of every method against run time.", ("exact",)),
     "formulations": (
         *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
         ("exact",),
@@ -33,6 +34,15 @@ STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),
 }
 """Place of each study below comparisons, its help, and the extras that it needs beside pictures."""
+BENCHMARKS: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "assembly": ("bench.assembly:STUDY", "Stiffness and mass, beside dolfinx and others.", ()),
+    "contact": ("bench.contact:STUDY", "Search and assembly of up to a million points.", ()),
+    "solve": ("bench.solve:STUDY", "Modes of disc_pad, beside SLEPc, scipy, projection.", ()),
+    "scaling": ("bench.scaling:STUDY", "More ranks, finer meshes, higher degrees.", ()),
+    "matrices": ("bench.matrices:STUDY", "Matrices from files, beside scipy.", ()),
+    "calculix": ("bench.calculix:STUDY", "CalculiX on the same meshes.", ()),
+}
+"""Benchmarks: time and memory beside other programs and methods, on this machine."""
 
 _COMMON: dict[str, tuple[Any, Any, str]] = {
     "quick": (bool, False, "A small part of it, in a minute or two."),
@@ -69,8 +79,14 @@ class Studies(TyperGroup):
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write names and help."""
-        with formatter.section("Studies"):
+        with formatter.section("Commands"):
             formatter.write_dl([(name, help) for name, (_, help, _) in self.table.items()])
+
+
+class Benchmarks(Studies):
+    """Benchmarks by name."""
+
+    table = BENCHMARKS
 
 
 def command_of(place: str) -> Any:
@@ -82,7 +98,7 @@ def command_of(place: str) -> Any:
         for f in fields(study.options)
         if _option(hints[f.name])[0] is not None
     }
-    out = Path("results") / study.name
+    out = Path("results", *study.name.split())
     shown |= _COMMON | {"out": (Path, out, "Folder of the result.")}
 
     def call(**given: Any) -> None:
@@ -115,6 +131,8 @@ def _option(hint: Any) -> tuple[Any, Any]:
         kind = _option(parts[0])[0]
         lists = {int: list[int], float: list[float], str: list[str]}
         return lists.get(kind), None
+    if origin is tuple:
+        return hint, None
     if hint is bool:
         return bool, None
     return (hint if hint in (int, float, str) else None), None
@@ -209,3 +227,13 @@ app = typer.Typer(cls=Studies, no_args_is_help=True, rich_markup_mode=None, add_
 @app.callback()
 def study() -> None:
     """Run a study: cases, their tables and plots on one page."""
+
+
+bench = typer.Typer(
+    cls=Benchmarks, no_args_is_help=True, rich_markup_mode=None, add_completion=False
+)
+
+
+@bench.callback()
+def _bench() -> None:
+    """Time and memory beside other programs and methods, on this machine."""

@@ -6,6 +6,7 @@ each formulation finds its own state, whose p(x) its small motions meet.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,7 +23,7 @@ from cea.contact.formulations import (
     Segments,
 )
 from cea.errors import InputError
-from comparisons.paper.figure import BACKENDS, MESHES, Mesh, Row, Tables
+from comparisons.paper.figure import BACKENDS, MESHES, Mesh, Row, Tables, midpoints, sector_points
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from meshes.shapes import Crowned, Sector
@@ -160,7 +161,7 @@ def state(result: Result) -> tuple[Row, Floats, Floats]:
     assert isinstance(pad, Crowned)
     steady = result.steady.contacts[CONTACT]
     weight = result.interfaces[CONTACT].points.weight
-    closed = closures(result, common_points(pad)[2])
+    closed = closures(result, common_points(pad))
     row = {
         "dofs": result.system.size,
         "points": len(weight),
@@ -176,35 +177,11 @@ def state(result: Result) -> tuple[Row, Floats, Floats]:
     return row, law.pressure(closed).reshape(shape), law.slope(closed).reshape(shape)
 
 
-def common_points(pad: Crowned) -> tuple[Floats, Floats, Floats]:
-    """Points of the crowned face at the midpoints of equal parts.
-
-    Parameters
-    ----------
-    pad
-        The crowned sector.
-
-    Returns
-    -------
-    ndarray
-        Radii (m), shape (RADII,).
-    ndarray
-        Angles (degrees), shape (ANGLES,).
-    ndarray
-        Points (m), radius by radius, shape (RADII * ANGLES, 3).
-    """
+def common_points(pad: Crowned) -> Floats:
+    """Points of the crowned face at the midpoints of equal parts (m), radius by radius."""
     base = pad.base
     assert isinstance(base, Sector)
-    r, theta = (
-        low + (high - low) * (np.arange(count) + 0.5) / count
-        for low, high, count in (
-            (base.inner_radius, base.outer_radius, RADII),
-            (base.start, base.end, ANGLES),
-        )
-    )
-    radius, angle = (part.ravel() for part in np.meshgrid(r, np.deg2rad(theta), indexing="ij"))
-    flat = [radius * np.cos(angle), radius * np.sin(angle), np.full(radius.size, base.bottom)]
-    return r, theta, pad.crown(np.column_stack(flat))
+    return pad.crown(sector_points(base, RADII, ANGLES, base.bottom))
 
 
 def closures(result: Result, x: Floats) -> Floats:
@@ -244,7 +221,8 @@ def middle_circle(result: StudyResult) -> pd.DataFrame:
         return frame
     pad = load_scene("crowned_pad").bodies[PAD].geometry
     assert isinstance(pad, Crowned)
-    angles, parts = common_points(pad)[1], []
+    base: Any = pad.base
+    angles, parts = midpoints(base.start, base.end, ANGLES), []
     for mesh, own in frame.groupby("mesh", sort=False):
         labels = {"figure": "crowned", "mesh": mesh}
         arrays = [result.array(labels, name) for name in ("pressure", "stiffness")]

@@ -3,8 +3,12 @@
 from collections.abc import Mapping
 from typing import Any, Literal, Protocol
 
+import numpy as np
+
+from cea.arrays import Floats
 from cea.contact.formulations import Formulation, Greville, Grid, NodeToSurface
 from comparisons.study.session import Session
+from meshes.shapes import Sector
 from scenes.spec.body import Backend
 
 Mesh = Literal["NURBS", "hexahedra", "tetrahedra", "none"]
@@ -67,8 +71,30 @@ def quoted(
     return {"what": what, "paper": paper, "ours": float(ours), "unit": unit, "remark": remark}
 
 
+def rows_of(columns: Mapping[str, Any]) -> list[Row]:
+    """Rows of columns of equal lengths."""
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+
+
 def as_lagrange(formulation: Formulation) -> Formulation:
     """The formulation for Lagrange elements: nodes for Greville points, a grid on every facet."""
     if isinstance(formulation, Greville):
         return NodeToSurface()
     return Grid(_FACET_GRID) if isinstance(formulation, Grid) else formulation
+
+
+def polar_points(r: Floats, theta: Floats, z: float) -> Floats:
+    """Points at all radii (m) and angles (degrees), radius by radius, shape (n, 3)."""
+    radius, angle = (part.ravel() for part in np.meshgrid(r, np.deg2rad(theta), indexing="ij"))
+    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), z)])
+
+
+def midpoints(low: float, high: float, n: int) -> Floats:
+    """Midpoints of equal parts of an interval."""
+    return low + (high - low) * (np.arange(n) + 0.5) / n
+
+
+def sector_points(sector: Sector, across: int, along: int, z: float) -> Floats:
+    """Points of a sector at the midpoints of equal parts of its radii and angles."""
+    r = midpoints(sector.inner_radius, sector.outer_radius, across)
+    return polar_points(r, midpoints(sector.start, sector.end, along), z)

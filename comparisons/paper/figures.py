@@ -5,10 +5,10 @@ from dataclasses import replace
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, Mortar, Segments
 from cea.errors import InputError
 from comparisons.paper.crowned_pad import CROWNED_PAD
+from comparisons.paper.diagram import Diagram
 from comparisons.paper.disc_pad import COLLOCATION, GPTS, GRID, HIGH, LOW, LUMPED, MIDDLE, DiscPad
 from comparisons.paper.figure import Figure
 from comparisons.paper.lumping import LUMPING
-from comparisons.paper.measures import Diagram
 from comparisons.paper.mode_shapes import SHAPES
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
 from comparisons.paper.patch_test import PatchTest, PatchTests

@@ -21,8 +21,8 @@ from cea.eigen.blocks import times
 from cea.matrices import destroy
 from cea.surface import Surface
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
-from comparisons.paper.figure import MESHES, Mesh, Tables
-from comparisons.paper.spectra import compare_spectra, spectrum_of
+from comparisons.paper.figure import MESHES, Mesh, Tables, rows_of
+from comparisons.paper.spectra import Spectrum, means_of, paired
 from comparisons.study.session import Session
 from scenes import Result
 from scenes.spec.reading import Scene
@@ -43,30 +43,18 @@ class Lumping:
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
         """Shifts of all modes, and energies of a rotation."""
         plain, lumped = (session.solve(session.scene[name]) for name in ("plain", "lumped"))
-        match = compare_spectra(spectrum_of(lumped), spectrum_of(plain))
-        false = false_shifts(plain, lumped)
-        rows = [
-            {
-                "frequency": reference / tau,
-                "shift": omega / reference - 1,
-                "false_shift": float(false[group["modes"][1]].mean()),
-            }
-            for group in match["groups"]
-            for (_, omega), (_, reference) in [group["lambda"]]
-        ]
-        shifts, expected = (np.array([row[n] for row in rows]) for n in ("shift", "false_shift"))
+        match = paired(Spectrum.of(lumped), Spectrum.of(plain))
+        omega, reference = (values.imag for values in means_of(match))
+        shifts, false = omega / reference - 1, false_shifts(plain, lumped)
+        expected = np.array([false[pair.second].mean() for pair in match.groups])
+        columns = {"frequency": reference / tau, "shift": shifts, "false_shift": expected}
         summary = {
             "rotation_plain": rotation_ratio(plain),
             "rotation_lumped": rotation_ratio(lumped),
             "largest_shift": float(np.abs(shifts).max()),
-            "explained": explained_part(shifts, expected),
+            "explained": float(1 - np.sum((shifts - expected) ** 2) / np.sum(shifts**2)),
         }
-        return {"lumping": [summary], "lumping_shifts": rows}
-
-
-def explained_part(shifts: Floats, explained: Floats) -> float:
-    """1 - |shifts - explained|^2 / |shifts|^2."""
-    return float(1 - np.sum((shifts - explained) ** 2) / np.sum(shifts**2))
+        return {"lumping": [summary], "lumping_shifts": rows_of(columns)}
 
 
 def false_shifts(plain: Result, lumped: Result) -> Floats:

@@ -11,14 +11,14 @@ from math import tau
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from matplotlib.figure import Figure
 
 from cea.arrays import Floats
+from cea.eigen.matching import ModeMatch
+from comparisons.paper.diagram import case_row
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
-from comparisons.paper.figure import MESHES, Mesh, Row, Tables, quoted
-from comparisons.paper.measures import case_row, tables_of
-from comparisons.paper.spectra import Data, compare_spectra, displacements, spectrum_of
+from comparisons.paper.figure import MESHES, Mesh, Tables, quoted, rows_of
+from comparisons.paper.spectra import Spectrum, displacements, measures, paired
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
@@ -56,72 +56,57 @@ class ModeShapes:
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
         """Run both cases and take the mode from each."""
         results = {name: session.solve(session.scene[name]) for name in RUNS}
-        spectra = {name: spectrum_of(result) for name, result in results.items()}
-        match = compare_spectra(spectra["lumped"], spectra["plain"])
-        lumped, plain = (spectra[name].data for name in ("lumped", "plain"))
+        plain, lumped = (Spectrum.of(result) for result in results.values())
+        match = paired(lumped, plain)
         label = case_row(P, 1, RUNS["lumped"].on(mesh))
-        measured = tables_of(label, lumped, plain, match, "much below 1")["measures"]
-        chosen = dict(zip(("lumped", "plain"), common_mode(match, plain), strict=True))
-        lines, modes = [], {}
-        for name, result in results.items():
-            line = mode_line(result, chosen[name])
-            lines += [{"run": name, **row} for row in line.to_dict("records")]
-            value, motion = result.eigenvalues[chosen[name]], spectra[name].data["contact_motion"]
-            modes[name] = {
-                "frequency": float(value.imag / tau),
-                "growth": float(value.real),
-                "contact_motion": motion[chosen[name]],
-                "line": line,
-            }
-            for array, values in bodies_of(result, chosen[name]).items():
+        measured = label | measures(lumped, plain, match) | {"paper": "much below 1"}
+        modes = common_mode(match, plain)[::-1]
+        motions = [run.motion[mode] for run, mode in zip((plain, lumped), modes, strict=True)]
+        lines, numbers, slopes = [], [], []
+        curves: list[Floats] = []
+        for (name, result), mode in zip(results.items(), modes, strict=True):
+            value = result.eigenvalues[mode]
+            numbers.append(quoted(f"{name}: frequency", None, value.imag / tau, "Hz"))
+            numbers.append(quoted(f"{name}: growth rate", None, value.real, "1/s"))
+            line = mode_line(result, mode)
+            arc, disc = line["arc"], line["disc"]
+            curves.append(disc)
+            steepness = np.abs(np.gradient(disc, arc))
+            slopes.append(steepness[np.abs(np.abs(arc) - EDGE) < _NEAR_EDGE].max())
+            pad = [None if np.isnan(u) else u for u in line["pad"]]
+            lines += [{"run": name, **row} for row in rows_of(line | {"pad": pad})]
+            for array, values in bodies_of(result, mode).items():
                 session.keep(f"{name}/{array}", values)
-        return {"measures": measured, "lines": lines, "numbers": numbers_of(modes)}
+        over = "lumped over plain"
+        slope = "slope of the disc at the boundary of the pad"
+        far = np.abs(curves[1] - curves[0]).max()
+        numbers += [
+            quoted(
+                *(f"motion of the disc in the contact, {over}", "much below 1"),
+                motions[1] / motions[0],
+            ),
+            quoted(f"{slope}, {over}", "above 1", slopes[1] / slopes[0]),
+            quoted("largest difference of the disc's lines, of 1", None, far),
+        ]
+        return {"measures": [measured], "lines": lines, "numbers": numbers}
 
 
-def numbers_of(modes: Mapping[str, Data]) -> list[Row]:
-    """Both modes beside each other.
-
-    Parameters
-    ----------
-    modes
-        Of "plain" and "lumped": ``frequency``, ``growth``, ``contact_motion`` and the ``line``.
-    """
-    rows = []
-    for name, mode in modes.items():
-        rows.append(quoted(f"{name}: frequency", None, mode["frequency"], "Hz"))
-        rows.append(quoted(f"{name}: growth rate", None, mode["growth"], "1/s"))
-    lumped, plain = modes["lumped"], modes["plain"]
-    motion = lumped["contact_motion"] / plain["contact_motion"]
-    slopes = [_slope_at_edge(mode["line"]) for mode in (lumped, plain)]
-    far = (lumped["line"]["disc"] - plain["line"]["disc"]).abs().max()
-    return [
-        *rows,
-        quoted("motion of the disc in the contact, lumped over plain", "much below 1", motion),
-        quoted(
-            "slope of the disc at the boundary of the pad, lumped over plain",
-            *("above 1", slopes[0] / slopes[1]),
-        ),
-        quoted("largest difference of the disc's lines, of 1", None, far),
-    ]
-
-
-def common_mode(match: Data, reference: Data) -> tuple[int, int]:
+def common_mode(match: ModeMatch, reference: Spectrum) -> tuple[int, int]:
     """Numbers of a mode in the first run and in the reference."""
     pairs = [
-        (group["modes"][0][0], group["modes"][1][0])
-        for group in match["groups"]
-        if len(group["modes"][0]) == len(group["modes"][1]) == 1 and group["assurance"] > _ALIKE
+        (int(pair.first[0]), int(pair.second[0]))
+        for pair in match.groups
+        if len(pair.first) == len(pair.second) == 1 and pair.assurance > _ALIKE
     ]
-    return max(pairs, key=lambda pair: reference["contact_motion"][pair[1]] or 0.0)
+    return max(pairs, key=lambda pair: np.nan_to_num(reference.motion[pair[1]]))
 
 
-def mode_line(result: Result, mode: int) -> pd.DataFrame:
-    """Normal displacements of disc and pad, the largest of the disc 1, on the disc's normal.
+def mode_line(result: Result, mode: int) -> dict[str, Floats]:
+    """Normal displacements of ``disc`` and ``pad``, the largest of the disc 1, along ``arc`` (m).
 
-    Columns are ``arc`` (m), ``disc`` and ``pad``; None where the line leaves the pad.
+    NaN where the line leaves the pad.
     """
-    arc = np.linspace(-_HALF, _HALF, _SAMPLES)
-    angle = np.radians(_MIDDLE[1])
+    arc, angle = np.linspace(-_HALF, _HALF, _SAMPLES), np.radians(_MIDDLE[1])
     radial = np.array([np.cos(angle), np.sin(angle), 0.0])
     tangent = np.array([-np.sin(angle), np.cos(angle), 0.0])
     geometry: Any = result.scene.bodies[DISC].geometry
@@ -132,15 +117,7 @@ def mode_line(result: Result, mode: int) -> pd.DataFrame:
         lines[body] = np.full(_SAMPLES, np.nan + 0j)
         lines[body][hit] = u[2::3, 0]
     peak = lines[DISC][np.argmax(np.abs(lines[DISC]))]
-    frame = pd.DataFrame({"arc": arc} | {name: (u / peak).real for name, u in lines.items()})
-    return frame.astype(object).where(frame.notna(), None)
-
-
-def _slope_at_edge(line: pd.DataFrame) -> float:
-    """Largest slope of the disc near the boundary of the pad (1/m), largest displacement 1."""
-    arc, disc = (line[name].to_numpy(dtype=float) for name in ("arc", "disc"))
-    slope = np.abs(np.gradient(disc, arc))
-    return float(slope[np.abs(np.abs(arc) - EDGE) < _NEAR_EDGE].max())
+    return {"arc": arc} | {name: (u / peak).real for name, u in lines.items()}
 
 
 def bodies_of(result: Result, mode: int) -> dict[str, Floats]:

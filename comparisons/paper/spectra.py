@@ -1,21 +1,26 @@
-"""What is kept of a run of disc and pad: its modes seen at points that depend on no mesh."""
+"""Modes of disc and pad at points that depend on no mesh, and what tells one run from another.
+
+Every measure of every pair of runs is one row: figures and claims look numbers up.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf, tau
 from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats
-from cea.eigen.mode_matching import NEAR, GroupMatch, ModeSet, match_modes
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.matching import NEAR, GroupMatch, ModeMatch, ModeSet, match_modes
 from cea.errors import InputError
 from comparisons.paper.disc_pad import DISC, PAD
+from comparisons.paper.figure import Row, polar_points, sector_points
 from meshes.shapes import Annulus, Sector
 from scenes import Result
 
-Data = dict[str, Any]
-
-_SHAPE_GRID = (7, 12)
+WITHIN = 0.01
+"""Relative difference below which modes coincide."""
+_CONTACT_GRID = (7, 12)
 """Points across and along the contact at which shapes are compared."""
 _CIRCLES, _AROUND = (0.2, 0.5, 0.8, 0.98), 36
 """Circles on the disc, by the part of its width, and points on each."""
@@ -29,129 +34,170 @@ class Spectrum:
 
     Parameters
     ----------
-    data
-        Plain data: ``dofs``, ``points``, ``seconds``, ``search`` (s); ``eigenvalues``, each with
-        ``re``, ``im``, ``residual`` and ``condition``; ``unstable``, each with ``mode``,
-        ``frequency`` and ``growth``; ``contact_motion`` and ``contact_gap`` of every mode.
     modes
         Eigenvalues, and shapes at points that do not depend on the mesh.
+    unstable
+        Numbers of the unstable modes.
+    motion, gap
+        Of every mode: normal motion of the disc in the contact relative to that beside it; gap
+        relative to the motion in the contact. NaN where the disc moves in its plane only.
+    residuals, conditions
+        Of every mode.
+    run
+        ``dofs``, ``points``, ``seconds`` and ``search``, the seconds of the search.
     """
 
-    data: Data
     modes: ModeSet
+    unstable: Ints
+    motion: Floats
+    gap: Floats
+    residuals: Floats
+    conditions: Floats
+    run: Row
+
+    @classmethod
+    def of(cls, result: Result) -> "Spectrum":
+        """What is kept of a run; collective."""
+        modes = result.modes
+        shapes, motion, gap = _shapes(result)
+        run = {
+            "dofs": result.system.size,
+            "points": sum(len(interface.points) for interface in result.interfaces.values()),
+            "seconds": result.timer.total,
+            "search": result.timer.seconds["search"],
+        }
+        kept = ModeSet(modes.eigenvalues, shapes)
+        unstable = np.flatnonzero(result.unstable)
+        return cls(kept, unstable, motion, gap, modes.residuals, modes.conditions, run)
 
     @property
-    def unstable(self) -> ModeSet:
+    def unstable_modes(self) -> ModeSet:
         """Its unstable modes."""
-        chosen = [mode["mode"] for mode in self.data["unstable"]]
-        return ModeSet(self.modes.eigenvalues[chosen], self.modes.shapes[:, chosen])
+        return ModeSet(self.modes.eigenvalues[self.unstable], self.modes.shapes[:, self.unstable])
 
 
-def spectrum_of(result: Result) -> Spectrum:
-    """What is kept of a run; collective."""
-    modes = result.modes
-    shapes, motion, gap = _shapes(result)
-    values = zip(modes.eigenvalues, modes.residuals, modes.conditions, strict=True)
-    data = {
-        "dofs": result.system.size,
-        "points": sum(len(interface.points) for interface in result.interfaces.values()),
-        "seconds": result.timer.total,
-        "search": result.timer.seconds["search"],
-        "eigenvalues": [
-            {"re": value.real, "im": value.imag, "residual": residual, "condition": condition}
-            for value, residual, condition in values
-        ],
-        "unstable": [
-            {
-                "mode": int(mode),
-                "frequency": float(result.frequencies[mode]),
-                "growth": float(result.growth_rates[mode]),
-            }
-            for mode in np.flatnonzero(result.unstable)
-        ],
-        "contact_motion": motion,
-        "contact_gap": gap,
-    }
-    return Spectrum(data, ModeSet(modes.eigenvalues, shapes))
+def paired(first: Spectrum, second: Spectrum) -> ModeMatch:
+    """All modes of two runs, means where they nearly coalesce."""
+    return match_modes(first.modes, second.modes, NEAR)
 
 
-def compare_spectra(first: Spectrum, second: Spectrum) -> Data:
-    """Pair the modes of two runs.
+def means_of(match: ModeMatch) -> tuple[Complexes, Complexes]:
+    """Mean eigenvalues of the pairs in either run."""
+    first, second = np.array([group.means for group in match.groups]).reshape(-1, 2).T
+    return first, second
+
+
+def measures(own: Spectrum, reference: Spectrum, match: ModeMatch) -> Row:
+    """Every number that tells a run from its reference.
+
+    Parameters
+    ----------
+    own, reference
+        The runs.
+    match
+        Their pairs of modes (:func:`paired`).
 
     Returns
     -------
     dict
-        Plain data: ``groups``, all modes that stand for one another with mean eigenvalues
-        [re, im] of both and the assurance; ``unstable``, the unstable ones mode by mode, all
-        that can be paired; ``only_first`` and ``only_second``, unstable modes without a partner;
-        ``unpaired``, how many modes of either run have none.
+        Shares of the unstable modes of either run that coincide within 1 per cent in frequency,
+        and in growth too; largest relative shifts of frequencies (means where modes nearly
+        coalesce), below and above 13 kHz; largest relative distance of eigenvalues; modes of
+        either run without a partner; largest difference of growth rates (1/s), where modes
+        without a partner lose theirs, and its part of the largest; sums of growth rates, of
+        motions of the disc in the contact and of gaps (medians of all modes), seconds of the
+        search and points over those of the reference.
     """
-    every = match_modes(first.modes, second.modes, NEAR)
-    alone = match_modes(first.unstable, second.unstable, near=0.0, limit=None)
+    values, others = means_of(match)
+    shift, hertz = np.abs(values.imag / others.imag - 1), others.imag / tau
+    # Unstable modes are paired one by one, as many as there are.
+    unstable = match_modes(own.unstable_modes, reference.unstable_modes, near=0.0, limit=None)
+    mine, its = means_of(unstable)
+    close = np.abs(mine.imag - its.imag) <= WITHIN * its.imag
+    grows_alike = np.abs(mine.real - its.real) <= WITHIN * np.abs(its.real)
+    growth, reference_growth = (run.unstable_modes.eigenvalues.real for run in (own, reference))
+    alone = [*growth[unstable.only_first], *reference_growth[unstable.only_second]]
+    far = _largest([*np.abs(mine.real - its.real), *alone])
+    total = len(close) + len(alone)
     return {
-        "groups": [_group(group) for group in every.groups],
-        "unpaired": [len(every.only_first), len(every.only_second)],
-        "unstable": [_group(group) for group in alone.groups],
-        "only_first": len(alone.only_first),
-        "only_second": len(alone.only_second),
+        "share_frequency": float(close.sum() / total) if total else 1.0,
+        "share_both": float((close & grows_alike).sum() / total) if total else 1.0,
+        "shift": _largest(shift),
+        "shift_below_13k": _largest(shift[hertz < 13e3]),
+        "shift_above_13k": _largest(shift[hertz >= 13e3]),
+        "distance": _largest(np.abs(values - others) / np.abs(others)),
+        "alone": len(match.only_first) + len(match.only_second),
+        "growth_difference": far,
+        "growth_part": far / max(reference_growth, default=inf),
+        "growth_below_10k": _growth(own, 10e3, reference),
+        "growth_over": _growth(own, inf, reference),
+        "contact_motion": _median_over(match, own.motion, reference.motion),
+        "contact_gap": _median_over(match, own.gap, reference.gap),
+        "search_over": own.run["search"] / reference.run["search"],
+        "points_over": own.run["points"] / reference.run["points"],
     }
 
 
-def _group(match: GroupMatch) -> Data:
+def _largest(values: Any) -> float:
+    return float(max(values, default=0.0))
+
+
+def _growth(own: Spectrum, below: float, reference: Spectrum) -> float:
+    """Sum of the growth rates of unstable modes below a frequency (Hz), over the reference's."""
+    ours, its = (
+        values.real[values.imag / tau < below].sum()
+        for values in (run.unstable_modes.eigenvalues for run in (own, reference))
+    )
+    return float(ours / its) if its else inf
+
+
+def _median_over(match: ModeMatch, own: Floats, reference: Floats) -> float | None:
+    """Median over paired modes of a part of their motion over the reference's."""
+    ratios = np.array(
+        [own[pair.first].mean() / reference[pair.second].mean() for pair in match.groups]
+    )
+    found = ratios[np.isfinite(ratios)]
+    return float(np.median(found)) if len(found) else None
+
+
+def pair_row(pair: GroupMatch) -> Row:
+    """A pair of modes as a row: frequencies (Hz) and growth rates (1/s) of both."""
+    (first, second) = pair.means
     return {
-        "modes": [match.first.tolist(), match.second.tolist()],
-        "lambda": [[value.real, value.imag] for value in match.means],
-        "assurance": match.assurance,
+        "frequency": first.imag / tau,
+        "growth": first.real,
+        "reference_frequency": second.imag / tau,
+        "reference_growth": second.real,
+        "assurance": pair.assurance,
     }
 
 
-def _shapes(result: Result) -> tuple[Complexes, list[float | None], list[float | None]]:
-    """What all modes look like at points that do not depend on the mesh.
+def _shapes(result: Result) -> tuple[Complexes, Floats, Floats]:
+    """Displacements on both sides of the contact and on circles of the disc, (rows, modes).
 
-    Returns
-    -------
-    ndarray
-        Displacements on both sides of the contact and on circles of the disc, (rows, modes).
-    list
-        Normal motion of the disc in the contact relative to that on the rest of the circles.
-    list
-        Gap in the contact relative to the normal motion of the disc there. Both None for modes
-        in which the disc moves in its plane only.
+    With them motion and gap in the contact as in :class:`Spectrum`.
     """
     disc, pad = (result.scene.bodies[name].geometry for name in (DISC, PAD))
     assert isinstance(disc, Annulus)
     assert isinstance(pad, Sector)
-    radii, angles = (
-        start + (end - start) * (np.arange(n) + 0.5) / n
-        for start, end, n in (
-            (pad.inner_radius, pad.outer_radius, _SHAPE_GRID[0]),
-            (pad.start, pad.end, _SHAPE_GRID[1]),
-        )
-    )
-    contact = _polar(radii, angles, disc.top)
-    width = disc.outer_radius - disc.inner_radius
-    around = np.linspace(0.0, 360.0, _AROUND, endpoint=False)
-    circles = _polar(disc.inner_radius + width * np.array(_CIRCLES), around, disc.top)
+    contact = sector_points(pad, *_CONTACT_GRID, disc.top)
+    r = disc.inner_radius + (disc.outer_radius - disc.inner_radius) * np.array(_CIRCLES)
+    theta = np.linspace(0.0, 360.0, _AROUND, endpoint=False)
     side_b = displacements(result, DISC, "top", contact)[0]
-    rest = displacements(result, DISC, "top", circles)[0]
     side_a = displacements(result, PAD, "bottom", contact)[0]
-    radius, angle = np.hypot(*circles[:, :2].T), np.degrees(np.arctan2(*circles[:, 1::-1].T))
-    outside = (
-        (radius < pad.inner_radius)
-        | (radius > pad.outer_radius)
-        | ((angle - pad.start) % 360 > pad.end - pad.start)
-    )
+    rest = displacements(result, DISC, "top", polar_points(r, theta, disc.top))[0]
+    beside = ~np.logical_and.outer(
+        (r >= pad.inner_radius) & (r <= pad.outer_radius),
+        (theta - pad.start) % 360 <= pad.end - pad.start,
+    ).ravel()
     shapes = np.concatenate([side_b, rest, side_a])
     least = _IN_PLANE * _rms(shapes)
-    motion = _rms(side_b[2::3])
-    gap = _rms(side_b[2::3] - side_a[2::3])
-    return shapes, _ratios(motion, _rms(rest[2::3][outside]), least), _ratios(gap, motion, least)
-
-
-def _ratios(motion: Floats, relative_to: Floats, least: Floats) -> list[float | None]:
-    """Of two motions in each mode, where the second is more than the least."""
-    every = zip(motion.tolist(), relative_to.tolist(), least.tolist(), strict=True)
-    return [above / below if below > small else None for above, below, small in every]
+    motion, elsewhere = _rms(side_b[2::3]), _rms(rest[2::3][beside])
+    ratios = [
+        np.divide(above, below, out=np.full(len(least), np.nan), where=below > least)
+        for above, below in ((motion, elsewhere), (_rms(side_b[2::3] - side_a[2::3]), motion))
+    ]
+    return shapes, ratios[0], ratios[1]
 
 
 def _rms(values: Complexes) -> Floats:
@@ -159,32 +205,15 @@ def _rms(values: Complexes) -> Floats:
     return np.sqrt((np.abs(values) ** 2).mean(axis=0))
 
 
-def _polar(r: Floats, theta: Floats, z: float) -> Floats:
-    """Points at all radii (m) and angles (degrees), shape (n, 3)."""
-    radius, angle = (part.ravel() for part in np.meshgrid(r, np.radians(theta)))
-    return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), z)])
-
-
 def displacements(
     result: Result, body: str, surface: str, x: Floats, modes: Sequence[int] | None = None
 ) -> tuple[Complexes, Any]:
-    """Displacements of modes at points of a surface that the z axis meets.
-
-    Parameters
-    ----------
-    result
-        A run with modes.
-    body, surface
-        The surface.
-    x
-        Points (m), shape (n, 3).
-    modes
-        Numbers of the modes; None takes all.
+    """Displacements of modes, all by default, at those of some points that lie on a surface.
 
     Returns
     -------
     ndarray
-        Components of the points that were found, point by point, shape (3 found, modes).
+        Components of the points that the z axis through them finds, shape (3 found, modes).
     ndarray
         Which points were found, shape (n,).
 

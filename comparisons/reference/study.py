@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from cea.contact.formulations import Mortar
-from cea.eigen.mode_matching import GroupMatch
+from cea.eigen.matching import GroupMatch
 from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column
 from comparisons.study.result import StudyResult

@@ -123,3 +123,28 @@ def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) ->
     rows = frame[[*index]].drop_duplicates()
     cells = frame.pivot(index=[*index], columns=across, values=values).reset_index()
     return rows.merge(cells, on=[*index], how="left")[[*index, *frame[across].unique()]]
+
+
+def medians(frame: pd.DataFrame, over: str = "repeat") -> pd.DataFrame:
+    """A row for all that differ in one label: medians of measured numbers, the first of all else.
+
+    Parameters
+    ----------
+    frame
+        Rows of a table.
+    over
+        The label, which is left out; labels stand before it, what was measured behind it.
+    """
+    if frame.empty:
+        return frame
+    labels = list(frame.columns[: frame.columns.get_loc(over)])
+    measured = {
+        name: "median" if frame[name].dtype.kind == "f" else _first
+        for name in frame.columns[len(labels) + 1 :]
+    }
+    return frame.groupby(labels, sort=False, dropna=False).agg(measured).reset_index()
+
+
+def _first(values: "pd.Series[Any]") -> Any:
+    """The first value, also where that is missing."""
+    return values.iloc[0]

@@ -42,12 +42,15 @@ class Process:
         Ranks of a case.
     at_once
         Processes that share the cases.
+    own
+        Labels each value of which has a process of its own.
     """
 
     study: str
     seconds: float
     ranks: Callable[[Any], int] = _one
     at_once: int = 1
+    own: Sequence[str] = ()
 
 
 @dataclass(frozen=True)

@@ -34,21 +34,22 @@ _ENVIRONMENT = {
 
 
 class Workers:
-    """Processes that share the cases, one of each for each number of ranks that cases need."""
+    """Processes that share the cases, by their ranks and the labels that have processes apart."""
 
     def __init__(self, study: Study, options: Any, once: Mapping[str, Any]) -> None:
         assert study.process is not None
         self._process, self._given = study.process, [asdict(options), dict(once)]
-        self._idle: SimpleQueue[dict[int, Worker]] = SimpleQueue()
-        self._sets = [dict[int, Worker]() for _ in range(study.process.at_once)]
+        self._idle: SimpleQueue[dict[tuple[Any, ...], Worker]] = SimpleQueue()
+        self._sets = [dict[tuple[Any, ...], Worker]() for _ in range(study.process.at_once)]
         for each in self._sets:
             self._idle.put(each)
 
     def evaluate(self, labels: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
         """A case, and no arrays: it travels as text. Several threads may ask."""
         ranks, workers = self._process.ranks(labels), self._idle.get()
+        key = (ranks, *(labels[name] for name in self._process.own))
         try:
-            worker = workers.setdefault(ranks, Worker(self._process.study, self._given, ranks))
+            worker = workers.setdefault(key, Worker(self._process.study, self._given, ranks))
             return worker.evaluate(labels, self._process.seconds), {}
         finally:
             self._idle.put(workers)
@@ -169,7 +170,8 @@ def main(name: str) -> None:
 
     module, _, attribute = name.partition(":")
     study = getattr(import_module(module), attribute)
-    options, once = json.loads(next_line())
+    given, once = json.loads(next_line())
+    options = {name: tuple(v) if isinstance(v, list) else v for name, v in given.items()}
     session = Session(once, study.options(**options))
     answer(None)
     while line := next_line():

@@ -13,9 +13,9 @@ import numpy as np
 
 from cea import __version__
 from cea.arrays import Floats
-from cea.eigen.low_rank import LowRank
 from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Pencil
+from cea.eigen.unformed import LowRank
 from comparisons.sweep.mapped import Mapped
 from scenes.results.record import as_json
 

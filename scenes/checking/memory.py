@@ -16,7 +16,7 @@ from shutil import disk_usage
 from tempfile import gettempdir
 from typing import Any
 
-from cea.eigen.factors_on_disk import factors_on_disk
+from cea.eigen.mumps import factors_on_disk
 from cea.errors import InputError
 from cea.heap import give_back, kept
 from cea.mesh import SIMPLICES

@@ -64,7 +64,7 @@ _LUMPED: dict[tuple[str, int], float] = {
 }
 """The same above which lumping is too crude, by backend of side a and dimension.
 
-Both are errors of growth rates in comparisons/accuracy/results/uses.csv, where p in units of each
+Both are errors of growth rates in `uses.csv` of `cea study accuracy`, where p in units of each
 problem is a relative stiffness of 6 in blocks and drum, of 1 in ring.
 """
 

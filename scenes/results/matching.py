@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.mode_matching import (
+from cea.eigen.matching import (
     NEAR,
     CircumferentialContent,
     ModeMatch,

@@ -13,10 +13,10 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.classify import RunWord
-from cea.eigen.mode_table import SIGNS, html_table
 from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
 from cea.errors import InputError
+from cea.mode_table import SIGNS, html_table
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
@@ -387,7 +387,7 @@ class Result:
         ]
 
     def table(self) -> Any:
-        """Rows that say what was found: of modes a :class:`cea.eigen.mode_table.ModeTable`.
+        """Rows that say what was found: of modes a :class:`cea.mode_table.ModeTable`.
 
         Of a static analysis a row for each side of each contact: extremes and oscillation of the
         normal stress (N/m^2).

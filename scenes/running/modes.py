@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from cea.contact.interface import Interface
 from cea.eigen.driver import EigenSolver, run_window
-from cea.eigen.mode_table import SIGNS, ModeTable
 from cea.eigen.modes import Modes
 from cea.errors import InputError
+from cea.mode_table import SIGNS, ModeTable
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.eigen.classify import cannot_grow, classify, classify_run, counted_words, thresholds
+from cea.eigen.classify import cannot_grow, classify, classify_run, counted_words
 
 
 @pytest.mark.parametrize(
@@ -28,17 +28,6 @@ from cea.eigen.classify import cannot_grow, classify, classify_run, counted_word
 )
 def test_word_of_a_mode(growth, error, threshold, bounded, rigid, word):
     assert classify([growth], [error], [threshold], [bounded], [rigid]) == [word]
-
-
-def test_many_modes_with_one_threshold():
-    found = classify(np.array([3.0, 0.5, -1.0]), 0.1, 1.0, False)
-    assert found == ["unstable", "grows slowly", "stable"]
-
-
-def test_threshold_is_relative_to_the_eigenvalue_alone():
-    eigenvalues = np.array([3.0 + 4.0j, 1000j])
-    assert thresholds(eigenvalues) == pytest.approx([5e-4, 0.1])
-    assert thresholds(eigenvalues, 7.0) == pytest.approx([7.0, 7.0])
 
 
 def test_real_kappa_apart_from_all_others_cannot_grow():

@@ -9,8 +9,7 @@ from scipy.sparse import csr_array, diags_array, eye_array, random_array
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import FRICTION, Pencil
-from cea.eigen.shifted import count_below
+from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError, InputError
 
 SIZE = 120
@@ -99,75 +98,6 @@ def test_condition_numbers_match_left_eigenvectors(chain):
     assert modes.conditions.max() > 1.01
 
 
-def test_inertia_counts_eigenvalues(chain):
-    stiffness, mass, _ = chain
-    kappa = scipy.linalg.eigvalsh(stiffness.toarray(), mass.toarray())
-    middle = 0.5 * (kappa[41] + kappa[42])
-    assert count_below(pencil(stiffness, mass).at(), middle) == 42
-
-
-def test_rigid_modes_are_zero_and_counted():
-    free = diags_array(
-        [np.r_[1, 2 * np.ones(48), 1], -np.ones(49), -np.ones(49)], offsets=[0, 1, -1]
-    )
-    modes = solve_modes(pencil(free * 2500.0, eye_array(50)), max_frequency=4.0)
-    assert np.abs(modes.eigenvalues[0]) ** 2 < 1e-9 * np.abs(modes.eigenvalues[1]) ** 2
-
-
-def test_real_growth_is_found_as_divergence():
-    """A negative stiffness: lambda^2 positive, no oscillation."""
-    stiffness = diags_array([-4.0, 9.0, 25.0, 400.0])
-    modes = solve_modes(pencil(stiffness, eye_array(4)), max_frequency=2.0)
-    assert modes.eigenvalues[0] == pytest.approx(2.0 + 0j)
-    assert modes.unstable(1.0)[0]
-
-
-def test_near_coalescence_is_not_called_unstable_by_round_off():
-    """A defective pair splits by the square root of the rounding; its condition says so."""
-    block = np.array([[4.0, 1.0, 0], [0, 4.0, 0], [0, 0, 9.0]])
-    modes = solve_modes(
-        pencil(
-            np.diag(np.diag(block)),
-            np.eye(3),
-            np.diag(np.diag(block)) - block,
-        ),
-        max_frequency=2.0,
-    )
-    assert modes.conditions.max() > 1e6
-    assert not modes.unstable(0.0).any()
-
-
-@pytest.mark.parametrize("copies", [2, 6, 9])
-def test_every_copy_of_a_multiple_eigenvalue_is_found(copies):
-    kappa = np.concatenate([np.full(copies, 4.0), np.full(2, 9.0), np.arange(10.0, 400.0)])
-    rng = np.random.default_rng(5)
-    turn = np.linalg.qr(rng.normal(size=(len(kappa), len(kappa))))[0]
-    stiffness = 0.5 * (turn @ np.diag(kappa) @ turn.T + turn @ np.diag(kappa) @ turn.T).T
-    modes = solve_modes(pencil(stiffness, eye_array(len(kappa))), max_frequency=1.0)
-    found = modes.eigenvalues.imag**2
-    assert found == pytest.approx(kappa[kappa <= (2 * np.pi) ** 2])
-    overlaps = modes.vectors.conj().T @ modes.vectors
-    assert overlaps == pytest.approx(np.eye(len(found)), abs=1e-7)
-
-
-@pytest.mark.parametrize("copies", [1, 2, 5])
-def test_every_copy_of_a_flutter_pair_is_found(copies):
-    """The inertia count misleads as well: friction turns one more mode of the window unstable."""
-    flutter = [np.array([[4.0, 3.0], [-3.0, 5.0]])] * copies
-    matrix = scipy.linalg.block_diag(*flutter, np.diag(np.arange(50.0, 400.0)))
-    rng = np.random.default_rng(5)
-    turn = np.linalg.qr(rng.normal(size=matrix.shape))[0]
-    symmetric = turn @ np.diag(np.diag(matrix)) @ turn.T
-    friction = turn @ (np.diag(np.diag(matrix)) - matrix) @ turn.T
-    mass = eye_array(len(matrix))
-    modes = solve_modes(pencil(symmetric, mass, friction), max_frequency=1.0)
-    expected = np.linalg.eigvals(flutter[0])
-    assert len(modes.eigenvalues) == 2 * copies
-    kappa = -(modes.eigenvalues**2)
-    assert np.sort(kappa.imag) == pytest.approx(np.sort(np.tile(expected.imag, copies)), rel=1e-8)
-    assert kappa.real == pytest.approx(expected[0].real, rel=1e-8)
-
-
 def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones():
     """The symmetric part has one more than there is; a search beside those found finds no other."""
     stiffness = np.diag(np.r_[np.arange(1.0, 30.0), 40.0, np.arange(60.0, 400.0)])
@@ -189,20 +119,6 @@ def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
         assert driver.nearest(place, 1).eigenvalues == pytest.approx([1j])
     with pytest.raises(InputError, match="wanted"):
         driver.nearest(1.1, 0)
-
-
-def test_an_interrupted_change_leaves_a_driver_that_works(monkeypatch):
-    driver = EigenSolver(pencil(np.diag([1.0, 2.0, 30.0]), np.eye(3), np.diag([0.1, 0.0], 1)))
-    before = driver.solve(0.3).eigenvalues
-
-    def interrupted(*_):
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patched:
-        patched.setattr(Pencil, "_with_sums", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            driver.solve(0.3, {FRICTION: 0.5})
-    assert driver.solve(0.3).eigenvalues == pytest.approx(before)
 
 
 def test_window_must_be_positive(chain):

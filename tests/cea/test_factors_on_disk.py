@@ -11,15 +11,14 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_array, diags_array, kronsum
 
-from cea.eigen.factors_on_disk import factors_on_disk, folder_of_factors
-from cea.eigen.mumps import Mumps
+from cea.eigen.mumps import Mumps, factors_on_disk, folder_of_factors
 from cea.errors import ConvergenceError
 from cea.matrices import distributed
 from cea.petsc import MPI, PETSc
 
 HOLDS = """
 from time import sleep
-from cea.eigen.factors_on_disk import factors_on_disk
+from cea.eigen.mumps import factors_on_disk
 with factors_on_disk() as folder:
     (folder / "factors").write_bytes(b"0" * 1000)
     print(folder, flush=True)
@@ -59,15 +58,6 @@ def test_what_a_killed_program_left_behind_is_removed_and_what_is_in_use_is_not(
     started.stdout.close()
     with factors_on_disk():
         assert not theirs.exists()
-
-
-def test_a_folder_of_anything_else_stays(own_folder):
-    other = own_folder / "factors-of-somebody"
-    other.mkdir()
-    (other / "notes").write_text("kept")
-    with factors_on_disk():
-        pass
-    assert (other / "notes").exists()
 
 
 def test_lack_of_memory_is_not_told_as_a_singular_matrix():

@@ -1,49 +1,15 @@
 """Matrices whose rows and columns are scaled far apart, and others whose norms say little."""
 
-import time
-
 import numpy as np
 import pytest
 from graded_numbers import graded_numbers
 from mpi import on_ranks
 from petsc_matrices import to_petsc
 from random_graded import POWERS, random_graded, random_graded_damped, sheared
-from random_runs import graded_damped_outcome, graded_outcome, statistics, tell
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError
-
-
-def _judged(seeds, outcome_of):
-    begin = time.process_time()
-    outcomes = [outcome_of(seed) for seed in seeds]
-    seconds = time.process_time() - begin
-    told = f"{len(seeds)} graded pencils, {seeds}, in {seconds:.1f} s\n{statistics(outcomes)}"
-    tell(told)
-    wrong = [str(outcome) for outcome in outcomes if outcome.faults]
-    assert not wrong, "\n".join([told, *wrong])
-    assert sum(outcome.modes for outcome in outcomes) > len(seeds)
-    known = [o for o in outcomes if o.refused is None and o.complete and not o.undecided]
-    return len(known) / len(outcomes)
-
-
-def test_graded_pencils():
-    assert _judged(range(40), graded_outcome) > 0.95
-
-
-def test_graded_damped_pencils():
-    assert _judged(range(12), graded_damped_outcome) > 0.95
-
-
-@pytest.mark.slow
-def test_a_thousand_graded_pencils():
-    assert _judged(range(1000), graded_outcome) > 0.95
-
-
-@pytest.mark.slow
-def test_three_hundred_graded_damped_pencils():
-    assert _judged(range(300), graded_damped_outcome) > 0.95
 
 
 def _given(matrix):

@@ -9,11 +9,11 @@ from quadratic_cases import damped
 from scipy.linalg import eig
 
 from cea.eigen.driver import EigenSolver, solve_modes
-from cea.eigen.low_rank import LowRank, LowRankTerm, sum_of
 from cea.eigen.mumps import Mumps
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.eigen.shifted import Shifted
+from cea.eigen.unformed import LowRank, LowRankTerm, sum_of
 from cea.eigen.updated_factors import UpdatedFactors
 from cea.errors import ConvergenceError
 from cea.petsc import PETSc
@@ -171,9 +171,3 @@ def test_derivatives_are_those_of_differences(pencil):
         slopes = driver.solve(0.6, left=True).sensitivity("d")
         ends = [driver.solve(0.6, {"d": 1 + s}).eigenvalues for s in (step, -step)]
     assert slopes == pytest.approx((ends[0] - ends[1]) / (2 * step), rel=1e-6)
-
-
-def test_without_the_piece_the_problem_is_linear(pencil):
-    assert pencil.at().quadratic
-    assert pencil.damped
-    assert not pencil.at({"d": 0.0}).quadratic

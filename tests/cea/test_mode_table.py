@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from blocks import two_blocks
 
-from cea.eigen.mode_table import ModeTable, growth_text, ratio_text, shown_cells
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError
+from cea.mode_table import ModeTable, growth_text, ratio_text, shown_cells
 from scenes import read_scene, run_modes
 
 WINDOW = Window(100.0, 1e5, inf, 5, 1, inf, True, False, 4e5, 5, None)

@@ -80,32 +80,6 @@ def test_what_is_left_out_is_positive_semidefinite(kept, contact, upper, turned)
             assert left[len(kept[0]) + 1] > 1e-6 * left[-1]
 
 
-@pytest.mark.parametrize("held", ["springs", "rollers", "a body apart"])
-def test_supports_and_bodies_of_any_kind(kept, held):
-    """Springs are left to the rest; rollers on a turned face hold no plain components."""
-    data = on_a_bar(turned=True)
-    bar = data["bodies"]["lower"]
-    if held == "springs":
-        bar["supports"] = []
-        bar["springs"] = [{"surface": "z_min", "stiffness": [0.3, 0.2, 0.5]}]
-    elif held == "a body apart":
-        data["bodies"] = {"apart": data["bodies"]["upper"]} | data["bodies"]
-    else:
-        bar["supports"] = [{"surface": "z_min", "components": ["normal"]}]
-    system = assemble(data)
-    assert system.bodies["lower"].constraints.selects == (held != "rollers")
-    pencil = system.pencil(parted_from=0)
-    near = pencil.near_contact
-    H, N, _ = dense(pencil.at())
-    part, skew = np.zeros_like(H), np.zeros_like(H)
-    block = np.ix_(kept[0], kept[0])
-    part[block], skew[block], _ = dense(near.at())
-    assert len(kept[0]) < 0.5 * len(H)
-    assert np.abs(skew - N).max() <= 1e-12 * np.abs(H).max()
-    left = np.linalg.eigvalsh(H - part)
-    assert left[0] > -1e-12 * left[-1]
-
-
 @pytest.mark.parametrize(("contact", "mu"), covering(CONTACTS, [1e-3, 0.4, 2.0], strength=1))
 def test_its_bounds_hold_for_the_whole(kept, contact, mu):
     method, form = contact
@@ -118,27 +92,6 @@ def test_its_bounds_hold_for_the_whole(kept, contact, mu):
     assert own.slope * (1 - 1e-2) <= field.slope < np.inf
     steepest = scipy.linalg.eigvalsh(1j * N, H + depth * M)[-1]
     assert steepest <= field.slope
-
-
-def test_the_same_modes_by_the_smaller_factorisation(kept, monkeypatch):
-    sizes, original = [], window.field_of_values
-
-    def noted(matrices, *arguments, **options):
-        sizes.append(matrices.size)
-        return original(matrices, *arguments, **options)
-
-    monkeypatch.setattr(window, "field_of_values", noted)
-    modes = {}
-    for small in (True, False):
-        pencil = assemble(on_a_bar(mu=0.1)).pencil(parted_from=0 if small else 10**9)
-        with EigenSolver(pencil, KrylovOptions(dense_limit=0)) as driver:
-            modes[small] = driver.solve(0.4)
-            assert driver.factorisations == 2
-    assert sizes[0] == len(kept[0]) < 0.5 * sizes[1]
-    assert len(sizes) == 2
-    for found in modes.values():
-        assert found.window.complete
-    assert modes[True].eigenvalues == pytest.approx(modes[False].eigenvalues, rel=1e-9)
 
 
 def test_where_it_says_too_little_the_whole_is_asked(kept, monkeypatch):

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
+from dense_reference import dense_quadratic
+from judge import judge_quadratic
 from mpi import on_ranks
-from petsc_matrices import to_numpy, to_petsc
+from petsc_matrices import to_petsc
 from quadratic_cases import damped, lumped_modes, numbers
-from quadratic_judge import dense_quadratic, judge_quadratic
 from random_quadratic import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
 from scipy.sparse import diags_array, eye_array
@@ -18,7 +19,6 @@ from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.field_of_values import bounded_growth, largest_growth
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
-from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError, InputError
 from cea.reduced.full_solves import first_threshold
 
@@ -120,16 +120,6 @@ def test_proportional_damping_turns_eigenvalues_as_it_must(backend, form, mu):
     assert modes.residuals.max() < 1e-9
 
 
-def test_infinite_stiffness_has_no_modes_of_its_own(backend):
-    data = two_blocks(backend, {"method": "mortar"}, mu=0.0, held=True)
-    data["contacts"]["interface"] |= {"form": "saddle", "P": float("inf")}
-    pencil, alpha = assemble(data).pencil(), 0.05
-    kappa = -(solve_modes(pencil, TOP).eigenvalues ** 2).real
-    expected = -0.5 * alpha + 1j * np.sqrt(kappa - 0.25 * alpha**2)
-    modes = solve_modes(damped(pencil, alpha, 0.0), TOP)
-    assert modes.eigenvalues == pytest.approx(expected, abs=1e-9)
-
-
 @pytest.fixture
 def mixed():
     """M, D, K of eight unknowns with friction, damping and rotation; eigenvalues are simple."""
@@ -189,36 +179,6 @@ def test_windows_of_rigid_motions_alone_have_left_vectors(seed):
     assert np.abs(y.conj().T @ problem.stiffness).max() < 1e-6 * np.abs(problem.stiffness).max()
 
 
-@pytest.mark.parametrize(
-    ("backend", "form", "shift"),
-    covering(["fe", "iga"], ["penalty", "saddle"], [0.7, 2.1]),
-)
-def test_systems_at_real_shifts_are_those_of_dense_matrices(backend, form, shift):
-    data = two_blocks(backend, GPTS, mu=0.4, held=True)
-    data["contacts"]["interface"] |= {"form": form}
-    pencil = damped(assemble(data).pencil(), 0.1, 0.02, turning=0.3)
-    matrices = pencil.at()
-    P = shift**2 * to_numpy(matrices.mass) + shift * (
-        to_numpy(matrices.damping) + to_numpy(matrices.gyroscopic)
-    )
-    P = P + to_numpy(matrices.stiffness)
-    if matrices.unsymmetric is not None:
-        P = P + to_numpy(matrices.unsymmetric)
-    if matrices.multipliers is not None:
-        J, L, C = (
-            to_numpy(getattr(matrices.multipliers, name))
-            for name in ("closure", "reaction", "compliance")
-        )
-        P = P + L.T @ np.linalg.solve(C, J)
-    b = np.random.default_rng(0).standard_normal((2, len(P), 3))
-    b = b[0] + 1j * b[1]
-    factors = Shifted.quadratic(matrices, shift)
-    for transposed, A in ((False, P), (True, P.T)):
-        x, _ = factors.solve_with_forces(b, transposed=transposed)
-        assert x == pytest.approx(np.linalg.solve(A, b), abs=1e-9)
-    factors.free()
-
-
 def test_bounds_of_growth_hold():
     bounds = 0
     for seed in range(60):
@@ -263,17 +223,6 @@ def test_numbers_do_not_depend_on_the_ranks(ranks):
     assert len(alone["re"]) > 3
     for name, values in alone.items():
         assert together[name] == pytest.approx(values, rel=1e-8, abs=1e-9)
-
-
-def test_many_copies_of_damped_modes_are_all_found():
-    n = 30
-    turn = np.linalg.qr(np.random.default_rng(1).standard_normal((n, n)))[0]
-    kappa = np.repeat([1.0, 2.0, 9.0], [17, 8, 5])
-    K = (turn * kappa) @ turn.T
-    modes = solve_modes(pencil_of(np.eye(n), 0.02 * np.eye(n), 0.5 * (K + K.T)), 0.3)
-    expected = -0.01 + 1j * np.sqrt(np.repeat([1.0, 2.0], [17, 8]) - 1e-4)
-    assert modes.eigenvalues == pytest.approx(expected, abs=1e-10)
-    assert modes.verdict() == "stable"
 
 
 def overdamped(n, end, rate=0.1):

@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from blocks import assemble, coarse, two_blocks
 from covering import covering
+from dense_reference import dense_quadratic
 from petsc_matrices import to_petsc
-from quadratic_cases import damped
-from quadratic_judge import dense_quadratic
 from random_quadratic import pencil_of
 
-from cea.eigen.driver import EigenSolver, solve_modes
+from cea.eigen.driver import EigenSolver
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 
@@ -76,46 +74,12 @@ def test_overdamped_ones_next_to_a_real_place_are_real():
     assert (modes.eigenvalues.imag == 0).all()
 
 
-def test_a_place_that_is_an_eigenvalue_gives_it_and_its_neighbours():
-    M, D, K = matrices()
-    dense = in_upper_half(M, D, K, 20.0)
-    place = dense[np.argmin(np.abs(dense - 20j))]
-    with EigenSolver(pencil_of(M, D, K)) as driver:
-        assert_nearest(driver.nearest(-(place**2), WANTED), dense, place)
-
-
 def test_more_than_there_are_gives_all():
     M, D, K = np.eye(3), 0.1 * np.eye(3), np.diag([1.0, 4.0, 9.0])
     dense = in_upper_half(M, D, K, 1.0)
     with EigenSolver(pencil_of(M, D, K)) as driver:
         found = driver.nearest(2.0, 50).eigenvalues
     assert found == pytest.approx(dense[np.argsort(dense.imag)], rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("backend", "form"), covering(["fe", "iga"], ["penalty", "saddle"], strength=1)
-)
-def test_they_are_modes_of_the_window(backend, form):
-    data = coarse(two_blocks(backend, {"method": "gpts", "points": 3}, mu=0.4, held=True))
-    data["contacts"]["interface"] |= {"form": form}
-    pencil = damped(assemble(data).pencil(), 0.05, 0.01, turning=0.1)
-    window = solve_modes(pencil, 1.0)
-    middle = window.eigenvalues[len(window.eigenvalues) // 2]
-    place = middle * 1.01
-    with EigenSolver(pencil) as driver:
-        modes = driver.nearest(-(place**2), 3)
-    first = np.argsort(np.abs(window.eigenvalues - place))[:3]
-    assert_nearest(modes, window.eigenvalues[first], place, 3)
-    for value, vector, force in zip(
-        modes.eigenvalues, modes.vectors.T, modes.forces.T, strict=True
-    ):
-        twin = int(np.argmin(np.abs(window.eigenvalues - value)))
-        turn = np.vdot(window.vectors[:, twin], vector)
-        turn /= np.vdot(window.vectors[:, twin], window.vectors[:, twin])
-        assert abs(turn) == pytest.approx(1, rel=1e-8)
-        assert vector == pytest.approx(turn * window.vectors[:, twin], abs=1e-8)
-        size = np.abs(window.forces[:, twin]).max(initial=1e-300)
-        assert force == pytest.approx(turn * window.forces[:, twin], abs=1e-7 * size)
 
 
 def test_what_cannot_be_a_place_is_refused():

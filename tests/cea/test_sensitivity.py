@@ -85,13 +85,6 @@ def test_derivatives_in_every_kind_of_parameter(backend, form):
     check(assemble(data).pencil(), 0.62, STEPS)
 
 
-def test_derivatives_beside_tied_contact(backend):
-    """At P = infinity the derivative in mu goes through the contact forces alone."""
-    data = coarse(two_blocks(backend, {"method": "mortar"}, held=True, P=float("inf")))
-    data["contacts"]["interface"]["form"] = "saddle"
-    check(assemble(data).pencil(), 0.62, {"contacts.interface.mu": 2e-4})
-
-
 COARSE = {
     "fe": ["bodies.disc.mesh.fe.elements=[3, 24, 1]", "bodies.pad.mesh.fe.elements=[2, 4, 1]"],
     "iga": ["bodies.disc.mesh.iga.elements=[3, 24, 1]", "bodies.pad.mesh.iga.elements=[2, 4, 1]"],
@@ -186,20 +179,6 @@ def test_a_multiple_eigenvalue_moves_as_it_splits():
     assert found == pytest.approx(np.array([-0.3, 0.2]) / 4, rel=1e-6)  # d kappa = 2 w dw
 
 
-def test_without_friction_left_vectors_are_the_right_ones(backend):
-    """A derivative of ln kappa in ln E is a share of the strain energy; shares of all make one."""
-    data = two_blocks(backend, {"method": "segments"}, held=True, mu=0.0)
-    modes = solve_modes(assemble(data).pencil(), 0.62, left=True)
-    assert (modes.left.vectors == modes.vectors).all()
-    names = ["bodies.upper.material.E", "bodies.lower.material.E", "contacts.interface.P"]
-    shares = np.array(
-        [2 * modes.sensitivity(n) * modes.values[n] / modes.eigenvalues for n in names]
-    )
-    assert np.abs(shares.imag).max() < 1e-12
-    assert shares.real.min() > -1e-12
-    assert shares.sum(axis=0) == pytest.approx(np.ones(len(modes)), abs=1e-9)
-
-
 def test_what_was_not_asked_for_is_told(random_pencil):
     pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
     modes = solve_modes(pencil, 0.5)
@@ -207,25 +186,6 @@ def test_what_was_not_asked_for_is_told(random_pencil):
         modes.sensitivity(FRICTION)
     with pytest.raises(InputError, match="one of friction"):
         modes.sensitivity("mu")
-
-
-def assert_nearest(modes, dense, kappa):
-    """The nearest eigenvalues, in any order, each once."""
-    found = -(modes.eigenvalues**2)
-    expected = dense[np.argsort(np.abs(dense - kappa))[: len(found)]]
-    assert len(found) >= 4
-    distance = np.abs(found[:, None] - expected) / np.abs(expected)
-    assert distance.min(axis=0).max() < 1e-9
-    assert distance.min(axis=1).max() < 1e-9
-
-
-def test_the_symmetric_part_is_counted_once(random_pencil):
-    pencil = Pencil.of(*(to_petsc(m) for m in random_pencil))
-    with EigenSolver(pencil) as driver:
-        for top, made in ((0.6, 2), (0.6, 3), (0.5, 5), (0.6, 6)):  # a count once, a shift each
-            driver.solve(top, {FRICTION: 0.0})
-            assert driver.factorisations == made
-    assert to_numpy(pencil.terms[0].matrix) == pytest.approx(random_pencil[0])  # not freed
 
 
 @pytest.mark.parametrize("top", [0.05, 1.0])

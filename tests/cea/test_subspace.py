@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.eigen.subspace import InvariantSubspace, _rising
+from cea.eigen.subspace import InvariantSubspace
 
 EPS = np.finfo(float).eps
 
@@ -12,14 +12,6 @@ def pairs_of(projected):
     """Eigenvalues and vectors of a subspace that is all there is."""
     made = InvariantSubspace(np.eye(len(projected)), projected, symmetric=False)
     return made.eigenpairs()
-
-
-def rotated(block, others, seed=3):
-    """A block beside other eigenvalues, in other coordinates."""
-    whole = np.diag(np.concatenate([np.zeros(len(block)), others]))
-    whole[: len(block), : len(block)] = block
-    axes = np.linalg.qr(np.random.default_rng(seed).standard_normal(whole.shape))[0]
-    return axes @ whole @ axes.T
 
 
 @pytest.mark.parametrize("corner", [0.0, 1e-6 * EPS, -1e-6 * EPS])
@@ -34,27 +26,6 @@ def test_one_vector_twice_is_mended(corner):
     assert np.linalg.svd(own[:, slow], compute_uv=False)[-1] < 1e-2
     assert np.linalg.svd(vectors[:, slow], compute_uv=False)[-1] > 0.9
     assert np.abs(matrix @ vectors - vectors * values).max() < 1e3 * EPS
-
-
-def test_equal_complex_pairs_stay_conjugate():
-    turn = np.array([[1.0, -1.0], [1.0, 1.0]])
-    noise = np.zeros((4, 4))
-    noise[:2, 2:] = 20 * EPS * np.eye(2)
-    matrix = rotated(np.kron(np.eye(2), turn) + noise, [5.0])
-    values, vectors = pairs_of(matrix)
-    assert np.abs(matrix @ vectors - vectors * values).max() < 1e3 * EPS
-    upper = np.flatnonzero(values.imag > 0)
-    np.testing.assert_array_equal(values[upper + 1], values[upper].conj())
-    np.testing.assert_array_equal(vectors[:, upper + 1], vectors[:, upper].conj())
-    assert np.linalg.svd(vectors, compute_uv=False)[-1] > 0.1
-
-
-def test_what_coalesces_in_earnest_is_left_as_it_is():
-    """Of a Jordan block there is no second vector."""
-    matrix = rotated(np.array([[1.0, 1.0], [0.0, 1.0]]), [3.0])
-    values, vectors = pairs_of(matrix)
-    two = np.argsort(np.abs(values - 1.0))[:2]
-    assert np.linalg.svd(vectors[:, two], compute_uv=False)[-1] < 1e-6
 
 
 def test_pairs_rise_with_the_imaginary_part_of_lambda():
@@ -74,31 +45,3 @@ def test_pairs_rise_with_the_imaginary_part_of_lambda():
     lam = np.sqrt(-values)
     assert (np.diff(np.abs(lam.imag)) >= -10 * EPS).all()
     assert values[:2] == pytest.approx([-1.0, -4.0])
-
-
-def test_conjugates_that_rounding_parts_stay_together():
-    """Vectors of the lower ones are the conjugates of those before them, whatever their values."""
-    turn = np.array([[1.0, -1.0], [1.0, 1.0]])
-    matrix = np.kron(np.eye(3), turn)
-    made = InvariantSubspace(np.eye(6), matrix, symmetric=False)
-    values, vectors = (part.copy() for part in made._pairs)
-    values[1::2] *= 1 + 4 * EPS
-    made.__dict__["_pairs"] = values, vectors
-    order = _rising(values)
-    assert order.tolist() in ([0, 1, 2, 3, 4, 5], [0, 1, 4, 5, 2, 3])
-    assert np.linalg.norm(made.eigenpairs()[1], axis=0).min() > 0.9
-
-
-def test_a_lower_one_whose_conjugate_was_mended_has_a_vector():
-    """Of a pair that is nothing but rounding one may count as a copy of zero, the other not."""
-    matrix = np.diag([0.0, 0.0, 2.0])
-    matrix[:2, :2] = [[0.0, EPS], [-EPS, 0.0]]
-    made = InvariantSubspace(np.eye(3), matrix, symmetric=False)
-    values, small = (part.copy() for part in made._pairs)
-    first = int(np.argmax(values.imag > 0))
-    values[first], small[:, first] = 0.0, np.eye(3)[:, 0]
-    made.__dict__["_pairs"] = values, small
-    found, vectors = made.eigenpairs()
-    assert (found.imag < 0).sum() == 1
-    assert np.abs(matrix @ vectors - vectors * found).max() < 4 * EPS
-    assert np.linalg.svd(vectors, compute_uv=False)[-1] > 0.1

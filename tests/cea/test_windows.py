@@ -10,7 +10,6 @@ from blocks import assemble, coarse, two_blocks
 from covering import covering
 from petsc_matrices import to_numpy, to_petsc
 
-from cea.eigen import field_of_values as field_of_values_module
 from cea.eigen import window
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.errors import cluster_bounds
@@ -235,36 +234,6 @@ def test_a_wide_cone_takes_a_second_shift(beyond):
     assert modes.verdict() == "unstable"
 
 
-def test_forces_whose_compliance_cannot_be_inverted_leave_the_bound_alone(monkeypatch):
-    """Without a cone the window is still bounded, and searched as wide as it takes."""
-
-    def refused(forces):
-        raise ConvergenceError("singular")
-
-    data = two_blocks("iga", {"method": "mortar"}, held=True, mu=0.3, P=2.0)
-    pencil = assemble(data).pencil()
-    plain = solve_modes(pencil, 0.5)
-    monkeypatch.setattr(field_of_values_module, "_EliminatedForces", refused)
-    field = field_of_values(pencil.at(), 1.0, cone=True)
-    assert field.bounded
-    assert field.slope == np.inf
-    modes = solve_modes(pencil, 0.5)
-    assert modes.window.complete
-    assert modes.eigenvalues == pytest.approx(plain.eigenvalues, rel=1e-9)
-
-
-def test_forces_of_mortar_take_no_second_shift_for_left_vectors_either(backend):
-    """One factorisation for the bound and one for all modes of the blocks, right and left."""
-    data = two_blocks(backend, {"method": "mortar"}, held=True, mu=0.3, P=2.0)
-    with EigenSolver(assemble(data).pencil(), KRYLOV) as driver:
-        modes = driver.solve(0.5, left=True)
-        assert driver.factorisations == 2
-        mass = to_numpy(driver.mass(driver.pencil.values()))
-    assert modes.window.complete
-    overlap = modes.left.vectors.conj().T @ mass @ modes.vectors
-    assert overlap == pytest.approx(np.eye(len(modes)), abs=1e-8)
-
-
 def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
     """The middle of the window, exactly and but for rounding."""
     for turned in (False, True):
@@ -315,13 +284,6 @@ def test_a_cluster_is_known_better_than_its_members():
     bounds = cluster_bounds(projected, kappa, errors, conditions)
     assert bounds[:4].max() < 1e-12
     assert np.isinf(bounds[4:]).all()
-
-
-def test_a_coalescence_is_no_cluster_of_copies():
-    projected = np.array([[2.0, 1.0], [1e-14, 2.0]])
-    kappa = np.linalg.eigvals(projected).astype(complex)
-    bounds = cluster_bounds(projected, kappa, np.full(2, 1e-15), np.full(2, 1e7))
-    assert bounds.min() > 0.5
 
 
 def test_verdicts_leave_open_what_errors_do():

@@ -1,35 +1,39 @@
-"""The accuracy study: exact lists, cases, honest measuring."""
+"""The study of accuracy: exact lists, cases, honest measuring, what its page says."""
 
 import json
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
-from accuracy_workers import failing
+from reference_data import eigenvalues, stored
 
 from cea.eigen.matching import match_spectrum
-from cea.errors import InputError
-from comparisons.accuracy.exact_lists import FILE, computed, exact
-from comparisons.accuracy.measure import Measurer, errors, peak_memory, start_memory
-from comparisons.accuracy.problems import PROBLEMS, problem
-from comparisons.accuracy.study import (
-    FULL,
-    QUICK,
+from cea.errors import ConvergenceError, InputError
+from comparisons.accuracy import errors, page
+from comparisons.accuracy.cases import (
     RULES,
-    Case,
     Method,
-    cases,
+    Options,
     estimated_dofs,
+    lines,
+    method_of,
     methods,
-    overrides,
     refinements,
+    scene_of,
 )
-from comparisons.accuracy.worker import CaseWorker
-from comparisons.kit.worker import WorkerError
+from comparisons.accuracy.exact_lists import FILE, computed, exact
+from comparisons.accuracy.limits import COMPARED, FINEST, Finest, both_signs, compare
+from comparisons.accuracy.problems import PROBLEMS
+from comparisons.accuracy.study import STUDY, cases
+from comparisons.study.result import StudyResult, read
+from comparisons.study.run import run
+from comparisons.study.session import Session
 from exact_cea.reference import exact_eigenvalues
-from scenes.spec.reading import load_scene
+
+QUICK = Options(**STUDY.quick)
+EVERY = replace(QUICK, problems=tuple(PROBLEMS))
 
 
 @pytest.mark.grid(quick=2)
@@ -45,7 +49,7 @@ from scenes.spec.reading import load_scene
     ],
 )
 def test_stored_lists_hold_each_harmonic(name, stiffness, top, parameters):
-    p = stiffness * problem(name).unit
+    p = stiffness * PROBLEMS[name].unit
     solver = name.removesuffix("_3d")
     family = exact_eigenvalues(solver, max_frequency=top, p=p, **parameters)
     values = exact(name, stiffness)
@@ -58,50 +62,49 @@ def test_stored_lists_hold_each_harmonic(name, stiffness, top, parameters):
 
 
 def test_a_stored_list_is_what_is_computed():
-    data = computed([problem("blocks")], [10.0])
+    data = computed([PROBLEMS["blocks"]], [10.0])
     assert data["blocks"].keys() == {"parameters", "lists"}
     values = np.array([complex(*value) for value in data["blocks"]["lists"]["10"]])
     np.testing.assert_allclose(exact("blocks", 10.0), values, rtol=1e-12)
 
 
-def test_every_list_of_the_study_is_stored():
-    stored = json.loads(FILE.read_text())
-    assert stored.keys() == PROBLEMS.keys()
+def test_every_list_of_the_study_is_stored_and_holds_mirror_images():
+    lists = json.loads(FILE.read_text())
+    assert lists.keys() == PROBLEMS.keys()
     for chosen in PROBLEMS.values():
-        assert stored[chosen.name]["lists"].keys() == {f"{p:g}" for p in FULL.stiffnesses}
-        for p in FULL.stiffnesses:
+        assert lists[chosen.name]["lists"].keys() == {f"{p:g}" for p in Options().stiffnesses}
+        for p in Options().stiffnesses:
             values = exact(chosen.name, p)
             assert (values.imag <= chosen.highest_exact).all()
             assert len(chosen.listed(values)) > 5
+            growing, decaying = values[values.real > 0], values[values.real < 0]
+            assert len(growing) == len(decaying)
+            assert match_spectrum(-decaying.conj(), growing).errors.max(initial=0) < 1e-12
 
 
 def test_a_stored_list_is_not_taken_for_other_parameters(monkeypatch):
-    other = replace(problem("blocks"), mu=0.3, band=(0.0, 2.0))
+    other = replace(PROBLEMS["blocks"], mu=0.3, band=(0.0, 2.0))
     monkeypatch.setitem(PROBLEMS, "blocks", other)
     values = exact.__wrapped__("blocks", 1.0)
     expected = exact_eigenvalues("blocks", max_frequency=2.3, p=1.0, mu=0.3)
     np.testing.assert_allclose(values, expected, rtol=1e-12, atol=1e-12)
 
 
-def test_exact_lists_hold_mirror_images():
-    values = exact("drum", 1.0)
-    growing, decaying = values[values.real > 0], values[values.real < 0]
-    assert len(growing) == len(decaying) > 5
-    assert match_spectrum(-decaying.conj(), growing).errors.max() < 1e-12
-
-
-def test_problems_are_known_by_name():
-    with pytest.raises(InputError, match="one of drum"):
-        problem("violin")
+@pytest.mark.parametrize(
+    ("change", "field"), [({"problems": ("violin",)}, "problems"), ({"parts": ("all",)}, "parts")]
+)
+def test_unknown_problems_and_parts_are_refused(change, field):
+    with pytest.raises(InputError, match="one of") as caught:
+        Options(**change)
+    assert caught.value.field == field
 
 
 def test_every_method_of_every_problem_is_a_scene():
     for chosen, method in product(PROBLEMS.values(), methods()):
-        case = Case(chosen.name, method, 2, 10.0)
-        scene = load_scene(Path(chosen.name), overrides(chosen, case), method.backend)
+        scene = scene_of(chosen, method, 2, 10.0)
         contact = scene.contacts[chosen.contact]
         assert contact.p == 10 * chosen.unit
-        assert contact.full_pass == RULES[method.rule].full_pass
+        assert contact.full_pass == (method.rule == "GPTS full pass")
         assert scene.analysis.max_frequency > chosen.band[1] / (2 * np.pi)
         for name, body in zip(("a", "b"), chosen.bodies, strict=True):
             assert getattr(contact, name).startswith(body.name + ".")
@@ -111,83 +114,202 @@ def test_every_method_of_every_problem_is_a_scene():
             assert degree == method.degree
 
 
-def test_the_study_holds_every_degree_and_rule():
-    for study, chosen in product((FULL, QUICK), PROBLEMS.values()):
-        listed = cases(study, chosen)
-        assert len(set(listed)) == len(listed)
-        assert {case.method.rule for case in listed} == set(RULES)
-        assert {case.stiffness for case in listed} == {0.1, 1.0, 10.0, 1000.0}
-        fewest, most = study.dofs[chosen.dim]
-        wide = chosen.most_dofs or most if study is FULL else most
-        for case in listed:
-            limit = wide if case.stiffness == study.stiffnesses[0] else most
-            assert fewest <= estimated_dofs(chosen, case.method, case.refinement) <= limit
-    thorough = {case.method for case in cases(FULL, problem("drum"))}
-    assert thorough == set(methods())
-    line = refinements(FULL, problem("blocks"), Method("fe", 1, "mortar"))
-    assert len(line) == FULL.levels
-    assert line == sorted(line)
+@pytest.mark.parametrize("options", [Options(), EVERY], ids=["full", "quick"])
+def test_the_study_holds_every_rule_at_every_stiffness(options):
+    listed = list(lines(options))
+    frame = pd.DataFrame(listed)
+    assert not frame.duplicated().any()
+    for _, own in frame.groupby("problem"):
+        assert set(own["rule"]) == set(RULES)
+        assert set(own["p"]) == {0.1, 1.0, 10.0, 1000.0}
+    if options.thorough:
+        first = frame[(frame["problem"] == "drum") & (frame["p"] == 1.0)]
+        assert {Method(*row) for row in first[["backend", "degree", "rule"]].itertuples(
+            index=False)} == set(methods())  # fmt: skip
+    for case in listed:
+        chosen = PROBLEMS[case["problem"]]
+        most = {2: options.most_dofs_2d, 3: options.most_dofs_3d}[chosen.dim]
+        if options.thorough and case["p"] == 1.0:
+            most = chosen.most_dofs or most
+        found = refinements(case, options)
+        assert found == sorted(found)
+        assert len(found) <= (options.levels if case["p"] == 1.0 else 1)
+        assert all(estimated_dofs(chosen, method_of(case), n) <= most for n in found)
 
 
-def test_cheap_meshes_come_before_dear_ones():
-    first = [
-        c
-        for c in cases(replace(FULL, dofs={2: (1, 400)}, levels=2), problem("drum"))
-        if c.stiffness == 1.0
-    ]
-    yardsticks = [c.refinement for c in first if c.method == Method("iga", 2, "mortar")]
-    assert yardsticks == sorted(yardsticks)
-    assert len(yardsticks) > 1
-
-
-def test_a_case_is_measured():
-    case = Case("blocks", Method("iga", 3, "gpts"), 2, 1.0)
-    chosen = problem("blocks")
-    run = Measurer().measure(case, exact("blocks", 1.0), repeats=3)
-    assert run["dofs"] <= estimated_dofs(chosen, case.method, 2)
-    assert run["points"] == 4 * 2 * 4
-    assert len(run["seconds"]) == 3
-    assert sum(run["stages"].values()) == pytest.approx(np.median(run["seconds"]), rel=0.5)
-    assert run["stages"]["assembly"] > 0
-    # Of one thread, and free of what other processes do meanwhile.
-    assert all(s <= 1.1 * c for s, c in zip(run["seconds"], run["clock"], strict=True))
-    assert run["modes"] == len(chosen.listed(exact("blocks", 1.0)))
-    assert run["missing"] == run["spurious"] == []
-    assert 1e-6 < run["lambda"]["median"] < run["lambda"]["worst"] < 0.02
-    json.dumps(run, allow_nan=False)
-
-
-def test_peak_memory_sees_an_allocation():
-    before = start_memory()
-    if before is None:
-        pytest.skip("the system does not tell")
-    block = np.ones(20_000_000)
-    assert 150 < peak_memory() - before < 300
-    del block
-    assert start_memory() - before < 50
+def test_a_mesh_is_measured():
+    case = {"problem": "blocks", "p": 1.0, "backend": "iga", "degree": 3, "rule": "GPTS"}
+    chosen = PROBLEMS["blocks"]
+    row = errors.measure(case, 2, repeats=2)
+    assert row["dofs"] <= estimated_dofs(chosen, method_of(case), 2)
+    assert row["points"] == 4 * 2 * 4
+    assert 0 < row["assembly"] < row["seconds"]
+    assert row["modes"] == len(chosen.listed(exact("blocks", 1.0)))
+    assert row["missing"] == row["spurious"] == 0
+    assert 1e-6 < row["lambda_median"] < row["lambda_worst"] < 0.02
+    json.dumps(row, allow_nan=False)
 
 
 def test_errors_of_missing_modes_are_not_numbers():
-    found = errors(np.array([1.01j, 5j]), np.array([1j, 2j]), (0.0, 6.0))
-    assert found["lambda"] == {"worst": None, "median": None}
-    assert found["missing"] == [[0.0, 2.0]]
-    assert found["spurious"] == [[0.0, 5.0]]
+    found = errors.errors(np.array([1.01j, 5j]), np.array([1j, 2j]), (0.0, 6.0))
+    assert found["lambda_worst"] is found["lambda_median"] is None
+    assert (found["modes"], found["missing"], found["spurious"]) == (2, 1, 1)
 
 
-def test_the_worker_outlives_every_failure():
-    values, worker = np.array([1j, 2j]), CaseWorker(failing)
+def test_a_line_ends_where_a_mesh_fails_or_would_take_too_long(monkeypatch):
+    case = {"problem": "drum", "p": 1.0, "backend": "fe", "degree": 2, "rule": "mortar"}
+    first, second, *_ = refinements(case, Options())
 
-    def measure(rule, seconds=30.0):
-        return worker.measure(Case("drum", Method("fe", 1, rule), 1, 1.0), values, 4, seconds)
+    def evaluated(measure):
+        monkeypatch.setattr(errors, "measure", measure)
+        found = errors.evaluate(case, Session({}, Options()))
+        return [row["refinement"] for row in found["runs"]], found["omissions"]
 
-    try:
-        assert measure("mortar") == {"threads": "1", "modes": 2, "repeats": 4}
-        with pytest.raises(WorkerError, match=r"^ValueError: no nodes here$"):
-            measure("node")
-        with pytest.raises(WorkerError, match="ended with code 3"):
-            measure("grid")
-        assert measure("mortar")["modes"] == 2  # in a new process
-        with pytest.raises(WorkerError, match=r"more than 0\.2 s"):
-            measure("greville", seconds=0.2)
-    finally:
-        worker.end()
+    def fails(case, refinement, repeats):
+        if refinement == second:
+            raise ConvergenceError("no luck")
+        return {"refinement": refinement, "seconds": 1.0}
+
+    assert evaluated(fails) == ([first], [{"refinement": second, "reason": "no luck"}])
+    ran, omissions = evaluated(lambda case, n, repeats: {"refinement": n, "seconds": 30.0})
+    assert ran == [first]
+    assert "more than 100 s" in omissions[0]["reason"]
+
+
+def test_lines_run_in_a_process_and_are_shown(tmp_path):
+    options = replace(QUICK, problems=("blocks",), most_dofs_2d=900, parts=("errors", "no flutter"))
+    only = {"degree": "2", "rule": "mortar", "backend": "iga"}
+    result = run(STUDY, options, tmp_path, only=only)
+    assert result.failed().empty
+    assert set(result.frame()["p"]) == {1.0, 0.1, 10.0, 1000.0}
+    frame = result.frame("no_flutter")
+    assert len(frame) == 2
+    assert (frame["growth"] < 1e-6).all()
+    assert (frame["unexplained"] == 0).all()
+    assert page.digits(result) is None
+
+
+@pytest.fixture(scope="module")
+def shipped():
+    return read(STUDY.name, STUDY.shipped)
+
+
+def test_the_shipped_study_is_that_of_the_default_options(shipped):
+    assert [case["labels"] for case in shipped.cases] == list(cases(Options()))
+    assert shipped.failed().empty
+
+
+def test_orders_are_those_of_theory(shipped):
+    """Where theory knows one: of NURBS and Lagrange elements of degree 2 and 3, within a half."""
+    found = page.orders(shipped).query("p == 1 and degree in (2, 3) and problem == 'blocks'")
+    found = found.dropna(subset="theory")
+    assert len(found) == 8
+    assert ((found["order"] - found["theory"]).abs() < 0.6).all(), found
+
+
+def made(*rows):
+    """A result of runs at p = 1 on blocks with elements of degree 2."""
+    cases = []
+    for rule, refinement, seconds, lambda_worst, growth_worst in rows:
+        labels = {"part": "errors", "problem": "blocks", "p": 1.0, "backend": "fe", "degree": 2}
+        row = {"refinement": refinement, "seconds": seconds, "lambda_worst": lambda_worst}
+        row |= {"growth_worst": growth_worst, "dofs": 1, "memory": 1.0}
+        tables = {"runs": [row]}
+        cases.append({"labels": labels | {"rule": rule}, "tables": tables, "failed": ""})
+    return StudyResult({"cases": cases, "inputs": {"stiffnesses": [1.0]}})
+
+
+def test_an_order_is_fitted_to_the_finest_meshes():
+    rows = [("mortar", n, 1.0, 3.0 * n**-4.0, 1e-3) for n in (2, 4, 8)]
+    found = page.orders(made(("mortar", 1, 1.0, 7.0, 1.0), *rows))
+    assert found["order"].tolist() == pytest.approx([4.0])
+    assert found["theory"].tolist() == [4.0]
+
+
+def test_the_front_holds_what_none_beats_in_both():
+    rows = [("mortar", 1, 1.0, 0.1, 1.0), ("GPTS", 1, 2.0, 0.2, 1.0), ("grid", 1, 3.0, 0.01, 1.0)]
+    assert page.pareto(made(*rows))["rule"].tolist() == ["mortar", "grid"]
+
+
+@pytest.mark.parametrize(
+    ("error", "floor", "usable"),
+    [(0.009, 1e-4, [True]), (0.03, 0.02, [True]), (0.05, 0.02, [False]), (0.3, 0.2, [])],
+)
+def test_a_rule_is_usable_where_its_yardstick_is_hardly_better(error, floor, usable):
+    result = made(("mortar", 4, 1.0, 0.1, floor), ("grid", 4, 1.0, 0.1, error))
+    found = page.uses(result)
+    assert found.loc[found["rule"] == "grid", "usable"].tolist() == usable
+
+
+def test_lost_modes_are_never_usable_and_a_failed_yardstick_gives_way():
+    rows = [("mortar", 2, 1.0, 0.1, 0.05), ("segments", 4, 1.0, 0.1, 0.01)]
+    result = made(*rows, ("grid", 2, 1.0, 0.1, 0.01), ("grid", 4, 1.0, None, None))
+    found = page.uses(result).set_index("rule").loc["grid"]
+    assert (found["refinement"], found["yardstick"], found["usable"]) == (4, "segments", False)
+    assert page.matrix(result)[1.0].tolist() == ["✗ modes lost", "0.010"]
+
+
+NAMES = {"drum": "drum_2d", "blocks": "blocks_sine_mu", "ring": "ring_rollers"}
+
+
+def stored_families(problem, p, mu):
+    """Listed eigenvalues of a problem by harmonic; computed ones where none are listed."""
+    compared = COMPARED[problem]
+    found = {}
+    for entry in stored(NAMES[problem]):
+        m = entry.get("m")
+        friction = entry["mu"] if "mu" in entry else entry["mu0"]
+        if (float(entry["p"]), float(friction)) != (p, mu) or entry.get("kz") is not None:
+            continue
+        if m in compared.orders:
+            values = eigenvalues(entry)[: compared.count]
+            found["all" if m is None else f"m = {m}"] = both_signs(values, m)
+    assert len(found) in (0, len(compared.orders))
+    return found or compared.families(p, mu)
+
+
+def every_finest():
+    """Finest meshes with each stiffness and friction they are compared at."""
+    for finest in FINEST:
+        compared = COMPARED[finest.problem]
+        for p, mu in product(compared.stiffnesses, compared.frictions):
+            quick = finest.problem == "blocks" and mu == 0.7 and p <= 10
+            name = f"{finest.problem}-{finest.method.backend}-{p:g}-{mu:g}"
+            marks = [] if quick else [pytest.mark.slow]
+            yield pytest.param(finest, p, mu, id=name, marks=marks)
+
+
+@pytest.mark.grid(quick=2)
+@pytest.mark.parametrize(("finest", "p", "mu"), list(every_finest()))
+def test_every_listed_eigenvalue_is_found_to_its_digits(finest, p, mu):
+    families = stored_families(finest.problem, p, mu)
+    row = compare(finest, p, mu, families)
+    assert row["compared"] == sum(map(len, families.values()))
+    assert row["lambda_worst"] is not None
+    assert row["lambda_worst"] < finest.bound
+
+
+@pytest.mark.grid(quick=1)
+@pytest.mark.parametrize("problem", ["drum", "blocks"])
+def test_what_the_study_compares_is_what_is_listed(problem):
+    compared = COMPARED[problem]
+    p, mu = 1.0, compared.frictions[0]
+    families = stored_families(problem, p, mu)
+    name = list(families)[-1]
+    single = replace(compared, orders=compared.orders[-1:])
+    values = single.families(p, mu)[name]
+    distance = np.abs(values[:, None] - families[name]).min(axis=0)
+    assert len(values) >= len(families[name])
+    assert distance.max() < 1e-12
+
+
+def test_a_coarse_mesh_is_told_from_a_fine_one():
+    method = Method("iga", 3, "mortar")
+    coarse = Finest("blocks", method, {"upper": (10, 2), "lower": (7, 3)}, 1e-10)
+    families = stored_families("blocks", 1.0, 0.3)
+    row = compare(coarse, 1.0, 0.3, families)
+    assert 1e-8 < row["lambda_worst"] < 1e-3
+    low = compare(coarse, 1.0, 0.3, {"low": families["all"][:4]})
+    assert low["lambda_worst"] < row["lambda_worst"]
+    lost = compare(coarse, 1.0, 0.3, {"none": np.array([2.0j])})
+    assert lost["lambda_worst"] is None

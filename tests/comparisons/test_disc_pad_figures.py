@@ -10,15 +10,15 @@ from dolfinx.mesh import exterior_facet_indices
 from paper_figures import made
 
 from cea.contact.formulations import Greville, Grid, NodeToSurface
+from cea.eigen.matching import ModeSet
 from cea.timing import StageTimer
-from comparisons.paper import measures as cea_measures
+from comparisons.paper.diagram import Diagram
 from comparisons.paper.disc_pad import COLLOCATION, GPTS, GRID, LUMPED, DiscPad
 from comparisons.paper.figures import FIGURES
 from comparisons.paper.lumping import false_shifts, rotation_ratio
-from comparisons.paper.measures import Diagram
 from comparisons.paper.mode_shapes import EDGE, SHAPES
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
-from comparisons.paper.spectra import compare_spectra, spectrum_of
+from comparisons.paper.spectra import Spectrum, means_of, measures, paired
 from scenes import run_modes
 from scenes.building.build import build_bodies, build_interfaces, build_system
 
@@ -54,49 +54,59 @@ def assembled(case, mesh):
     return SimpleNamespace(system=system)
 
 
-def matched(*pairs, groups=(), alone=(0, 0)):
-    """A match of unstable modes, each (growth, Hz, reference growth, reference Hz)."""
+def spectrum(*modes, motion=None):
+    """A run of modes (number of its shape, growth, Hz): unstable above 10 1/s."""
+    number, growth, hertz = np.array(modes, dtype=float).reshape(-1, 3).T
+    kept = ModeSet(growth + 1j * tau * hertz, np.eye(9, dtype=complex)[:, number.astype(int)])
+    motion = np.ones(len(modes)) if motion is None else np.array(motion)
+    run = {"search": 2.0, "points": 8}
+    rest = (motion, motion, np.zeros(len(modes)), np.ones(len(modes)), run)
+    return Spectrum(kept, np.flatnonzero(growth > 10), *rest)
 
-    def group(growth, hertz, other, reference):
-        return {"lambda": [[growth, tau * hertz], [other, tau * reference]]}
 
-    return {
-        "unstable": [group(*pair) for pair in pairs],
-        "groups": [group(*pair) for pair in groups],
-        "only_first": alone[0],
-        "only_second": alone[1],
-        "unpaired": list(alone),
-    }
+def compared(own, reference):
+    return measures(own, reference, paired(own, reference))
 
 
 def test_coinciding_modes_are_counted_with_those_alone():
-    match = matched(
-        (100, 5000, 100.5, 5040), (50, 9000, 80, 9010), (9, 1000, 9, 1020), alone=(1, 0)
-    )
-    assert cea_measures.coinciding(match) == pytest.approx(2 / 4)
-    assert cea_measures.coinciding(match, growth=True) == pytest.approx(1 / 4)
-    assert cea_measures.coinciding(matched()) == 1.0
+    own = spectrum((0, 100, 5000), (1, 50, 9000), (2, 19, 1000), (3, 30, 12000))
+    reference = spectrum((0, 100.5, 5040), (1, 80, 9010), (2, 19, 1020))
+    found = compared(own, reference)
+    assert found["share_frequency"] == pytest.approx(2 / 4)
+    assert found["share_both"] == pytest.approx(1 / 4)
+    assert found["alone"] == 1
+    assert compared(spectrum((0, 0, 900)), spectrum((0, 0, 900)))["share_frequency"] == 1.0
 
 
 def test_growth_of_a_mode_that_the_other_run_does_not_have_is_lost():
-    match = matched((100, 5000, 110, 5000))
-    match["unstable"][0]["modes"] = [[1], [0]]
-    reference = {"unstable": [{"growth": 110.0}]}
-    case = {"unstable": [{"growth": 30.0}, {"growth": 100.0}]}
-    assert cea_measures.growth_difference(case, reference, match) == pytest.approx(30)
-    case["unstable"].pop(0)
-    match["unstable"][0]["modes"] = [[0], [0]]
-    assert cea_measures.growth_difference(case, reference, match) == pytest.approx(10)
+    own, reference = spectrum((0, 100, 5000), (1, 30, 9000)), spectrum((0, 110, 5000))
+    assert compared(own, reference)["growth_difference"] == pytest.approx(30)
+    assert compared(reference, own)["growth_difference"] == pytest.approx(30)
+    found = compared(spectrum((0, 100, 5000)), reference)
+    assert found["growth_difference"] == pytest.approx(10)
+    assert found["growth_part"] == pytest.approx(1 / 11)
 
 
 def test_sums_and_shifts_keep_to_their_band():
-    case = {"unstable": [{"frequency": f, "growth": g} for f, g in ((2e3, 5.0), (12e3, 7.0))]}
-    assert cea_measures.growth_sum(case) == 12.0
-    assert cea_measures.growth_sum(case, 10e3) == 5.0
-    match = matched(groups=((0, 1010, 0, 1000), (0, 14100, 0, 14000), (30, 2000, 0, 2000)))
-    assert cea_measures.largest_shift(match) == pytest.approx(0.01)
-    assert cea_measures.largest_shift(match, above=13e3) == pytest.approx(1 / 140)
-    assert cea_measures.largest_distance(match) == pytest.approx(0.01)
+    own = spectrum((0, 0, 1010), (1, 0, 14100), (2, 30, 2000), (3, 28, 12000))
+    reference = spectrum((0, 0, 1000), (1, 0, 14000), (2, 20, 2000), (3, 20, 12000))
+    found = compared(own, reference)
+    assert found["growth_over"] == pytest.approx(58 / 40)
+    assert found["growth_below_10k"] == pytest.approx(30 / 20)
+    assert found["shift"] == found["shift_below_13k"] == pytest.approx(0.01)
+    assert found["shift_above_13k"] == pytest.approx(1 / 140)
+    assert found["distance"] == pytest.approx(0.01)
+
+
+def test_motions_are_compared_by_their_median_where_there_are_some():
+    modes = [(i, 0, 1000 * (i + 1)) for i in range(4)]
+    own, reference = (
+        spectrum(*modes, motion=motion)
+        for motion in ((1.0, 6.0, 3.0, np.nan), (1.0, 2.0, 1.5, 2.0))
+    )
+    assert compared(own, reference)["contact_motion"] == pytest.approx(2.0)
+    nowhere = spectrum(*modes, motion=4 * [np.nan])
+    assert compared(nowhere, reference)["contact_motion"] is None
 
 
 def test_the_linearised_law_is_the_tangent():
@@ -171,13 +181,11 @@ def test_tetrahedra_trace_the_pad_where_hexahedra_are_divided():
     assert DIVIDED.on("tetrahedra").boundary == "traced"
     assert GPTS.on("tetrahedra").boundary == "ignored"
     assert DIVIDED.on("tetrahedra").label == f"divided hexahedra, {GPTS.on('hexahedra').label}"
-    tetrahedra, hexahedra = (spectrum_of(run(DIVIDED, m)) for m in ("tetrahedra", "hexahedra"))
-    assert tetrahedra.data["dofs"] == hexahedra.data["dofs"]
+    tetrahedra, hexahedra = (Spectrum.of(run(DIVIDED, m)) for m in ("tetrahedra", "hexahedra"))
+    assert tetrahedra.run["dofs"] == hexahedra.run["dofs"]
     # Fewer functions of the same nodes: quadratic tetrahedra are the stiffer ones.
-    shifts = [
-        g["lambda"][0][1] / g["lambda"][1][1] - 1
-        for g in compare_spectra(tetrahedra, hexahedra)["groups"]
-    ]
+    first, second = means_of(paired(tetrahedra, hexahedra))
+    shifts = first.imag / second.imag - 1
     assert len(shifts) > 4
     assert 0 < np.median(shifts) < 0.1
 
@@ -204,19 +212,20 @@ def test_lumping_gives_a_rotation_false_stiffness_on_nurbs_only():
 def test_false_stiffness_shifts_modes_as_lumping_does_at_low_stiffness():
     plain, lumped = (run(replace(case, P=1e6), "NURBS") for case in (GPTS, LUMPED))
     expected = false_shifts(plain, lumped)
-    groups = compare_spectra(spectrum_of(lumped), spectrum_of(plain))["groups"]
-    assert len(groups) > 4
-    found = [g["lambda"][0][1] / g["lambda"][1][1] - 1 for g in groups]
-    false = [expected[g["modes"][1]].mean() for g in groups]
+    match = paired(Spectrum.of(lumped), Spectrum.of(plain))
+    assert len(match.groups) > 4
+    first, second = means_of(match)
+    false = [expected[group.second].mean() for group in match.groups]
     assert max(false) > 1e-5
+    found = first.imag / second.imag - 1
     assert found == pytest.approx(false, rel=0.05, abs=0.02 * max(false))
 
 
 def test_spectrum_agrees_with_itself_and_its_parts_are_sound():
-    spectrum = spectrum_of(run(GPTS, "NURBS"))
-    match = compare_spectra(spectrum, spectrum)
-    assert all(group["assurance"] == pytest.approx(1) for group in match["groups"])
-    found = cea_measures.measures(spectrum.data, spectrum.data, match)
+    spectrum = Spectrum.of(run(GPTS, "NURBS"))
+    match = paired(spectrum, spectrum)
+    assert all(group.assurance == pytest.approx(1) for group in match.groups)
+    found = measures(spectrum, spectrum, match)
     assert found["distance"] == found["shift"] == found["growth_difference"] == found["alone"] == 0
     assert found["contact_gap"] == found["search_over"] == found["points_over"] == 1
 

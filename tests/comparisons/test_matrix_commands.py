@@ -16,14 +16,13 @@ from scipy.linalg import eig
 from scipy.sparse import csr_array
 
 from cea.errors import ConvergenceError, InputError
+from comparisons.bench import matrices
 from comparisons.cli.app import main
-from comparisons.race.study import race
-from comparisons.race.tables import race_table
+from comparisons.study.run import run
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.page import read_sweep, write_sweep
 from comparisons.sweep.study import Curves, Sweep, curves_of, run_sweep
 from comparisons.sweep.tables import unstable_table, values_table
-from scenes.spec.matrices import load_matrices, read_matrix_scene
 from scenes.spec.problems import SceneError
 
 STORED = Path(sweep_page.__file__).with_name("results")
@@ -46,13 +45,17 @@ def cea(*arguments):
 def folder(tmp_path_factory):
     """Files of matrices, and a scene of them that lies elsewhere."""
     folder = write(tmp_path_factory.mktemp("matrices"), pieces())
-    data = scene()
-    lines = [f"{name} = {json.dumps(data[name])}" for name in ("name",)]
+    (folder / "elsewhere").mkdir()
+    (folder / "elsewhere" / "speed.toml").write_text(toml_of(scene()))
+    return folder
+
+
+def toml_of(data):
+    """A scene of matrices as TOML."""
+    lines = [f"name = {json.dumps(data['name'])}"]
     for name in ("files", "parameters", "mass", "damping", "stiffness", "analysis"):
         lines += [f"[{name}]", *(f"{k} = {json.dumps(v)}" for k, v in data[name].items())]
-    (folder / "elsewhere").mkdir()
-    (folder / "elsewhere" / "speed.toml").write_text("\n".join(lines))
-    return folder
+    return "\n".join(lines)
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +114,7 @@ def test_run_takes_a_scene_with_its_folder_and_settings(folder, tmp_path):
         (["sweep", "disc", "bodies.disc.material.E=1:1:3"], "bodies.disc.material.E",
          "another last value"),
         (["sweep", "disc", "bodies.disc.material.E", "1", "3"], "axis", "first:last:count"),
-        (["bench", "matrices", "disc"], "scene", "a scene of matrices"),
+        (["bench", "matrices", "--scene", "disc"], "scene", "a scene of matrices"),
     ],
 )  # fmt: skip
 def test_faults_are_told_in_a_line(arguments, field, told, tmp_path, monkeypatch, capsys):
@@ -272,28 +275,39 @@ def test_a_field_that_is_none_is_refused(folder):
 
 
 def test_a_race_is_one_of_the_same_eigenvalues(folder):
-    data = race(read_matrix_scene(scene(folder)), {}, repeats=1)
-    ours, *others = data["entrants"]
-    assert ours["found"] == data["modes"] == len(inside(dense(pieces())))
-    assert [other["found"] for other in others] == [data["modes"]] * 2
-    assert all(seconds > 0 for each in data["entrants"] for seconds in each["seconds"])
-    assert len(race_table(data).rows) == 3
-    undamped = scene(folder) | {"damping": {}}
+    toml = str(folder / "elsewhere" / "speed.toml")
+    options = matrices.Options(toml, data=str(folder), repeats=1)
+    result = run(matrices.STUDY, options, folder / "out")
+    assert result.failed().empty
+    found = matrices.seconds(result)
+    assert found["found"].tolist() == found["modes"].tolist() == 3 * [len(inside(dense(pieces())))]
+    assert (found["processor"] > 0).all()
+    undamped = scene() | {"damping": {}}
     for name in "DG":
         undamped["files"].pop(name)
-    chosen = read_matrix_scene(undamped)
+    (folder / "undamped.toml").write_text(toml_of(undamped))
     with pytest.raises(InputError, match="damping"):
-        race(chosen, {}, repeats=1)
+        matrices.loaded(matrices.Options(str(folder / "undamped.toml"), data=str(folder)))
+
+
+def test_other_files_of_matrices_are_other_cases(tmp_path):
+    write(tmp_path, pieces())
+    (tmp_path / "speed.toml").write_text(toml_of(scene()))
+    options = matrices.Options(str(tmp_path / "speed.toml"), data=str(tmp_path))
+    before = list(matrices.cases(options))
+    assert list(matrices.cases(options)) == before
+    changed = {name: 2 * matrix for name, matrix in pieces().items()}
+    write(tmp_path, changed)
+    assert list(matrices.cases(options)) != before
 
 
 @pytest.mark.slow
-def test_the_brake_is_faster_than_five_runs_of_scipy():
+def test_the_brake_is_faster_than_five_runs_of_scipy(tmp_path):
     """By the processor's time, medians of three runs by turns in one process."""
-    found = load_matrices("tu_berlin", data=external("tu_berlin_brake"))
-    rows = race_table(race(found, {}, repeats=3)).rows
-    assert [row[4] for row in rows] == [13, 13, 13]
-    assert rows[1][3] > 1
-    assert rows[2][3] > 1
+    options = matrices.Options(data=str(external("tu_berlin_brake")))
+    found = matrices.seconds(run(matrices.STUDY, options, tmp_path))
+    assert found["found"].tolist() == [13, 13, 13]
+    assert (found["relative"][1:] > 1).all()
 
 
 def test_the_stored_sweep_of_the_brake_passes_through_what_is_published():

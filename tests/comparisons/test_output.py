@@ -160,8 +160,8 @@ def test_progress_shows_time_left_on_a_terminal_and_nothing_in_a_file():
 @pytest.mark.parametrize(
     ("arguments", "field"),
     [
-        (["accuracy", "drum", "--redraw"], "problems"),
-        (["accuracy", "--quick", "--redraw"], "quick"),
+        (["study", "accuracy", "--problems", "drum", "--redraw"], "problems"),
+        (["study", "accuracy", "--quick", "--redraw"], "quick"),
         (["study", "stability", "--cases", "tied", "--redraw"], "cases"),
     ],
 )

@@ -11,10 +11,10 @@ from paper_figures import made
 from cea.errors import InputError
 from comparisons.paper.claims import CLAIMS, Evidence, judged
 from comparisons.paper.crowned_pad import COLLOCATION, QUADRATURE
+from comparisons.paper.diagram import Diagram, case_row, run_tables
 from comparisons.paper.figures import FIGURES, chosen
-from comparisons.paper.measures import Diagram, case_row, tables_of
 from comparisons.paper.patch_test import PatchTests
-from comparisons.paper.spectra import spectrum_of
+from comparisons.paper.spectra import Spectrum
 from comparisons.paper.study import STUDY, Options, cases
 from comparisons.study.result import StudyResult, read
 from comparisons.study.run import run
@@ -134,11 +134,10 @@ def test_stored_numbers_are_those_of_the_program(labels):
         fastest = min(stored["runs"], key=lambda row: row["seconds"])
         P, number = fastest["P"], fastest["number"]
         case = figure.panels(mesh)[P][number]
-        found = spectrum_of(run_modes(case.scene(mesh))).data
-        found = tables_of(case_row(P, number, case), found, found, None, None)
-        for name in ("runs", "modes"):
+        run, modes = run_tables(case_row(P, number, case), Spectrum.of(run_modes(case.scene(mesh))))
+        for name, found in (("runs", [run]), ("modes", modes)):
             own = [row for row in stored[name] if (row["P"], row["number"]) == (P, number)]
-            assert_same_rows(found[name], own)
+            assert_same_rows(found, own)
         return
     figure, stored = cheapest(figure, mesh, stored)
     tables, arrays = made(figure, mesh)

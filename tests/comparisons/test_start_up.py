@@ -79,7 +79,7 @@ def test_help_takes_less_than_a_third_of_a_second(arguments):
         (["figure", "3"], "matplotlib", "pictures"),
         (["claims"], "matplotlib", "pictures"),
         (["study", "formulations"], "flint", "exact"),
-        (["accuracy"], "matplotlib", "pictures"),
+        (["study", "accuracy"], "matplotlib", "pictures"),
         (["run", "disc", "--set", "output.pictures=1"], "pyvista", "pictures"),
     ],
 )

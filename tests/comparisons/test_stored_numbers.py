@@ -4,53 +4,30 @@ What is stored cannot outlive what made it: seconds, versions and rounding error
 differ, nothing else.
 """
 
-from functools import cache
-from pathlib import Path
-
 import numpy as np
 import pytest
 from same_numbers import assert_same
 
-import comparisons.accuracy
-from comparisons.accuracy.exact_lists import exact
-from comparisons.accuracy.measure import Measurer
-from comparisons.accuracy.study import Case, Method
+from comparisons.accuracy.errors import measure
+from comparisons.accuracy.problems import PROBLEMS
+from comparisons.accuracy.study import STUDY as ACCURACY
 from comparisons.reference.study import LEVELS, STUDY, graded_scene
 from comparisons.study.result import read
 from scenes import run_modes
-from scenes.results.record import read_record
 
-ACCURACY = Path(comparisons.accuracy.__file__).parent / "results" / "result.json.gz"
 DIGITS = 5e-4
 """The study of accuracy keeps four digits."""
 
 
-@cache
-def accuracy():
-    """The stored study of accuracy."""
-    return read_record(ACCURACY)
-
-
-def cheapest_run(problem, backend):
-    """The run that was fastest, of those that find every mode where there are any."""
-    return min(
-        (
-            run
-            for run in accuracy()["runs"]
-            if (run["problem"], run["method"]["backend"]) == (problem, backend)
-        ),
-        key=lambda run: (run["lambda"]["worst"] is None, run["seconds"][0]),
-    )
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("problem", accuracy()["problems"])
+@pytest.mark.parametrize("problem", PROBLEMS)
 def test_a_case_of_each_problem_has_its_stored_errors(problem, backend):
-    expected = cheapest_run(problem, backend)
-    method = Method(**expected["method"])
-    case = Case(problem, method, expected["refinement"], expected["stiffness"])
-    found = Measurer().measure(case, exact(problem, case.stiffness), repeats=1)
-    kept = ("dofs", "points", "modes", "lambda", "frequency", "growth", "missing", "spurious")
+    """That which was fastest, of those that find every mode."""
+    runs = read(ACCURACY.name, ACCURACY.shipped).frame()
+    runs = runs[(runs["problem"] == problem) & (runs["backend"] == backend)]
+    expected = runs.dropna(subset="lambda_worst").sort_values("seconds").to_dict("records")[0]
+    found = measure(expected, expected["refinement"], repeats=1)
+    kept = ("dofs", "points", "modes", "missing", "spurious", "lambda_worst", "growth_median")
     assert_same({key: found[key] for key in kept}, {key: expected[key] for key in kept}, rel=DIGITS)
 
 

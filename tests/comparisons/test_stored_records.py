@@ -5,24 +5,21 @@ from pathlib import Path
 
 import pytest
 
-from comparisons.accuracy import page as accuracy_page
-from comparisons.accuracy.runner import COMMAND as ACCURACY
+from comparisons.accuracy.study import STUDY as ACCURACY
+from comparisons.bench.calculix import STUDY as CALCULIX
 from comparisons.brake.study import STUDY as BRAKE
 from comparisons.paper.study import STUDY as PAPER
-from comparisons.peers.study import COMMAND as PEERS
-from comparisons.peers.study import STORED as PEERS_STORED
 from comparisons.reference.study import STUDY as REFERENCE
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
 from scenes.results.record import PROVENANCE, read_record
 
-MEASURED = Path(accuracy_page.__file__).with_name("results") / "result.json.gz"
 RECORDS = [
     (PAPER.name, PAPER.shipped / "result.json.gz"),
-    (ACCURACY, MEASURED),
+    (ACCURACY.name, ACCURACY.shipped / "result.json.gz"),
     (REFERENCE.name, REFERENCE.shipped / "result.json.gz"),
     (BRAKE.name, BRAKE.shipped / "result.json.gz"),
-    (PEERS, PEERS_STORED / "result.json.gz"),
+    (CALCULIX.name, CALCULIX.shipped / "result.json.gz"),
     (SWEEP, Path(sweep_page.__file__).with_name("results") / "result.json.gz"),
 ]
 

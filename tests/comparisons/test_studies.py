@@ -6,20 +6,26 @@ from types import ModuleType
 
 import pytest
 
-from comparisons.cli.study import STUDIES, study_at
+from comparisons.cli.study import BENCHMARKS, STUDIES, study_at
 from comparisons.study.page import write_study
 from comparisons.study.result import read
 from comparisons.study.run import run
 
 # `make stability ARGS=--quick` is a step of its own; test_stability.py runs one of its cases.
+LONG = ("stability", "accuracy")
 QUICK = [
-    pytest.param(name, marks=pytest.mark.slow if name == "stability" else ()) for name in STUDIES
+    *(
+        pytest.param(name, place, marks=pytest.mark.slow if name in LONG else ())
+        for name, (place, _, _) in STUDIES.items()
+    ),
+    *((f"bench {name}", BENCHMARKS[name][0]) for name in ("contact", "solve", "scaling")),
+    pytest.param("bench assembly", BENCHMARKS["assembly"][0], marks=pytest.mark.slow),
 ]
 
 
-@pytest.mark.parametrize("name", QUICK)
-def test_quick_options_run_and_show(name, tmp_path):
-    study = study_at(f"comparisons.{STUDIES[name][0]}")
+@pytest.mark.parametrize(("name", "place"), QUICK)
+def test_quick_options_run_and_show(name, place, tmp_path):
+    study = study_at(f"comparisons.{place}")
     assert study.name == name
     result = run(study, study.options(**study.quick), tmp_path)
     assert result.failed().empty

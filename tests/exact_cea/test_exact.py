@@ -14,13 +14,12 @@ from comparisons.cli.exact import app
 from exact_cea import entries, galerkin_problems, lumped
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
-from exact_cea.exceptional_points import exceptional_points
 from exact_cea.galerkin import lowest
 from exact_cea.galerkin_problems import Ring
 from exact_cea.layer import layer_response
 from exact_cea.material import SOFT, Material
 from exact_cea.numbers import Exact
-from exact_cea.roots import Box, RootFinder, polish
+from exact_cea.roots import Box, RootFinder
 from exact_cea.solve import spectrum
 
 DATA = Path(__file__).parents[1] / "data"
@@ -81,12 +80,6 @@ def test_the_drum_to_19_digits_and_nothing_missing(i):
     reproduces_drum(DRUMS[i])
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("i", sorted(set(range(len(DRUMS))) - set(QUICK_DRUMS)))
-def test_every_stored_drum(i):
-    reproduces_drum(DRUMS[i])
-
-
 @pytest.mark.parametrize(
     "i", [2, *(pytest.param(i, marks=pytest.mark.slow) for i in (0, 1, 3, 4, 5, 6))]
 )
@@ -109,18 +102,6 @@ def test_thresholds_of_the_blocks_to_19_digits(p):
             point = found[entry["omega"][:12]]
             for name in ("mu_c", "lam2", "omega"):
                 assert abs(Decimal(point[name]) / Decimal(entry[name]) - 1) < Decimal("1e-19")
-
-
-@pytest.mark.slow
-def test_two_real_modes_turn_into_a_growing_and_a_decaying_one_at_a_threshold():
-    (point,) = exceptional_points(Blocks.of("1"), 0.1, 3.0)
-    mu_c = float(point.mu_c)
-    for factor, growing in ((0.99, 0), (1.01, 1)):
-        blocks = Blocks.of("1", mu_c * factor)
-        values = np.array(spectrum(blocks, max_frequency=2.95, max_growth=0.3).values)
-        assert (values.real > 0).sum() == growing
-        near = values[abs(values.imag - float(point.omega)) < 2e-3]
-        assert len(near) == 2
 
 
 @pytest.mark.parametrize("i", range(10))
@@ -153,16 +134,6 @@ def test_constant_friction_with_corner_singularities_to_9_digits_on_a_coarse_gri
     same_set(values, [complex(float(x), float(y)) for x, y in entry["lam"]], 2e-9)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("i", range(3))
-def test_constant_friction_to_the_digits_stored(i):
-    entry = stored("blocks_constant_mu")[i]
-    found = entries.blocks_constant(Blocks.of(entry["p"], entry["mu"]), count=18)
-    assert found["digits"] >= 10
-    values = [complex(float(x), float(y)) for x, y in found["lam"]]
-    same_set(values, [complex(float(x), float(y)) for x, y in entry["lam"]], 3e-11)
-
-
 def test_the_ring_to_8_digits_on_a_coarse_grid():
     entry = stored("ring_rollers")[0]
     problem = Ring.of(entry["m"], entry["p"], entry["mu"])
@@ -191,17 +162,6 @@ def test_every_stored_ring_to_10_digits(i):
     problem = ring_of(entry)
     values = lowest(galerkin_problems.ring(problem, 13, 1), 20, problem.scale())
     assert far_from(values, entry) < 1e-10
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("i", [15, 16])
-def test_the_ring_claims_the_digits_it_holds(i):
-    entry = stored("ring_rollers")[i]
-    found = entries.ring(ring_of(entry), count=20)
-    assert found["digits"] >= 10
-    assert far_from([complex(float(x), float(y)) for x, y in found["lam"]], entry) < 1e-10
-    if entry["m"] == 0:
-        assert found["lam"][0] == ["0", "0"]
 
 
 def random_materials(rng):
@@ -246,13 +206,6 @@ def test_determinant_and_galerkin_agree_for_random_blocks(seed, degree):
     assert distance_to(inside, exact).max() < 1e-9
 
 
-@pytest.mark.slow
-def test_no_harmonic_no_flutter_and_mirror_images_of_each_other_neither():
-    assert all(value.real == 0 for value in spectrum(Drum.of(0, mu="0.9"), count=4).values)
-    twins = Blocks.of("1", "0.9", a=SOFT, b=SOFT, height_a="0.7", height_b="0.7")
-    assert all(value.real == 0 for value in spectrum(twins, count=4).values)
-
-
 def test_roots_of_a_known_function_are_counted_and_found_with_a_close_pair():
     roots = [1j, 0.3 + 2j, -0.3 + 2.0001j, 0.2 + 2.0002j, 2.5j, 0.1 + 3.9j, 5j]
 
@@ -267,16 +220,6 @@ def test_roots_of_a_known_function_are_counted_and_found_with_a_close_pair():
     count = finder.count(box)
     assert count == 6
     same_set(finder.roots(box, count), roots[:6], 1e-9)
-
-
-def test_the_digits_claimed_are_held():
-    def f(kappa):
-        return (-kappa).sqrt().sin() / (-kappa).sqrt()
-
-    with ctx.workdps(60):
-        root = polish(f, 3.1j, 30)
-        assert root.digits >= 30
-        assert abs(root.value - acb(0, arb.pi())) < arb(10) ** -29
 
 
 def test_a_layer_of_long_waves_is_a_column_and_its_static_stiffness_that_of_uniaxial_strain():

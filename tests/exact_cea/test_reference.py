@@ -12,9 +12,7 @@ from exact_cea import galerkin_problems
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
 from exact_cea.galerkin import lowest, lowest_below
-from exact_cea.material import SOFT, Material
 from exact_cea.reference import exact_eigenvalues, whole_spectrum
-from exact_cea.solve import spectrum
 from exact_cea.thresholds import mu_critical
 
 DATA = Path(__file__).parents[1] / "data"
@@ -56,12 +54,6 @@ def test_stored_values_by_name(problem, arguments, file, chosen, tolerance):
     reference = stored(file, **chosen)
     values = exact_eigenvalues(problem, count=len(reference), **arguments)
     assert_same(values, reference, tolerance)
-
-
-@pytest.mark.slow
-def test_the_ring_by_name():
-    reference = stored("ring_rollers", m=3, mu="0.7")[:17]
-    assert_same(exact_eigenvalues("ring", m=3, mu=0.7, count=17), reference, 1e-10)
 
 
 def test_a_window_by_frequency_is_one_by_count_and_results_are_kept_and_protected():
@@ -106,29 +98,6 @@ def test_blocks_with_depth_are_the_union_of_families_with_the_modes_that_contact
     assert abs(found.values[found.families == 1] - 1j * shear).min() < 1e-14
 
 
-def test_torsion_stands_apart_in_the_drum_of_order_0_in_3d():
-    problem = Drum.of(0, kz="pi")
-    values = spectrum(problem, count=5).values
-    assert_same(values, lowest(galerkin_problems.drum(problem), 5, problem.scale()), 1e-10)
-
-
-@pytest.mark.parametrize(
-    "spoil",
-    [
-        np.zeros_like,
-        pytest.param(lambda v: np.full_like(v, v[0]), marks=pytest.mark.slow),
-        pytest.param(lambda v: v + 1, marks=pytest.mark.slow),
-    ],
-)
-def test_a_useless_guess_costs_time_only(spoil):
-    problem = Drum.of(2)
-    helpful = galerkin_problems.guess(problem)
-    right = spectrum(problem, max_frequency=3.0)
-    for guess in (helpful, lambda n: spoil(helpful(n))):
-        found = spectrum(problem, max_frequency=3.0, guess=guess)
-        assert_same(found.values, right.values, 1e-15)
-
-
 def test_where_flutter_begins_in_closed_form_and_for_circles():
     assert mu_critical("hoffmann") == 0.46875
     assert abs(mu_critical("hulten") - 0.44 / 2.4) < 1e-16
@@ -143,11 +112,6 @@ def test_where_flutter_of_the_blocks_begins_to_all_digits():
     table = json.loads((DATA / "blocks_sine_mu_thresholds.json").read_text())
     first = min(float(entry["mu_c"]) for entry in table if entry["p"] == "1")
     assert abs(mu_critical("blocks", p=1, max_frequency=3.0) / first - 1) < 1e-15
-
-
-@pytest.mark.slow
-def test_flutter_that_begins_beyond_the_largest_friction_is_not_reported():
-    assert mu_critical("blocks", p=1, max_frequency=3.0, mu_max=0.05) == math.inf
 
 
 @pytest.mark.slow
@@ -187,12 +151,3 @@ def test_whole_bodies_and_thresholds_refuse_too():
         mu_critical("blocks")
     with pytest.raises(InputError, match="k9"):
         mu_critical("hoffmann", k9=1)
-
-
-def test_materials_and_sizes_reach_the_problem_and_mirror_images_do_not_flutter():
-    twins = {"a": SOFT, "b": SOFT, "height_a": 0.7, "height_b": 0.7}
-    assert (exact_eigenvalues("blocks", mu=0.9, count=4, **twins).real == 0).all()
-    heavy = Material.of(0.1, 0.25, 1.4)
-    light = exact_eigenvalues("blocks", mu=0.9, count=4, **twins)
-    slow = exact_eigenvalues("blocks", mu=0.9, count=4, **twins | {"a": heavy, "b": heavy})
-    np.testing.assert_allclose(light, 2 * slow, rtol=1e-14)

@@ -321,3 +321,33 @@ def _cut(near, far, middle, finite):
     if not gaps:
         raise UnsureError("no modulus parts the eigenvalues of both problems alike")
     return min(gaps)[1]
+
+
+def dense_quadratic(M, D, K, scale) -> tuple[np.ndarray, np.ndarray]:
+    """All eigenvalues lambda of lambda^2 M + lambda D + K, and their errors.
+
+    Parameters
+    ----------
+    M, D, K
+        Dense matrices.
+    scale
+        Where eigenvalues are to be accurate (1/s).
+    """
+    root = cholesky(M, lower=True)
+    n = len(M)
+
+    def reduced(matrix):
+        half = solve_triangular(root, matrix, lower=True)
+        return solve_triangular(root, half.T, lower=True).T
+
+    A = np.block(
+        [
+            [np.zeros((n, n)), np.eye(n)],
+            [-reduced(K) / scale**2, -reduced(D) / scale],
+        ]
+    )
+    values, left, right = eig(A, left=True, right=True)
+    overlap = np.maximum(np.abs(np.sum(left.conj() * right, axis=0)), _EPS)
+    spread = np.linalg.cond(M)
+    error = 4 * np.sqrt(2 * n) * _EPS * np.linalg.norm(A, 2) * spread / overlap
+    return values * scale, error * scale

@@ -64,11 +64,26 @@ def assert_outer_facets_are_named(mesh):
     assert np.array_equal(outer_facets(mesh), np.unique(named, axis=0))
 
 
-def volumes(mesh):
-    """Volumes of the cells by gmsh's quadrature, each with a Jacobian of one sign."""
+def measures(mesh):
+    """Volumes of the cells by gmsh's quadrature, Jacobians of one sign, and areas of surfaces."""
     with gmsh_model(mesh) as model:
-        (kind,) = model.mesh.getElementTypes(mesh.dim)
-        xi, weights = model.mesh.getIntegrationPoints(kind, "Gauss8")
-        found = model.mesh.getJacobians(kind, xi)[1].reshape(-1, len(weights))
-    assert (np.abs(np.sign(found).sum(axis=1)) == len(weights)).all()
-    return np.abs(found @ weights)
+
+        def integrals(dim, entity=-1):
+            (kind,) = model.mesh.getElementTypes(dim, entity)
+            xi, weights = model.mesh.getIntegrationPoints(kind, "Gauss8")
+            found = model.mesh.getJacobians(kind, xi, entity)[1].reshape(-1, len(weights))
+            assert (np.abs(np.sign(found).sum(axis=1)) == len(weights)).all()
+            return np.abs(found @ weights)
+
+        areas = {
+            model.getPhysicalName(dim, tag): integrals(
+                dim, model.getEntitiesForPhysicalGroup(dim, tag)[0]
+            ).sum()
+            for dim, tag in model.getPhysicalGroups(mesh.dim - 1)
+        }
+        return integrals(mesh.dim), areas
+
+
+def volumes(mesh):
+    """Volumes of the cells."""
+    return measures(mesh)[0]

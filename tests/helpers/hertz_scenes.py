@@ -1,9 +1,14 @@
-"""Hertz scenes of any fineness, and how far what they give is from the closed form."""
+"""Hertz scenes of any fineness, and how far what they give is from the closed form.
+
+Each body is a half space under its own contact, small beside body and radius. With the load F, the
+relative radius R and 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2 the pressure is
+peak sqrt(1 - r^2 / a^2) within the half width or radius a (K. L. Johnson, Contact Mechanics, 1985,
+sections 4.2 and 5.6).
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
-from hertz import LineContact, PointContact, contact_modulus
 
 from meshes.breaks import graded
 from scenes import load_scene, run_static
@@ -13,6 +18,19 @@ FINE = 0.02
 """Extent (m) of the elements of equal size around the contact, which reaches to 0.0167."""
 GROWTH = {CYLINDER: 0.5, SPHERE: 1.0}
 """Increase of the size of elements with the distance from there."""
+
+
+@dataclass(frozen=True)
+class Hertz:
+    """Load (N, or N/m along cylinders), half width or radius a (m) and pressure in the middle."""
+
+    load: float
+    radius: float
+    peak: float
+
+    def pressure(self, r):
+        """Pressure (N/m^2) at distances from the middle (m)."""
+        return self.peak * np.sqrt(np.maximum(1 - (r / self.radius) ** 2, 0.0))
 
 
 @dataclass(frozen=True)
@@ -71,18 +89,21 @@ def closed_form(scene):
     By symmetry it is half of a cylinder, a quarter of a sphere.
     """
     upper, lower = (scene.bodies[name] for name in ("upper", "lower"))
-    modulus = contact_modulus(*((b.material.E, b.material.nu) for b in (upper, lower)))
+    compliance = sum((1 - b.material.nu**2) / b.material.E for b in (upper, lower))
     (load,) = scene.loads
     *sides, _ = (high - low for low, high in upper.geometry.extent)
     parts = 2 ** len(sides)
-    force = parts * load.pressure * float(np.prod(sides))
-    kind = LineContact if len(sides) == 1 else PointContact
-    return kind(force, upper.geometry.radii["x"], modulus), parts
+    force, R = parts * load.pressure * float(np.prod(sides)), upper.geometry.radii["x"]
+    if len(sides) == 1:
+        a = np.sqrt(4 * force * R * compliance / np.pi)
+        return Hertz(force, a, 2 * force / (np.pi * a)), parts
+    a = np.cbrt(3 * force * R * compliance / 4)
+    return Hertz(force, a, 3 * force / (2 * np.pi * a**2)), parts
 
 
 def radius_of(hertz):
     """Half width or radius of a contact (m)."""
-    return hertz.half_width if isinstance(hertz, LineContact) else hertz.contact_radius
+    return hertz.radius
 
 
 def errors(result):
@@ -93,7 +114,7 @@ def errors(result):
     distance = np.linalg.norm(points.x[:, :-1], axis=1)
     force = points.weight * state.pressure
     mean_square = force @ distance**2 / force.sum()
-    a = radius_of(hertz)
+    a = hertz.radius
     if parts == 2:
         by_moment, by_area = 2 * np.sqrt(mean_square), state.closed_area
     else:
@@ -104,7 +125,7 @@ def errors(result):
     return Errors(
         radius=float(by_moment / a - 1),
         closed=float(by_area / a - 1),
-        peak=float(state.pressure[np.argmin(distance)] / hertz.peak_pressure - 1),
+        peak=float(state.pressure[np.argmin(distance)] / hertz.peak - 1),
         pressure=float(np.sqrt(square)),
         load=float(parts * force.sum() / hertz.load - 1),
     )

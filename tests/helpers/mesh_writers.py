@@ -1,182 +1,97 @@
-"""Two meshes written to one file of every format, by other programs where there are some."""
+"""Mesh files of every format, by other programs where there are some: boxes, mixed elements."""
+
+from itertools import product
 
 import gmsh
 import meshio
 import numpy as np
+import pytest
 
 from cea.mesh import DIMENSION, Mesh, lattice
+from meshes.breaks import breaks_of
+from meshes.files.content import block
 from meshes.files.elements import KINDS
+from meshes.mesh_file import MeshFile
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Box
 from meshes.unstructured import gmsh_session
 
-MESHIO = {
-    "quadrilateral4": "quad", "quadrilateral8": "quad8", "quadrilateral9": "quad9",
-    "triangle3": "triangle", "triangle6": "triangle6",
-    "tetrahedron4": "tetra", "tetrahedron10": "tetra10",
-    "hexahedron8": "hexahedron", "hexahedron20": "hexahedron20", "hexahedron27": "hexahedron27",
-}  # fmt: skip
+NEEDED = {".cdb": "mapdl_archive", ".xdmf": "h5py", ".vtu": "meshio"}
 FACETS = {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}
-ABAQUS = {"tetrahedron4": "C3D4", "tetrahedron10": "C3D10", "hexahedron8": "C3D8R"}
-ABAQUS |= {"hexahedron20": "C3D20R"}
-ANSYS = {"tetrahedron4": 285, "tetrahedron10": 187, "hexahedron8": 185, "hexahedron20": 186}
-LACKING = {("hexahedron", 2): 20, ("quadrilateral", 2): 8}
-"""Nodes of kinds that have no middle nodes, as most programs write them."""
+ABAQUS = {
+    **{"tetrahedron4": "C3D4", "pyramid5": "C3D5", "wedge6": "C3D6", "hexahedron8": "C3D8I"},
+    **{"tetrahedron10": "C3D10", "pyramid13": "C3D13", "wedge15": "C3D15", "hexahedron20": "C3D20"},
+}
+ANSYS = {"tetrahedron4": 285, "tetrahedron10": 187}
+BRICKS = {
+    "hexahedron8": range(8),
+    "wedge6": [0, 1, 2, 2, 3, 4, 5, 5],
+    "pyramid5": [0, 1, 2, 3, 4, 4, 4, 4],
+    "tetrahedron4": [0, 1, 2, 2, 3, 3, 3, 3],
+    "hexahedron20": range(20),
+    "wedge15": [0, 1, 2, 2, 3, 4, 5, 5, 6, 7, 2, 8, 9, 10, 5, 11, 12, 13, 14, 14],
+    "pyramid13": [0, 1, 2, 3, 4, 4, 4, 4, 5, 6, 7, 8, 4, 4, 4, 4, 9, 10, 11, 12],
+    "tetrahedron10": [0, 1, 2, 2, 3, 3, 3, 3, 4, 5, 2, 6, 3, 3, 3, 3, 7, 8, 9, 9],
+}
+"""Nodes of elements as bricks (SOLID185, SOLID186) whose nodes fall on one another."""
 
 
-class Written:
-    """Meshes of named bodies as cells and facets in the order of other programs.
-
-    Parameters
-    ----------
-    meshes
-        Meshes by name of the body.
-    lacking
-        Whether hexahedra of order 2 have 20 nodes.
-    """
-
-    def __init__(self, meshes: dict[str, Mesh], lacking: bool):
-        starts = np.cumsum([0, *(len(mesh.points) for mesh in meshes.values())])
-        self.points = np.concatenate([mesh.points for mesh in meshes.values()])
-        self.solids, self.facets = {}, {}
-        for (name, mesh), start in zip(meshes.items(), starts, strict=False):
-            self.kind, order = listed(mesh.cell, mesh.order, lacking)
-            self.solids[name] = start + mesh.cells[:, order]
-            if mesh.cell in FACETS:
-                self.facet_kind, order = listed(FACETS[mesh.cell], mesh.order, lacking)
-                for side, facets in mesh.surfaces.items():
-                    self.facets[f"{name}_{side}"] = start + facets[:, order]
-        if lacking:
-            self._without_loose()
-
-    def _without_loose(self):
-        used = np.unique(np.concatenate([nodes.ravel() for nodes in self.solids.values()]))
-        number = np.full(len(self.points), -1)
-        number[used] = np.arange(len(used))
-        self.points = self.points[used]
-        self.solids = {name: number[nodes] for name, nodes in self.solids.items()}
-        self.facets = {name: number[nodes] for name, nodes in self.facets.items()}
-
-    def marked(self, facet):
-        """Ones at the nodes of a named facet, zeros elsewhere."""
-        marks = np.zeros(len(self.points), dtype=int)
-        marks[np.unique(self.facets[facet])] = 1
-        return marks
+def file_of(folder, name):
+    """A file to write, where what reads its format is there."""
+    file = folder / name
+    if file.suffix in NEEDED:
+        pytest.importorskip(NEEDED[file.suffix])
+    return file
 
 
-def listed(cell, order, lacking):
-    """Kind of a cell and the order in which other programs list its nodes."""
-    kinds = {name: kind for name, kind in KINDS.items() if (kind.cell, kind.order) == (cell, order)}
-    count = LACKING.get((cell, order)) if lacking else None
-    name = f"{cell}{count}" if count else max(kinds, key=lambda k: len(kinds[k].reference))
-    ours = lattice(DIMENSION[cell], order, cell in ("triangle", "tetrahedron")) / order
-    apart = np.linalg.norm(kinds[name].reference[:, None] - ours, axis=2)
-    return name, apart.argmin(axis=1)
+def rows_of(fields, most):
+    """Fields over lines, all but the last of which end with a comma."""
+    parts = [fields[i : i + most] for i in range(0, len(fields), most)]
+    return ",\n".join(", ".join(map(str, part)) for part in parts)
 
 
-def write(meshes, file, lacking=False):
-    """Write meshes of named bodies to a file; its ending tells the format.
-
-    Returns the geometry of each body as a scene has it, surfaces by their names in the mesh.
-    """
-    written = Written(meshes, lacking)
-    ending = file.suffix
-    WRITERS[ending](written, file)
-    return {name: geometry(written, name, mesh, file) for name, mesh in meshes.items()}
-
-
-def geometry(written, name, mesh, file):
-    """A body of a file as a scene has it."""
-    numbers = {each: i for i, each in enumerate([*written.solids, *written.facets], 1)}
-    words = {".bdf": ("PSOLID {}", "PSHELL {}"), ".vtu": ("group {}",) * 2}
-    words[".nas"] = words[".bdf"]
-    words[".xdmf"] = ("group {}", None)
-    solid, facet = words.get(file.suffix, (None, None))
-    sets = {side: f"{name}_{side}" for side in mesh.surfaces}
-    if facet:
-        sets = {side: facet.format(numbers[each]) for side, each in sets.items()}
-    if file.suffix == ".cdb":
-        sets = {side: each.upper() for side, each in sets.items()}
-        name = name.upper()
-    part = solid.format(numbers[name]) if solid else name
-    data = {"shape": "mesh_file", "file": str(file), "unit": "m", "part": part}
-    return data | {"faces": sets}
-
-
-def write_meshio(written, file, **options):
-    solids, facets = written.solids.values(), written.facets.values()
-    fields = {".bdf": "nastran:ref", ".nas": "nastran:ref", ".msh": "gmsh:physical"}
-    field = fields.get(file.suffix, "group")
-    numbers = range(1, 1 + len(written.solids) + len(written.facets))
-    groups = [np.full(len(x), i) for i, x in zip(numbers, (*solids, *facets), strict=True)]
-    cells = [(MESHIO[written.kind], nodes) for nodes in solids]
-    names, marks, data = {}, {}, {}
-    if file.suffix == ".xdmf":
-        # Of files with blocks of several kinds, meshio reads back those of order 1 alone.
-        cells = [(cells[0][0], np.concatenate(list(solids)))]
-        groups = [np.concatenate(groups[: len(solids)])]
-        marks = {name: written.marked(name) for name in written.facets}
-    else:
-        cells += [(MESHIO[written.facet_kind], nodes) for nodes in facets]
-    data[field] = groups
-    if file.suffix == ".msh":
-        data["gmsh:geometrical"] = groups
-        dims = [3] * len(solids) + [2] * len(facets)
-        every = zip([*written.solids, *written.facets], numbers, dims, strict=True)
-        names = {name: np.array([number, dim]) for name, number, dim in every}
-    meshio.write(file, meshio.Mesh(written.points, cells, marks, data, names), **options)
-
-
-def write_gmsh(written, file):
-    """Version 2.2 as meshio writes it; gmsh makes 4.1 of it, binary where the name says so."""
-    write_meshio(written, file, file_format="gmsh22", binary=False)
-    if "22" not in file.stem:
-        with gmsh_session():
-            gmsh.merge(str(file))
-            gmsh.option.setNumber("Mesh.Binary", "binary" in file.stem)
-            gmsh.write(str(file))
-
-
-def write_abaqus(written, file):
-    """A deck: surfaces of one body by element faces, those of the others as sets of nodes."""
-    lines = ["*HEADING", "a pair of bodies", "** nodes", "*NODE"]
-    lines += [f"{i}, " + ", ".join(map(repr, x)) for i, x in enumerate(written.points.tolist(), 1)]
+def abaqus_deck(points, solids, node_sets):
+    """A deck of element sets, (name, kind, nodes from 0), a name once or more, and node sets."""
+    lines = ["*NODE, NSET=ALL"]
+    lines += [rows_of([i, *x], 4) for i, x in enumerate(points.tolist(), 1)]
     count = 0
-    for name, nodes in written.solids.items():
-        lines.append(f"*Element, type={ABAQUS[written.kind]}, elset={name}")
-        for row in nodes.tolist():
-            count += 1
-            listed_nodes = [str(node + 1) for node in row]
-            lines.append(f"{count}, " + ", ".join(listed_nodes[:10]) + ("," if row[10:] else ""))
-            if row[10:]:
-                lines.append(", ".join(listed_nodes[10:]))
-    for name, nodes in written.facets.items():
-        lines.append(f"*NSET, NSET={name}")
-        rows = (np.unique(nodes) + 1).tolist()
-        lines += [", ".join(map(str, rows[i : i + 16])) for i in range(0, len(rows), 16)]
-    file.write_text("\n".join(lines) + "\n*STEP\n*FREQUENCY\n10\n*END STEP\n")
+    for name, kind, nodes in solids:
+        lines.append(f"*Element, type={ABAQUS[kind]}, elset={name}")
+        lines += [rows_of([count + i, *row], 11) for i, row in enumerate((nodes + 1).tolist(), 1)]
+        count += len(nodes)
+    for name, nodes in node_sets.items():
+        lines += [f"*NSET, NSET={name}", *map(str, (np.unique(nodes) + 1).tolist())]
+    return "\n".join(lines) + "\n"
 
 
-def write_ansys(written, file):
-    """An archive as CDWRITE makes it."""
-    n = len(written.points)
-    lines = ["/PREP7", f"ET, 1, {ANSYS[written.kind]}", f"NBLOCK,6,SOLID,{n},{n}"]
-    lines.append("(3i9,6e21.13e3)")
-    for i, x in enumerate(written.points.tolist(), 1):
+def ansys_archive(points, solids, node_sets):
+    """An archive as CDWRITE makes it; what is not tetrahedra alone has bricks of one type."""
+    kinds = sorted({kind for _, kind, _ in solids})
+    alone = ANSYS.get(kinds[0]) if len(kinds) == 1 else None
+    of_type = alone or {8: 185, 20: 186}[len(BRICKS[kinds[0]])]
+    n = len(points)
+    lines = ["/PREP7", f"ET, 1, {of_type}", f"NBLOCK,6,SOLID,{n},{n}", "(3i9,6e21.13e3)"]
+    for i, x in enumerate(points.tolist(), 1):
         lines.append(f"{i:9d}{0:9d}{0:9d}" + "".join(_fortran(value) for value in x))
     lines.append("N,R5.3,LOC,       -1,")
-    solids = [(m, row) for m, rows in enumerate(written.solids.values(), 1) for row in rows + 1]
-    lines += [f"EBLOCK,19,SOLID,{len(solids)},{len(solids)}", "(19i9)"]
-    for i, (material, row) in enumerate(solids, 1):
-        head = [material, 1, 1, 1, 0, 0, 0, 0, len(row), 0, i]
-        numbers = [*head, *row.tolist()]
+    rows, sets = [], []
+    for name, kind, nodes in solids:
+        sets += _component(name, "ELEM", len(rows) + 1 + np.arange(len(nodes)))
+        rows += (nodes if alone else nodes[:, list(BRICKS[kind])]).tolist()
+    lines += [f"EBLOCK,19,SOLID,{len(rows)},{len(rows)}", "(19i9)"]
+    for i, row in enumerate(rows, 1):
+        numbers = [1, 1, 1, 1, 0, 0, 0, 0, len(row), 0, i, *(node + 1 for node in row)]
         lines += ["".join(f"{k:9d}" for k in part) for part in (numbers[:19], numbers[19:]) if part]
-    lines.append(f"{-1:9d}")
-    first = 1
-    for name, nodes in written.solids.items():
-        lines += _component(name, "ELEM", np.arange(first, first + len(nodes)))
-        first += len(nodes)
-    for name, nodes in written.facets.items():
-        lines += _component(name, "NODE", np.unique(nodes) + 1)
-    file.write_text("\n".join(lines) + "\nFINISH\n")
+    for name, nodes in node_sets.items():
+        sets += _component(name, "NODE", np.unique(nodes) + 1)
+    return "\n".join([*lines, f"{-1:9d}", *sets, "FINISH"]) + "\n"
+
+
+def write_sets(file, points, solids, node_sets):
+    """A deck or an archive."""
+    writer = {".inp": abaqus_deck, ".cdb": ansys_archive}[file.suffix]
+    every = [(name, kind, nodes) for name, (kind, nodes) in solids.items()]
+    file.write_text(writer(points, every, node_sets))
 
 
 def _fortran(value):
@@ -190,12 +105,189 @@ def _component(name, kind, numbers):
     return lines + ["".join(f"{k:10d}" for k in items[i : i + 8]) for i in range(0, len(items), 8)]
 
 
-WRITERS = {
-    ".msh": write_gmsh,
-    ".inp": write_abaqus,
-    ".cdb": write_ansys,
-    ".bdf": write_meshio,
-    ".nas": lambda written, file: write_meshio(written, file, file_format="nastran"),
-    ".xdmf": lambda written, file: write_meshio(written, file, data_format="XML"),
-    ".vtu": write_meshio,
-}
+def of_meshio(kind):
+    """Its name of a kind."""
+    short = {"triangle3": "triangle", "tetrahedron4": "tetra", "quadrilateral4": "quad"}
+    short |= {"hexahedron8": "hexahedron", "wedge6": "wedge", "pyramid5": "pyramid"}
+    return short.get(kind, kind.replace("tetrahedron", "tetra").replace("quadrilateral", "quad"))
+
+
+def meshio_file(file, points, solids, facets, **options):
+    """A file that meshio writes, sets as numbers from 1 on cells; in .xdmf facets mark nodes."""
+    fields = {".bdf": "nastran:ref", ".nas": "nastran:ref", ".msh": "gmsh:physical"}
+    every = list((solids | ({} if file.suffix == ".xdmf" else facets)).values())
+    cells = [(of_meshio(kind), nodes) for kind, nodes in every]
+    groups = [np.full(len(nodes), i) for i, (_, nodes) in enumerate(cells, 1)]
+    names, marks, data = {}, {}, {}
+    if file.suffix == ".xdmf":
+        # Of files with blocks of several kinds, meshio reads back those of order 1 alone.
+        cells = [(cells[0][0], np.concatenate([nodes for _, nodes in cells]))]
+        groups = [np.concatenate(groups)]
+        at = np.arange(len(points))
+        marks = {name: np.isin(at, nodes).astype(int) for name, (_, nodes) in facets.items()}
+    data[fields.get(file.suffix, "group")] = groups
+    if file.suffix == ".msh":
+        data["gmsh:geometrical"] = groups
+        dims = [3] * len(solids) + [2] * len(facets)
+        named = enumerate(zip([*solids, *facets], dims, strict=True), 1)
+        names = {name: np.array([number, dim]) for number, (name, dim) in named}
+    meshio.write(file, meshio.Mesh(points, cells, marks, data, names), **options)
+
+
+def gmsh_file(file, *model):
+    """Version 2.2 as meshio writes it; gmsh makes 4.1 of it, binary where the name says so."""
+    meshio_file(file, *model, file_format="gmsh22", binary=False)
+    if "22" not in file.stem:
+        with gmsh_session():
+            gmsh.merge(str(file))
+            gmsh.option.setNumber("Mesh.Binary", "binary" in file.stem)
+            gmsh.write(str(file))
+
+
+def listed(cell, order, lacking):
+    """Kind of a cell and the order in which other programs list its nodes.
+
+    With ``lacking``, cells of order 2 have no nodes in the middle of faces and cells.
+    """
+    counts = sorted(len(k.groups) for k in KINDS.values() if (k.cell, k.order) == (cell, order))
+    name = f"{cell}{counts[0 if lacking else -1]}"
+    ours = lattice(DIMENSION[cell], order, cell in ("triangle", "tetrahedron")) / order
+    apart = np.linalg.norm(KINDS[name].reference[:, None] - ours, axis=2)
+    return name, apart.argmin(axis=1)
+
+
+def write(meshes, file, lacking=False):
+    """Write meshes of named bodies to one file; its ending tells the format.
+
+    Returns the geometry of each body as a scene has it, surfaces by their names in the mesh.
+    """
+    starts = np.cumsum([0, *(len(mesh.points) for mesh in meshes.values())])
+    points = np.concatenate([mesh.points for mesh in meshes.values()])
+    solids, facets = {}, {}
+    for (name, mesh), start in zip(meshes.items(), starts, strict=False):
+        kind, order = listed(mesh.cell, mesh.order, lacking)
+        solids[name] = kind, start + mesh.cells[:, order]
+        kind, order = listed(FACETS[mesh.cell], mesh.order, lacking)
+        for side, nodes in mesh.surfaces.items():
+            facets[f"{name}_{side}"] = kind, start + nodes[:, order]
+    used = np.unique(np.concatenate([nodes.ravel() for _, nodes in solids.values()]))
+    points = points[used]
+    solids, facets = (
+        {name: (kind, np.searchsorted(used, nodes)) for name, (kind, nodes) in each.items()}
+        for each in (solids, facets)
+    )
+    ending, options = file.suffix, {".nas": {"file_format": "nastran"}}
+    options[".xdmf"] = {"data_format": "XML"}
+    if ending in (".inp", ".cdb"):
+        write_sets(file, points, solids, {name: nodes for name, (_, nodes) in facets.items()})
+    elif ending == ".msh":
+        gmsh_file(file, points, solids, facets)
+    else:
+        meshio_file(file, points, solids, facets, **options.get(ending, {}))
+    words = {".bdf": ("PSOLID {}", "PSHELL {}"), ".nas": ("PSOLID {}", "PSHELL {}")}
+    words |= {".vtu": ("group {}",) * 2, ".xdmf": ("group {}", None)}
+    solid, facet = words.get(ending, (None, None))
+    numbers = {each: i for i, each in enumerate([*solids, *facets], 1)}
+
+    def called(name, word):
+        shown = word.format(numbers[name]) if word else name
+        return shown.upper() if ending == ".cdb" else shown
+
+    return {
+        name: {
+            **{"shape": "mesh_file", "file": str(file), "unit": "m", "part": called(name, solid)},
+            "faces": {side: called(f"{name}_{side}", facet) for side in mesh.surfaces},
+        }
+        for name, mesh in meshes.items()
+    }
+
+
+def two_boxes(cell, order, elements=(2, 1, 3)):
+    """Bent meshes of two boxes that do not touch.
+
+    By a quadratic map, which 20-node hexahedra hold exactly, in any order of nodes but theirs not.
+    """
+    shapes = {"left": Box((1.0, 0.5, 1.5)), "right": Box((1.0, 0.5, 1.5), (2.0, 0.25, 0.0))}
+    meshes = {}
+    for name, shape in shapes.items():
+        flat = shape_mesh(shape, cell, order, breaks=breaks_of(shape, elements))
+        x, y, z = flat.points.T
+        bent = [x + 0.1 * y * z, 1 + y + 0.08 * x * x - 0.05 * z, z + 0.06 * x * y]
+        meshes[name] = Mesh(cell, order, np.stack(bent, axis=1), flat.cells, flat.surfaces)
+    return meshes
+
+
+def made(data, **changes):
+    return MeshFile(**{**data, **changes})
+
+
+def by_place(points):
+    """Rows in the order of their coordinates."""
+    return points[np.lexsort(np.round(points, 9).T)]
+
+
+CUBE = KINDS["hexahedron8"].reference.astype(int)
+WEDGES = [(0, 1, 2, 4, 5, 6), (0, 2, 3, 4, 6, 7)]
+PYRAMIDS = [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]
+
+
+def mixed_cells(elements=(3, 2, 3)):
+    """Corners of elements by cell, as points of a lattice of even numbers from 0."""
+    cells = {"hexahedron": [], "wedge": [], "pyramid": [], "tetrahedron": []}
+    for place in product(*map(range, elements)):
+        at = CUBE * 4 + 4 * np.array(place)
+        kind = (place[0] + place[2]) % 3  # whole columns along y, so that wedges match
+        if kind == 0:
+            cells["hexahedron"].append(at)
+        elif kind == 1:
+            turned = 4 * (CUBE[:, [1, 2, 0]] + np.array(place))  # wedges along y
+            cells["wedge"] += [turned[list(wedge)] for wedge in WEDGES]
+        else:
+            middle = at.mean(axis=0).astype(int)
+            cells["pyramid"] += [np.vstack([at[list(face)], middle]) for face in PYRAMIDS]
+    # a pyramid becomes two tetrahedra where its base lies on the boundary
+    low = [p for p in cells["pyramid"] if (p[:4, 1] == 0).all()]
+    cells["pyramid"] = [p for p in cells["pyramid"] if not (p[:4, 1] == 0).all()]
+    cells["tetrahedron"] += [p[list(t)] for p in low for t in ((0, 1, 2, 4), (0, 2, 3, 4))]
+    return {cell: np.array(corners) for cell, corners in cells.items()}
+
+
+def mixed_blocks(order, seed=0, move=lambda x: x, nodes=None):
+    """Points, moved, and blocks of elements whose nodes are numbered at random."""
+    counts = {1: [8, 6, 5, 4], 2: [20, 15, 13, 10]}[order] if nodes is None else nodes
+    kinds = dict(zip(("hexahedron", "wedge", "pyramid", "tetrahedron"), counts, strict=True))
+    places = {
+        cell: np.stack([at[:, list(group)].mean(axis=1) for group in
+                        KINDS[f"{cell}{kinds[cell]}"].groups], axis=1)
+        for cell, at in mixed_cells().items()
+    }  # fmt: skip
+    every = np.concatenate([at.reshape(-1, 3) for at in places.values()])
+    points, rows = np.unique(every, axis=0, return_inverse=True)
+    number = np.random.default_rng(seed).permutation(len(points))
+    moved = np.empty_like(points)
+    moved[number] = move(points / 4)
+    ends = np.cumsum([at.shape[0] * at.shape[1] for at in places.values()])[:-1]
+    blocks = []
+    for (cell, at), own in zip(places.items(), np.split(number[rows.ravel()], ends), strict=True):
+        nodes_of = own.reshape(at.shape[:2])
+        blocks.append(block(cell, f"{cell}{kinds[cell]}", np.arange(len(at)) + 1, nodes_of))
+    return moved, blocks
+
+
+def mixed_file(file, order):
+    """A file of mixed elements, a set of each cell, and the nodes on y = 0 as the set LOW."""
+    points, blocks = mixed_blocks(order)
+    solids = {b.cell.upper(): (f"{b.cell}{b.nodes.shape[1]}", b.nodes) for b in blocks}
+    low = {"LOW": np.flatnonzero(points[:, 1] == 0)}
+    if file.suffix == ".vtu":  # by the library of VTK itself
+        import pyvista
+
+        types = {"HEXAHEDRON": (12, 25), "WEDGE": (13, 26), "PYRAMID": (14, 27)}
+        types["TETRAHEDRON"] = (10, 24)
+        cells = {types[name][order - 1]: nodes for name, (_, nodes) in solids.items()}
+        grid = pyvista.UnstructuredGrid(cells, points)
+        grid.point_data["LOW"] = np.isin(np.arange(len(points)), low["LOW"]).astype(int)
+        grid.save(file)
+    else:
+        write_sets(file, points, solids, low)
+    return points, blocks

@@ -5,6 +5,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from mesh_writers import abaqus_deck
 from mpi4py import MPI
 
 from meshes.files.elements import KINDS
@@ -13,8 +14,6 @@ from scenes.spec.reading import read_scene
 
 RADII, HIGH, PAD = (0.03, 0.045, 0.075, 0.08), 0.015, 0.01
 """Bore, rim of the hub and range of the pad, outer radius; thickness of disc and of pad (m)."""
-TYPES = {("hexahedron", 1): "C3D8I", ("wedge", 1): "C3D6"}
-TYPES |= {("hexahedron", 2): "C3D20", ("wedge", 2): "C3D15"}
 COUNTS = {("hexahedron", 1): 8, ("wedge", 1): 6, ("hexahedron", 2): 20, ("wedge", 2): 15}
 MATERIALS = {"DISC": (1.2e11, 0.3, 7200.0), "PAD": (2e10, 0.3, 2500.0)}
 
@@ -73,10 +72,12 @@ class Brake:
         return self.numbers.setdefault(at, len(self.numbers) + 1)
 
     def points(self):
-        """Positions (m), in the order of their numbers."""
+        """Positions (m), in the order of their numbers; CalculiX reads twenty characters."""
         i, j, k = np.array(list(self.numbers)).T
         angle, r = j * np.pi / (6 * self.around), self.radii[i]
-        return np.stack([r * np.cos(angle), r * np.sin(angle), self.heights[k]], axis=1)
+        return np.round(
+            np.stack([r * np.cos(angle), r * np.sin(angle), self.heights[k]], axis=1), 13
+        )
 
     def sets(self):
         """Numbers of nodes at the bore, on the back of the pad, on both sides of the contact."""
@@ -88,24 +89,13 @@ class Brake:
 
     def deck(self):
         """Nodes, elements and sets."""
-        lines = ["*NODE, NSET=ALL"]
-        lines += [
-            f"{n}, {x:.14f}, {y:.14f}, {z:.14f}"
-            for n, (x, y, z) in enumerate(self.points().tolist(), 1)
-        ]
-        count = 0
-        for part, elements in self.elements.items():
-            for cell in ("hexahedron", "wedge"):
-                own = [nodes for kind, nodes in elements if kind == cell]
-                lines += [f"*ELEMENT, TYPE={TYPES[cell, self.order]}, ELSET={part}"] if own else []
-                for nodes in own:
-                    count += 1
-                    fields = [str(n) for n in (count, *nodes)]
-                    lines.append(", ".join(fields[:11]) + ("," if fields[11:] else ""))
-                    lines += [", ".join(fields[11:])] if fields[11:] else []
-        for name, numbers in self.sets().items():
-            lines += [f"*NSET, NSET={name}", *map(str, numbers.tolist())]
-        return "\n".join(lines) + "\n"
+        solids = []
+        for part, cell in product(self.elements, ("hexahedron", "wedge")):
+            own = [nodes for kind, nodes in self.elements[part] if kind == cell]
+            if own:
+                solids.append((part, f"{cell}{COUNTS[cell, self.order]}", np.array(own) - 1))
+        sets = {name: numbers - 1 for name, numbers in self.sets().items()}
+        return abaqus_deck(self.points(), solids, sets)
 
 
 def scene(file, *, friction, top=26000.0):
@@ -138,24 +128,6 @@ def scene(file, *, friction, top=26000.0):
     }
 
 
-def calculix(brake, modes=20):
-    """The deck of a bonded brake for CalculiX."""
-    lines = [brake.deck()]
-    for part, (E, nu, rho) in MATERIALS.items():
-        lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E}, {nu}", "*DENSITY", f"{rho}"]
-        lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
-    lines += [
-        "*BOUNDARY",
-        "BORE, 1, 3",
-        "BACK, 1, 3",
-        "*STEP",
-        "*FREQUENCY",
-        f"{modes}",
-        "*END STEP",
-    ]
-    return "\n".join(lines) + "\n"
-
-
 STEEL = (1.2e11, 0.3, 7200.0)
 
 
@@ -172,13 +144,20 @@ def one_body(file, degree=2, top=30000.0):
     return read_scene({"name": "brake", "bodies": {"brake": body}, "analysis": analysis})
 
 
+def calculix(brake, modes=20, materials=MATERIALS):
+    """The deck of a bonded brake for CalculiX, held at the bore and behind."""
+    lines = []
+    for part, (E, nu, rho) in materials.items():
+        lines += [f"*MATERIAL, NAME={part}", "*ELASTIC", f"{E}, {nu}", "*DENSITY", f"{rho}"]
+        lines += [f"*SOLID SECTION, ELSET={part}, MATERIAL={part}"]
+    lines += ["*BOUNDARY", "BORE, 1, 3", "BACK, 1, 3"]
+    lines += ["*STEP", "*FREQUENCY, STORAGE=YES", f"{modes}", "*END STEP"]
+    return brake.deck() + "\n".join(lines) + "\n"
+
+
 def calculix_of_one_body(brake, modes):
     """The deck of :func:`one_body` with the brake's own elements, for CalculiX."""
-    material, supports = "*MATERIAL, NAME=STEEL\n*ELASTIC\n{}, {}\n*DENSITY\n{}\n", ["BORE", "BACK"]
-    sections = "".join(f"*SOLID SECTION, ELSET={p}, MATERIAL=STEEL\n" for p in MATERIALS)
-    held = "*BOUNDARY\n" + "".join(f"{name}, 1, 3\n" for name in supports)
-    step = f"*STEP\n*FREQUENCY, STORAGE=YES\n{modes}\n*END STEP\n"
-    return brake.deck() + material.format(*STEEL) + sections + held + step
+    return calculix(brake, modes, dict.fromkeys(MATERIALS, STEEL))
 
 
 def on_any_number_of_ranks():

@@ -9,9 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from dense_reference import Dense
+from dense_reference import Dense, dense_quadratic
 from petsc_matrices import to_petsc
-from quadratic_judge import dense_quadratic
 from scipy.linalg import cholesky, eig, solve_triangular
 
 from cea.eigen.pencil import Pencil, Term

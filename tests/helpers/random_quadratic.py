@@ -6,8 +6,8 @@ import numpy as np
 from petsc_matrices import to_petsc
 from scipy.linalg import eigh
 
-from cea.eigen.low_rank import LowRank, LowRankTerm
 from cea.eigen.pencil import Pencil, Term
+from cea.eigen.unformed import LowRank, LowRankTerm
 
 
 @dataclass(frozen=True)

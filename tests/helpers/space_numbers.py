@@ -1,7 +1,9 @@
-"""Numbers of a small body on each backend that must not depend on the number of ranks."""
+"""Numbers of small bodies on each backend that must not depend on the number of ranks."""
 
 import numpy as np
 from bodies import lagrange_body, nurbs_body
+from closed_patches import annulus, as_shape
+from iga_data import TURNED, body, turned
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
@@ -15,51 +17,87 @@ from cea.supports.boundary import Force, Pressure, Spring, Support
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Annulus
+from meshes.shapes import Annulus, Disc, Hub, Rectangle, Ring, Sector
 
-SHAPE = Annulus(0.5, 1.0, 0.0, 0.3)
+MATERIAL = IsotropicMaterial(2.0, 0.3, 1.5)
+ANNULUS, RING = Annulus(0.5, 1.0, 0.0, 0.3), Ring(0.5, 1.0)
+LAGRANGE = {
+    "hexahedron": (ANNULUS, 2, {"breaks": breaks_of(ANNULUS, (1, 8, 1))}),
+    "tetrahedron": (ANNULUS, 2, {"size": 0.5}),
+    "triangle": (RING, 4, {"size": 0.5}),
+    "quadrilateral": (Rectangle((2.0, 1.0)), 3, None),
+}
+"""Shape, degree and mesh by cell."""
+NURBS = {
+    "ring": (Ring(0.8, 1.7), (2, 12), (2, 3)),
+    "closed": (as_shape(annulus(0.8, 1.7)), (8, 2), (3, 2)),
+    "disc": (Disc(1.7, -0.1, 0.2), (3, 8, 2), (2, 2, 2)),
+    "sector": (Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2), (3, 7, 2), (2, 3, 2)),
+    "hub": (Hub(0.3, 0.8, 1.7, -0.1, 0.1, -0.1, 0.3), (2, 8, 2), (2, 2, 1)),
+    "odd": None,
+}
+"""Shape, elements and degree; two patches joined with their parameters in another order."""
 
 
-def numbers(backend):
-    """Frequencies, work of loads, areas, traces, norms and asymmetry of an annulus."""
-    conditions = {
-        "material": IsotropicMaterial(2.0, 0.3, 1.5),
-        "supports": [Support("bottom", (2,))],
-        "springs": [Spring("bottom", (1.0, 2.0, 3.0))],
-        "pressures": [Pressure("top", 0.3)],
-        "forces": [Force((0.1, 0.0, 0.2)), Force((0.1, 0.3, 0.0), "outer")],
+def _conditions(surfaces, dim):
+    """Support and springs on the first surface of some, a pressure on the last, forces."""
+    held, pressed = surfaces[0], surfaces[-1]
+    return {
+        "material": MATERIAL,
+        "supports": [Support(held, (0,))],
+        "springs": [Spring(held, (1.0, 2.0, 3.0)[:dim])],
+        "pressures": [Pressure(pressed, 0.3)],
+        "forces": [Force((0.1, 0.0, 0.2)[:dim]), Force((0.1, 0.3, 0.0)[:dim], pressed)],
     }
-    breaks = breaks_of(SHAPE, (1, 8, 1))
-    if backend == "fe":
-        mesh = made_on_first(
-            MPI.COMM_WORLD, lambda: shape_mesh(SHAPE, "hexahedron", 2, breaks=breaks)
-        )
-        part = lagrange_body("part", mesh, degree=2, **conditions)
-    else:
-        data = nurbs_shape(SHAPE, breaks)
-        part = nurbs_body("part", data.patches, data.faces, (2, 2, 2), **conditions)
-    modes = solve_modes(Pencil.of(part.stiffness(), part.mass()), 0.35)
+
+
+def _body(case):
+    if case in LAGRANGE:
+        shape, degree, mesh = LAGRANGE[case]
+        mesh = mesh or {"breaks": breaks_of(shape, (3, 2))}
+        made = made_on_first(MPI.COMM_WORLD, lambda: shape_mesh(shape, case, degree, **mesh))
+        conditions = _conditions(shape.surfaces, len(shape.directions))
+        return lagrange_body("part", made, degree=degree, **conditions)
+    if NURBS[case] is not None:
+        shape, elements, degree = NURBS[case]
+        return body(shape, elements, degree, **_conditions(shape.surfaces, len(degree)))
+    shapes = [Sector(0.8, 1.7, a, b, -0.1, 0.2) for a, b in ((10.0, 60.0), (60.0, 95.0))]
+    one, other = (nurbs_shape(s, breaks_of(s, (2, 2, 2)), TURNED).patches[0] for s in shapes)
+    faces = {"bottom": [(0, 2, 0)], "top": [(0, 2, 1), (1, 1, 1)]}
+    patches, conditions = [one, turned(other, (1, 2, 0), 0)], _conditions(("bottom", "top"), 3)
+    return nurbs_body("odd", patches, faces, (2, 2, 2), **conditions)
+
+
+def numbers(case, top):
+    """Frequencies up to one (Hz), work of loads, norms, areas, traces, samples, asymmetry."""
+    part = _body(case)
+    modes = solve_modes(Pencil.of(part.stiffness(), part.mass()), top)
     x = solve_static(Pencil.of(part.stiffness()), part.load()).displacement
     full = part.expansion.createVecLeft()
     part.expansion.mult(x, full)
     u = gather(full)
-    points = part.surfaces["top"].gauss_points(2)
-    traced = part.surfaces["top"].trace(points.at) @ u.reshape(-1, 3)
-    rotation = Rotation(2.0, coriolis=False)
-    geometric, gyroscopic = part.geometric_stiffness(u), part.gyroscopic(rotation)
-    return {
-        "frequencies": sorted(modes.frequencies.tolist()),
-        "work": part.load().dot(x),
-        "areas": [s.area for s in part.surfaces.values()],
-        "trace": (points.weight @ traced**2).tolist(),
-        "geometric": geometric.norm(),
-        "gyroscopic": gyroscopic.norm(),
-        "asymmetry": [asymmetry(part.stiffness()), asymmetry(part.mass()), asymmetry(geometric)],
-    }
+    moved = u.reshape(-1, part.dim)
+    shown = {"frequencies": sorted(modes.frequencies.tolist()), "work": part.load().dot(x)}
+    for surface in part.surfaces.values():
+        points = surface.gauss_points(2)
+        traced = surface.trace(points.at) @ moved
+        slope = np.stack([g @ moved for g in surface.gradient(points.at)])
+        shown[f"area of {surface.name}"] = surface.area
+        shown[f"trace on {surface.name}"] = (points.weight @ traced**2).tolist()
+        shown[f"gradient on {surface.name}"] = float(points.weight @ (slope**2).sum(axis=(0, 2)))
+    sample = part.volume_sample(2)
+    shown["sample"] = [len(sample.cells), *(sample.points[sample.cells] ** 2).mean(axis=(0, 1))]
+    shown["sampled"] = [((sample.values @ moved)[sample.cells] ** 2).mean()]
+    symmetric = [part.stiffness(), part.mass()]
+    if part.dim == 3:
+        symmetric.append(part.geometric_stiffness(u))
+        shown["gyroscopic"] = part.gyroscopic(Rotation(2.0, coriolis=False)).norm()
+    shown["norms"] = [matrix.norm() for matrix in symmetric]
+    return {"same": shown, "asymmetry": [_asymmetry(matrix) for matrix in symmetric]}
 
 
-def asymmetry(matrix):
+def _asymmetry(matrix):
     """Largest entry of a matrix less its transpose: zero on any number of ranks."""
     difference = matrix.transpose(PETSc.Mat())
-    difference.axpy(-1.0, matrix)
+    difference.axpy(-1.0, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     return float(np.abs(difference.getValuesCSR()[2]).max(initial=0.0))

@@ -1,20 +1,14 @@
 """Matrices of NURBS bodies against slow loops, whatever degree, continuity and joints."""
 
-import subprocess
-import sys
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, turned
-from peak_memory import PEAK
+from iga_data import STEEL, TILTED, body, scipy_of, slow_matrices, turned
 
 from cea.body import Body
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shapes import Box, Disc, RingSector, Sector
 
-SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
 BOX = Box((2.0, 1.0, 0.5))
 
 
@@ -42,26 +36,6 @@ def test_every_degree_in_space(axis: int, q: int) -> None:
     assert_agrees_with_slow_loops(body(BOX, elements, degree, continuity=continuity))
 
 
-@pytest.mark.parametrize("continuity", [(0, 0, 0), (1, 0, 1), (1, 2, 1), None])
-def test_continuities_in_space(continuity: tuple[int, ...] | None) -> None:
-    assert_agrees_with_slow_loops(body(SECTOR, (2, 2, 1), (2, 3, 2), continuity=continuity))
-
-
-@pytest.mark.parametrize(("axes", "flip"), [((1, 0), 0), ((0, 1), 1), ((1, 0), 1)])
-def test_odd_orientations_in_the_plane(axes: tuple[int, ...], flip: int) -> None:
-    """Three pieces of a quarter ring, the middle one turned."""
-    angles = [10.0, 40.0, 55.0, 100.0]
-    r = np.array([0.8, 1.1, 1.7])
-    pieces = [
-        nurbs_shape(RingSector(0.8, 1.7, a, b), (r, np.array([a, (a + b) / 2, b])), TURNED).patches
-        for a, b in pairwise(angles)
-    ]
-    patches = [pieces[0][0], turned(pieces[1][0], axes, flip), pieces[2][0]]
-    part = nurbs_body("part", patches, {}, (3, 3), material=STEEL)
-    assert part.num_scalar_dofs == 5 * (5 + 4 + 4)
-    assert_agrees_with_slow_loops(part)
-
-
 @pytest.mark.parametrize(("axes", "flip"), [((1, 2, 0), 0), ((2, 1, 0), 2), ((0, 2, 1), 1)])
 def test_odd_orientations_in_space(axes: tuple[int, ...], flip: int) -> None:
     halves = [
@@ -82,36 +56,3 @@ def test_odd_orientations_in_space(axes: tuple[int, ...], flip: int) -> None:
 def test_collapsed_edges(elements: tuple[int, ...]) -> None:
     """Elements at the axis of a disc have several functions of one dof."""
     assert_agrees_with_slow_loops(body(Disc(1.2, -0.1, 0.2), elements, (2, 2, 1)))
-
-
-MEMORY = (
-    PEAK
-    + """
-import sys
-from cea.material import IsotropicMaterial
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import nurbs_shape
-from meshes.shapes import Box
-
-shape, n, q = Box((1.0, 1.0, 1.0)), int(sys.argv[1]), int(sys.argv[2])
-data = nurbs_shape(shape, breaks_of(shape, (n, n, n)))
-material = IsotropicMaterial(1.0, 0.3, 1.0)
-nurbs_body("small", data.patches, data.faces, (1, 1, 1), material=material).stiffness()
-body = nurbs_body("large", data.patches, data.faces, (q, q, q), material=material)
-before = peak()
-matrices = body.stiffness(), body.mass()
-taken = peak() - before
-print(taken, sum(12 * matrix.getInfo()["nz_used"] for matrix in matrices))
-"""
-)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("elements", "degree", "least"), [(8, 3, 35e6), (18, 3, 300e6)])
-def test_memory_of_assembly(elements: int, degree: int, least: float) -> None:
-    """At most twice the finished matrices."""
-    command = [sys.executable, "-c", MEMORY, str(elements), str(degree)]
-    run = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
-    taken, kept = map(float, run.stdout.split())
-    assert kept > least
-    assert taken < 2 * kept, taken / kept

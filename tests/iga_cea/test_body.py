@@ -5,52 +5,15 @@ import pytest
 from bodies import nurbs_body
 from covering import covering
 from iga_data import STEEL, body, scipy_of, slow_matrices, turned
-from petsc4py import PETSc
 from scipy.linalg import eigh
 
-from cea.body import Body
 from cea.errors import InputError
-from cea.material import IsotropicMaterial
 from cea.supports.boundary import Pressure, Spring, Support
-from iga_cea.multipatch import join
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.placement import Placement
-from meshes.shapes import Annulus, Box, Disc, Sector
+from meshes.shapes import Box, Disc, Sector
 
-ANNULUS = Annulus(0.8, 1.7, -0.1, 0.2)
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
-BOX = Box((2.0, 1.0, 0.5))
-
-
-def solve(matrix, load) -> np.ndarray:
-    solution = load.duplicate()
-    ksp = PETSc.KSP().create()
-    ksp.setOperators(matrix)
-    ksp.setType("preonly")
-    ksp.getPC().setType("lu")
-    ksp.solve(load, solution)
-    return solution.getArray()
-
-
-def displacement(part: Body) -> np.ndarray:
-    """Static displacement of every control point."""
-    free = PETSc.Vec().createWithArray(solve(part.stiffness(), part.load()))
-    full = part.expansion.createVecLeft()
-    part.expansion.mult(free, full)
-    return full.getArray().reshape(-1, part.dim)
-
-
-@pytest.mark.parametrize(
-    "degree",
-    [(3, 4, 2), *(pytest.param(q, marks=pytest.mark.slow) for q in ((1, 2, 1), (2, 2, 2)))],
-)
-def test_quarters_of_an_annulus_are_joined(degree: tuple[int, int, int]) -> None:
-    part = body(ANNULUS, (3, 8, 2), degree)
-    r, z = 3 + degree[0], 2 + degree[2]
-    round_about = 4 * (2 + degree[1] - 1)
-    assert part.num_scalar_dofs == r * round_about * z
-    assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
 @pytest.mark.parametrize(
@@ -116,76 +79,6 @@ def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
         assert part.num_scalar_dofs == 2 * 3 * 4 * 3 - 3 * 4
 
 
-def test_column_on_springs_is_exact() -> None:
-    part = body(
-        BOX,
-        (2, 2, 3),
-        (2, 2, 2),
-        Placement(),
-        material=IsotropicMaterial(E=2.0, nu=0.0),
-        springs=[Spring("z_min", (3.0, 4.0, 5.0))],
-        pressures=[Pressure("z_max", 0.7)],
-    )
-    exact = np.zeros_like(part.dof_positions)
-    exact[:, 2] = -0.7 / 5.0 - 0.7 / 2.0 * part.dof_positions[:, 2]
-    np.testing.assert_allclose(displacement(part), exact, atol=1e-13)
-
-
-def test_supports_hold_components_of_whole_surfaces() -> None:
-    part = body(ANNULUS, (2, 8, 2), (2, 2, 2), supports=[Support("inner", (0, 2))])
-    Z = scipy_of(part.expansion)
-    held = 4 * 3 * 4 * 2
-    full = 3 * part.num_scalar_dofs
-    assert Z.shape == (full, full - held)
-    assert part.stiffness().getSize() == part.mass().getSize() == (full - held,) * 2
-    unheld = scipy_of(body(ANNULUS, (2, 8, 2), (2, 2, 2)).stiffness())
-    assert abs(Z.T @ unheld @ Z - scipy_of(part.stiffness())).max() == 0
-    motion = (Z @ np.ones(Z.shape[1])).reshape(-1, 3)
-    dofs = part.surfaces["inner"].dofs
-    np.testing.assert_array_equal(motion[dofs], np.tile([0, 1, 0], (len(dofs), 1)))
-
-
-@pytest.mark.convergence
-@pytest.mark.parametrize("degree", [2, 3])
-def test_first_frequency_converges_at_twice_the_degree(degree: int) -> None:
-    """A bar held laterally, nu = 0: kappa = (pi / 2L)^2 E / rho."""
-    rollers = [Support("x_min", (0,))] + [
-        Support(f"{axis}_{end}", (c,)) for c, axis in ((1, "y"), (2, "z")) for end in ("min", "max")
-    ]
-    counts = np.array([2, 4, 8]) if degree == 2 else np.array([4, 6, 8])
-    errors = []
-    for n in counts:
-        part = body(
-            BOX,
-            (int(n), 1, 1),
-            (degree, 1, 1),
-            Placement(),
-            material=IsotropicMaterial(E=2.0, nu=0.0, rho=3.0),
-            supports=rollers,
-        )
-        K, M = scipy_of(part.stiffness()).toarray(), scipy_of(part.mass()).toarray()
-        exact = (np.pi / 4) ** 2 * 2.0 / 3.0
-        errors.append(eigh(K, M, eigvals_only=True)[0] / exact - 1)
-    rate = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
-    assert rate == pytest.approx(2 * degree, abs=0.2)
-    assert 0 < errors[-1] < 1e-5
-
-
-def test_volume_sample_fills_the_body() -> None:
-    part = body(ANNULUS, (2, 16, 2), (2, 2, 2), Placement())
-    sample = part.volume_sample(6)
-    assert np.abs(sample.values @ part.dof_positions - sample.points).max() < 1e-15
-    assert np.abs(sample.values.sum(axis=1) - 1).max() < 1e-15
-    radius = np.linalg.norm(sample.points[:, :2], axis=1)
-    assert radius.min() == pytest.approx(0.8, abs=1e-14)
-    assert radius.max() == pytest.approx(1.7, abs=1e-14)
-    corners = sample.points[sample.cells]
-    edges = [corners[:, k] - corners[:, 0] for k in (1, 3, 4)]
-    volume = np.einsum("ni,ni->n", np.cross(edges[0], edges[1]), edges[2])
-    assert volume.min() > 0
-    assert volume.sum() == pytest.approx(np.pi * (1.7**2 - 0.8**2) * 0.3, rel=0.05)
-
-
 @pytest.mark.parametrize(
     ("options", "message"),
     [
@@ -247,11 +140,3 @@ def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
         sample = part.volume_sample(2)
         corners = sample.points[sample.cells]
         assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0
-
-
-@pytest.mark.parametrize("degree", [2, 3, 4])
-def test_two_ranks_share_out_the_layers_of_functions_evenly(degree):
-    patches = body(BOX, (12, 3, 2), (degree,) * 3).space.multipatch.patches
-    ranges = join(patches, 2, "patches").dof_ranges
-    layer = ranges[-1] / (12 + degree)
-    assert np.ptp(np.diff(ranges)) <= layer

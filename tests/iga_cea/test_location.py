@@ -8,8 +8,7 @@ from iga_data import TILTED, body
 
 from cea.surface_points import Status
 from meshes.patches import GivenPatch, Patches
-from meshes.placement import Placement
-from meshes.shapes import Annulus, Box, Disc, Hub
+from meshes.shapes import Annulus, Box, Hub
 
 SLOW = pytest.mark.slow
 COUNTS = [10_000, pytest.param(100_000, marks=SLOW)]
@@ -115,17 +114,6 @@ def test_cylinders(shape, name: str, radius: float, low: float, high: float, cou
     assert 0.4 * count < hit.sum() < 0.9 * count
     np.testing.assert_array_equal(found.missed, ~hit)
     assert np.abs(found.distance[hit] - exact[hit]).max() < 1e-8
-
-
-@pytest.mark.parametrize("count", COUNTS)
-def test_disc_with_a_collapsed_axis(count: int) -> None:
-    rng = np.random.default_rng(4)
-    radius, angle = 1.4 * rng.random(count), rng.uniform(0, 2 * np.pi, count)
-    x = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(count, 0.23)], axis=1)
-    top = body(Disc(1.2, -0.1, 0.2), (4, 16, 1), (2, 2, 2), Placement()).surfaces["top"]
-    found = located(top, x, np.tile([0.0, 0.0, -1.0], (count, 1)), 0.1)
-    np.testing.assert_array_equal(found.missed, radius > 1.2)
-    assert np.abs(found.distance[radius < 1.2] - 0.03).max() < 1e-14
 
 
 def test_flat_faces_are_taken_for_what_they_are() -> None:

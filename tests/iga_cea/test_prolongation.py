@@ -53,19 +53,6 @@ def test_coarse_functions_stay_what_they_are(shape, coarse, fine):
         assert np.abs(difference).max() < 1e-12
 
 
-@pytest.mark.parametrize("finer", [((4, 6, 2), (2, 2, 2)), ((2, 3, 1), (4, 3, 3))])
-def test_matrices_between_supports_where_geometry_is_affine(finer):
-    supports = [Support("z_min", (0, 2)), Support("x_max")]
-    elements, degree = finer
-    shape = Box((1.0, 0.8, 0.5))
-    coarse = body(shape, (2, 3, 1), (2, 2, 2), supports=supports)
-    fine = body(shape, elements, degree, continuity=(1, 1, 1), supports=supports)
-    P = scipy_of(prolongation(coarse, fine).matrix)
-    for name in ("stiffness", "mass"):
-        wanted, whole = (scipy_of(getattr(part, name)()) for part in (coarse, fine))
-        assert abs(P.T @ whole @ P - wanted).max() < 1e-12 * abs(wanted).max()
-
-
 def test_patches_whose_parameters_lie_otherwise():
     shapes = [Sector(0.8, 1.7, a, b, -0.1, 0.2) for a, b in ((10.0, 60.0), (60.0, 95.0))]
 

@@ -9,8 +9,6 @@ from iga_cea.splines import (
     basis_functions,
     basis_matrix,
     elevation_matrix,
-    find_span,
-    gauss_rule,
     greville,
     insertion_matrix,
     knots_with_breaks,
@@ -47,21 +45,6 @@ def test_basis_and_derivatives_agree_with_scipy(degree: int) -> None:
         assert np.abs(ours - exact).max() <= 1e-13 * max(1.0, np.abs(exact).max())
 
 
-@pytest.mark.parametrize("degree", DEGREES)
-def test_partition_of_unity(degree: int) -> None:
-    knots = open_knots(degree)
-    _, values = basis_functions(knots, degree, points(knots), derivatives=2)
-    assert np.abs(values[0].sum(axis=1) - 1).max() < 1e-15
-    assert values[0].min() >= 0
-    assert np.abs(values[1:].sum(axis=2)).max() < 1e-10
-
-
-def test_span_is_closed_at_the_end_only() -> None:
-    knots = np.array([0.0, 0.0, 0.0, 0.5, 0.5, 1.0, 1.0, 1.0])
-    x = np.array([0.0, 0.49, 0.5, 0.99, 1.0])
-    np.testing.assert_array_equal(find_span(knots, 2, x), [2, 2, 4, 4, 4])
-
-
 def test_greville_closed_form() -> None:
     knots = np.array([0, 0, 0, 1, 2, 3, 3, 3]) / 3
     np.testing.assert_allclose(greville(knots, 2), np.array([0, 0.5, 1.5, 2.5, 3]) / 3, atol=1e-16)
@@ -90,19 +73,6 @@ def test_elevation_keeps_the_curve(degree: int) -> None:
         before = basis_matrix(knots, degree, x) @ coefficients
         after = basis_matrix(elevated, target, x) @ (matrix @ coefficients)
         assert np.abs(after - before).max() < 1e-14
-
-
-def test_multiplicity_of_breaks_follows_continuity() -> None:
-    knots = np.repeat([0.0, 0.5, 1.0], [4, 2, 4])
-    refined = knots_with_breaks(knots, 3, np.array([0.0, 0.25, 0.5 + 1e-14, 1.0]), 1)
-    distinct, multiplicity = np.unique(refined, return_counts=True)
-    np.testing.assert_array_equal(distinct, [0, 0.25, 0.5, 1])
-    np.testing.assert_array_equal(multiplicity, [4, 2, 2, 4])
-
-
-def test_gauss_rule_integrates_polynomials() -> None:
-    x, w = gauss_rule(np.array([0.0, 0.3, 1.0]), 4)
-    assert (w * x**7).sum() == pytest.approx(1 / 8, rel=1e-15)
 
 
 PLACEMENT = Placement(axis=(1.0, 2.0, -0.5), angle=33.0, translation=(0.1, -0.2, 0.3))

@@ -8,7 +8,6 @@ from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, slow_
 from cea.body import Body
 from cea.rotation import Rotation
 from iga_cea.patch import refine
-from iga_cea.pattern import boxes_of
 from iga_cea.separation import holds, separate
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
@@ -88,20 +87,6 @@ def test_sums_of_products_are_found_and_others_refused() -> None:
     other[1, 1][0, 7, 3, 0] *= 1 + 1e-12
     assert not holds(found, skeleton, iter([(slice(0, 40), other)]), 1)
     assert separate(few, most=2) is None
-
-
-def test_boxes_make_up_a_set() -> None:
-    rng = np.random.default_rng(0)
-    for shape in ((4, 3, 5), (1, 1, 1), (2, 6, 1)):
-        mask = rng.uniform(size=shape) < 0.6
-        count = np.zeros(shape, dtype=int)
-        for box in boxes_of(mask):
-            count[box] += 1
-        assert np.array_equal(count, mask)
-    assert list(boxes_of(np.ones((4, 3, 5), dtype=bool))) == [
-        (slice(0, 4), slice(0, 3), slice(0, 5))
-    ]
-    assert not list(boxes_of(np.zeros((4, 3), dtype=bool)))
 
 
 @pytest.mark.parametrize("coriolis", [True, False])

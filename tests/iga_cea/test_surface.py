@@ -100,42 +100,6 @@ def test_normals_point_outward_whatever_the_handedness() -> None:
     assert (part.stiffness().getDiagonal().getArray() > 0).all()
 
 
-def test_numbers_of_points(ring: Body) -> None:
-    """Spans 2 x 8 on top, degree (2, 3): joints of the four faces count once."""
-    top, outer = ring.surfaces["top"], ring.surfaces["outer"]
-    assert top.num_elements == 4
-    assert len(top.gauss_points(3)) == 2 * 8 * 9
-    assert len(top.abscissae("greville")) == 4 * 4 * 4 == len(top.dofs)
-    assert len(top.grid(5)) == 5 * 4 * 4
-    assert len(outer.grid(5)) == 5 * 4 * 4
-    for points in (top.abscissae("greville"), top.grid(5)):
-        assert len(np.unique(np.round(points.x, 9), axis=0)) == len(points)
-        np.testing.assert_allclose(points.weight, top.area / len(points), rtol=1e-15)
-
-
-def test_greville_points_interpolate(ring: Body) -> None:
-    """As many points as trace functions, and the collocation matrix is regular."""
-    for surface in ring.surfaces.values():
-        square = surface.trace(surface.abscissae("greville").at).toarray()[:, surface.dofs]
-        assert square.shape[0] == square.shape[1]
-        assert np.linalg.cond(square) < 100
-
-
-@pytest.mark.parametrize("shape", [ANNULUS, SECTOR, BOX], ids=lambda s: s.shape)
-def test_trace_and_gradient_of_linear_fields(shape: Shape) -> None:
-    part = body(shape)
-    x = part.dof_positions
-    slope, shift = np.array([0.3, -0.7, 1.1]), 0.4
-    for surface in part.surfaces.values():
-        points = surface.gauss_points(2)
-        trace, gradient = surface.trace(points.at), surface.gradient(points.at)
-        assert np.abs(trace @ x - points.x).max() < 2e-15
-        assert np.abs(trace.sum(axis=1) - 1).max() < 1e-15
-        linear = x @ slope + shift
-        for d in range(3):
-            assert np.abs(gradient[d] @ linear - slope[d]).max() < 1e-12
-
-
 def test_gradient_agrees_with_finite_differences_of_the_volume() -> None:
     """A rough field: its derivative along the normal needs the layer behind the face."""
     patch_body = body(SECTOR, (1, 2, 1), (2, 3, 2))
@@ -162,31 +126,6 @@ def test_gradient_agrees_with_finite_differences_of_the_volume() -> None:
             assert gradient[row] @ tangent == pytest.approx(change, abs=1e-9), name
 
 
-def flat_points(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Radii that reach beyond both rims, and angles (rad)."""
-    return RNG.uniform(INNER - 0.2, OUTER + 0.2, count), RNG.uniform(0, 2 * np.pi, count)
-
-
-@pytest.mark.parametrize(
-    "gap", [0.03, *(pytest.param(gap, marks=pytest.mark.slow) for gap in (0.0, -0.02))]
-)
-def test_location_on_a_flat_face(gap: float) -> None:
-    part = body(ANNULUS)
-    top = part.surfaces["top"]
-    radius, angle = flat_points(2000)
-    x = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.full(2000, TOP + gap)], 1)
-    direction = np.broadcast_to(TILTED.rotation[:, 2], x.shape)
-    found = top.locate(TILTED.apply(x), direction, 0.1)
-    inside = (radius > INNER) & (radius < OUTER)
-    np.testing.assert_array_equal(found.status == Status.INSIDE, inside)
-    np.testing.assert_array_equal(found.missed, ~inside)
-    assert np.abs(found.distance[inside] + gap).max() < 1e-14
-    foot = TILTED.apply(np.column_stack([x[:, :2], np.full(2000, TOP)]))
-    assert np.abs(top.position(found.at[inside]) - foot[inside]).max() < 1e-9
-    off = np.maximum(INNER - radius, radius - OUTER)[~inside]
-    assert (found.miss[~inside] >= off - 1e-9).all()
-
-
 def test_location_of_edges_and_joints(ring: Body) -> None:
     angle = np.concatenate([np.linspace(0, 2 * np.pi, 33), [0, np.pi / 2, np.pi]])
     radius = np.concatenate([np.tile([INNER, OUTER], 17)[:33], [1.0, 1.1, 1.2]])
@@ -194,66 +133,6 @@ def test_location_of_edges_and_joints(ring: Body) -> None:
     found = ring.surfaces["top"].locate(x, np.tile([0.0, 0.0, 1.0], (36, 1)), 0.1)
     assert (found.status == Status.EDGE).all()
     assert np.abs(found.distance + 0.05).max() < 1e-14
-
-
-def test_reach_is_kept(ring: Body) -> None:
-    x = np.array([[1.0, 0.3, TOP + 0.05]])
-    up = np.array([[0.0, 0.0, 1.0]])
-    assert ring.surfaces["top"].locate(x, up, 0.04).missed.all()
-    assert not ring.surfaces["top"].locate(x, up, 0.06).missed.any()
-    far = ring.surfaces["top"].locate(x + 10, up, 0.06)
-    assert far.status[0] == Status.MISSED
-    assert far.at.element[0] == -1
-    assert np.isinf(far.miss[0])
-
-
-def cylinder_distance(x: np.ndarray, d: np.ndarray, radius: float, reach: float) -> np.ndarray:
-    """Signed distance along d to the nearer hit within height and reach; NaN where there is none.
-
-    Roots s of |x + s d| = radius in the plane.
-    """
-    a = (d[:, :2] ** 2).sum(axis=1)
-    b = (x[:, :2] * d[:, :2]).sum(axis=1)
-    c = (x[:, :2] ** 2).sum(axis=1) - radius**2
-    with np.errstate(invalid="ignore"):
-        root = np.sqrt(b**2 - a * c)
-    roots = np.stack([(-b - root) / a, (-b + root) / a], axis=1)
-    height = x[:, 2:] + roots * d[:, 2:]
-    valid = (height > BOTTOM) & (height < TOP) & (np.abs(roots) <= reach)
-    roots = np.where(valid, roots, np.inf)
-    nearest = np.take_along_axis(roots, np.abs(roots).argmin(axis=1)[:, None], axis=1)[:, 0]
-    return np.where(np.isfinite(nearest), nearest, np.nan)
-
-
-@pytest.mark.parametrize(
-    ("name", "radius", "gap", "reach"),
-    [
-        ("outer", OUTER, 0.05, 0.2),
-        ("outer", OUTER, -0.3, 0.8),
-        ("inner", INNER, 0.04, 0.2),
-        ("inner", INNER, -0.4, 1.0),
-    ],
-)
-def test_location_on_a_cylinder(
-    ring: Body, name: str, radius: float, gap: float, reach: float
-) -> None:
-    """Random oblique lines, 60 degrees at most from the radius, also past the rims."""
-    n = 2500
-    angle, height = RNG.uniform(0, 2 * np.pi, n), RNG.uniform(BOTTOM - 0.1, TOP + 0.1, n)
-    outward = np.stack([np.cos(angle), np.sin(angle), np.zeros(n)], axis=1)
-    x = (radius + gap) * outward
-    x[:, 2] = height
-    direction = outward + 0.9 * RNG.uniform(-1, 1, (n, 3))
-    direction *= (RNG.choice([-1, 1], n) / np.linalg.norm(direction, axis=1))[:, None]
-    exact = cylinder_distance(x, direction, radius, reach)
-    found = ring.surfaces[name].locate(x, direction, reach)
-    np.testing.assert_array_equal(found.missed, np.isnan(exact))
-    hit = ~found.missed
-    assert hit.sum() > 800
-    assert np.abs(found.distance[hit] - exact[hit]).max() < 1e-8
-    on_surface = ring.surfaces[name].position(found.at[hit])
-    line = x[hit] + found.distance[hit, None] * direction[hit]
-    assert np.abs(on_surface - line).max() < 1e-8
 
 
 def test_unknown_abscissae_and_bad_counts_are_refused(ring: Body) -> None:
@@ -264,11 +143,6 @@ def test_unknown_abscissae_and_bad_counts_are_refused(ring: Body) -> None:
         top.grid(1)
     with pytest.raises(InputError, match="at least one"):
         top.gauss_points(0)
-
-
-def test_mesh_size_is_that_of_the_largest_span() -> None:
-    part = body(Box((3.0, 4.0, 1.0)), (1, 2, 1), (1, 1, 1), Placement())
-    assert part.surfaces["z_max"].mesh_size == pytest.approx(np.hypot(3, 2))
 
 
 @pytest.mark.parametrize("shape", [BOX, SECTOR, ANNULUS], ids=lambda shape: type(shape).__name__)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from boxes_in_files import by_place
+from mesh_writers import by_place
 
 from cea.errors import InputError
 from meshes.mesh_file import MeshFile

@@ -5,10 +5,7 @@ import time
 import gmsh
 import numpy as np
 import pytest
-from boxes_in_files import file_of, two_boxes
-from mesh_writers import write
-from mixed_blocks import mixed_blocks
-from mixed_files import abaqus_deck, ansys_archive
+from mesh_writers import file_of, mixed_file, two_boxes, write
 from mpi4py import MPI
 
 from cea.errors import InputError
@@ -57,12 +54,11 @@ def originals(folder):
     """Small files of each format, with surfaces."""
     files = []
     for order in (1, 2):
-        points, blocks = mixed_blocks(order)
-        low = np.flatnonzero(points[:, 1] == 0)
-        for name, writer in ((f"m{order}.inp", abaqus_deck), (f"m{order}.cdb", ansys_archive)):
-            writer(file_of(folder, name), points, blocks, low)
+        for name in (f"m{order}.inp", f"m{order}.cdb"):
+            mixed_file(file_of(folder, name), order)
             files.append(folder / name)
-        for name in (f"a{order}.inp", f"a{order}.cdb", f"a{order}22.msh", f"binary{order}.msh"):
+        endings = (".inp", ".cdb", "22.msh", "binary.msh", ".bdf", ".vtu", ".xdmf")
+        for name in (f"a{order}{ending}" for ending in endings):
             write(two_boxes("hexahedron", order), file_of(folder, name), lacking=True)
             files.append(folder / name)
     (folder / "parts.inp").write_text(TWO_PARTS)

@@ -101,18 +101,6 @@ def test_normals_of_the_face_point_outwards(name):
     np.testing.assert_allclose(points.normal, normal, atol=1e-8)
 
 
-def test_a_crown_takes_its_volume():
-    """The integral of s^2 / (2 R), half of it from what lies between: volumes from masses."""
-    shape = CROWNED["box"]
-    a, b, c = BOX.size
-    lost = a * b * (a**2 / 3 / (2 * 2.0) + b**2 / 12 / (2 * 0.7))
-    ones = body_of(shape, "iga").mass()
-    x, y = ones.createVecs()
-    x.set(1.0)
-    ones.mult(x, y)
-    assert y.sum() == pytest.approx(3 * STEEL.rho * (a * b * c - lost), rel=1e-12)
-
-
 @pytest.mark.parametrize(
     ("arguments", "field"),
     [

@@ -5,7 +5,7 @@ import pytest
 from gmsh_models import assert_outer_facets_are_named, volumes
 
 from cea.errors import InputError
-from cea.mesh import Mesh, reference_nodes
+from cea.mesh import Mesh
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
@@ -51,36 +51,6 @@ def test_simplices_of_every_shape_fit_and_fill_it(name, order):
     np.testing.assert_allclose(each, volumes(whole), rtol=rel)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_hexahedra_that_list_their_nodes_in_any_way_are_divided_alike(order):
-    """Each cell turned at random, as files have them."""
-    whole = boxes(SHAPES["disc"], order)
-    rng = np.random.default_rng(3)
-    lattice = whole.cells.reshape(-1, *(order + 1,) * 3)
-    turned = [
-        np.flip(cell, [a for a in range(3) if rng.random() < 0.5]).transpose(rng.permutation(3))
-        for cell in lattice
-    ]
-    shuffled = Mesh(
-        "hexahedron",
-        order,
-        whole.points,
-        np.reshape(turned, whole.cells.shape),
-        {name: rng.permuted(facets, axis=1) for name, facets in whole.surfaces.items()},
-    )
-    assert_outer_facets_are_named(divided(shuffled))
-
-
-def test_straight_lattices_are_divided_along_their_own_diagonals():
-    """From the first to the last corner of each box, whatever its neighbours."""
-    whole = boxes(SHAPES["annulus"], 1)
-    tetrahedra = divided(whole).cells.reshape(-1, 6, 4)
-    both_ends = whole.cells[:, None, [0, -1]]
-    assert (np.isin(both_ends, tetrahedra)).all()
-    for end in (0, 7):
-        assert (tetrahedra == whole.cells[:, None, end, None]).any(axis=2).all()
-
-
 def test_a_twisted_ring_of_hexahedra_is_refused():
     """Half a turn on the way around: edges across come back the other way."""
     n = 5
@@ -93,9 +63,3 @@ def test_a_twisted_ring_of_hexahedra_is_refused():
     after[-1] = layers[0]
     straight = Mesh("hexahedron", 1, np.zeros((4 * n, 3)), np.hstack([layers, after]), {})
     assert len(divided(straight).cells) == 6 * n
-
-
-def test_simplices_are_not_divided():
-    triangle = Mesh("triangle", 1, reference_nodes("triangle", 1), [[0, 1, 2]], {})
-    with pytest.raises(InputError, match=r"^cell = 'triangle'"):
-        divided(triangle)

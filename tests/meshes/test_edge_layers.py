@@ -1,6 +1,5 @@
 """Layers around edges: cells fit, fill the shape, keep its names, and grow small at edges alone."""
 
-import numpy as np
 import pytest
 from covering import covering
 from gmsh_models import assert_outer_facets_are_named, volumes
@@ -58,33 +57,10 @@ def test_cells_fit_and_fill_the_shape(case, order, layers):
         assert after.max() <= before.max() * (1 + 1e-12)
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_each_layer_adds_as_many_cells(case):
-    counts = np.array([len(made(case, 2, layers).cells) for layers in range(5)])
-    more = np.diff(counts)
-    assert (more[1:] == more[1]).all()
-    around = 1 if len(CASES[case][1]) == 2 else CASES[case][1][1]
-    assert more[1] % (2 * around) == 0  # two for each cell at an edge
-
-
 def test_neighbours_of_the_cells_at_edges_stay_as_they_were():
     whole, parts = (made("both edges at one cell", 3, layers) for layers in (0, 4))
     nodes, same = ({each.tobytes() for each in m.points[m.cells]} for m in (whole, parts))
     assert len(nodes & same) == 6  # of two times six: those outside
-
-
-def test_surfaces_lie_where_they_did():
-    place = Placement(axis=(1.0, -2.0, 0.5), angle=50.0, translation=(0.3, 0.1, -0.7))
-    mesh = made("both edges at one cell", 2, 3, place)
-    x = (mesh.points - place.translation) @ place.rotation
-    radius, z = np.hypot(x[:, 0], x[:, 1]), x[:, 2]
-    for name, along, value in (
-        ("inner", radius, 0.5),
-        ("outer", radius, 1.0),
-        ("bottom", z, 0.0),
-        ("top", z, 0.3),
-    ):
-        np.testing.assert_allclose(along[mesh.surfaces[name]], value, atol=1e-13)
 
 
 def checked(breaks, edges):

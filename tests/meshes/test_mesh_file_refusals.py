@@ -1,7 +1,7 @@
 """Mesh files that are refused, each by what is wrong with it."""
 
 import pytest
-from boxes_in_files import file_of, made
+from mesh_writers import file_of, made
 
 from cea.errors import InputError
 from meshes.mesh_file import MeshFile

@@ -3,9 +3,8 @@
 import gmsh
 import numpy as np
 import pytest
-from boxes_in_files import by_place, file_of, made, two_boxes
 from covering import covering
-from mesh_writers import listed, write
+from mesh_writers import by_place, file_of, listed, made, two_boxes, write
 
 from cea.errors import InputError
 from cea.mesh import facet_nodes
@@ -127,35 +126,6 @@ def test_plane_strain_bodies_may_be_seen_from_behind(tmp_path):
     mesh = read.mesh(["top"])
     assert (mesh.cell, mesh.dim) == ("triangle", 2)
     np.testing.assert_array_equal(mesh.points[mesh.surfaces["top"]][..., 1], 0.01)
-
-
-def test_bricks_that_are_tetrahedra_are_read_as_such(tmp_path):
-    pytest.importorskip("mapdl_archive")
-    meshes = two_boxes("tetrahedron", 2)
-    data = write(meshes, tmp_path / "a.cdb")["left"]
-    text = (tmp_path / "a.cdb").read_text().splitlines()
-    start = next(i for i, line in enumerate(text) if line.startswith("EBLOCK")) + 2
-    end = text.index(f"{-1:9d}", start)
-    lines = []
-    for line in text[start:end]:
-        numbers = [int(line[i : i + 9]) for i in range(0, len(line), 9)]
-        if len(numbers) < 11:
-            lines[-1] += numbers
-        else:
-            lines.append(numbers)
-    bricks = []
-    for numbers in lines:
-        head, (i, j, k, m, ij, jk, ki, im, jm, km) = numbers[:11], numbers[11:]
-        head[8] = 20
-        nodes = [i, j, k, k, m, m, m, m, ij, jk, k, ki, m, m, m, m, im, jm, km, km]
-        row = [*head, *nodes]
-        bricks += ["".join(f"{n:9d}" for n in part) for part in (row[:19], row[19:])]
-    text[start:end] = bricks
-    changed = "\n".join(text).replace("ET, 1, 187", "ET, 1, 186")
-    (tmp_path / "b.cdb").write_text(changed)
-    ours, theirs = (made(data, file=str(tmp_path / name)).mesh(["x_min"]) for name in
-                    ("a.cdb", "b.cdb"))  # fmt: skip
-    np.testing.assert_array_equal(ours.points[ours.cells], theirs.points[theirs.cells])
 
 
 def test_plane_kinds_have_their_nodes(tmp_path):

@@ -5,10 +5,9 @@ import re
 import gmsh
 import numpy as np
 import pytest
-from boxes_in_files import file_of, made, two_boxes
 from dolfinx import io
 from dolfinx import mesh as dolfinx_mesh
-from mesh_writers import write
+from mesh_writers import file_of, made, two_boxes, write
 from mpi4py import MPI
 
 from meshes.mesh_file import MeshFile
@@ -89,16 +88,6 @@ def test_a_mesh_and_its_tags_as_dolfinx_writes_them(tmp_path, cell):
     on = mesh.points[mesh.surfaces["low"]]
     assert (on[..., 0] == 0).all()
     assert len(on) == len(low)
-
-
-@pytest.mark.parametrize("form", ["XML", "HDF", "Binary"])
-def test_numbers_of_xdmf_in_every_form(tmp_path, form):
-    file = file_of(tmp_path, "a.xdmf")
-    meshio = pytest.importorskip("meshio")
-    points = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
-    cube = [("hexahedron", [[0, 4, 6, 2, 1, 5, 7, 3]])]
-    meshio.write(file, meshio.Mesh(points, cube, {}, {"of": [np.array([3])]}), data_format=form)
-    assert MeshFile(str(file), "m", part="of 3").extent == ((0.0, 1.0),) * 3
 
 
 def test_several_kinds_of_cells_in_one_topology(tmp_path):

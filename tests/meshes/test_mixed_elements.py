@@ -3,16 +3,12 @@
 import gmsh
 import numpy as np
 import pytest
-from boxes_in_files import file_of
-from mixed_blocks import mixed_blocks
-from mixed_files import abaqus_deck, ansys_archive, vtu_file
+from mesh_writers import file_of, mixed_file
 
 from cea.errors import InputError
 from meshes.files.elements import KINDS
 from meshes.mesh_file import MeshFile
 from meshes.unstructured import gmsh_session
-
-WRITERS = {"a.inp": abaqus_deck, "a.cdb": ansys_archive, "a.vtu": vtu_file}
 
 
 def volume(mesh):
@@ -26,9 +22,7 @@ def volume(mesh):
 )
 def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, name, order):
     file = file_of(tmp_path, name)
-    points, blocks = mixed_blocks(order)
-    low = np.flatnonzero(points[:, 1] == 0)
-    WRITERS[name](file, points, blocks, low)
+    mixed_file(file, order)
     body = MeshFile(str(file), "m", faces={"low": "LOW"})
     assert body.is_divided
     mesh = body.mesh(["low"])
@@ -41,8 +35,7 @@ def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, name, ord
 
 def test_cells_that_meshio_does_not_read_are_refused_by_their_name(tmp_path):
     file = file_of(tmp_path, "a.vtu")
-    points, blocks = mixed_blocks(2)
-    vtu_file(file, points, blocks, [0])
+    mixed_file(file, 2)
     with pytest.raises(InputError, match="cells of type wedge15"):
         MeshFile(str(file), "m")
 
@@ -58,9 +51,8 @@ ABAQUS_FACES = {
 
 def test_faces_of_elements_are_those_of_the_manual(tmp_path):
     """The faces on the side y = 2, each named by its element and number, are that side."""
-    points, blocks = mixed_blocks(1)
     file = tmp_path / "a.inp"
-    abaqus_deck(file, points, blocks, [0])
+    points, blocks = mixed_file(file, 1)
     lines, element = ["*SURFACE, NAME=HIGH"], 0
     for block in blocks:
         for nodes in block.nodes:

@@ -1,11 +1,7 @@
 """Nastran files: spellings of cards, points in coordinate systems, elements, sets, refusals."""
 
-import time
-
 import numpy as np
 import pytest
-from mixed_blocks import mixed_blocks
-from mixed_files import listed
 
 from cea.errors import InputError
 from meshes.files.elements import KINDS
@@ -158,27 +154,6 @@ def test_quadratic_elements_have_every_point_where_it_belongs(tmp_path, card, fi
     nodes = block.nodes[0]
     assert sorted(nodes) == list(range(len(points)))
     np.testing.assert_allclose(points[nodes], KINDS[f"{cell}{len(points)}"].reference, atol=1e-15)
-
-
-NAMES = {"tetrahedron": "CTETRA", "pyramid": "CPYRAM", "wedge": "CPENTA", "hexahedron": "CHEXA"}
-LISTED = {15: [*range(9), 12, 13, 14, 9, 10, 11], 20: [*range(12), *range(16, 20), *range(12, 16)]}
-"""Nastran's order of the nodes of wedges and hexahedra, whose upright edges come before the top."""
-
-
-@pytest.mark.parametrize("order", [1, 2])
-def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, order):
-    points, blocks = mixed_blocks(order)
-    cards, number_of = [["GRID", i, "", *x] for i, x in enumerate(points.tolist(), 1)], 0
-    for each in blocks:
-        nodes = listed(each)[1] + 1
-        for row in nodes[:, LISTED.get(nodes.shape[1], range(nodes.shape[1]))].tolist():
-            number_of += 1
-            cards.append([NAMES[each.cell], number_of, 1, *row])
-    mesh = MeshFile(str(written(tmp_path, small(cards))), "m", part="PSOLID 1").mesh([])
-    corners = mesh.points[mesh.cells[:, {1: [0, 3, 2, 1], 2: [0, 9, 5, 2]}[order]]]
-    volume = np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() / 6
-    assert (mesh.cell, mesh.order) == ("tetrahedron", order)
-    assert volume == pytest.approx(18.0, rel=1e-12)
 
 
 A, B, C = np.array([0.1, 0.2, 0.3]), np.array([0.4, -0.2, 0.9]), np.array([1.0, 0.5, 0.2])
@@ -340,45 +315,3 @@ def test_what_is_refused(tmp_path, text, words):
     with pytest.raises(InputError, match=words) as refused:
         content(tmp_path, text)
     assert refused.value.field == "file"
-
-
-def broken(text, rng):
-    """A file with bytes dropped or changed, lines dropped, swapped or given twice."""
-    data, kind = bytearray(text.encode()), rng.integers(5)
-    lines = text.encode().splitlines(keepends=True)
-    for _ in range(int(rng.integers(1, 6))):
-        i, j = rng.integers(len(lines), size=2)
-        k = int(rng.integers(len(data) - 9))
-        if kind == 0:
-            del data[k : k + int(rng.integers(1, 9))]
-        elif kind == 1:
-            data[k] = int(rng.integers(256))
-        elif kind == 2:
-            lines[i], lines[j] = lines[j], lines[i]
-        elif kind == 3:
-            lines[i] = lines[j]
-        else:
-            lines[i] = b""
-    return bytes(data) if kind < 2 else b"".join(lines)
-
-
-@pytest.mark.slow
-def test_broken_files_are_read_or_refused_in_words_and_soon(tmp_path):
-    places = np.random.default_rng(0).random((20, 3)).tolist()
-    quadratic = [["GRID", i, "", *x] for i, x in enumerate(places, 1)]
-    quadratic.append(["CHEXA", 1, 1, *range(1, 21)])
-    whole = [*SPELLINGS.values(), small(quadratic), large(quadratic), free(quadratic)]
-    whole += ["GRDSET,,5\n" + system(way, kind) + GOOD for way in "12" for kind in "RCS"]
-    worst, longest = 0.0, 0
-    for seed in range(500):
-        rng = np.random.default_rng(seed)
-        file = tmp_path / f"{seed}.bdf"
-        file.write_bytes(broken(whole[seed % len(whole)], rng))
-        began = time.perf_counter()
-        try:
-            MeshFile(str(file), "m").mesh([])
-        except InputError as error:
-            longest = max(longest, len(str(error)))
-        worst = max(worst, time.perf_counter() - began)
-    assert worst < 20.0
-    assert longest < 2000

@@ -1,6 +1,5 @@
 """NURBS patches of shapes: exact geometry, joints, named faces; patches given as numbers."""
 
-import json
 from dataclasses import replace
 from itertools import permutations
 
@@ -8,15 +7,13 @@ import numpy as np
 import pytest
 from bodies import nurbs_body
 from covering import covering
-from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, turned
-from pydantic import TypeAdapter
+from iga_data import STEEL, TILTED, body, scipy_of, slow_matrices, turned
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.patches import GivenPatch, Patches
-from meshes.placement import Placement
-from meshes.shapes import Annulus, Disc, Hub, Rectangle, Ring, RingSector, Sector
+from meshes.shapes import Annulus, Hub, Ring, RingSector, Sector
 
 HUB = Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.1, 0.4)
 BOTH_SIDES = Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.2, 0.4)
@@ -39,13 +36,6 @@ def test_circles_of_the_plane(shape) -> None:
         angles.append(np.rad2deg(np.arctan2(x[:, 1], x[:, 0])))
     found = np.unique(np.round(np.concatenate(angles) % 360, 8) % 360)
     np.testing.assert_allclose(found, np.unique(np.round(breaks[1] % 360, 8)), atol=1e-7)
-
-
-def test_quarters_meet_exactly() -> None:
-    """Control points of neighbours are equal to the last bit where nothing has been placed."""
-    patches = nurbs_shape(Ring(0.7, 1.3), breaks_of(Ring(0.7, 1.3), (1, 4))).patches
-    for one, other in zip(patches, (*patches[1:], patches[0]), strict=True):
-        np.testing.assert_array_equal(one.control_points[:, -1], other.control_points[:, 0])
 
 
 @pytest.mark.parametrize(
@@ -74,20 +64,6 @@ def test_hub(hub: Hub, layers: int) -> None:
         normal = points.normal @ TILTED.rotation
         assert np.abs(normal - outward * (-1 if name == "bore" else 1)).max() < 1e-13
     assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
-
-
-def test_disc_is_collapsed_at_its_axis_only() -> None:
-    data = nurbs_shape(Disc(1.2, 0.0, 0.3), breaks_of(Disc(1.2, 0.0, 0.3), (2, 4, 1)))
-    assert len(data.patches) == 4
-    for patch in data.patches:
-        np.testing.assert_array_equal(patch.control_points[0, ..., :2], 0.0)
-        assert np.linalg.norm(patch.control_points[1, ..., :2], axis=-1).min() > 1.1
-    assert set(data.faces) == {"outer", "bottom", "top"}
-
-
-def test_shapes_of_the_plane_stay_in_it() -> None:
-    with pytest.raises(InputError, match="a rotation about z"):
-        nurbs_shape(Rectangle((1.0, 1.0)), breaks_of(Rectangle((1.0, 1.0)), (1, 1)), TILTED)
 
 
 @pytest.mark.parametrize(
@@ -221,26 +197,3 @@ def test_wrong_patches_are_refused(change: dict, field: str) -> None:
 def test_wrong_faces_are_refused(patches, faces: dict, field: str) -> None:
     with pytest.raises(InputError, match=field):
         Patches(patches, faces)
-
-
-def test_patches_are_read_from_plain_data() -> None:
-    """As a scene gives them: nested lists of whole or other numbers."""
-    data = {
-        "shape": "patches",
-        "patches": [
-            {"degrees": [1, 1], "knots": [[0, 0, 1, 1]] * 2, "control_points": SQUARE},
-            {
-                "degrees": [1, 1],
-                "knots": [[0, 0, 1, 1]] * 2,
-                "control_points": [[[2, 0], [1, 0]], [[2, 1], [1, 1]]],
-                "weights": [[1, 1], [1, 1]],
-            },
-        ],
-        "faces": {"left": [[0, 0, 0]], "right": [[1, 1, 0]]},
-    }
-    patches = TypeAdapter(Patches).validate_json(json.dumps(data), strict=True)
-    part = body(patches, (2, 2), (2, 2), Placement())
-    assert part.num_scalar_dofs == 4 * 7
-    assert scipy_of(part.mass()).sum() == pytest.approx(2 * STEEL.rho * 2.0)
-    np.testing.assert_allclose(part.surfaces["right"].gauss_points(1).normal, [[1.0, 0.0]] * 2)
-    assert TURNED.apply(patches.patches[0].points).shape == (2, 2, 2)

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from basix import CellType, LagrangeVariant, make_quadrature
 from basix.ufl import element as lagrange
-from mixed_blocks import mixed_blocks
+from mesh_writers import mixed_blocks
 
-from cea.errors import InputError
 from cea.mesh import Mesh, facet_nodes, node_order
 from meshes.files.body import check_elements
 from meshes.files.content import block
-from meshes.files.elements import FACES, KINDS
+from meshes.files.elements import KINDS
 from meshes.files.tetrahedra import completed, tetrahedra
 
 RULE = np.array([0.5 - np.sqrt(15) / 10, 0.5, 0.5 + np.sqrt(15) / 10]), np.array([5, 8, 5]) / 18
@@ -65,32 +64,6 @@ def test_tetrahedra_fill_the_body_and_match_across_faces(order, seed):
     check_elements("tetrahedron", order, made.points, made.cells, made.elements)
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_each_tetrahedron_tells_its_element_and_the_faces_it_lies_on(order):
-    points, blocks = mixed_blocks(order)
-    made = tetrahedra(points, blocks)
-    assert (np.diff(made.elements) >= 0).all()
-    elements = [(b, row) for b in blocks for row in range(len(b))]
-    seen = {}
-    facets = facet_nodes("tetrahedron", order)
-    for cell, element, sides in zip(made.cells, made.elements, made.sides, strict=True):
-        own, row = elements[element]
-        listed = own.nodes[row]
-        for facet, side in zip(facets, sides, strict=True):
-            if side >= 0:
-                corners = made.points[listed[list(FACES[own.cell][side])]]
-                normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
-                off = (made.points[cell[facet]] - corners[0]) @ normal
-                assert np.abs(off).max() < 1e-12
-                seen[element, int(side)] = seen.get((element, int(side)), 0) + 1
-    expected = {
-        (i, side): len(face) - 2
-        for i, (own, _) in enumerate(elements)
-        for side, face in enumerate(FACES[own.cell])
-    }
-    assert seen == expected
-
-
 def test_nodes_that_elements_have_are_kept_and_no_others_double():
     points, blocks = mixed_blocks(2, nodes=[27, 18, 14, 10], move=bent)
     made = tetrahedra(points, blocks)
@@ -102,13 +75,6 @@ def test_nodes_that_elements_have_are_kept_and_no_others_double():
     places = [p[np.unique(c)] for p, c in ((made.points, made.cells), (added.points, added.cells))]
     order = [np.lexsort(np.round(each, 9).T) for each in places]
     np.testing.assert_allclose(places[0][order[0]], places[1][order[1]], rtol=0, atol=1e-14)
-
-
-def test_elements_of_two_orders_are_refused():
-    points, blocks = mixed_blocks(1)
-    _, others = mixed_blocks(2)
-    with pytest.raises(InputError, match="all of order 1 or all of order 2"):
-        tetrahedra(points, [blocks[0], others[1]])
 
 
 def test_neighbours_of_20_and_27_nodes_share_the_middle_of_their_face():

@@ -75,23 +75,6 @@ def test_nodes_of_meshes_lie_on_the_surfaces(shape, elements):
             assert np.abs(distance).max() < (1e-9 if elements is None else 1e-14), name
 
 
-@pytest.mark.parametrize(("shape", "elements"), SHAPES)
-def test_lines_from_middles_of_facets_end_on_the_surfaces(shape, elements):
-    """What is found there is on the surface: a second line from there finds no distance."""
-    placement = IN_PLANE if len(shape.directions) == 2 else PLACED
-    mesh = straight_mesh(shape, elements, placement)
-    for name, surface in true_surfaces(shape, placement).items():
-        facets = mesh.surfaces[name]
-        middle, normal = mesh.points[facets].mean(axis=1), outwards(mesh, facets)
-        aim = normal + 0.2 * RNG.normal(size=normal.shape) / np.sqrt(mesh.dim)
-        aim /= np.linalg.norm(aim, axis=1)[:, None]
-        distance = surface.distance(middle, aim)
-        reached = middle + distance[:, None] * aim
-        if np.abs(distance).max() > 0:  # round: the line did not end at once
-            again = surface.distance(reached, normal)
-            assert np.abs(again).max() < 1e-14, name
-
-
 def test_chords_of_a_circle_leave_it_by_their_sagitta():
     ring = Ring(0.05, 0.08)
     mesh = shape_mesh(ring, "quadrilateral", 1, breaks=breaks_of(ring, (1, 20)))
@@ -130,13 +113,3 @@ def test_normals_are_the_gradients_of_distances(shape, elements):
             change = surface.distance(x + step, n) - surface.distance(x - step, n)
             expected = -2 * (v @ step) / np.einsum("ij,ij->i", v, n)
             np.testing.assert_allclose(change, expected, atol=1e-11)
-
-
-@pytest.mark.parametrize("shape", [shape for shape, _ in SHAPES if isinstance(shape, Crowned)])
-def test_slopes_of_crowns_are_the_gradients_of_their_depths(shape):
-    dim = len(shape.directions)
-    points = np.array([0.08, 0.07, 0.01])[:dim] + 0.02 * RNG.normal(size=(20, dim))
-    slope = shape.slope(points)
-    for axis, step in enumerate(1e-6 * np.eye(dim)):
-        change = (shape.depth(points + step) - shape.depth(points - step)) / 2e-6
-        np.testing.assert_allclose(slope[:, axis], change, atol=1e-8)

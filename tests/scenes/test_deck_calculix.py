@@ -6,7 +6,7 @@ import pytest
 from bodies import lagrange_body
 from deck_scenes import ELEMENTS, ROUND, SLIDING, alone, in_contact
 
-from comparisons.peers import calculix
+from comparisons.bench import ccx
 from scenes import run_modes
 from scenes.building.body_meshes import body_mesh
 from scenes.export.decks.write import write_deck
@@ -47,7 +47,7 @@ def test_calculix_finds_the_same_frequencies(name, supports, tmp_path):
     cell, degree = ELEMENTS[name]
     scene = alone(cell, degree, supports=supports)
     # The last of its list have not always converged, and one may be missing.
-    found = calculix.run(write_deck(scene, tmp_path, 16)[1]).eigenvalues.imag[:8]
+    found = ccx.run(write_deck(scene, tmp_path, 16)[1]).eigenvalues.imag[:8]
     values = ours(scene, MASS[name], 1.01 * found[-1] / (2 * np.pi)).imag
     assert found == pytest.approx(np.sort(values)[:8], rel=1e-8 if supports else 1e-10)
 
@@ -55,7 +55,7 @@ def test_calculix_finds_the_same_frequencies(name, supports, tmp_path):
 def test_calculix_finds_the_same_flutter(tmp_path):
     decks.with_calculix()
     scene = in_contact()
-    found = calculix.run(write_deck(scene, tmp_path, 20)[1])
+    found = ccx.run(write_deck(scene, tmp_path, 20)[1])
     values = ours(scene, 2, 1.01 * found.eigenvalues.imag[-1] / (2 * np.pi))
     (theirs,) = found.eigenvalues[found.eigenvalues.real > 1]
     (own,) = values[values.real > 1]
@@ -67,7 +67,7 @@ def test_friction_pushes_the_pad_as_the_scene_says(tmp_path):
     """No spectrum tells the sign: forces of the static step do."""
     decks.with_calculix()
     deck = write_deck(in_contact(), tmp_path, 4)[1]
-    calculix.run(deck)
+    ccx.run(deck)
     listed = deck.with_suffix(".dat").read_text().split("total surface force")[1].splitlines()
     force = np.array(listed[2].split()[:3], dtype=float)
     middle = np.array([-1.0, 1.0]) / np.sqrt(2)  # circumferential, in the middle of the pad

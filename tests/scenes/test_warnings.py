@@ -1,20 +1,19 @@
 """Results are warned of where they should be, and easy scenes never."""
 
-import csv
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 from covering import covering
 
-from comparisons.accuracy.problems import problem
+from comparisons.accuracy.page import uses
+from comparisons.accuracy.problems import PROBLEMS
+from comparisons.accuracy.study import STUDY
+from comparisons.study.result import read
 from scenes import run_modes
 from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
 from scenes.running.system import coupled
 from scenes.spec.reading import load_scene, read_scene
-
-STUDY = Path(__file__).parents[2] / "comparisons/accuracy/results/uses.csv"
 
 
 def told(scene):
@@ -166,18 +165,18 @@ def contacts_of(name, backend):
 def test_point_rules_are_told_where_the_study_found_them_too_crude(rule):
     """Errors of growth rates of 2 % and more, where the yardstick has less than half of that."""
     crude = 0
-    with STUDY.open() as file:
-        rows = [r for r in csv.DictReader(file) if r["rule"] == rule and r["growth_worst"]]
-    for row in rows:
-        if row["bodies"] not in ("FE 2", "NURBS 2") or _locks(row):
+    rows = uses(read(STUDY.name, STUDY.shipped))
+    rows = rows[(rows["rule"] == rule) & (rows["degree"] == 2) & (rows["growth_worst"] > 0)]
+    for row in rows.to_dict("records"):
+        if _locks(row):
             continue
-        backend = {"FE 2": "fe", "NURBS 2": "iga"}[row["bodies"]]
-        stiffness = float(row["stiffness"]) * problem(row["problem"]).unit
+        backend = row["backend"]
+        stiffness = row["p"] * PROBLEMS[row["problem"]].unit
         scene = load_scene(row["problem"], backend=backend).change(
             {"contacts.interface.formulation": RULES[rule], "contacts.interface.p": stiffness}
         )
         warned = list(point_rule("interface", scene, contacts_of(row["problem"], backend)))
-        if float(row["growth_worst"]) > max(0.02, 2 * float(row["yardstick_growth_worst"])):
+        if row["growth_worst"] > max(0.02, 2 * row["floor"]):
             crude += 1
             assert warned, row
         assert not warned or rule not in ACCURATE, row
@@ -187,8 +186,8 @@ def test_point_rules_are_told_where_the_study_found_them_too_crude(rule):
 def _locks(row):
     """Too many points for stiff, coarse meshes in space: that is another warning."""
     if row["problem"] == "drum_3d":
-        return row["stiffness"] == "1000.0"
-    return row["problem"] == "ring" and row["bodies"] == "FE 2"
+        return row["p"] == 1000.0
+    return row["problem"] == "ring" and row["backend"] == "fe"
 
 
 def test_modes_too_short_for_their_mesh_are_named(backend):

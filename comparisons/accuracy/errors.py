@@ -1,0 +1,117 @@
+"""Errors of lambda against run time: a line of a plot, from the coarsest mesh to the finest."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Complexes, Floats
+from cea.eigen.matching import match_spectrum
+from cea.errors import ConvergenceError, InputError
+from comparisons.accuracy.cases import Method, method_of, refinements, scene_of
+from comparisons.accuracy.exact_lists import exact
+from comparisons.accuracy.problems import PROBLEMS
+from comparisons.study.measure import measured
+from comparisons.study.session import Session
+from comparisons.study.study import Case
+from scenes import run_modes
+from scenes.spec.reading import Scene
+
+REACH = 0.25
+"""Relative distance at which a computed eigenvalue no longer stands for an exact one."""
+SECONDS = 100.0
+"""Most that the runs of one mesh may be expected to take."""
+_DIGITS = 4
+"""Significant digits of run times, memory and errors."""
+
+
+def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
+    """Rows of a line, and what was left out of it with the reason."""
+    runs, omissions = list[dict[str, Any]](), list[dict[str, Any]]()
+    for refinement in refinements(case, session.options):
+        reason = _reason_to_stop(case, refinement, runs, session.options.repeats)
+        if not reason:
+            try:
+                runs.append(measure(case, refinement, session.options.repeats))
+                continue
+            except (ConvergenceError, InputError) as failure:
+                reason = str(failure)
+        omissions.append({"refinement": refinement, "reason": reason})
+        break  # finer meshes would fail or take longer still
+    return {"runs": runs, "omissions": omissions}
+
+
+def _reason_to_stop(case: Case, refinement: int, runs: list[dict[str, Any]], repeats: int) -> str:
+    """Why a mesh is not run: its time grows at least like its elements; "" where it is run."""
+    if not runs:
+        return ""
+    more = (refinement / runs[-1]["refinement"]) ** PROBLEMS[case["problem"]].dim
+    expected = repeats * runs[-1]["seconds"] * more
+    return f"more than {SECONDS:g} s expected for its runs" if expected > SECONDS else ""
+
+
+def measure(case: Case, refinement: int, repeats: int) -> dict[str, Any]:
+    """Measure one mesh of a line.
+
+    Returns
+    -------
+    dict
+        ``refinement``, ``dofs``, ``points``; ``seconds`` of processor time, median of the runs,
+        and of each stage; ``memory``, peak above what the process held before, and
+        ``memory_process`` at the peak (MB); errors of :func:`errors`.
+    """
+    problem, method = PROBLEMS[case["problem"]], method_of(case)
+    _warm_up(case["problem"], method)
+    scene = scene_of(problem, method, refinement, case["p"])
+    taken = [_timed(scene) for _ in range(repeats)]
+    values = exact(case["problem"], case["p"])
+    row = taken[0][0] | errors(taken[0][1], values, problem.band)
+    row |= {name: float(np.median([t[0][name] for t in taken])) for name in taken[0][2]}
+    return {"refinement": refinement} | {
+        name: float(f"{v:.{_DIGITS}g}") if isinstance(v, float) else v for name, v in row.items()
+    }
+
+
+def _timed(scene: Scene) -> tuple[dict[str, Any], Complexes, list[str]]:
+    """A run: its row, its eigenvalues, and which columns are seconds."""
+    with measured() as cost:
+        result = run_modes(scene)
+    stages = result.timer.processor_seconds
+    points = len(next(iter(result.interfaces.values())).points)
+    seconds = {"seconds": sum(stages.values()), **stages}
+    memory = {"memory": cost.memory, "memory_process": cost.peak / 1e6}
+    row = {"dofs": result.system.size, "points": points, **seconds, **memory}
+    return row, result.eigenvalues, list(seconds)
+
+
+@cache
+def _warm_up(problem: str, method: Method) -> None:
+    """Run the coarsest mesh once in a process: it loads or compiles forms and fills caches."""
+    run_modes(scene_of(PROBLEMS[problem], method, 1, 1.0))
+
+
+def errors(computed: Complexes, exact: Complexes, band: tuple[float, float]) -> dict[str, Any]:
+    """Errors over the exact eigenvalues of a band.
+
+    Returns
+    -------
+    dict
+        ``lambda``, ``frequency``, ``growth``, each ``_worst`` and ``_median``, None where modes are
+        missing; ``modes`` listed; numbers of ``missing`` and ``spurious`` eigenvalues.
+    """
+    match = match_spectrum(computed, exact, band, reach=REACH)
+    quantities = {
+        "lambda": match.errors,
+        "frequency": match.frequency_errors,
+        "growth": match.growth_errors,
+    }
+    found: dict[str, Any] = {}
+    for name, values in quantities.items():
+        found[f"{name}_worst"], found[f"{name}_median"] = _summary(values)
+    counts = {"missing": len(match.missing), "spurious": len(match.spurious)}
+    return {"modes": len(match.exact), **found, **counts}
+
+
+def _summary(error: Floats) -> tuple[float | None, float | None]:
+    worst, median = float(error.max(initial=0.0)), float(np.median(error)) if len(error) else 0.0
+    return (worst if np.isfinite(worst) else None, median if np.isfinite(median) else None)

@@ -1,0 +1,313 @@
+"""CalculiX and this program on the same meshes: each body alone, and both in frictional contact.
+
+The meshes are straight tetrahedra of ten nodes, exported by :mod:`scenes.export.decks`. CalculiX
+integrates their mass with the four points of the stiffness, which is not exact; this program is run
+both with that mass, to compare what is the same, and with the exact one, to tell what that costs.
+"""
+
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from cea.arrays import Complexes
+from cea.contact.formulations import Segments
+from cea.eigen.classify import classify, thresholds
+from cea.errors import InputError
+from comparisons.bench import ccx
+from comparisons.bench.ccx import Measured, run_measured
+from comparisons.kit.numbers import counted, decimals, number, shown
+from comparisons.study.columns import Column, wide
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Study
+from scenes.export.decks.bodies import deck_bodies
+from scenes.export.decks.write import write_deck
+from scenes.results.record import read_record, write_record
+from scenes.spec.mesh import FeMesh, MeshSpec
+from scenes.spec.plain import as_data
+from scenes.spec.reading import Scene, load_scene
+from scenes.spec.scene import with_contact
+
+MASS_QUADRATURE = 2
+"""Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""
+MODES = 20
+_WIDER = 1.01
+"""Window of this program over the last frequency of CalculiX."""
+_RIGID = 1e-6
+"""Modes with abs(lambda) below this part of the largest are rigid, and zero but for rounding."""
+PROGRAMS = ("CalculiX", "this program", "exact mass")
+"""CalculiX, this program with the mass of CalculiX, and with the exact one."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the benchmark.
+
+    Parameters
+    ----------
+    meshes
+        Boxes along each direction of each body, six tetrahedra each; a mesh after another.
+    repeats
+        Runs of each program; medians of their times count.
+    """
+
+    meshes: tuple[Mapping[str, tuple[int, ...]], ...] = (
+        {"pad": (3, 5, 2), "disc": (5, 36, 1)},
+        {"pad": (4, 8, 3), "disc": (7, 56, 2)},
+    )
+    repeats: int = 3
+
+    def __post_init__(self) -> None:
+        if self.repeats < 1:
+            raise InputError("repeats", self.repeats, "1 or more")
+
+
+def cases(options: Options) -> Iterator[Case]:
+    """Each body alone, then both in contact, on each mesh."""
+    for mesh in range(1, len(options.meshes) + 1):
+        for problem in ("pad", "disc", "disc_pad"):
+            yield {"problem": problem, "mesh": mesh}
+
+
+def scene(case: Case, options: Options) -> Scene:
+    """Straight quadratic tetrahedra, their contact integrated exactly."""
+    whole, mesh = load_scene("disc_pad", backend="fe"), options.meshes[case["mesh"] - 1]
+    bodies = {
+        name: replace(
+            body,
+            mesh=MeshSpec(fe=FeMesh("tetrahedron", 2, geometry_degree=1, elements=mesh[name])),
+        )
+        for name, body in whole.bodies.items()
+    }
+    name = case["problem"]
+    if name in bodies:
+        return replace(whole, name=name, bodies={name: bodies[name]}, contacts={})
+    return with_contact(replace(whole, bodies=bodies), formulation=Segments())
+
+
+def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
+    """One scene on both programs: modes by rising frequency, unstable ones, what they took."""
+    assert session.scene is not None
+    repeats = range(session.options.repeats)
+    with TemporaryDirectory() as name:
+        folder = Path(name)
+        deck = write_deck(session.scene, folder, MODES)[1]
+        theirs = [ccx.run(deck) for _ in repeats]
+        top = _WIDER * float(theirs[0].eigenvalues[-1].imag) / (2 * np.pi)
+        wide_enough = session.scene.change({"analysis.max_frequency": top})
+        same = [_ours(wide_enough, MASS_QUADRATURE, folder) for _ in repeats]
+        exact, _ = _ours(wide_enough, None, folder)
+    lists = [theirs[0].eigenvalues, *(_eigenvalues(answer) for answer in (same[0][0], exact))]
+    count = min(map(len, lists))
+    found = dict(zip(PROGRAMS, lists, strict=True))
+    areas = _areas(session.scene, theirs[0].area)
+    return {
+        "runs": [{"dofs": exact["dofs"], "calculix": ccx.version(), "area_left_out": areas}],
+        "modes": [
+            {"program": program, "mode": i + 1, **_mode(values[i])}
+            for program, values in found.items()
+            for i in range(count)
+        ],
+        "unstable": [
+            {"program": program, "mode": i + 1, **_mode(value)}
+            for program, values in found.items()
+            for i, value in enumerate(unstable(values))
+        ],
+        "times": [
+            _times("CalculiX", [r.measured for r in theirs], [r.seconds for r in theirs]),
+            _times("this program", [m for _, m in same], [a["seconds"] for a, _ in same]),
+        ],
+    }
+
+
+def _ours(scene: Scene, quadrature: int | None, folder: Path) -> tuple[dict[str, Any], Measured]:
+    """Answer of this program in a process of its own, and what that took."""
+    file = folder / "question.json"
+    write_record({"scene_data": as_data(scene), "mass_quadrature": quadrature}, file)
+    command = [sys.executable, "-m", "comparisons.bench.own", str(file)]
+    measured = run_measured(command, folder, "own.log")
+    return read_record(file), measured
+
+
+def _eigenvalues(answer: Mapping[str, Any]) -> Complexes:
+    values = np.array([complex(*pair) for pair in answer["eigenvalues"]], dtype=complex)
+    return values[np.lexsort((values.real, values.imag))]
+
+
+def _mode(value: complex) -> dict[str, float]:
+    return {"frequency": float(value.imag / (2 * np.pi)), "growth": float(value.real)}
+
+
+def unstable(values: Complexes) -> Complexes:
+    """Modes that grow."""
+    rigid = np.abs(values) <= _RIGID * np.abs(values).max(initial=0.0)
+    words = classify(values.real, 0.0, thresholds(values), False, rigid)
+    return values[np.array(words) == "unstable"]
+
+
+def _areas(scene: Scene, found: float | None) -> float | None:
+    """Part of the area of side a as meshed that CalculiX leaves out; of one contact."""
+    if found is None or len(scene.contacts) != 1:
+        return None
+    (contact,) = scene.contacts.values()
+    body, surface = contact.a.split(".")
+    return deck_bodies(scene)[body].area_of(surface) / found - 1
+
+
+def _times(name: str, runs: list[Measured], solver: list[float]) -> dict[str, Any]:
+    return {
+        "program": name,
+        "clock": median(run.clock for run in runs),
+        "processor": median(run.processor for run in runs),
+        "solver": median(solver),
+        "memory": max(run.memory for run in runs) / 1e6,
+    }
+
+
+_MODE = ["problem", "mesh", "mode"]
+
+
+def beside(result: StudyResult, table: str) -> pd.DataFrame:
+    """Frequency and growth rate of all programs beside each other; a row for each mode."""
+    frame = result.frame(table)
+    if frame.empty:
+        return frame
+    found = frame[_MODE].drop_duplicates()
+    for program in PROGRAMS:
+        own = frame.loc[frame["program"] == program, [*_MODE, "frequency", "growth"]]
+        names = {name: f"{name}, {program}" for name in ("frequency", "growth")}
+        found = found.merge(own.rename(columns=names), on=_MODE, how="left")
+    return found
+
+
+def differences(result: StudyResult) -> pd.DataFrame:
+    """Worst relative difference of the frequencies of both programs, by problem."""
+    frame = result.frame("modes")
+    if frame.empty:
+        return frame
+    modes = wide(frame, _MODE, "program", "frequency")
+    for program in PROGRAMS[1:]:
+        modes[program] = (modes[program] / modes["CalculiX"] - 1).abs()
+    worst = modes.groupby(["problem", "mesh"], sort=False)[[*PROGRAMS[1:]]].max().reset_index()
+    return result.frame().merge(worst, on=["problem", "mesh"])
+
+
+def times(result: StudyResult) -> pd.DataFrame:
+    """What each program took, its processor time also over that of CalculiX."""
+    frame = result.frame("times")
+    if frame.empty:
+        return frame
+    first = frame.groupby(["problem", "mesh"])["processor"].transform("first")
+    return frame.assign(ratio=frame["processor"] / first)
+
+
+def headline(result: StudyResult) -> str | None:
+    """How far the programs are apart, and how many unstable modes each finds."""
+    found = differences(result)
+    if found.empty:
+        return None
+    contact = found["problem"] == "disc_pad"
+    alone, touching = (found.loc[own, PROGRAMS[1]].max() for own in (~contact, contact))
+    modes = result.frame("unstable")
+    counts = [int((modes["program"] == p).sum()) if len(modes) else 0 for p in PROGRAMS[:2]]
+    return (
+        f"CalculiX {found['calculix'][0]} and this program on the same meshes. Frequencies of each "
+        f"body alone differ by {number(alone, 2)} at most, in frictional contact by "
+        f"{number(touching, 2)}; CalculiX finds {counted(counts[0], 'unstable mode')}, this "
+        f"program {counts[1]}."
+    )
+
+
+COLUMNS = {
+    "area_left_out": Column("area left out", show=shown(2)),
+    "this program": Column("same mass", show=shown(2)),
+    "exact mass": Column("exact mass", show=shown(2)),
+    "clock": Column("clock", "s", shown(3)),
+    "processor": Column("processor", "s", shown(3)),
+    "solver": Column("own work", "s", shown(3)),
+    **{
+        f"{name}, {program}": Column(f"{name}, {program}", unit, decimals(4))
+        for name, unit in (("frequency", "Hz"), ("growth", "1/s"))
+        for program in PROGRAMS
+    },
+}
+STUDY = Study(
+    name="bench calculix",
+    title="CalculiX beside this program",
+    options=Options,
+    cases=cases,
+    scene=scene,
+    evaluate=evaluate,
+    quick={"meshes": ({"pad": (2, 3, 1), "disc": (3, 16, 1)},), "repeats": 1},
+    shipped=Path(__file__).parent / "calculix_results",
+    sections=[
+        Section(
+            "Frequencies",
+            "CalculiX integrates the mass of a tetrahedron of ten nodes with the four points of "
+            "its stiffness, exact to degree 2 where products of shape functions have degree 4. "
+            "With the same points in this program the frequencies of a body agree to rounding; "
+            "with the exact mass, which it has otherwise, they are lower, less on finer meshes.",
+            headline,
+            tables=[
+                Table(
+                    "differences",
+                    "Worst relative difference of the first frequencies, with the mass of CalculiX "
+                    "and with the exact one in this program.",
+                    *(differences, COLUMNS),
+                    printed=True,
+                )
+            ],
+        ),
+        Section(
+            "Unstable modes",
+            "CalculiX knows no steady sliding: it takes a point to slip where its friction of the "
+            "static step is beyond the limit in the frequency step. With the same friction in both "
+            "steps that is decided by rounding, many points stick, and unstable modes come out "
+            "stable. The deck has twice the friction in the static step, and changes it to that of "
+            "the scene in the frequency step, where then every point slips. Both programs "
+            "integrate the penalty over pieces that no element boundary of either side crosses; "
+            "CalculiX leaves out the smallest of them, gives points their stick stiffness across "
+            "the direction of slip, and prints complex eigenvalues with seven digits.",
+            tables=[
+                Table(
+                    "unstable",
+                    "Unstable modes of each program.",
+                    *(lambda result: beside(result, "unstable"), COLUMNS),
+                    printed=True,
+                )
+            ],
+        ),
+        Section(
+            "Times",
+            "CalculiX is asked for a number of modes, this program for all modes of a window that "
+            "holds as many. Decks are written before; this program makes meshes anew.",
+            tables=[
+                Table(
+                    "times",
+                    "Whole processes on one thread: by the clock, of the processor, over that of "
+                    "CalculiX; what the program says its own work took by the clock.",
+                    *(times, COLUMNS),
+                    printed=True,
+                )
+            ],
+        ),
+        Section(
+            "Every mode",
+            tables=[
+                Table(
+                    "modes",
+                    "Modes by rising frequency; of a pair, the one that decays comes first.",
+                    *(lambda result: beside(result, "modes"), COLUMNS),
+                )
+            ],
+        ),
+    ],
+)

@@ -1,0 +1,212 @@
+"""Search and assembly of a contact beside evaluating the bases at its points."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from time import process_time
+from typing import Any
+
+import pandas as pd
+
+from cea.contact.assembly import assemble_contact
+from cea.contact.interface import default_reach, pair
+from cea.errors import InputError
+from cea.matrices import destroy
+from cea.timing import StageTimer
+from comparisons.kit.numbers import number, shown
+from comparisons.study.columns import Column, medians
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Process, Study
+from scenes.building.build import build_bodies, build_half_passes
+from scenes.spec.names import backend_name
+from scenes.spec.reading import Scene, read_scene
+
+_FEWER = 0.9
+"""Elements of the lower block along a side, relative to those of the upper: meshes do not match."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the benchmark.
+
+    Parameters
+    ----------
+    elements
+        Elements along each side of the upper block; 250 make a million Gauss points.
+    repeats
+        Measurements of each by turns; medians count.
+    """
+
+    elements: tuple[int, ...] = (40, 126, 250)
+    repeats: int = 1
+
+    def __post_init__(self) -> None:
+        if not self.elements or min(self.elements) < 1:
+            raise InputError("elements", self.elements, "one or more numbers, 1 or more each")
+        if self.repeats < 1:
+            raise InputError("repeats", self.repeats, "1 or more")
+
+
+def cases(options: Options) -> Iterator[Case]:
+    """Every mesh on both backends, by turns."""
+    for repeat in range(options.repeats):
+        for elements in options.elements:
+            for backend in ("fe", "iga"):
+                yield {"backend": backend, "elements": elements, "repeat": repeat}
+
+
+def scene(case: Case, options: Options) -> Scene:
+    """Quadratic blocks with 4 x 4 Gauss points on each face of the upper one."""
+    return blocks(case["backend"], case["elements"], {"method": "gpts", "points": 4})
+
+
+def blocks(backend: str, elements: int, formulation: dict[str, Any]) -> Scene:
+    """A block on a block with friction, one element through the height of each.
+
+    Parameters
+    ----------
+    backend
+        ``fe`` or ``iga``.
+    elements
+        Elements along each side of the upper block.
+    formulation
+        Points of the contact, as in scenes.
+    """
+
+    def block(low: float, along: int) -> dict[str, Any]:
+        counts = [along, along, 1]
+        return {
+            "backend": backend,
+            "geometry": {"shape": "box", "size": [1.0, 1.0, 0.5], "origin": [0.0, 0.0, low]},
+            "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
+            "mesh": {
+                "fe": {"degree": 2, "elements": counts},
+                "iga": {"degree": [2, 2, 2], "elements": counts},
+            },
+        }
+
+    contact = {
+        "a": "upper.z_min",
+        "b": "lower.z_max",
+        "formulation": formulation,
+        "P": 1.0,
+        "mu": 0.3,
+        "friction_direction_on_a": {"vector": [1.0, 0.0, 0.0]},
+    }
+    return read_scene(
+        {
+            "name": "contact of two blocks",
+            "bodies": {
+                "upper": block(0.0, elements),
+                "lower": block(-0.5, max(1, round(_FEWER * elements))),
+            },
+            "contacts": {"contact": contact},
+            "analysis": {"kind": "cea", "max_frequency": 1.0},
+        }
+    )
+
+
+def evaluate(case: Case, session: Session) -> dict[str, float]:
+    """Processor seconds of one contact, stage by stage."""
+    assert session.scene is not None
+    return contact_cost(session.scene)
+
+
+def contact_cost(scene: Scene) -> dict[str, float]:
+    """Processor seconds of the contact of two blocks.
+
+    Returns
+    -------
+    dict
+        Number of ``points``; seconds of ``basis``, values of the basis functions of both sides at
+        the points; ``rule``, points and weights; ``search``, points located on the other side;
+        ``assembly``, gap and slip operators and K_n and K_f, or what stands for them where gaps
+        are projected; ``ratio`` of search and assembly to basis.
+    """
+    bodies = build_bodies(scene, StageTimer())
+    a, b = bodies["upper"].surfaces["z_min"], bodies["lower"].surfaces["z_max"]
+    for body in bodies.values():
+        _ = body.expansion
+    formulation = scene.contacts["contact"].formulation
+    points, rule = _timed(lambda: formulation.points_on(a, b, default_reach(a, b)))
+    interface, search = _timed(lambda: pair(a, b, points))
+    at, opposite = interface.points.at, interface.opposite.at
+    _, basis = _timed(lambda: (a.trace(at), b.trace(opposite)))
+    half = build_half_passes(scene, {"contact": interface})["contact"]
+    contact, operators = _timed(lambda: assemble_contact(bodies, "contact", half))
+    if contact.projection is None:
+        made, matrices = _timed(lambda: (contact.stiffness, contact.friction))
+        destroy(*made)
+    else:
+        compliance, matrices = _timed(lambda: contact.compliance(contact.half.stiffness))
+        destroy(compliance)
+    assembly = operators + matrices
+    ratio = (search + assembly) / basis
+    seconds = {"basis": basis, "rule": rule, "search": search, "assembly": assembly}
+    return {"points": len(points), **seconds, "ratio": ratio}
+
+
+def _timed[T](work: Callable[[], T]) -> tuple[T, float]:
+    """What some work makes, and the processor time it takes (s)."""
+    start = process_time()
+    made = work()
+    return made, process_time() - start
+
+
+def costs(result: StudyResult) -> pd.DataFrame:
+    """Medians for each mesh and backend."""
+    return medians(result.frame())
+
+
+def headline(result: StudyResult) -> str:
+    """What the finest meshes say."""
+    finest = costs(result).groupby("backend", sort=False).last().reset_index().to_dict("records")
+    told = (
+        f"{backend_name(row['backend'])}: {number(row['ratio'], 3)} times as long as evaluating "
+        f"the bases at {number(row['points'])} points"
+        for row in finest
+    )
+    return f"Search and assembly take, {'; '.join(told)}."
+
+
+_STAGES = ("basis", "rule", "search", "assembly")
+COLUMNS = {
+    "elements": Column("elements a side", show=number),
+    **{stage: Column(stage, "s", shown(3)) for stage in _STAGES},
+    "ratio": Column("over basis", show=shown(3)),
+}
+STUDY = Study(
+    name="bench contact",
+    title="Search and assembly of a contact",
+    options=Options,
+    cases=cases,
+    scene=scene,
+    evaluate=evaluate,
+    quick={"elements": (4, 8)},
+    process=Process("comparisons.bench.contact:STUDY", 600.0),
+    sections=[
+        Section(
+            "Contact",
+            "A block on a block with friction, quadratic elements that do not match.",
+            headline,
+            tables=[
+                Table(
+                    "contact",
+                    "Processor time by stage; search and assembly over that of the basis.",
+                    *(costs, COLUMNS),
+                    printed=True,
+                )
+            ],
+            plots=[
+                Plot(
+                    "contact",
+                    "Search and assembly over evaluating the bases.",
+                    *(costs, "points", "ratio", ("backend",)),
+                    log="x",
+                    own=COLUMNS,
+                )
+            ],
+        )
+    ],
+)

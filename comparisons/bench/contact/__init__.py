@@ -1,1 +1,0 @@
-"""What ``cea bench contact`` measures: search and assembly of a contact beside evaluating bases."""

@@ -1,0 +1,214 @@
+"""All modes of a window of matrices from files, beside runs of shift-and-invert by scipy.
+
+What a person would do without this program: five shifts along the imaginary axis of the window, at
+each the eigenvalues nearest to it by ARPACK and SuperLU in complex arithmetic, with no word on what
+lies between them. Two ways: the companion form given to ``eigs`` as it is, 2 n unknowns; and the
+same with the systems reduced to Q(sigma) = sigma^2 M + sigma C + K by hand, n unknowns.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.sparse import block_array, csc_array, eye_array
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
+
+from cea.arrays import Complexes
+from cea.errors import InputError
+from comparisons.kit.numbers import number, shown
+from comparisons.study.columns import Column, medians
+from comparisons.study.measure import measured
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Process, Study
+from scenes import Result
+from scenes.running.matrices import AssembledMatrices
+from scenes.spec.matrices import MatrixScene, load_matrices
+
+SHIFTS = 5
+"""Runs of scipy."""
+WANTED = 20
+"""Eigenvalues of each."""
+_SAME = 1e-6
+"""Relative distance of eigenvalues that are the same."""
+
+Matrices = Mapping[str, Any]
+"""M, C and K, scipy."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the benchmark.
+
+    Parameters
+    ----------
+    scene
+        Scene of matrices with damping: TOML file, or its name.
+    set
+        Override of a field of the scene.
+    data
+        Folder of the files that it names.
+    repeats
+        Runs of each by turns; medians count.
+    """
+
+    scene: str = "tu_berlin"
+    set: tuple[str, ...] = ()
+    data: str | None = None
+    repeats: int = 3
+
+    def __post_init__(self) -> None:
+        if self.repeats < 1:
+            raise InputError("repeats", self.repeats, "1 or more")
+
+
+def loaded(options: Options) -> MatrixScene:
+    """The scene.
+
+    Raises
+    ------
+    InputError
+        Without damping.
+    """
+    scene = load_matrices(options.scene, options.set, options.data)
+    if not scene.damping:
+        raise InputError("damping", {}, "one matrix or more: the race is one of quadratic problems")
+    return scene
+
+
+def cases(options: Options) -> Iterator[Case]:
+    """Every way by turns; labelled with a digest of the files, whose numbers decide."""
+    scene = loaded(options)
+    files = (Path(scene.data, name.partition(":")[0]) for name in scene.files.values())
+    digest = sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()
+    for repeat in range(options.repeats):
+        for way in WAYS:
+            yield {"files": digest[:12], "way": way, "repeat": repeat}
+
+
+@cache
+def _first(options: Options) -> tuple[AssembledMatrices, Result]:
+    """The scene as read, and its modes, once in a process."""
+    assembled = AssembledMatrices(loaded(options))
+    return assembled, assembled.modes()
+
+
+def evaluate(case: Case, session: Session) -> dict[str, Any]:
+    """Seconds of a way, and how many of the modes of this program it finds."""
+    assembled, first = _first(session.options)
+    assembled.free()
+    with measured() as cost:
+        values = WAYS[case["way"]](assembled, first.matrices())
+    apart = np.abs(first.eigenvalues[:, None] - values)
+    found = int((apart.min(axis=1) <= _SAME * np.abs(first.eigenvalues)).sum())
+    return {
+        "seconds": cost.clock,
+        "processor": cost.processor,
+        "found": found,
+        "modes": len(first.eigenvalues),
+    }
+
+
+def _nearest(
+    way: Callable[[Matrices, complex], Complexes],
+) -> Callable[[AssembledMatrices, Matrices], Complexes]:
+    """Eigenvalues nearest to shifts in the middle of equal parts of the window."""
+
+    def nearest(assembled: AssembledMatrices, matrices: Matrices) -> Complexes:
+        top = 2 * np.pi * assembled.scene.window.max_frequency
+        found = []
+        for shift in 1j * top * (np.arange(SHIFTS) + 0.5) / SHIFTS:
+            try:
+                found.append(way(matrices, shift))
+            except ArpackError as error:
+                found.append(np.asarray(getattr(error, "eigenvalues", []), dtype=complex))
+        return np.concatenate(found)
+
+    return nearest
+
+
+def companion(matrices: Matrices, shift: complex) -> Complexes:
+    """Eigenvalues nearest to a shift by the companion form, as it is."""
+    M, C, K = (matrices[name] for name in "MCK")
+    one = eye_array(M.shape[0], format="csc")
+    # Complex matrices: of real ones ARPACK iterates with the real part of the inverse alone.
+    left = block_array([[None, one], [-K, -C]], format="csc", dtype=complex)
+    right = block_array([[one, None], [None, M]], format="csc", dtype=complex)
+    return eigs(left, WANTED, M=right, sigma=shift, return_eigenvectors=False)
+
+
+def reduced(matrices: Matrices, shift: complex) -> Complexes:
+    """Eigenvalues nearest to a shift by the companion form, its systems reduced to Q(shift)."""
+    M, C, K = (matrices[name] for name in "MCK")
+    n = M.shape[0]
+    factors, rest = splu(csc_array(shift**2 * M + shift * C + K)), csc_array(shift * M + C)
+
+    def inverse(z: Complexes) -> Complexes:
+        x, velocity = z[:n], z[n:]
+        moved = factors.solve(-(M @ velocity + rest @ x))
+        return np.concatenate([moved, x + shift * moved])
+
+    operator = LinearOperator((2 * n, 2 * n), matvec=inverse, dtype=complex)
+    return shift + 1 / eigs(operator, WANTED, return_eigenvectors=False)
+
+
+WAYS: Mapping[str, Callable[[AssembledMatrices, Matrices], Complexes]] = {
+    "cea, the whole window": lambda assembled, _: assembled.modes().eigenvalues,
+    f"scipy, {SHIFTS} shifts, Q(sigma) factorised": _nearest(reduced),
+    f"scipy, {SHIFTS} shifts, companion form": _nearest(companion),
+}
+
+
+def seconds(result: StudyResult) -> pd.DataFrame:
+    """Medians of each way, and its processor time over that of this program."""
+    found = medians(result.frame())
+    if found.empty:
+        return found
+    ours = found["processor"][found["way"] == next(iter(WAYS))]
+    return found.drop(columns="files").assign(relative=found["processor"] / ours.iloc[0])
+
+
+def headline(result: StudyResult) -> str:
+    """The window beside the fastest way of scipy."""
+    others = seconds(result).iloc[1:]
+    if others.empty:
+        return "Nothing to compare."
+    return f"The fastest other way takes {number(others['relative'].min())} times as long."
+
+
+COLUMNS = {
+    "seconds": Column("clock", "s", shown(3)),
+    "processor": Column("processor", "s", shown(3)),
+    "found": Column("modes found", show=number),
+    "modes": Column("of", show=number),
+    "relative": Column("of ours", show=shown(3)),
+}
+STUDY = Study(
+    name="bench matrices",
+    title="All modes of a window beside shift-and-invert by scipy",
+    options=Options,
+    cases=cases,
+    evaluate=evaluate,
+    process=Process("comparisons.bench.matrices:STUDY", 3600.0),
+    sections=[
+        Section(
+            "Seconds",
+            headline=headline,
+            tables=[
+                Table(
+                    "race",
+                    "Medians of runs by turns in one process.",
+                    seconds,
+                    COLUMNS,
+                    printed=True,
+                )
+            ],
+        )
+    ],
+)

@@ -1,0 +1,197 @@
+"""Ways to the eigenvalues of a window: this driver, SLEPc alone, scipy, projection on real modes.
+
+The last is what most programs of industry do: the pencil with friction is projected on the lowest
+modes of its symmetric part and solved densely.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eig
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import eigs
+
+from cea.arrays import Complexes, Floats
+from cea.eigen.blocks import image_of
+from cea.eigen.driver import solve_modes
+from cea.eigen.pencil import Pencil
+from cea.errors import InputError
+from cea.matrices import dense, destroy, local_part
+from cea.petsc import PETSc, SLEPc
+from cea.timing import StageTimer
+from scenes.running.system import coupled
+from scenes.spec.reading import Scene
+
+TOLERANCE = 1e-12
+
+
+@dataclass(frozen=True)
+class Problem:
+    """K x = kappa M x with K = S - F, and what is asked of a method.
+
+    Parameters
+    ----------
+    pencil
+        What this program's driver takes.
+    stiffness, mass, friction
+        S, M and F, PETSc AIJ.
+    top
+        End of the window, of kappa = -lambda^2 (1/s^2).
+    """
+
+    pencil: Pencil
+    stiffness: Any
+    mass: Any
+    friction: Any
+    top: float
+
+    @classmethod
+    def of(cls, scene: Scene) -> "Problem":
+        """Matrices of a scene with friction in penalty form, without damping."""
+        pencil = coupled(scene)[0].pencil()
+        matrices = pencil.at()
+        if matrices.multipliers is not None or matrices.unsymmetric is None or matrices.quadratic:
+            raise InputError("scene", scene.name, "a penalty with friction, without damping")
+        assert scene.analysis.kind == "cea"
+        top = (2 * np.pi * scene.analysis.max_frequency) ** 2
+        friction = matrices.unsymmetric.copy()
+        friction.scale(-1.0)
+        return cls(pencil, matrices.stiffness, matrices.mass, friction, top)
+
+    @property
+    def shift(self) -> float:
+        """The middle of the window, where every method that shifts does so."""
+        return 0.5 * self.top
+
+    def unsymmetric(self, shift: float = 0.0) -> Any:
+        """K - shift M, a new matrix."""
+        K = self.stiffness.copy()
+        for factor, matrix in ((-1.0, self.friction), (-shift, self.mass)):
+            if factor:
+                K.axpy(factor, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+        return K
+
+
+@dataclass(frozen=True)
+class Answer:
+    """Eigenvalues of K x = kappa M x.
+
+    Parameters
+    ----------
+    kappa
+        Eigenvalues (1/s^2), those of conjugate pairs both, shape (n,).
+    vectors
+        Their vectors, the rows of this rank, shape (n_local, n).
+    claims
+        What the method says of itself.
+    stages
+        Processor seconds of its stages on this rank, where it tells.
+    """
+
+    kappa: Complexes
+    vectors: Complexes
+    claims: str = ""
+    stages: Mapping[str, float] = field(default_factory=dict)
+
+    def inside(self, top: float) -> "Answer":
+        """Those up to the end of a window."""
+        kept = np.abs(np.sqrt(-self.kappa.astype(complex)).imag) <= np.sqrt(top)
+        return Answer(self.kappa[kept], self.vectors[:, kept], self.claims, self.stages)
+
+
+def backward_errors(problem: Problem, found: Answer) -> Floats:
+    """|K x - kappa M x| / |kappa M x| of each pair, in the Euclidean norm."""
+    comm = problem.mass.comm.tompi4py()
+    K = problem.unsymmetric()
+    stiff, heavy = (
+        image_of(matrix, found.vectors.real) + 1j * image_of(matrix, found.vectors.imag)
+        for matrix in (K, problem.mass)
+    )
+    destroy(K)
+    heavy = heavy * found.kappa
+    norms = (np.sum(np.abs(part) ** 2, axis=0) for part in (stiff - heavy, heavy))
+    defect, size = (np.sqrt(comm.allreduce(part)) for part in norms)
+    return np.asarray(defect / size)
+
+
+def this_driver(problem: Problem, wanted: int) -> Answer:
+    """All modes of the window, with what shows that they are all."""
+    timer = StageTimer()
+    modes = solve_modes(problem.pencil, np.sqrt(problem.top) / (2 * np.pi), timer=timer)
+    window = modes.window
+    claims = "complete" if window.bounded else f"complete to a growth of {window.max_growth:.3g}"
+    return Answer(-(modes.eigenvalues**2), modes.vectors, claims, dict(timer.processor_seconds))
+
+
+def slepc(problem: Problem, wanted: int) -> Answer:
+    """Krylov-Schur of SLEPc with MUMPS, used as its manual shows."""
+    pencil = problem.unsymmetric(), problem.mass
+    return _krylov_schur(pencil, SLEPc.EPS.ProblemType.PGNHEP, problem.shift, wanted)
+
+
+def arpack(problem: Problem, wanted: int) -> Answer:
+    """ARPACK and SuperLU, through scipy; on one rank."""
+    K, M = (csc_array(local_part(m)) for m in (problem.unsymmetric(), problem.mass))
+    kappa, vectors = eigs(K, wanted, M=M, sigma=problem.shift)
+    return Answer(kappa, vectors, "nearest to the shift")
+
+
+def projection(problem: Problem, wanted: int, count: int) -> Answer:
+    """Every eigenvalue of the pencil projected on so many modes of its symmetric part."""
+    pencil = problem.stiffness, problem.mass
+    modes = _krylov_schur(pencil, SLEPc.EPS.ProblemType.GHEP, 0.0, count)
+    basis = np.asfortranarray(modes.vectors[:, :count].real)  # some more may have converged
+    K, M = (_projected(matrix, basis) for matrix in (problem.unsymmetric(), problem.mass))
+    kappa, vectors = eig(K, M)
+    return Answer(kappa, basis @ vectors, f"on {basis.shape[1]} real modes")
+
+
+OURS = "this driver"
+SERIAL = "scipy eigs, SuperLU"
+METHODS: Mapping[str, Callable[[Problem, int], Answer]] = {
+    OURS: this_driver,
+    "SLEPc Krylov-Schur": slepc,
+    SERIAL: arpack,
+    **{f"{n} real modes": partial(projection, count=n) for n in (100, 200, 300)},
+}
+"""Methods by name: each takes a problem and how many eigenvalues of the window there are."""
+
+
+def _projected(matrix: Any, basis: Floats) -> Floats:
+    """Products of a basis, the rows of this rank, with its image."""
+    right = dense(basis, matrix.getSizes()[0], matrix.comm)
+    image = matrix.matMult(right)
+    product: Floats = matrix.comm.tompi4py().allreduce(basis.T @ image.getDenseArray())
+    destroy(right, image)
+    return product
+
+
+def _krylov_schur(pencil: tuple[Any, Any], kind: Any, shift: float, count: int) -> Answer:
+    """Eigenpairs nearest to a shift; SLEPc lists both of a conjugate pair."""
+    solver: Any = SLEPc.EPS().create(pencil[1].comm)
+    solver.setOperators(*pencil)
+    solver.setProblemType(kind)
+    solver.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
+    solver.setDimensions(nev=count)
+    solver.setTolerances(tol=TOLERANCE)
+    solver.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+    solver.setTarget(shift)
+    transform = solver.getST()
+    transform.setType(SLEPc.ST.Type.SINVERT)
+    inner = transform.getKSP()
+    inner.setType(PETSc.KSP.Type.PREONLY)
+    symmetric = kind == SLEPc.EPS.ProblemType.GHEP
+    inner.getPC().setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
+    inner.getPC().setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+    solver.solve()
+    real, imaginary = pencil[1].createVecs()
+    count = solver.getConverged()
+    kappa = np.empty(count, dtype=complex)
+    vectors = np.empty((real.getLocalSize(), count), dtype=complex, order="F")
+    for i in range(count):
+        kappa[i] = solver.getEigenpair(i, real, imaginary)
+        vectors[:, i] = real.array_r + 1j * imaginary.array_r
+    return Answer(kappa, vectors, "nearest to the shift")

@@ -1,1 +1,0 @@
-"""What more unknowns, higher degrees and more ranks cost: `cea bench scaling`."""

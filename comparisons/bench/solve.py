@@ -1,0 +1,297 @@
+"""Eigenvalues of one window by several methods: time, memory, error.
+
+Each method also counts its seconds in numeric factorisations (LU) at the shift that all of them
+use, made in the same process: how fast the machine happens to be then cancels.
+"""
+
+from collections.abc import Iterator, Mapping
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import linear_sum_assignment
+
+from cea.arrays import Complexes
+from cea.eigen.classify import classify, thresholds
+from cea.errors import InputError
+from cea.heap import plain_heap
+from cea.matrices import destroy
+from cea.petsc import MPI, PETSc
+from comparisons.bench.methods import METHODS, OURS, SERIAL, Problem, backward_errors
+from comparisons.kit.numbers import counted, number, shown
+from comparisons.study.columns import Column, medians
+from comparisons.study.measure import limit_memory, measured
+from comparisons.study.result import StudyResult
+from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.session import Session
+from comparisons.study.study import Case, Process, Study
+from scenes.spec.reading import Scene, load_scene
+
+SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
+    "tiny": {"pad": (2, 3, 1), "disc": (3, 16, 1)},
+    "small": {"pad": (4, 7, 2), "disc": (6, 36, 1)},
+    "medium": {"pad": (7, 12, 4), "disc": (9, 60, 2)},
+    "large": {"pad": (9, 16, 5), "disc": (16, 120, 3)},
+    "million": {"pad": (16, 28, 9), "disc": (30, 222, 5)},
+}
+"""Boxes of each body along r, theta and z, six quadratic tetrahedra each."""
+MAX_FREQUENCY = 27e3
+"""End of the window (Hz)."""
+_EVENTS = {
+    "factorisations": ("MatLUFactorNum", "MatCholFctrNum"),
+    "solves": ("MatSolve", "MatSolveTranspos"),
+    "blocks": ("MatMatSolve", "MatMatTrSolve"),
+}
+"""What PETSc counts, by its own names."""
+_ROUNDING = 1e-16
+"""Where errors of nothing are drawn."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """Options of the benchmark.
+
+    Parameters
+    ----------
+    size
+        Mesh: tiny, small, medium, large or million.
+    ranks
+        Ranks of each method.
+    repeats
+        Runs of each by turns; medians count.
+    memory
+        Most memory of each rank (10^9 bytes), as addresses: what asks for more fails.
+    """
+
+    size: str = "medium"
+    ranks: int = 1
+    repeats: int = 1
+    memory: float = 8.0
+
+    def __post_init__(self) -> None:
+        for name in ("ranks", "repeats"):
+            if getattr(self, name) < 1:
+                raise InputError(name, getattr(self, name), "1 or more")
+        if not self.memory > 0:
+            raise InputError("memory", self.memory, "a positive number")
+        if self.size not in SIZES:
+            raise InputError("size", self.size, f"one of {', '.join(SIZES)}")
+
+
+def cases(options: Options) -> Iterator[Case]:
+    """Every method by turns."""
+    for repeat in range(options.repeats):
+        for method in METHODS:
+            yield {"method": method, "ranks": options.ranks, "repeat": repeat}
+
+
+def scene(case: Case, options: Options) -> Scene:
+    """Disc and pad on quadratic tetrahedra."""
+    changes: dict[str, Any] = {"analysis.max_frequency": MAX_FREQUENCY}
+    for body, boxes in SIZES[options.size].items():
+        changes[f"bodies.{body}.mesh.fe.cell"] = "tetrahedron"
+        changes[f"bodies.{body}.mesh.fe.elements"] = list(boxes)
+    return load_scene("disc_pad", backend="fe").change(changes)
+
+
+@cache
+def _problem(options: Options) -> Problem:
+    """The matrices, assembled once in a process."""
+    PETSc.Log.begin()
+    return Problem.of(scene({}, options))
+
+
+@cache
+def _wanted(options: Options) -> int:
+    """How many eigenvalues the window holds, which other methods must be told."""
+    problem = _problem(options)
+    return len(METHODS[OURS](problem, 0).inside(problem.top).kappa)
+
+
+def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
+    """Run a method and measure it: its row, its eigenvalues, and its stages where it tells."""
+    options, comm, name = session.options, MPI.COMM_WORLD, case["method"]
+    if name == SERIAL and comm.size > 1:
+        raise InputError("ranks", comm.size, "1: scipy runs on one")
+    limit_memory(1e9 * options.memory)
+    problem = _problem(options)
+    wanted = 0 if name == OURS else _wanted(options)
+    counted_before = _counts()
+    # Other methods have the heap that they are used to, this program the one that it sets.
+    with measured() as cost, nullcontext() if name == OURS else plain_heap():
+        found = METHODS[name](problem, wanted)
+    counts = {event: n - counted_before[event] or None for event, n in _counts().items()}
+    found = found.inside(problem.top)
+    processor, lu = comm.allreduce(cost.processor), comm.allreduce(lu_seconds(problem))
+    errors = backward_errors(problem, found)
+    row = {
+        "unknowns": int(problem.mass.getSize()[0]),
+        "clock": comm.allreduce(cost.clock, MPI.MAX),
+        "processor": processor,
+        "factorisations_worth": processor / lu,
+        **counts,
+        "memory": comm.allreduce(cost.memory or 0.0),
+        "eigenvalues": len(found.kappa),
+        "unstable": unstable(found.kappa),
+        "backward": float(errors.max()),
+        "claims": found.claims,
+    }
+    stages = {stage: comm.allreduce(seconds) for stage, seconds in found.stages.items() if seconds}
+    return {
+        "runs": [row],
+        "eigenvalues": [{"re": k.real, "im": k.imag} for k in found.kappa],
+        "stages": [
+            {"stage": stage, "processor": seconds, "factorisations_worth": seconds / lu}
+            for stage, seconds in stages.items()
+        ],
+    }
+
+
+def lu_seconds(problem: Problem) -> float:
+    """Processor seconds of a numeric factorisation at the shift on this rank, its order known.
+
+    In memory that is new to it, as that of the first factorisation of a run is.
+    """
+    matrix = problem.unsymmetric(problem.shift)
+    with plain_heap():
+        pc: Any = PETSc.PC().create(matrix.comm)
+        pc.setOperators(matrix)
+        pc.setType(PETSc.PC.Type.LU)
+        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+        pc.setUp()
+        matrix.stateIncrease()  # a matrix that was touched is factorised anew
+        pc.setOperators(matrix)
+        with measured() as cost:
+            pc.setUp()
+    destroy(pc, matrix)
+    return cost.processor
+
+
+def unstable(kappa: Complexes) -> int:
+    """How many modes grow."""
+    speeds = np.sqrt(-kappa.astype(complex))
+    speeds = np.where(speeds.imag < 0, -speeds, speeds)
+    return classify(speeds.real, 0.0, thresholds(speeds), False).count("unstable")
+
+
+def _counts() -> dict[str, int]:
+    """How often PETSc factorised and solved so far."""
+    return {
+        name: sum(int(PETSc.Log.Event(event).getPerfInfo()["count"]) for event in events)
+        for name, events in _EVENTS.items()
+    }
+
+
+def errors_of(found: Complexes, exact: Complexes) -> tuple[list[float], int]:
+    """Relative errors of eigenvalues, each paired with an exact one, and how many have no pair."""
+    cost = np.abs(found[:, None] - exact) / np.abs(exact)
+    rows, columns = linear_sum_assignment(cost)
+    return cost[rows, columns].tolist(), len(exact) - len(columns)
+
+
+def methods(result: StudyResult) -> pd.DataFrame:
+    """Medians of each method, and errors of its eigenvalues against the tightest answer."""
+    runs = medians(result.frame())
+    if runs.empty:
+        return runs
+    values = result.frame("eigenvalues").query("repeat == repeat.min()")
+    kappa = {
+        name: (own["re"] + 1j * own["im"]).to_numpy() for name, own in values.groupby("method")
+    }
+    exact = kappa[tightest(result)]
+    found = [errors_of(kappa[name], exact) for name in runs["method"]]
+    runs["median"] = [float(np.median(errors)) for errors, _ in found]
+    runs["worst"] = [max(errors) for errors, _ in found]
+    runs["missing"] = [missing for _, missing in found]
+    return runs
+
+
+def drawn(result: StudyResult) -> pd.DataFrame:
+    """Worst errors as they are drawn."""
+    found = methods(result)
+    return found if found.empty else found.assign(worst=found["worst"].clip(_ROUNDING))
+
+
+def tightest(result: StudyResult) -> str:
+    """The method whose largest backward error is the least."""
+    runs = result.frame()
+    return str(runs.loc[runs["backward"].idxmin(), "method"])
+
+
+def headline(result: StudyResult) -> str:
+    """Time and worst error of each method."""
+    found = methods(result).to_dict("records")
+    if not found:
+        return "No method came to an end."
+    told = (
+        f"{row['method']}: {number(row['processor'], 3)} s "
+        f"({number(row['factorisations_worth'], 3)} LU), worst error {number(row['worst'], 2)}"
+        for row in found
+    )
+    return f"{counted(found[0]['unknowns'], 'unknown')}. {'; '.join(told)}."
+
+
+COLUMNS = {
+    "unknowns": Column("unknowns", show=number),
+    "clock": Column("clock", "s", shown(3)),
+    "processor": Column("processor", "s", shown(3)),
+    "factorisations_worth": Column("time", "LU", shown(3)),
+    "factorisations": Column("factorised", show=number),
+    "solves": Column("solves", show=number),
+    "blocks": Column("of blocks", show=number),
+    "backward": Column("backward error", show=shown(2)),
+    "median": Column("error, median", show=shown(2)),
+    "worst": Column("worst error of λ²", show=shown(2)),
+}
+STUDY = Study(
+    name="bench solve",
+    title="Eigenvalues of a window beside other methods",
+    options=Options,
+    cases=cases,
+    scene=scene,
+    evaluate=evaluate,
+    quick={"size": "tiny"},
+    process=Process("comparisons.bench.solve:STUDY", 3600.0, ranks=lambda case: case["ranks"]),
+    sections=[
+        Section(
+            "Methods",
+            headline=headline,
+            tables=[
+                Table(
+                    "methods",
+                    "Processor time of all ranks, medians, also in numeric factorisations (LU) at "
+                    "the common shift; what PETSc counted; peak memory of all ranks above that of "
+                    "the matrices; errors of the eigenvalues (λ², relative) against the answer "
+                    "with the smallest backward error.",
+                    *(methods, COLUMNS),
+                    printed=True,
+                ),
+                Table(
+                    "stages",
+                    "Processor time by stage.",
+                    lambda result: medians(result.frame("stages").pipe(_stages)),
+                    COLUMNS,
+                ),
+            ],
+            plots=[
+                Plot(
+                    "error_against_time",
+                    "Worst error of each method over its processor time.",
+                    *(drawn, "processor", "worst", ("method",)),
+                    log="xy",
+                    own=COLUMNS,
+                    style="markers",
+                )
+            ],
+        )
+    ],
+)
+
+
+def _stages(frame: pd.DataFrame) -> pd.DataFrame:
+    """Stages before repeats, over which medians are taken."""
+    first = ["method", "stage", "repeat"]
+    return frame if frame.empty else frame[[*first, *frame.columns.difference(first)]]

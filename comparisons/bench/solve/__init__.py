@@ -1,1 +1,0 @@
-"""The eigenvalue driver beside other methods on the same matrices: `cea bench solve`."""

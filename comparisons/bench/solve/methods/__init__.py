@@ -1,1 +1,0 @@
-"""Ways to the eigenvalues of a window, a file each; each runs in a process of its own."""

@@ -1,1 +1,0 @@
-"""CalculiX beside this program on the same meshes: `cea bench calculix`."""

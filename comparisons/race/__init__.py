@@ -1,1 +1,0 @@
-"""Run time beside shift-and-invert by scipy: `cea bench matrices`."""

@@ -1,0 +1,73 @@
+"""Seconds and memory of a block of work in this process."""
+
+import gc
+import re
+import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter, process_time
+
+from cea.heap import give_back
+
+_PROCESS = Path("/proc/self")
+_RESET_PEAK = "5"
+"""What clears the high-water mark of resident memory: proc(5), clear_refs."""
+
+
+@dataclass
+class Cost:
+    """What a block of work took on this rank.
+
+    Parameters
+    ----------
+    clock, processor
+        Seconds by the clock, and of the processor: other work does not lengthen these.
+    before, peak
+        Resident memory before it, freed memory given back, and at most (bytes); 0 where the
+        system does not tell.
+    """
+
+    clock: float = 0.0
+    processor: float = 0.0
+    before: int = 0
+    peak: int = 0
+
+    @property
+    def memory(self) -> float | None:
+        """Peak above what the process held before (MB); None where the system does not tell."""
+        return (self.peak - self.before) / 1e6 if self.before else None
+
+
+@contextmanager
+def measured() -> Iterator[Cost]:
+    """Measure the block: its cost is known when it ends."""
+    gc.collect()
+    give_back()
+    try:
+        (_PROCESS / "clear_refs").write_text(_RESET_PEAK, encoding="ascii")
+    except OSError:
+        cost = Cost()
+    else:
+        cost = Cost(before=_memory("VmRSS"))
+    clock, processor = perf_counter(), process_time()
+    yield cost
+    cost.clock, cost.processor = perf_counter() - clock, process_time() - processor
+    cost.peak = _memory("VmHWM")
+
+
+def limit_memory(size: float) -> None:
+    """Refuse this process more than so many bytes of addresses: what needs more fails."""
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (int(size), most))
+
+
+def _memory(field: str) -> int:
+    """A field of the status of this process (bytes); 0 where there is none."""
+    try:
+        status = (_PROCESS / "status").read_text(encoding="utf-8")
+    except OSError:
+        return 0
+    found = re.search(rf"^{field}:\s+(\d+)", status, re.MULTILINE)
+    return 1024 * int(found.group(1)) if found else 0

@@ -1,0 +1,58 @@
+"""Random pencils agree with dense eigenvalues, every copy counted, verdicts and errors too."""
+
+from functools import partial
+
+import pytest
+import random_runs
+
+from cea.eigen import driver
+from cea.eigen.krylov_schur import KrylovOptions
+
+
+def check(kind, seeds):
+    """Nothing is wrong, nothing but graded pencils is refused, and little is left open."""
+    outcomes = random_runs.judged(seeds, getattr(random_runs, f"{kind}_outcome"))
+    assert sum(outcome.modes for outcome in outcomes) > len(seeds)
+    graded = kind.startswith("graded")
+    assert graded or not any(outcome.refused for outcome in outcomes)
+    known = [o for o in outcomes if o.refused is None and o.complete and not o.undecided]
+    assert not graded or len(known) > 0.95 * len(outcomes)
+
+
+slow = partial(pytest.param, marks=pytest.mark.slow)
+
+
+@pytest.mark.parametrize(
+    ("kind", "seeds"),
+    [
+        ("matrix", range(12)),
+        ("quadratic", range(12)),
+        ("quadratic", (226, 496, 939)),  # lambda of free motions is zero to the last digit
+        ("low_rank", range(8)),
+        ("graded", range(20)),
+        ("graded_damped", range(6)),
+        slow("matrix", range(1000)),
+        slow("quadratic", range(1000)),
+        slow("low_rank", range(500)),
+        slow("graded", range(1000)),
+        slow("graded_damped", range(300)),
+    ],
+)
+def test_lapack_tells_all_of_small_ones(kind, seeds):
+    check(kind, seeds)
+
+
+@pytest.mark.parametrize(
+    ("kind", "seeds"),
+    [
+        ("matrix", (19, 27, 32, 47, 59, 109, 410, 516)),  # more copies than a block has columns
+        ("quadratic", range(6)),
+        slow("matrix", range(300)),
+        slow("quadratic", range(300)),
+        slow("low_rank", range(150)),
+    ],
+)
+def test_krylov_spaces_find_all_of_them_too(kind, seeds, monkeypatch):
+    """Searched as large systems are."""
+    monkeypatch.setattr(driver, "KrylovOptions", lambda: KrylovOptions(dense_limit=0))
+    check(kind, seeds)
