@@ -16,7 +16,6 @@ from scenes.spec.body import BodySpec
 from scenes.spec.contact_checks import contact_checks, fault_of, unknown_surface
 from scenes.spec.load import LoadSpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.rotation_checks import rotation_checks
 from scenes.spec.scene import SceneSpec
 from scenes.spec.sizes import MAX_ELEMENTS, box_lengths, dofs_of
 
@@ -129,7 +128,10 @@ def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     yield from fault_of(body.placement.check, dim, f"{place}.placement")
     for i, support in enumerate(body.supports):
         yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
-    yield from rotation_checks(place, body)
+    if body.rotation is not None:
+        from scenes.spec.rotation_checks import rotation_checks
+
+        yield from rotation_checks(place, body, body.rotation)
     for i, spring in enumerate(body.springs):
         if len(spring.stiffness) != dim:
             allowed = f"{dim} values (N/m^3), one for each component"

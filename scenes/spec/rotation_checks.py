@@ -19,11 +19,9 @@ _ASIDE = 1e-9
 _ALIKE = "alike all round the axis of the rotation where a body that rotates is damped"
 
 
-def rotation_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+def rotation_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable[InputError]:
     """Rotations that do not leave a body as it is, and what does not suit them."""
-    rotation, shape = body.rotation, body.geometry.shape
-    if rotation is None:
-        return
+    shape = body.geometry.shape
     dim = len(body.geometry.directions)
     yield from fault_of(rotation.check, dim, f"{place}.rotation")
     if shape not in _AXISYMMETRIC:
