@@ -19,8 +19,7 @@ from scenes.checking.steady import kept_state_warning
 from scenes.results.result import Result
 from scenes.running.following import FollowedState
 from scenes.running.modes import result_of_modes, run_modes, solved
-from scenes.running.parameter_changes import at_parameters, parameters_changed
-from scenes.running.swept import parameters_meant
+from scenes.running.swept import at_parameters, parameters_changed, parameters_meant
 from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.reading import Scene

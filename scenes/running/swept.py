@@ -1,11 +1,20 @@
-"""Scenes whose parameters are swept: which parameters of a pencil a name means."""
+"""Parameters of a pencil and fields of its scene: names that mean them, changes that they make.
+
+A field is a parameter of an assembled pencil where that has one by its path, with the value that
+the scene had: all of it that the field reaches is then a coefficient. What else differs between two
+scenes makes another pencil, but for what each solve and each record takes from its own scene.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import isfinite
+from dataclasses import replace
+from math import isclose, isfinite
+from typing import Any
 
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
+from scenes.building.made_of import differences
 from scenes.spec.contact import ContactSpec
+from scenes.spec.reading import Scene
 
 _SHORT = {
     "mu": "contacts.*.mu",
@@ -79,3 +88,77 @@ def no_two_alike(groups: Sequence[Iterable[str]], names: Sequence[str]) -> None:
             if each in seen:
                 raise InputError("axis", name, f"other parameters than {seen[each]}: {each}")
             seen[each] = name
+
+
+_OF_EACH_SOLVE = (
+    *("analysis.max_frequency", "analysis.min_growth", "analysis.growth_threshold"),
+    *("name", "description", "output.pictures", "output.paraview"),
+)
+"""Fields that no piece of a pencil is made of; one that is missing here costs an assembly."""
+_ROUNDING = 1e-12
+"""Of a parameter that is a sum over points, relative to the field it stands for."""
+
+
+def parameters_changed(pencil: Pencil, old: Scene, new: Scene) -> dict[str, float] | None:
+    """Parameters of a pencil at which it is that of another scene."""
+    values: dict[str, float] = {}
+    old, new = _in_factors(old, old.bodies), _in_factors(new, new.bodies)
+    for path, before, after in differences(old, new):
+        if path in _OF_EACH_SOLVE:
+            continue
+        if not (_stands_for(pencil, path, before) and isinstance(after, float)):
+            return None
+        values[path] = after
+    return values
+
+
+def _stands_for(pencil: Pencil, path: str, value: Any) -> bool:
+    """Whether a pencil has a parameter for a field, which has this value."""
+    parameter = pencil.parameters.get(path)
+    if parameter is None or not isinstance(value, float):
+        return False
+    return isclose(parameter.value, value, rel_tol=_ROUNDING)
+
+
+def _in_factors(scene: Scene, names: Iterable[str]) -> Scene:
+    """A scene in which the Rayleigh damping of some bodies is given by factors."""
+    bodies = dict(scene.bodies)
+    for name in names:
+        body = bodies[name]
+        if body.damping is not None:
+            bodies[name] = replace(body, damping=body.damping.in_factors)
+    return replace(scene, bodies=bodies)
+
+
+def at_parameters(scene: Scene, pencil: Pencil, values: Mapping[str, float]) -> Scene:
+    """The scene whose pencil is that of another one at some parameters."""
+    scene = _in_factors(scene, {path.split(".")[1] for path in values if ".damping." in path})
+    changes: dict[str, Any] = {}
+    for name, value in values.items():
+        own, field, of_p = pencil.parameter(name).value, _field(scene, name), f"{name[:-1]}p"
+        if field is not None:
+            changes[name] = _scaled(field, value, own)
+        elif isinstance(p := _field(scene, of_p), float):
+            changes |= {name: value, of_p: None}
+        else:
+            changes[of_p] = _scaled(p, value, own)
+    return scene.change(changes)
+
+
+def _scaled(field: Any, value: float, own: float) -> Any:
+    """A field where its parameter has another value than its own."""
+    if own == 0 or isinstance(field, float):
+        return value
+    factor = value / own
+    return (
+        [factor * each for each in field] if isinstance(field, tuple) else f"{factor!r}*({field})"
+    )
+
+
+def _field(scene: Scene, path: str) -> Any:
+    """Value of a field of a body or a contact."""
+    section, name, *fields = path.split(".")
+    found: Any = getattr(scene, section)[name]
+    for field in fields:
+        found = getattr(found, field)
+    return found

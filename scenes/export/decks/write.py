@@ -17,9 +17,8 @@ from cea.ranks import made_on_first
 from meshes.mesh_file import MeshFile
 from scenes.building.body_meshes import used_surfaces
 from scenes.export.decks.abaqus import abaqus_text
-from scenes.export.decks.bodies import DeckBody, deck_bodies, set_name
+from scenes.export.decks.bodies import ELEMENTS, DeckBody, deck_bodies, set_name
 from scenes.export.decks.calculix import calculix_text
-from scenes.export.decks.elements import ELEMENTS
 from scenes.export.decks.model import model_text
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
