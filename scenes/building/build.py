@@ -1,13 +1,19 @@
-"""Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it."""
+"""Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it.
+
+A builder of a body or of contact points is given all that these are made of and nothing else of the
+scene, so that scenes in which it is equal have the same bodies, or points.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body, Space
+from cea.contact.formulations import Formulation
 from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.half_pass import HalfPass
 from cea.contact.interface import Interface, default_reach, pair
@@ -24,15 +30,70 @@ from cea.system.coupled import CoupledSystem
 from cea.system.coupling import couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
+from meshes.mesh_file import MeshFile
 from meshes.true_surfaces import true_surfaces
-from scenes.building.body_meshes import body_mesh
-from scenes.building.made_of import Built, PointParts, body_parts, point_parts
+from scenes.building.body_meshes import body_mesh, used_surfaces
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.load import LoadSpec
 from scenes.spec.mesh import IgaMesh
 from scenes.spec.motion import SlidingSpec
 from scenes.spec.reading import Scene
+from scenes.spec.scene import SceneSpec
+
+
+@dataclass(frozen=True)
+class BodyParts:
+    """What a body is made of."""
+
+    spec: BodySpec
+    loads: tuple[LoadSpec, ...] = ()
+    surfaces: tuple[str, ...] = ()
+
+
+def body_parts(scene: SceneSpec, name: str) -> BodyParts:
+    """What a body of a scene is made of."""
+    spec = scene.bodies[name]
+    of_file = isinstance(spec.geometry, MeshFile)
+    return BodyParts(
+        replace(spec, damping=None, rotation=None),
+        tuple(load for load in scene.loads if load.on == name),
+        tuple(used_surfaces(scene, name)) if of_file else (),
+    )
+
+
+@dataclass(frozen=True)
+class PointParts:
+    """What the contact points of a half pass are made of, beside the two bodies."""
+
+    a: str
+    b: str
+    formulation: Formulation
+    reach: float | None
+    max_missed: float
+    full_pass: bool
+
+
+def point_parts(spec: ContactSpec, *, opposite: bool = False) -> PointParts:
+    """What the points of a contact are made of; opposite ones are those of the second half."""
+    a, b = (spec.b, spec.a) if opposite else (spec.a, spec.b)
+    return PointParts(a, b, spec.formulation, spec.reach, spec.max_missed, spec.full_pass)
+
+
+class Built[Part](dict[str, Part]):
+    """Bodies or contact points by name, with what each was made of."""
+
+    def __init__(self, parts: Mapping[str, Part], made_of: Mapping[str, Any]) -> None:
+        super().__init__(parts)
+        self.made_of = dict(made_of)
+
+    def made_of_the_same(self, wanted: Mapping[str, Any]) -> "Built[Part]":
+        """Those that are made of what is wanted; itself where all are."""
+        same = [name for name in wanted if name in self and self.made_of[name] == wanted[name]]
+        if same == list(self):
+            return self
+        return Built({name: self[name] for name in same}, {name: wanted[name] for name in same})
+
 
 _ROUNDING = 1e-14
 """Friction below this part of the largest counts as zero."""

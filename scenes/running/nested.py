@@ -10,8 +10,7 @@ from cea.errors import InputError
 from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import Prolongation, of_body, of_system
 from cea.timing import StageTimer
-from scenes.building.build import build_bodies
-from scenes.building.made_of import body_parts
+from scenes.building.build import body_parts, build_bodies
 from scenes.checking.memory import check_memory
 from scenes.results.result import Result
 from scenes.running.enrich import richer_scene

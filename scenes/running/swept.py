@@ -5,14 +5,13 @@ the scene had: all of it that the field reaches is then a coefficient. What else
 scenes makes another pencil, but for what each solve and each record takes from its own scene.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
 from math import isclose, isfinite
 from typing import Any
 
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
-from scenes.building.made_of import differences
 from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
@@ -162,3 +161,29 @@ def _field(scene: Scene, path: str) -> Any:
     for field in fields:
         found = getattr(found, field)
     return found
+
+
+def differences(old: Any, new: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Fields in which two sections of scenes differ: path, old and new value of each.
+
+    Tables and lists are compared entry by entry where they have the same entries, else as a whole.
+    """
+    if old == new:
+        return
+    before, after = _entries(old), _entries(new)
+    if type(old) is type(new) and before and before.keys() == after.keys():
+        for name, value in before.items():
+            yield from differences(value, after[name], f"{path}.{name}" if path else name)
+    else:
+        yield path, old, new
+
+
+def _entries(section: Any) -> Mapping[str, Any]:
+    """Entries of a section of a scene by name; none of a value."""
+    if is_dataclass(section) and not isinstance(section, type):
+        return {field.name: getattr(section, field.name) for field in fields(section)}
+    if isinstance(section, Mapping):
+        return section
+    if isinstance(section, Sequence) and not isinstance(section, str):
+        return {str(i): value for i, value in enumerate(section)}
+    return {}
