@@ -110,7 +110,7 @@ UNUSED = (
     *("scenes.pictures", "scenes.refinement", "scenes.results.opened", "gmsh", "pyvista"),
 )
 """What modes of a disc and a pad at a given stiffness have no use for."""
-MOST = {"fe": 190, "iga": 200}
+MOST = {"fe": 175, "iga": 182}
 """Modules of this program that they load, at most."""
 COARSE = {
     f"bodies.{body}.mesh.{backend}.elements": elements
