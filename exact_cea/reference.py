@@ -193,13 +193,7 @@ def make_problem(
     b: Material | None = None,
     **sizes: Number,
 ) -> Problem:
-    """The problem of a name; parameters as in ``exact_eigenvalues``, the sign of m dropped.
-
-    Raises
-    ------
-    InputError
-        For an unknown problem, a parameter that it does not have, or a value out of range.
-    """
+    """The problem of a name; parameters as in ``exact_eigenvalues``, the sign of m dropped."""
     if problem not in _SIZES:
         raise InputError("problem", problem, " or ".join(_SIZES))
     for name, value in sizes.items():

@@ -193,13 +193,6 @@ def gather_facets(V: Any, facets: Ints) -> FacetLayer:
     """Collect the layer of cells behind boundary facets on every rank.
 
     Facets are sorted by their midpoints, so their order does not depend on the partition.
-
-    Parameters
-    ----------
-    V
-        Scalar Lagrange space (dolfinx).
-    facets
-        Facets on the boundary of the mesh, local numbers; each rank gives its own.
     """
     mesh = V.mesh
     tdim = mesh.topology.dim

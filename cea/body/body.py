@@ -11,11 +11,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
 from cea.body.space import Space
-from cea.checks import check_density
 from cea.material import IsotropicMaterial
 from cea.matrices import antisymmetrised, destroy, symmetrised, total
 from cea.petsc import PETSc
@@ -112,7 +110,7 @@ class Body:
         InputError
             When the material has none.
         """
-        return check_density(self.material, f"bodies.{self.name}.material")
+        return self.material.density(f"bodies.{self.name}.material")
 
     @property
     def _own(self) -> tuple[int, int]:
@@ -193,16 +191,6 @@ class Body:
     @cached_property
     def _mass(self) -> Any:
         return self.reduced(self.space.mass(self.density))
-
-    def part(self, nodes: NDArray[np.bool_]) -> tuple[Any, Any]:
-        """Stiffness without springs (N/m) and mass (kg) of a part alone, of free ends elsewhere.
-
-        PETSc AIJ (free x free), symmetric; what is left of those of the body without it is positive
-        semidefinite. Nodes as for :meth:`Space.part`.
-        """
-        part = self.space.part(nodes)
-        stiffness = self.reduced(part.stiffness(self.material.lame))
-        return stiffness, self.reduced(part.mass(self.density))
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""

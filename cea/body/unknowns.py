@@ -18,41 +18,13 @@ from cea.petsc import PETSc
 
 
 def free_operator(operator: csr_array, body: Body) -> Any:
-    """Restrict an operator on full dofs, distributed by rows, to free dofs.
-
-    Parameters
-    ----------
-    operator
-        The rows of this rank, shape (n_local, dim * num_scalar_dofs).
-    body
-        The body whose dofs are its columns.
-
-    Returns
-    -------
-    PETSc.Mat
-        AIJ matrix (n x free dofs), the rows of the ranks one after the other.
-    """
+    """Restrict an operator on full dofs, distributed by rows, to free dofs."""
     free = _on_free_dofs(operator, body.expansion)
     return distributed(_rising(free), body.expansion.getSizes()[1], body.comm)
 
 
 def system_operator(bodies: Mapping[str, Body], parts: Mapping[str, csr_array], rows: int) -> Any:
-    """Operators on full dofs of some bodies as one on the unknowns of the whole system.
-
-    Parameters
-    ----------
-    bodies
-        All bodies by name, in the order of the unknowns.
-    parts
-        The rows of this rank by body, shape (rows, dim * num_scalar_dofs); others are zero.
-    rows
-        Rows of this rank.
-
-    Returns
-    -------
-    PETSc.Mat
-        AIJ matrix (rows of all ranks x unknowns).
-    """
+    """Operators on full dofs of some bodies as one on the unknowns of the whole system."""
     expansions = [body.expansion for body in bodies.values()]
     blocks = [
         _on_free_dofs(parts[name], expansion) if name in parts else _on_nothing(rows, expansion)
@@ -140,15 +112,7 @@ def _rows(matrix: Any, rows: Ints) -> csr_array:
 
 
 def _numbered(columns: Any, sizes: Ints) -> Any:
-    """Free dofs of one body after another as unknowns, which go from rank to rank.
-
-    Parameters
-    ----------
-    columns
-        Free dofs over all bodies, shape (n,).
-    sizes
-        Free dofs of each body on each rank, shape (bodies, ranks).
-    """
+    """Free dofs of one body after another as unknowns, which go from rank to rank."""
     if sizes.shape[1] == 1:
         return columns
     ends = np.cumsum(sizes)

@@ -29,29 +29,7 @@ _FOLDED = 1e-8
 
 
 def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: Floats) -> Floats:
-    """Project points on cells along the normals at their centres.
-
-    Parameters
-    ----------
-    surface
-        The surface.
-    element
-        Element of each cell, shape (n,).
-    corners
-        Reference coordinates of its corners, shape (n, corners, dim - 1).
-    x
-        Points for each cell (m), shape (n, m, dim).
-
-    Returns
-    -------
-    ndarray
-        Reference coordinates, inside or beyond the cells, shape (n, m, dim - 1).
-
-    Raises
-    ------
-    ConvergenceError
-        When a cell is so distorted that a point cannot be told to lie inside or beyond it.
-    """
+    """Project points on cells along the normals at their centres."""
     m = x.shape[1]
     middle = corners.mean(axis=1)
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -113,11 +91,6 @@ class _Lines:
         Newton's method, damped so that each step brings the point nearer as seen from where it
         began (Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3), keeps to the
         line: coordinates beyond a fold, or round a circle, are never reached.
-
-        Returns
-        -------
-        tuple
-            Coordinates (n, dim - 1) of the end, and whether it is the point.
         """
         xi = self.middle[cell]
         met = np.zeros(len(xi), dtype=bool)

@@ -153,15 +153,12 @@ class EigenSolver:
         if matrices.quadratic:
             decay = None if min_growth is None else -min_growth
             return DampedSearch(matrices, end, self.options, timer, decay)
-        counted, near = None, None
+        counted = None
         if matrices.symmetric:
             self.factorisations += 1
             with timer("factorisation"):
                 counted = count_below(matrices, upper_end(end**2))
-        elif self.pencil.near_contact is not None:
-            with timer("assembly"):
-                near = self.pencil.near_contact.at(values)
-        return UndampedSearch(matrices, end, self.options, timer, counted, near)
+        return UndampedSearch(matrices, end, self.options, timer, counted)
 
     def _modes(
         self,
@@ -260,13 +257,6 @@ class EigenSolver:
             shift=op.shift,
             radius=float(np.abs(pairs.values - place).max(initial=0.0)),
             found=len(pairs.values),
-            discs=1,
-            max_growth=0.0,
-            bounded=False,
-            odd=False,
-            upper=np.inf,
-            found_below=len(pairs.values),
-            symmetric_count=None,
             neighbours=True,
         )
         modes = modes_of(self.pencil, values, matrices, pairs, None, window)

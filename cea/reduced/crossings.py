@@ -77,19 +77,7 @@ class Threshold:
 
 @dataclass(frozen=True)
 class Crossings:
-    """What one unit does between three samples.
-
-    Parameters
-    ----------
-    window
-        What is looked at.
-    at
-        Spectra of the pencil.
-    unit
-        The mode or the pair.
-    places
-        Values of the samples, rising.
-    """
+    """What one unit does between three samples at rising ``places``; ``at`` gives spectra."""
 
     window: Window
     at: Callable[[float], Sample]
@@ -99,10 +87,7 @@ class Crossings:
     def thresholds(self) -> Iterator[Threshold]:
         """All thresholds of the interval.
 
-        Raises
-        ------
-        UnresolvedError
-            When a sign is not sure, or Newton's method leaves the interpolant.
+        Raises UnresolvedError when a sign is not sure, or Newton's method leaves the interpolant.
         """
         grid = self._grid
         frequencies = self.window.roots(self.unit.members(grid)).imag
@@ -288,14 +273,9 @@ class Crossings:
     def _roots(
         self, function: Function, error: Function, negligible: float
     ) -> Iterator[tuple[float, int]]:
-        """Roots of an interpolant with the sign after each; sure of the sign everywhere else.
+        """Roots of an interpolant with the sign after each; UnresolvedError where a sign is unsure.
 
         Zero within the error of samples is sure where that error is negligible.
-
-        Raises
-        ------
-        UnresolvedError
-            When it is not.
         """
         grid, width = self._grid, self._width
         values, errors = function(grid), error(grid)
@@ -335,13 +315,7 @@ class Crossings:
                     raise UnresolvedError(place, by_bounds)
 
     def _check_apart(self, places: Floats, noise: float, by_bounds: float) -> None:
-        """Refuse places at which a damped pair may coalesce: its growth is flat up to there.
-
-        Raises
-        ------
-        UnresolvedError
-            Naming the first.
-        """
+        """Refuse places at which a damped pair may coalesce: its growth is flat up to there."""
         half = self.unit.half
         if half is None or not self.window.by_growth or not len(places):
             return

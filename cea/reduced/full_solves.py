@@ -20,7 +20,7 @@ from cea.reduced.crossings import Threshold
 from cea.reduced.following import Sample, Window
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
-from cea.reduced.model_line import ModelLine
+from cea.reduced.small import ModelLine
 from cea.reduced.spectrum import MARGIN
 from cea.reduced.thresholds import Line, thresholds_along
 from cea.warned import ResultWarning
@@ -123,17 +123,13 @@ class FullLine:
         if self._first is None:
             self._first = _images(modes)
         vectors = all_inner(self._first, modes.vectors, modes.pencil.comm)
-        if not self.window.damped:
-            errors = errors * (2 * np.abs(z) + errors)
-            z, slopes = -(z**2), -2 * z * slopes
-        else:
-            mirrored = np.flatnonzero(z.imag > 0)
-            z, slopes, errors, vectors = (
-                np.concatenate([each, each[..., mirrored].conj()], axis=-1)
-                for each in (z, slopes, errors, vectors)
-            )
         vectors = vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny)
-        return Sample(value, z, slopes, errors, errors, np.arange(len(z)), vectors)
+        numbers = np.arange(len(z))
+        if self.window.damped:
+            sample = Sample(value, z, slopes, errors, errors, numbers, vectors)
+            return sample.with_mirror_image()
+        errors = errors * (2 * np.abs(z) + errors)
+        return Sample(value, -(z**2), -2 * z * slopes, errors, errors, numbers, vectors)
 
 
 def _images(modes: Modes) -> Complexes:
@@ -218,15 +214,13 @@ def line_of(
         model = None
     if model is not None:
         try:
-            basis = Enrichment(model, driver, max_frequency)
-            basis.cover([point(value) for value in np.linspace(*ends, _TRAINING).tolist()])
+            Enrichment.of(model, driver).cover(
+                [point(value) for value in np.linspace(*ends, _TRAINING).tolist()]
+            )
             return ModelLine(
                 model.small,
-                [],
                 lambda value: pencil.values(point(value)),
                 dict.fromkeys(names, 1.0),
-                0.0,
-                basis.tolerance,
             )
         except ConvergenceError:  # of a stiffness that makes no norm
             pass

@@ -19,23 +19,21 @@ bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.left_vectors import POWERS
-from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
 from cea.reduced.norm import EnergyNorm, InnerProduct
-from cea.reduced.pieces import ContactPiece, Piece, Pieces, Values
+from cea.reduced.pieces import ContactPiece, Piece, Pieces
 from cea.reduced.saddle import SmallContact
-from cea.reduced.small import SmallPencil, SmallPiece
-from cea.reduced.snapshots import forces_of, real_vectors, rounding_of
+from cea.reduced.small import SmallPencil, SmallPiece, padded
+from cea.reduced.snapshots import Snapshot
 from cea.reduced.span import Span
 from cea.reduced.spectrum import MARGIN, Settings
-from cea.reduced.stored import Arrays, restored
 
 BASIS = 1e-6
 """Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
@@ -49,34 +47,8 @@ on the map: errors go by residuals of 1e-5 and less. A contact that is stiffer b
 norm allows nothing then, or bounds end at what is left out of its forces."""
 _DECAY = 0.1
 """Decay down to which a window of a damped pencil reaches by default, relative to its end."""
-_ORTHONORMAL = 1e-8
-"""Largest product of vectors that were stored as orthonormal."""
-_STIFFER = 10.0
+_STIFFER = 2.0
 """Ratio of coefficients over the map from which on a stiffness adds static displacements."""
-
-
-@dataclass(frozen=True)
-class Growth:
-    """What a full solve adds to bases, the rows of this rank.
-
-    Parameters
-    ----------
-    vectors
-        To that of the model, shape (n_local, new).
-    residuals
-        To that of its residuals, shape (n_local, new).
-    forces
-        To that of the forces of each contact, shape (forces of this rank, new).
-    """
-
-    vectors: Floats
-    residuals: Floats
-    forces: tuple[Floats, ...] = ()
-
-    @classmethod
-    def nothing(cls) -> "Growth":
-        """No vectors of no length."""
-        return cls(np.empty((0, 0)), np.empty((0, 0)))
 
 
 class ReducedModel:
@@ -135,6 +107,7 @@ class ReducedModel:
             for piece in self._pieces.all
         ]
         nothing = np.empty((0, 0))
+        none = (nothing, nothing, nothing, nothing)
         settings = Settings(max_frequency, self.norm.shift)
         if pencil.damped:
             decay = _DECAY * settings.end if min_growth is None else -min_growth
@@ -143,18 +116,14 @@ class ReducedModel:
             tuple(
                 SmallPiece(
                     *(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0),
-                    stiff=piece in self._stiff,
-                    least=piece.coefficient.at(least) if piece in self._stiff else 0.0,
                 )
                 for piece in self._pieces.all
             ),
-            settings,
-            contacts=tuple(
-                SmallContact(
-                    each.inverse_stiffness, each.friction, nothing, nothing, nothing, nothing, 0.0
-                )
+            tuple(
+                SmallContact(each.inverse_stiffness, each.friction, *none, 0.0)
                 for each in self._contacts
             ),
+            settings,
         )
 
     @property
@@ -162,87 +131,44 @@ class ReducedModel:
         """Vectors of the basis."""
         return self._basis.size
 
-    def take(self, modes: Modes) -> Growth:
-        """Take the right and left vectors of modes into the basis.
+    def take(self, taken: Snapshot) -> None:
+        """Take the right and left vectors of modes, up to the margin of the window, into the basis.
 
         Parameters
         ----------
-        modes
-            Modes with left vectors, up to the margin of the window.
-
-        Returns
-        -------
-        Growth
-            What the bases have grown by.
+        taken
+            A full solve.
         """
-        vectors = real_vectors(self.norm, modes)
+        values = self.pencil.values(taken.point)
+        vectors = taken.real_vectors(self.norm, damped=self.small.settings.damped)
         blocks, images = [vectors], [self.norm.image(vectors)]
         for piece in self._stiff:
-            forces = piece.coefficient.at(modes.values) * piece.times(vectors)
+            forces = piece.coefficient.at(values) * piece.times(vectors)
             moved = self.norm.solve(forces)
             lengths = np.maximum(self.norm.lengths(moved, forces), 1.0)
             blocks.append(moved / lengths)
             images.append(forces / lengths)
-        bases = self._basis, self._residuals, *self._forces
-        before = [each.size for each in bases]
-        for contact, span, size in zip(self._contacts, self._forces, before[2:], strict=True):
-            span.add(_unit(span.norm, forces_of(modes, contact.rows)))
+        before, forces_before = self._basis.size, [each.size for each in self._forces]
+        for contact, span, size in zip(self._contacts, self._forces, forces_before, strict=True):
+            span.add(_unit(span.norm, taken.real_forces(contact.rows)))
             self._add_static(contact, span.vectors[:, size:], blocks, images)
         self._basis.add(np.hstack(blocks), np.hstack(images))
         blocks, images = [], []
         for contact, span in zip(self._contacts, self._forces, strict=True):
             size = span.size
-            self._add_gaps(contact, span, before[0])
+            self._add_gaps(contact, span, before)
             self._add_static(contact, span.vectors[:, size:], blocks, images)
         if blocks:
             self._basis.add(np.hstack(blocks), np.hstack(images))
-        self._extend(before[0])
-        self._extend_contacts(before[2:])
-        self._round(rounding_of(modes), modes.values)
-        vectors, residuals, *forces_grown = (
-            each.vectors[:, size:] for each, size in zip(bases, before, strict=True)
-        )
-        return Growth(vectors, residuals, tuple(forces_grown))
-
-    def restore(self, grown: Sequence[Growth], arrays: Arrays) -> None:
-        """Take over what bases had grown by before, and the small pencil as it was then.
-
-        Parameters
-        ----------
-        grown
-            What full solves had added, one after the other.
-        arrays
-            The small pencil (:func:`cea.reduced.stored.arrays_of`).
-
-        Raises
-        ------
-        ValueError
-            When these are no vectors of such a basis, or of another one than the pencil.
-        """
-        for each in grown:
-            if {len(each.vectors), len(each.residuals)} != {self.norm.rows}:
-                raise ValueError("vectors of another length")
-            self._basis.restore(each.vectors)
-            self._residuals.restore(each.residuals)
-            for span, forces in zip(self._forces, each.forces, strict=True):
-                span.restore(forces)
-        vectors = self._basis.vectors
-        gram = self.norm.inner(vectors, self.norm.image(vectors)) - np.eye(self.size)
-        if not np.abs(gram).max(initial=0.0) < _ORTHONORMAL:
-            raise ValueError("vectors that are not orthonormal")
-        self.small = restored(self.small, arrays)
-        if self.small.pieces[0].right.shape != (self._residuals.size, self.size):
-            raise ValueError("vectors of another pencil")
+        self._extend(before)
+        self._extend_contacts(forces_before)
+        rounding = max(self.small.rounding, taken.rounding)
+        self.small = replace(self.small, rounding=rounding)
 
     def raise_safety(self, safety: float) -> None:
         """Make all bounds with another factor on the inverse outside of the basis."""
         settings = replace(self.small.settings, safety=safety)
         self.small = replace(self.small, settings=settings)
-
-    def _round(self, rounding: float, values: Values) -> None:
-        """Remember what rounding does at some parameters."""
-        stiff = tuple(piece.coefficient.at(values) for piece in self._stiff)
-        self.small = replace(self.small, roundings=(*self.small.roundings, (rounding, stiff)))
 
     def _extend(self, before: int) -> None:
         """Project the pieces on vectors of the basis from a number on."""
@@ -334,8 +260,8 @@ class ReducedModel:
             contacts=tuple(
                 replace(
                     each,
-                    normal_forces=_padded(each.normal_forces, rows),
-                    friction_forces=_padded(each.friction_forces, rows),
+                    normal_forces=padded(each.normal_forces, rows),
+                    friction_forces=padded(each.friction_forces, rows),
                 )
                 for each in grown
             ),
@@ -353,10 +279,6 @@ class ReducedModel:
         """Free factors and pieces."""
         self.norm.free()
         self._pieces.free()
-
-
-def _padded(coordinates: Floats, rows: int) -> Floats:
-    return np.pad(coordinates, ((0, rows - len(coordinates)), (0, 0)))
 
 
 def _unit(norm: InnerProduct, block: Floats) -> Floats:

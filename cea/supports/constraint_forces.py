@@ -86,22 +86,7 @@ class ConstraintForces:
     def of(
         cls, held: Directions, owner: Ints, taken: Floats, slot: Ints, rows: RowForces | None
     ) -> "ConstraintForces":
-        """The division where single directions are held.
-
-        Parameters
-        ----------
-        held
-            The directions.
-        owner
-            Dof of each, from 0 to m - 1.
-        taken
-            Orthonormal rows that all constraints were made, those of held directions first, shape
-            (m, dim, dim).
-        slot
-            Row that each direction became, -1 where it depends on those before it.
-        rows
-            Forces of projected constraints; None without any.
-        """
+        """The division where single directions are held."""
         count, dim = taken.shape[:2]
         number = np.bincount(owner[slot >= 0], minlength=count)
         span = np.where(np.arange(dim)[:, None] < number[:, None, None], taken, 0.0)
@@ -117,15 +102,7 @@ class ConstraintForces:
         return cls(span, spaces[:, 0], spaces[:, 1], projector, rows)
 
     def split(self, force: Floats, supports: int) -> Floats:
-        """Forces of each support (N), shape (supports, m, dim).
-
-        Parameters
-        ----------
-        force
-            Their sum at the dofs with a constraint, shape (m, dim).
-        supports
-            Number of supports.
-        """
+        """Forces of each support (N), shape (supports, m, dim)."""
         parts = np.zeros((supports, *force.shape))
         if self.rows is not None:
             for support, part in self.rows.split(force).items():

@@ -12,10 +12,11 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.errors import InputError
-from cea.stress import normal_stress
+from cea.material import IsotropicMaterial
 from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 
 _TIED = 1e-9
@@ -184,6 +185,17 @@ def pressure_along(
     return stiffness * gap
 
 
+def normal_stress(
+    surface: Surface, at: SurfaceCoordinates, displacement: Floats, material: IsotropicMaterial
+) -> Floats:
+    """Stress n.sigma.n (N/m^2) with n the outward normal, shape (n,); tension is positive."""
+    normal = surface.normal(at)
+    u = displacement.reshape(-1, surface.dim)
+    gradient = np.stack([derivative @ u for derivative in surface.gradient(at)], axis=2)
+    stress = material.stress(gradient)
+    return np.einsum("ni,nij,nj->n", normal, stress, normal)
+
+
 def _contact(system: CoupledSystem, name: str) -> Contact:
     return next(c for c in system.contacts if c.name == name)
 
@@ -193,8 +205,8 @@ def _sides(
 ) -> Iterator[tuple[str, Surface, Body, Floats]]:
     """Name, surface, body and full displacement of both sides."""
     for side, name, surface in (
-        ("a", contact.half.a, contact.interface.a),
-        ("b", contact.half.b, contact.interface.b),
+        ("a", contact.a, contact.interface.a),
+        ("b", contact.b, contact.interface.b),
     ):
         yield side, surface, system.bodies[name], system.displacement(x, name)
 

@@ -14,7 +14,8 @@ def figure(
         list[str], typer.Argument(help="Numbers of figures, studies by name, or all.")
     ],
     only: Annotated[
-        list[str] | None, typer.Option(help="mesh=NURBS, hexahedra or tetrahedra alone.")
+        list[str] | None,
+        typer.Option(help="mesh=NURBS: what to compute; what is stored is shown too."),
     ] = None,
     anew: _Anew = False,
     out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/figures"),

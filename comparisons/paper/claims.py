@@ -19,27 +19,13 @@ from comparisons.study.result import StudyResult
 
 @dataclass(frozen=True)
 class Evidence:
-    """Numbers of the figures on a kind of mesh.
-
-    Parameters
-    ----------
-    result
-        Result of the study of the paper.
-    mesh
-        Kind of mesh.
-    """
+    """Numbers of the figures on a kind of mesh."""
 
     result: StudyResult
     mesh: Mesh
 
     def rows(self, table: str, *figures: str) -> pd.DataFrame:
-        """Rows of a table of some figures.
-
-        Raises
-        ------
-        LookupError
-            When there are none: the figure was not made.
-        """
+        """Rows of a table of some figures; a LookupError where none of them was made."""
         frame = self.result.frame(table)
         if len(frame):
             frame = frame[frame["figure"].isin(figures) & (frame["mesh"] == self.mesh)]
@@ -133,6 +119,10 @@ def _worst_degree(e: Evidence) -> Any:
 
 def _above_over_below(e: Evidence) -> list[float]:
     return [row.shift_above_13k / row.shift_below_13k for row in _higher_degrees(e)]
+
+
+def _pressure_over(e: Evidence) -> pd.Series:
+    return e.off("pressure_off", COLLOCATION) / e.off("pressure_off", QUADRATURE)
 
 
 def _saddle_over_penalty(e: Evidence) -> float:
@@ -312,11 +302,9 @@ CLAIMS = (
         "1, left open",
         "distance of the pressure on a crowned pad from segments on the same mesh, collocation "
         "over GPTS 3 × 3, least of all loads",
-        lambda e: (e.off("pressure_off", COLLOCATION) / e.off("pressure_off", QUADRATURE)).min(),
+        lambda e: _pressure_over(e).min(),
         lambda v, e: v > 1,
-        lambda v, e: (
-            (e.off("pressure_off", COLLOCATION) / e.off("pressure_off", QUADRATURE)).max() > 1
-        ),
+        lambda v, e: _pressure_over(e).max() > 1,
     ),
     Claim(
         "p of the scheme",

@@ -23,7 +23,7 @@ from cea.contact.formulations import (
     Segments,
 )
 from cea.errors import InputError
-from comparisons.paper.figure import BACKENDS, MESHES, Mesh, Row, Tables, midpoints, sector_points
+from comparisons.paper.figure import BACKENDS, Figure, Mesh, Row, Tables, midpoints, sector_points
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from meshes.shapes import Crowned, Sector
@@ -61,19 +61,7 @@ def formulations(mesh: Mesh) -> dict[str, Formulation]:
 def crowned_scene(
     mesh: Mesh, formulation: Formulation, pressure: float, factor: float = 1.0
 ) -> Scene:
-    """The scene on a kind of mesh; tetrahedra are hexahedra divided into six.
-
-    Parameters
-    ----------
-    mesh
-        Kind of mesh.
-    formulation
-        Points and weights on the pad.
-    pressure
-        On the back of the pad (N/m^2).
-    factor
-        Factor on the elements in every direction.
-    """
+    """The scene, its elements finer by a factor; tetrahedra are hexahedra divided into six."""
     scene = with_contact(
         on_backend(load_scene("crowned_pad"), BACKENDS[mesh]), formulation=formulation
     )
@@ -97,12 +85,8 @@ def _mesh(body: BodySpec, mesh: Mesh, factor: float) -> MeshSpec:
 
 
 @dataclass(frozen=True)
-class CrownedPad:
+class CrownedPad(Figure):
     """Steady sliding and its small motions by formulation, against the pressure on the pad."""
-
-    name: str = "crowned"
-    title: str = "Steady sliding of a crowned pad by formulation"
-    meshes: tuple[Mesh, ...] = MESHES
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
         """Scenes of every formulation under every load, those of one load together."""
@@ -144,17 +128,7 @@ def off(row: Row, pressure: Floats, exact: Row, its: Floats) -> Row:
 
 
 def state(result: Result) -> tuple[Row, Floats, Floats]:
-    """What is kept of a run.
-
-    Returns
-    -------
-    dict
-        The equilibrium, the contact stiffness, the growth.
-    ndarray
-        Pressure of the law (N/m^2) at the common points, shape (RADII, ANGLES).
-    ndarray
-        Contact stiffness p (N/m^3) there.
-    """
+    """A run as a row; pressure (N/m^2) and p (N/m^3) of the law at (RADII, ANGLES) points."""
     assert result.steady is not None
     law, pad = result.scene.contacts[CONTACT].law, result.scene.bodies[PAD].geometry
     assert law is not None
@@ -185,20 +159,7 @@ def common_points(pad: Crowned) -> Floats:
 
 
 def closures(result: Result, x: Floats) -> Floats:
-    """Closures u_n - g_n (m) that the displacements of a state of steady sliding give at points.
-
-    Parameters
-    ----------
-    result
-        A run with steady sliding.
-    x
-        Points on the face of the pad (m), shape (n, 3).
-
-    Raises
-    ------
-    InputError
-        When a point lies on no side.
-    """
+    """Closures u_n - g_n (m) of steady sliding at points (m) on the face of the pad."""
     assert result.steady is not None
     bodies, system, displaced = result.system.bodies, result.system, result.steady.displacement
     pad, disc = bodies[PAD].surfaces["bottom"], bodies[DISC].surfaces["top"]
@@ -233,5 +194,5 @@ def middle_circle(result: StudyResult) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
-CROWNED_PAD = CrownedPad()
+CROWNED_PAD = CrownedPad("crowned", "Steady sliding of a crowned pad by formulation")
 """The study."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from math import tau
 
 from comparisons.paper.disc_pad import DiscPad
-from comparisons.paper.figure import MESHES, Mesh, Row, Tables
+from comparisons.paper.figure import Figure, Mesh, Row, Tables
 from comparisons.paper.spectra import Spectrum, measures, pair_row, paired
 from comparisons.study.session import Session
 from scenes.spec.reading import Scene
@@ -15,13 +15,11 @@ _SPECTRA: dict[str, Spectrum] = {}
 
 
 @dataclass(frozen=True)
-class Diagram:
+class Diagram(Figure):
     """Growth rates against frequencies, formulations overlaid.
 
     Parameters
     ----------
-    name, title
-        Number of the figure or name of the study, and what it shows.
     cases
         Runs of a diagram; the first is the reference of the others.
     stiffnesses
@@ -30,12 +28,9 @@ class Diagram:
         What the paper says of a case beside its reference, by P and number of the case.
     """
 
-    name: str
-    title: str
     cases: tuple[DiscPad, ...]
     stiffnesses: tuple[float, ...] = ()
     paper: Mapping[tuple[float, int], str] = field(default_factory=dict)
-    meshes: tuple[Mesh, ...] = MESHES
 
     def panels(self, mesh: Mesh) -> dict[float, dict[int, DiscPad]]:
         """Cases by P and number; of those that become equal on a kind of mesh, the first."""

@@ -1,7 +1,9 @@
 """What every figure of the paper offers: kinds of meshes, inputs, and rows of numbers."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, Literal, Protocol
+from dataclasses import dataclass, field
+from typing import Any, Literal
 
 import numpy as np
 
@@ -23,51 +25,37 @@ Row = dict[str, Any]
 Tables = dict[str, list[Row]]
 
 
-class Figure(Protocol):
-    """A figure of the paper, or a study beside it."""
+@dataclass(frozen=True)
+class Figure(ABC):
+    """A figure of the paper, or a study beside it.
 
-    @property
-    def name(self) -> str:
-        """Number of the figure; a word for a study."""
-        ...
+    Parameters
+    ----------
+    name
+        Number of the figure; a word for a study.
+    title
+        What it shows.
+    meshes
+        Kinds of meshes that it is made on.
+    """
 
-    @property
-    def title(self) -> str:
-        """What it shows."""
-        ...
+    name: str
+    title: str
+    meshes: tuple[Mesh, ...] = field(default=MESHES, kw_only=True)
 
-    @property
-    def meshes(self) -> tuple[Mesh, ...]:
-        """Kinds of meshes that it is made on."""
-        ...
-
+    @abstractmethod
     def inputs(self, mesh: Mesh) -> Mapping[str, Any]:
         """Everything that determines its numbers: scenes by label."""
-        ...
 
+    @abstractmethod
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
         """Rows by the name of their table; collective. ``session.scene`` holds the inputs."""
-        ...
 
 
 def quoted(
     what: str, paper: float | str | None, ours: float, unit: str = "", remark: str = ""
 ) -> Row:
-    """A row of the table "numbers".
-
-    Parameters
-    ----------
-    what
-        What it is.
-    paper
-        Value in the paper; words where it has only those, None where it says nothing.
-    ours
-        Value computed here.
-    unit
-        Unit of both.
-    remark
-        What a reader must know to compare them.
-    """
+    """A row of the table "numbers"; the paper may say it in words, or nothing of it (None)."""
     return {"what": what, "paper": paper, "ours": float(ours), "unit": unit, "remark": remark}
 
 

@@ -21,7 +21,7 @@ from cea.eigen.blocks import times
 from cea.matrices import destroy
 from cea.surface import Surface
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
-from comparisons.paper.figure import MESHES, Mesh, Tables, rows_of
+from comparisons.paper.figure import Figure, Mesh, Tables, rows_of
 from comparisons.paper.spectra import Spectrum, means_of, paired
 from comparisons.study.session import Session
 from scenes import Result
@@ -29,12 +29,8 @@ from scenes.spec.reading import Scene
 
 
 @dataclass(frozen=True)
-class Lumping:
+class Lumping(Figure):
     """False stiffness of lumped contact, P = 10⁹."""
-
-    name: str = "lumping"
-    title: str = "Shifts of frequencies by lumping, and by its false stiffness alone, P = 10⁹"
-    meshes: tuple[Mesh, ...] = MESHES
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
         """Scenes of both runs."""
@@ -70,13 +66,13 @@ def false_shifts(plain: Result, lumped: Result) -> Floats:
 
 def _stiffness(result: Result) -> Any:
     """K_n, PETSc AIJ (N/m)."""
-    return result.system.contacts[0].stiffness
+    return result.system.contacts[0].K_n
 
 
 def rotation_ratio(result: Result) -> float:
     """Energy of a rotation about the x axis in K_n: of both bodies, over that of the pad alone."""
     contact = result.system.contacts[0]
-    sides = {contact.half.a: contact.interface.a, contact.half.b: contact.interface.b}
+    sides = {contact.a: contact.interface.a, contact.b: contact.interface.b}
     height = contact.interface.points.x[:, 1].mean()
     energies = []
     for turned in ((PAD, DISC), (PAD,)):
@@ -111,5 +107,7 @@ def _normal_displacement(body: Body, side: Surface, height: float) -> Any:
     return free
 
 
-LUMPING = Lumping()
+LUMPING = Lumping(
+    "lumping", "Shifts of frequencies by lumping, and by its false stiffness alone, P = 10⁹"
+)
 """The study."""

@@ -11,13 +11,13 @@ from math import tau
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Picture
 
 from cea.arrays import Floats
 from cea.eigen.matching import ModeMatch
 from comparisons.paper.diagram import case_row
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
-from comparisons.paper.figure import MESHES, Mesh, Tables, quoted, rows_of
+from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of
 from comparisons.paper.spectra import Spectrum, displacements, measures, paired
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
@@ -42,12 +42,8 @@ relative to the largest."""
 
 
 @dataclass(frozen=True)
-class ModeShapes:
+class ModeShapes(Figure):
     """A mode with and without lumping."""
-
-    name: str = "4 and 5"
-    title: str = "Figures 4 and 5: a mode with and without lumping, P = 10⁶"
-    meshes: tuple[Mesh, ...] = MESHES
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
         """Scenes of both runs."""
@@ -147,13 +143,13 @@ def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
     return arrays
 
 
-def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Figure:
+def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Picture:
     """The deformed bodies with lumping on the left, without on the right."""
     from scenes.pictures.drawing import Drawing
     from scenes.pictures.grids import straight_outside
 
     labels = {"figure": figure.name, "mesh": mesh}
-    picture = Figure(figsize=(10.0, 3.8), layout="constrained")
+    picture = Picture(figsize=(10.0, 3.8), layout="constrained")
     picture.suptitle(f"Figure 4: a mode with and without lumping, P = 10⁶, {mesh}", fontsize=10)
     for axes, name in zip(picture.subplots(1, 2), ("lumped", "plain"), strict=True):
         bodies = {}
@@ -170,5 +166,5 @@ def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Figure:
     return picture
 
 
-SHAPES = ModeShapes()
+SHAPES = ModeShapes("4 and 5", "Figures 4 and 5: a mode with and without lumping, P = 10⁶")
 """Figures 4 and 5."""

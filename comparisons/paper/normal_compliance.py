@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from cea.contact.laws import NormalCompliance
-from comparisons.paper.figure import Mesh, Tables, quoted
+from comparisons.paper.figure import Figure, Mesh, Tables, quoted
 from comparisons.study.session import Session
 
 
 @dataclass(frozen=True)
-class Law:
+class Law(Figure):
     """The law, its linearisation, and how far the one is from the other.
 
     Parameters
@@ -32,9 +32,6 @@ class Law:
     law: NormalCompliance
     closure: float
     area: float
-    name: str = "1"
-    title: str = "Normal compliance and its linearisation at steady sliding"
-    meshes: tuple[Mesh, ...] = ("none",)
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Any]:
         """The constants."""
@@ -76,6 +73,12 @@ class Law:
 
 
 _PAD_AREA = 0.5 * (0.14**2 - 0.09**2) * np.radians(40.0)
-NORMAL_COMPLIANCE = Law(NormalCompliance(1e16, 2.0), 1e-5, float(_PAD_AREA))
+NORMAL_COMPLIANCE = Law(
+    *("1", "Normal compliance and its linearisation at steady sliding"),
+    NormalCompliance(1e16, 2.0),
+    1e-5,
+    float(_PAD_AREA),
+    meshes=("none",),
+)
 """Constants that give 1 N/mm^2 at a closure of 10 micrometres, and P near the 1e9 N/m of the
 paper's Figure 6; the paper draws the law without numbers."""

@@ -11,7 +11,8 @@ from math import floor, log10
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure as Picture
+from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 
 from cea.arrays import Floats
@@ -21,8 +22,8 @@ from comparisons.kit.numbers import number
 from comparisons.kit.plots import BLUE, GREY, VERMILION
 from comparisons.paper.figure import (
     BACKENDS,
-    MESHES,
     MOST_LAGRANGE,
+    Figure,
     Mesh,
     Row,
     Tables,
@@ -114,13 +115,11 @@ class PatchTest:
 
 
 @dataclass(frozen=True)
-class PatchTests:
+class PatchTests(Figure):
     """A figure of the patch test.
 
     Parameters
     ----------
-    name, title
-        Number of the figure, and what it shows.
     cases
         Its runs; those of equal discretisation follow each other and share bodies.
     ratios
@@ -128,11 +127,8 @@ class PatchTests:
         that it is below 1.
     """
 
-    name: str
-    title: str
     cases: tuple[PatchTest, ...]
     ratios: tuple[tuple[int, int], ...] = ()
-    meshes: tuple[Mesh, ...] = MESHES
 
     def on(self, mesh: Mesh) -> dict[str, PatchTest]:
         """Cases by label as a kind of mesh has them; of those that become equal, the first."""
@@ -167,22 +163,10 @@ class PatchTests:
 
 
 def stresses(result: Result) -> tuple[Floats, Floats, Row]:
-    """What a case shows.
+    """What a case shows: stresses along a line and over the interface, oscillations.
 
-    Parameters
-    ----------
-    result
-        The run.
-
-    Returns
-    -------
-    ndarray
-        Distance (m) along the diagonal of side a, sigma_n of sides a and b and p g (N/m^2) there,
-        shape (4, n); NaN beside a surface.
-    ndarray
-        sigma_n of sides a and b (N/m^2) over the interface, y by rows, shape (2, m, m).
-    dict
-        Points, dofs, oscillations and seconds.
+    Along the diagonal of side a its arc (m), sigma_n of a and b and p g (N/m^2), NaN beside a
+    surface, shape (4, n); over the interface sigma_n of a and b, y by rows, (2, m, m).
     """
     sides, interface = result.stresses[INTERFACE], result.interfaces[INTERFACE]
     x, system, P = result.displacement, result.system, result.scene.contacts[INTERFACE].P
@@ -211,7 +195,7 @@ def shown(stress: Floats) -> Floats:
     return np.round(stress, _MAP_DIGITS - floor(log10(extent))) if extent else stress
 
 
-def drawn(figure: PatchTests, mesh: Mesh, result: StudyResult) -> Figure:
+def drawn(figure: PatchTests, mesh: Mesh, result: StudyResult) -> Picture:
     """Every case on a kind of mesh: sigma_n less the exact one along the diagonal, maps below.
 
     Each panel has its own scale, since oscillations go from 1e-9 to 3000 N/m^2.
@@ -223,7 +207,7 @@ def drawn(figure: PatchTests, mesh: Mesh, result: StudyResult) -> Figure:
     rows = -(-len(frame) // _ACROSS)
     columns = -(-len(frame) // rows)
     size = (max(_SIZE[0] * columns, 6.0), 0.6 + _SIZE[1] * rows)
-    whole = Figure(figsize=size, layout="constrained")
+    whole = Picture(figsize=size, layout="constrained")
     whole.suptitle(f"{figure.title}, {mesh}", fontsize=10)
     places = whole.subfigures(rows, columns, squeeze=False).ravel()
     for place, row, line, plane in zip(places, frame.to_dict("records"), lines, maps, strict=False):

@@ -1,13 +1,13 @@
 """Figures 2 and 11: the two contact patch tests, drawn from the meshes themselves."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure as Picture
 from matplotlib.lines import Line2D
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection  # type: ignore[import-untyped]
 
@@ -16,7 +16,7 @@ from cea.contact.formulations import Greville, Grid
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.timing import StageTimer
-from comparisons.paper.figure import Mesh, Row, Tables, as_lagrange, quoted
+from comparisons.paper.figure import Figure, Mesh, Tables, as_lagrange, quoted
 from comparisons.paper.patch_test import INTERFACE, SIDES, PatchTest
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
@@ -34,24 +34,19 @@ _PAPER = {"height of a": 4.5, "E": 1e5, "nu": 0.0, "pressure": 1000.0}
 
 
 @dataclass(frozen=True)
-class Setting:
+class Setting(Figure):
     """The setting of a contact patch test.
 
     Parameters
     ----------
-    name, title
-        Number of the figure, and what it shows.
     case
         A case of the patch test with its meshes.
     paper
         Numbers of the paper beside those that both settings have.
     """
 
-    name: str
-    title: str
     case: PatchTest
     paper: Mapping[str, float] = field(default_factory=dict)
-    meshes: tuple[Mesh, ...] = ("NURBS", "hexahedra")
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
         """The scene."""
@@ -68,30 +63,29 @@ class Setting:
             session.keep(name, corners)
         length, width = np.ptp(faces["upper.z_min"].reshape(-1, 3), axis=0)[:2]
         material = scene.bodies["upper"].material
-        ours: dict[str, tuple[Any, str]] = {
-            "length of the interface": (length, "m"),
-            "width of the interface": (width, "m"),
-            "height of a": (np.ptp(faces["upper.x_max"][..., 2]), "m"),
-            "height of b": (np.ptp(faces["lower.x_max"][..., 2]), "m"),
-            "E": (material.E, "N/m²"),
-            "nu": (material.nu, ""),
-            "pressure": (scene.loads[0].pressure, "N/m²"),
-        }
-        for side, place in _OF_SIDE.items():
-            name, surface = place.split(".")
-            ours[f"elements of {side}"] = bodies[name].surfaces[surface].cells().element.size, ""
-        for what, formulation in _POINTS.items():
-            rule = formulation if mesh == "NURBS" else as_lagrange(formulation)
-            counted = build_interfaces(with_contact(scene, formulation=rule), bodies, StageTimer())
-            ours[what] = len(counted[INTERFACE].points), ""
-        return {"numbers": list(self._numbers(mesh, ours))}
-
-    def _numbers(self, mesh: Mesh, ours: Mapping[str, tuple[Any, str]]) -> Iterator[Row]:
         paper = {**_PAPER, **self.paper}
-        for what, (value, unit) in ours.items():
-            lagrange = what in _POINTS and mesh != "NURBS"
-            remark = as_lagrange(_POINTS[what]).label if lagrange else ""
-            yield quoted(what, paper.get(what), value, unit, remark)
+        numbers = [
+            quoted(what, paper.get(what), value, unit)
+            for what, value, unit in (
+                ("length of the interface", length, "m"),
+                ("width of the interface", width, "m"),
+                ("height of a", np.ptp(faces["upper.x_max"][..., 2]), "m"),
+                ("height of b", np.ptp(faces["lower.x_max"][..., 2]), "m"),
+                ("E", material.E, "N/m²"),
+                ("nu", material.nu, ""),
+                ("pressure", scene.loads[0].pressure, "N/m²"),
+                *((f"elements of {side}", len(faces[face]), "") for side, face in _OF_SIDE.items()),
+            )
+        ]
+        for what, rule in _POINTS.items():
+            own = rule if mesh == "NURBS" else as_lagrange(rule)
+            interfaces = build_interfaces(
+                with_contact(scene, formulation=own), bodies, StageTimer()
+            )
+            remark = "" if own is rule else own.label
+            points = len(interfaces[INTERFACE].points)
+            numbers.append(quoted(what, paper.get(what), points, "", remark))
+        return {"numbers": numbers}
 
 
 def cells(surface: Surface) -> Floats:
@@ -105,17 +99,17 @@ def cells(surface: Surface) -> Floats:
     return x[np.lexsort(np.round(x.mean(axis=1), 9).T[::-1])]
 
 
-def drawn(setting: Setting, mesh: Mesh, result: StudyResult) -> Figure:
+def drawn(setting: Setting, mesh: Mesh, result: StudyResult) -> Picture:
     """The blocks in space, and both meshes of the interface one upon the other."""
     labels = {"figure": setting.name, "mesh": mesh}
-    figure = Figure(figsize=(9.5, 4.8), layout="constrained")
+    figure = Picture(figsize=(9.5, 4.8), layout="constrained")
     figure.suptitle(f"{setting.title}, {mesh}", fontsize=10)
     _draw_blocks(figure, lambda name: result.array(labels, name))
     _draw_interface(figure.add_subplot(1, 2, 2), lambda name: result.array(labels, name))
     return figure
 
 
-def _draw_blocks(figure: Figure, faces: Any) -> None:
+def _draw_blocks(figure: Picture, faces: Any) -> None:
     axes: Any = figure.add_subplot(1, 2, 1, projection="3d", computed_zorder=False)
     for body, (colour, label) in reversed(_LOOKS.items()):
         for surface in _SEEN[body]:
@@ -159,12 +153,17 @@ def edges(corners: Floats) -> Floats:
     return pairs[np.unique(np.round(pairs, 9).reshape(-1, 4), axis=0, return_index=True)[1]]
 
 
+_ON: tuple[Mesh, ...] = ("NURBS", "hexahedra")
 SETTINGS = (
     Setting(
         *("2", "Figure 2: contact patch test", PatchTest(Greville())),
         {"Greville points of a": 25.0, "grid points of a": 81.0},
+        meshes=_ON,
     ),
-    Setting("11", "Figure 11: second contact patch test", PatchTest(Greville(), elements=(5, 3))),
+    Setting(
+        *("11", "Figure 11: second contact patch test", PatchTest(Greville(), elements=(5, 3))),
+        meshes=_ON,
+    ),
 )
 """Settings of the two patch tests. Elements are not in the text: 25 Greville points are those of
 3 x 3 quadratic spans; the second mesh is in a picture only, this one is a guess."""

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from cea.contact.formulations import GaussPointToSurface
-from comparisons.paper.figure import Mesh, Tables, quoted
+from comparisons.paper.figure import Figure, Mesh, Tables, quoted
 from comparisons.paper.patch_test import INTERFACE, PatchTest
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
@@ -31,7 +31,7 @@ _SPACES = {
 
 
 @dataclass(frozen=True)
-class Quadrature:
+class Quadrature(Figure):
     """Oscillation of the normal stress against the number of Gauss points in a span.
 
     Parameters
@@ -41,9 +41,6 @@ class Quadrature:
     """
 
     points: tuple[int, ...]
-    name: str = "points"
-    title: str = "Error of GPTS against Gauss points in a span, P = 10⁶"
-    meshes: tuple[Mesh, ...] = ("NURBS", "hexahedra")
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
         """Scenes of every space with every number of points."""
@@ -88,5 +85,10 @@ def expected(result: StudyResult) -> pd.DataFrame:
     return frame.assign(oscillation=level * line)
 
 
-QUADRATURE = Quadrature(tuple(range(5, 33)))
+QUADRATURE = Quadrature(
+    "points",
+    "Error of GPTS against Gauss points in a span, P = 10⁶",
+    tuple(range(5, 33)),
+    meshes=("NURBS", "hexahedra"),
+)
 """The study over all numbers of points from 5 to 32."""

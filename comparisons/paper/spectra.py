@@ -88,25 +88,14 @@ def means_of(match: ModeMatch) -> tuple[Complexes, Complexes]:
 
 
 def measures(own: Spectrum, reference: Spectrum, match: ModeMatch) -> Row:
-    """Every number that tells a run from its reference.
+    """Every number that tells a run from its reference, beside which its modes are paired.
 
-    Parameters
-    ----------
-    own, reference
-        The runs.
-    match
-        Their pairs of modes (:func:`paired`).
-
-    Returns
-    -------
-    dict
-        Shares of the unstable modes of either run that coincide within 1 per cent in frequency,
-        and in growth too; largest relative shifts of frequencies (means where modes nearly
-        coalesce), below and above 13 kHz; largest relative distance of eigenvalues; modes of
-        either run without a partner; largest difference of growth rates (1/s), where modes
-        without a partner lose theirs, and its part of the largest; sums of growth rates, of
-        motions of the disc in the contact and of gaps (medians of all modes), seconds of the
-        search and points over those of the reference.
+    Shares of the unstable modes of either run that coincide within 1 per cent in frequency, and in
+    growth too; largest relative shifts of frequencies (means where modes nearly coalesce), below
+    and above 13 kHz; largest relative distance of eigenvalues; modes without a partner; largest
+    difference of growth rates (1/s), where modes without a partner lose theirs, and its part of
+    the largest; sums of growth rates, motions of the disc in the contact and gaps (medians of all
+    modes), seconds of the search and points over those of the reference.
     """
     values, others = means_of(match)
     shift, hertz = np.abs(values.imag / others.imag - 1), others.imag / tau
@@ -208,20 +197,7 @@ def _rms(values: Complexes) -> Floats:
 def displacements(
     result: Result, body: str, surface: str, x: Floats, modes: Sequence[int] | None = None
 ) -> tuple[Complexes, Any]:
-    """Displacements of modes, all by default, at those of some points that lie on a surface.
-
-    Returns
-    -------
-    ndarray
-        Components of the points that the z axis through them finds, shape (3 found, modes).
-    ndarray
-        Which points were found, shape (n,).
-
-    Raises
-    ------
-    InputError
-        When none was.
-    """
+    """Displacements of modes, shape (3 found, modes), at points found along z; which are found."""
     side = result.system.bodies[body].surfaces[surface]
     found = side.locate(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)), side.mesh_size)
     hit = ~found.missed

@@ -30,6 +30,7 @@ _SHAPES = (
     *(("v", "triangle-down"), ("P", "cross"), ("*", "star")),
 )
 """Markers of matplotlib and of plotly."""
+_OF_MATPLOTLIB = {page: drawn for drawn, page in _SHAPES}
 _BACKENDS = {"iga": _SHAPES[0], "fe": _SHAPES[1]}
 _PANEL = (4.4, 3.6)
 """Width and height of a panel (inches)."""
@@ -97,8 +98,9 @@ def _looks(frame: pd.DataFrame, name: str, series: Sequence[str]) -> dict[Any, d
         if "backend" not in series:
             looks[value]["marker"] = _SHAPES[i // len(COLOURS) % len(_SHAPES)]
     if name == "verdict":
-        for verdict, (_, colour, _) in VERDICT_MARKS.items():
-            looks[verdict] = {"colour": colour}
+        for verdict, (symbol, colour, _) in VERDICT_MARKS.items():
+            marker = (_OF_MATPLOTLIB[symbol.removesuffix("-open")], symbol)
+            looks[verdict] = {"colour": colour, "marker": marker}
     return looks
 
 
@@ -180,7 +182,8 @@ def drawn_by_page(plot: Plot, result: Any) -> list[interactive.Plot]:
     kept = {"meta": "shown", "mode": "markers", "x": [], "y": [], "name": "mode shown",
             "marker": {"symbol": "circle-open", "size": 18, "color": BLACK}}  # fmt: skip
     made = []
-    for i, panel in enumerate(panels(plot, result)):
+    every = panels(plot, result)
+    for i, panel in enumerate(every):
         traces = [_trace(line, plot.style) for line in panel.lines]
         if any(line.shapes for line in panel.lines):
             traces.append(kept)
@@ -188,7 +191,7 @@ def drawn_by_page(plot: Plot, result: Any) -> list[interactive.Plot]:
         options = {"showlegend": many, "meta": {"narrow": 12 * len(traces)}}
         made.append(
             interactive.Plot(
-                *(f"{plot.name}-{i}", traces, axes[0], axes[1]),
+                *(f"{plot.name}-{i}" if len(every) > 1 else plot.name, traces, axes[0], axes[1]),
                 height=400 + 12 * len(traces),
                 title=panel.title,
                 options=options,

@@ -24,15 +24,14 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats
-from cea.contact.assembly import approach_along
+from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
-from cea.contact.operators import Contact
 from cea.ranks import agreed
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
-from cea.system.equilibrium import LEFT_OVER
-from cea.system.sliding_state import ContactState, SteadySliding
+from cea.system.steady_equations import LEFT_OVER
+from cea.system.steady_state import ContactState, SteadySliding
 from cea.warned import ResultWarning
 from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
@@ -95,7 +94,7 @@ def _open(contact: Contact, state: ContactState) -> Iterator[ResultWarning]:
 
 def _undecided(contact: Contact, state: ContactState, noise: float) -> Iterator[ResultWarning]:
     """Points that rounding makes open or closed, where their stiffness jumps."""
-    law = contact.half.law
+    law = contact.law
     if not isinstance(law, NormalCompliance) or law.m > 1:
         return
     points = np.abs(state.closure) <= noise
@@ -146,13 +145,13 @@ def geometry_error(
     system: CoupledSystem, steady: "SteadySliding", contact: Contact, state: "ContactState"
 ) -> Iterator[ResultWarning]:
     """Closures that do not stand out from the errors of curved facets; collective."""
-    interface, law = contact.interface, contact.half.law
+    interface, law = contact.interface, contact.law
     assert isinstance(law, NormalCompliance)
     with agreed(interface.comm):
         tilt = interface.a.normal_error(interface.local_points.at)
         local = interface.geometry_error
-    seeming = approach_along(system.bodies, contact.half, tilt, steady.displacement)
-    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.reactions.met(seeming))
+    seeming = approach_along(system.bodies, contact, tilt, steady.displacement)
+    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.met(seeming))
     force = interface.points.weight * state.pressure
     if not force.any():
         return
@@ -230,7 +229,7 @@ def coarse_closed_zone(
     bodies: Mapping[str, BodySpec], contact: Contact, state: ContactState, halves: int
 ) -> Iterator[ResultWarning]:
     """A closed zone that ends inside a contact and has too few elements across for its law."""
-    interface, half = contact.interface, contact.half
+    interface, half = contact.interface, contact
     zone = closed_zone(interface.points.x, state.closure)
     if zone is None:
         return

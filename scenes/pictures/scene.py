@@ -10,7 +10,7 @@ import pyvista
 from PIL import Image
 
 from cea.arrays import Floats
-from cea.contact.half_pass import HalfPass
+from cea.contact.contact import Contact
 from cea.files import write_whole
 from cea.petsc import MPI
 from cea.surface import Surface
@@ -124,7 +124,7 @@ def _add_names(plotter: Any, inspection: Inspection, view: Floats) -> None:
             )
 
 
-def _surroundings(halves: Mapping[str, HalfPass], points: Floats) -> Floats:
+def _surroundings(halves: Mapping[str, Contact], points: Floats) -> Floats:
     """Corners of a box around the contact points (m), shape (n, 3); all points where none is."""
     if not halves:
         return points
@@ -140,7 +140,7 @@ def _surroundings(halves: Mapping[str, HalfPass], points: Floats) -> Floats:
 
 
 def _add_contacts(
-    plotter: Any, halves: Mapping[str, HalfPass], distances: Mapping[str, Floats], seen: Floats
+    plotter: Any, halves: Mapping[str, Contact], distances: Mapping[str, Floats], seen: Floats
 ) -> None:
     """Contact points by their gap, normals and directions of friction."""
     size = float(np.linalg.norm(np.ptp(seen, axis=0)))

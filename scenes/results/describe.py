@@ -11,7 +11,7 @@ from scenes.results.result import Result
 from scenes.spec.plain import as_data
 
 if TYPE_CHECKING:
-    from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
+    from cea.system.steady_state import ContactState, LoadStep, SteadySliding
 
 
 def described_run(result: Result) -> dict[str, Any]:

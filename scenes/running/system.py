@@ -64,8 +64,8 @@ def coupled(
 
 def _linearised(scene: Scene, system: CoupledSystem, timer: StageTimer) -> CoupledSystem:
     """A system linearised about its state of steady sliding, which it keeps; collective."""
-    from cea.system.held import support_reactions
-    from cea.system.steady_sliding import steady_sliding
+    from cea.system.steady_path import steady_sliding
+    from cea.system.support_forces import support_reactions
 
     steps = scene.analysis.load_steps
     steady = steady_sliding(system, timer, steps=steps or 1, history=steps is not None)

@@ -15,7 +15,7 @@ from comparisons.kit import shapes as kit_shapes
 from comparisons.kit.binary import STEPS, Binary, quantised
 from comparisons.kit.interactive import finite, literal
 from comparisons.kit.shapes import Shapes, by_importance
-from comparisons.run_report.page import write_run_report
+from comparisons.run_report import write_run_report
 from scenes import load_scene, run_modes, run_scene, save_result
 
 

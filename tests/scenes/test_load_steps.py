@@ -8,8 +8,8 @@ import pyvista
 from pressed import AREA, PRESSURE, pressed_blocks
 
 from cea.errors import ConvergenceError
-from cea.system.sliding_newton import Iteration, SlidingNewton
-from cea.system.steady_sliding import check_steps
+from cea.system.steady_newton import Iteration, SteadyNewton
+from cea.system.steady_path import check_steps
 from scenes import read_scene, run_scene
 from scenes.export.paraview import write_load_steps
 from scenes.spec.problems import SceneError
@@ -41,14 +41,14 @@ def colours(image):
 
 def refuse(monkeypatch, refused):
     """Let Newton's method fail at parts of the load."""
-    whole = SlidingNewton.solve
+    whole = SteadyNewton.solve
 
     def solve(self, x, f, factor):
         if refused(factor):
-            return Iteration(self._problem.state(x, f, factor))
+            return Iteration(self._equations.state(x, f, factor))
         return whole(self, x, f, factor)
 
-    monkeypatch.setattr(SlidingNewton, "solve", solve)
+    monkeypatch.setattr(SteadyNewton, "solve", solve)
 
 
 def test_the_history_is_kept(backend, result):

@@ -90,7 +90,7 @@ def test_the_stored_state_is_an_equilibrium_of_the_stored_matrices(backend, rate
     u, load = result.steady.displacement.array, load_of(data)
     K = stiffness(result.matrices(), contacts=False)
     contact = sum(
-        each.reactions.forces(result.steady.contacts[each.name].pressure, friction=False).array
+        each.force(result.steady.contacts[each.name].pressure, friction=False).array
         for each in result.system.contacts
     )
     assert np.linalg.norm(K(u) + contact - load) < 1e-10 * np.linalg.norm(load)
