@@ -7,7 +7,7 @@ from wrong_scenes import changed, coarse
 
 from scenes import run_modes
 from scenes.checking import check as inspection
-from scenes.checking.check import gaps, inspect_scene, told
+from scenes.checking.check import inspect_scene, told
 from scenes.pictures.scene import draw_scene
 from scenes.spec.reading import load_scene, read_scene
 
@@ -71,17 +71,6 @@ def test_a_scene_too_large_is_not_meshed(monkeypatch):
     assert [fault.field for fault in looked.faults] == ["bodies.disc.mesh.iga.elements"]
     assert not looked.bodies
     assert any(line.startswith("about ") for line in told(looked))
-
-
-def test_gaps_are_those_of_the_geometry(backend):
-    scene = load_scene("crowned_pad", backend=backend)
-    looked = inspect_scene(scene)
-    (half,) = looked.halves.values()
-    found = gaps(half)
-    assert found.min() == pytest.approx(0.0, abs=2e-6)
-    wider = inspect_scene(scene.change("contacts.pad_disc.added_gap", 1e-4))
-    (wide,) = wider.halves.values()
-    np.testing.assert_allclose(gaps(wide), found + 1e-4, atol=1e-15)
 
 
 @pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])

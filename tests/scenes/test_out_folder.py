@@ -105,24 +105,6 @@ def test_folders_that_cannot_take_a_result_are_refused(tmp_path):
     assert file.read_text() == "mine"
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="nothing is closed to the superuser")
-def test_a_folder_that_is_closed_is_refused(tmp_path):
-    tmp_path.chmod(0o500)
-    try:
-        with pytest.raises(InputError, match=r"out = .*Permission denied"):
-            check_out(tmp_path)
-    finally:
-        tmp_path.chmod(0o700)
-
-
-def test_a_new_folder_is_made_and_may_be_used_again(tmp_path):
-    out = tmp_path / "new" / "deeper"
-    check_out(out)
-    assert list(out.iterdir()) == []
-    fill(out, {})
-    check_out(out)
-
-
 def test_what_was_killed_is_cleared_away_and_what_runs_is_not(tmp_path):
     ended = subprocess.Popen(["true"])
     ended.wait()

@@ -1,67 +1,11 @@
 """Equilibria of bodies that rotate: those of the stiffness that small motions about them meet."""
 
 import numpy as np
-import pytest
 from scipy.sparse.linalg import spsolve
 from scipy.special import jv, jvp, yv, yvp
 
-from scenes import run_modes, run_static
+from scenes import run_static
 from scenes.spec.reading import read_scene
-
-
-def pinched_ring(backend, rate, kind="cea", **ring):
-    """A soft ring on springs that rotates between two pads; a law of the closure, no friction."""
-
-    def mesh(*elements):
-        return {
-            "fe": {"cell": "quadrilateral", "degree": 2, "elements": list(elements)},
-            "iga": {"degree": [3, 3], "elements": list(elements)},
-        }
-
-    def pad(start, end):
-        return {
-            "backend": backend,
-            "geometry": {
-                "shape": "ring_sector",
-                "inner_radius": 0.1,
-                "outer_radius": 0.11,
-                "start": start,
-                "end": end,
-            },
-            "material": {"E": 1e8, "nu": 0.3, "rho": 1000.0},
-            "supports": [
-                {"surface": side, "components": ["circumferential"]} for side in ("start", "end")
-            ],
-            "mesh": mesh(1, 6),
-        }
-
-    bodies = {
-        "ring": {
-            "backend": backend,
-            "geometry": {"shape": "ring", "inner_radius": 0.09, "outer_radius": 0.1},
-            "material": {"E": 1e9, "nu": 0.3, "rho": 2000.0},
-            "springs": [{"surface": "inner", "stiffness": [1e6, 1e6]}],
-            "rotation": {"rate": rate, "convective_stiffness": True, "coriolis": False},
-            "mesh": mesh(1, 40),
-        }
-        | ring,
-        "p": pad(-15.0, 15.0),
-        "q": pad(165.0, 195.0),
-    }
-    law = {"formulation": {"method": "segments"}, "c_n": 1e11, "mu": 0.0, "reach": 1e-4}
-    analysis = {"kind": kind}
-    if kind == "cea":
-        analysis |= {"max_frequency": 100.0, "min_growth": -3000.0}
-    return {
-        "name": "pinched ring",
-        "bodies": bodies,
-        "contacts": {
-            "s": {"a": "p.inner", "b": "ring.outer", **law},
-            "t": {"a": "q.inner", "b": "ring.outer", **law},
-        },
-        "loads": [{"surface": f"{pad}.outer", "pressure": 1e5} for pad in ("p", "q")],
-        "analysis": analysis,
-    }
 
 
 def stiffness(matrices, *, contacts=True):
@@ -73,29 +17,6 @@ def stiffness(matrices, *, contacts=True):
         return lambda u: K @ u
     L, N, J = (matrices[name] for name in "LNJ")
     return lambda u: K @ u + L @ spsolve(N.tocsc(), J @ u)
-
-
-def load_of(data):
-    """Forces of the loads of a scene."""
-    data = data | {"analysis": {"kind": "static"}}
-    return run_static(read_scene(data)).system.load.array
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize("rate", [0.0, 150.0, 300.0])
-def test_the_stored_state_is_an_equilibrium_of_the_stored_matrices(backend, rate):
-    """With m_n = 1 the tangent at closed points is the law itself, where sides touched before."""
-    data = pinched_ring(backend, rate)
-    result = run_modes(read_scene(data))
-    u, load = result.steady.displacement.array, load_of(data)
-    K = stiffness(result.matrices(), contacts=False)
-    contact = sum(
-        each.force(result.steady.contacts[each.name].pressure, friction=False).array
-        for each in result.system.contacts
-    )
-    assert np.linalg.norm(K(u) + contact - load) < 1e-10 * np.linalg.norm(load)
-    assert result.steady.residual < 1e-10
-    assert all(0 < each.closed_fraction < 1 for each in result.steady.contacts.values())
 
 
 def widened_ring(rate):

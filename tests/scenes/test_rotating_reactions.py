@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from rotating_numbers import pressed_disc
 from scipy.integrate import solve_bvp
 
-from cea.system.support_forces import balances
-from scenes import run_modes, run_static
+from scenes import run_static
 from scenes.spec.reading import read_scene
 
 E, NU, RHO, INNER, OUTER, FORCE, RATE = 1.0, 0.3, 1.5, 0.6, 1.0, 1e-3, 0.9
@@ -103,19 +101,3 @@ def test_rims_bear_what_the_exact_solution_says(backend, case):
     found = run_static(read_scene(ring(backend, case))).reactions["ring"]
     expected = borne(case)
     np.testing.assert_allclose(found, expected, rtol=0, atol=2e-4 * np.abs(expected).max())
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize("coriolis", [True, False])
-def test_a_pressed_disc_is_in_equilibrium(backend, coriolis):
-    """Under friction, on springs: resultants and moments, of both bodies and their contact."""
-    data = pressed_disc(backend, "Rayleigh")
-    data["bodies"]["disc"]["springs"] = [{"surface": "bottom", "stiffness": [0.2, 0.2, 0.5]}]
-    data["bodies"]["disc"]["rotation"] |= {"convective_stiffness": True, "coriolis": coriolis}
-    result = run_modes(read_scene(data))
-    steady = result.system.steady
-    found = balances(result.system, steady.displacement, steady.forces)
-    assert {each.of for each in found} == {"disc", "pad", "contact interface"}
-    labels = {label for each in found if each.of == "disc" for label in each.labels}
-    assert {"damping", "convective stiffness", "springs"} <= labels
-    assert max(each.left for each in found) <= 1

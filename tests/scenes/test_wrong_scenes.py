@@ -65,15 +65,3 @@ def test_faults_are_told_together_those_of_single_fields_first():
         "contacts.pad_disc.b",
         "contacts.pad_disc.a",
     ]
-
-
-@pytest.mark.parametrize("name", ["geometry", "p", "analysis", "float", "box", "AlongVector"])
-def test_a_body_may_have_the_name_of_a_field(name):
-    """Paths are told whole, whatever bodies are called."""
-    body = (
-        "{backend='iga',geometry={shape='box',size=[1,1]},material={E=1,nu=0.3},mesh={},colour=1}"
-    )
-    assert fields_of("disc_pad", [f"bodies.{name}={body}"]) == [
-        f"bodies.{name}.geometry.size",
-        f"bodies.{name}.colour",
-    ]
