@@ -75,9 +75,6 @@ def _near(place, faults):
     return any(f.field.startswith((section, str(place[0]))) for f in faults)
 
 
-"""What reads files beside the project and gmsh."""
-
-
 def reader(kind, folder):
     """What reads each kind of input; files go through a folder."""
 
