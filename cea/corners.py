@@ -39,23 +39,7 @@ def connected(pairs: Ints, count: int) -> Ints:
 
 
 def split_functions(dofs: Ints, groups: Ints, count: int) -> Ints:
-    """Number of the split function of each entry, an entry for each function on each element.
-
-    Parameters
-    ----------
-    dofs
-        Scalar dof of each entry, shape (n,).
-    groups
-        Group of each entry; entries of one group have one dof, shape (n,).
-    count
-        Number of scalar dofs.
-
-    Returns
-    -------
-    ndarray
-        The dof itself for one of its groups; ``count``, ``count + 1``, ... for the further groups
-        of all dofs. Shape (n,).
-    """
+    """Number of the split function of each entry, an entry for each function on each element."""
     _, first = np.unique(groups, return_index=True)
     number = dofs[first]
     further = np.ones(len(first), dtype=bool)
@@ -65,36 +49,13 @@ def split_functions(dofs: Ints, groups: Ints, count: int) -> Ints:
 
 
 def smooth_parts(element: Ints, functions: Ints, num_elements: int) -> Ints:
-    """Smooth part of each element: elements that share a split function are in one.
-
-    Parameters
-    ----------
-    element, functions
-        Element and split function of each entry, shape (n,).
-    num_elements
-        Number of elements.
-
-    Returns
-    -------
-    ndarray
-        Numbers of the parts, 0, 1, ..., shape (num_elements,).
-    """
+    """Smooth part of each element: elements that share a split function are in one."""
     count = num_elements + int(functions.max(initial=0)) + 1
     pairs = np.column_stack([element, num_elements + functions])
     return connected(pairs, count)[:num_elements]
 
 
 def equal_shares(part: Ints, areas: Floats, area: float) -> Floats:
-    """Weights of points of which each has the same share of the area of its smooth part.
-
-    Parameters
-    ----------
-    part
-        Smooth part of each point, shape (n,).
-    areas
-        Areas of the parts (m^2; m in 2D).
-    area
-        Area of the whole, which the weights add up to.
-    """
+    """Weights of points of which each has the same share of the area of its smooth part."""
     number = np.maximum(np.bincount(part, minlength=len(areas)), 1)
     return (area * (areas / areas.sum()) / number)[part]

@@ -91,20 +91,7 @@ class Expression:
     text: str
 
     def check(self, field: str, dim: int = 3) -> None:
-        """Refuse what is no expression, before there are points to evaluate it at.
-
-        Parameters
-        ----------
-        field
-            Name of the field.
-        dim
-            Dimension of space: the plane has no z.
-
-        Raises
-        ------
-        InputError
-            Under the name of the field.
-        """
+        """Refuse what is no expression, before there are points to evaluate it at."""
         try:
             self(np.full((1, dim), 0.5))
         except InputError as error:
@@ -125,13 +112,7 @@ class Expression:
         )
 
     def __call__(self, x: Floats) -> Floats:
-        """Values at positions x (m), shape (n,).
-
-        Raises
-        ------
-        InputError
-            When the text is no expression of the coordinates, or not finite somewhere.
-        """
+        """Values at positions x (m), shape (n,)."""
         coordinates = dict(zip(_COORDINATES[:3], x.T, strict=False))
         coordinates |= {"r": np.hypot(x[:, 0], x[:, 1]), "theta": np.arctan2(x[:, 1], x[:, 0])}
         try:
@@ -204,13 +185,7 @@ class Formula:
 
     @cached_property
     def _used(self) -> frozenset[str]:
-        """Names in the text that are parameters.
-
-        Raises
-        ------
-        ValueError
-            When something in it is no arithmetic of single numbers.
-        """
+        """Names in the text that are parameters."""
         functions: set[ast.expr] = set()
         for node in ast.walk(self._tree):
             if isinstance(node, ast.operator) and type(node) not in _SMOOTH:
@@ -235,23 +210,11 @@ class Formula:
         return frozenset(self.parameters[name] for name in self._used)
 
     def at(self, values: Mapping[str, float]) -> float:
-        """Value at given parameters.
-
-        Raises
-        ------
-        InputError
-            When it has none that is finite.
-        """
+        """Value at given parameters."""
         return self._finite("value", values)
 
     def derivative(self, name: str, values: Mapping[str, float]) -> float:
-        """Derivative in one parameter.
-
-        Raises
-        ------
-        InputError
-            When it has none that is finite.
-        """
+        """Derivative in one parameter."""
         inner = [short for short in self._used if self.parameters[short] == name]
         return sum(self._finite("derivative", values, short) for short in inner)
 
@@ -272,11 +235,6 @@ def parsed(text: str) -> ast.expr:
 
     Whole numbers become floats: powers of them would grow without bound. The tree is shared: it is
     read and never changed.
-
-    Raises
-    ------
-    ValueError
-        With what is wrong.
     """
     if not isinstance(text, str):
         raise ValueError("no text")

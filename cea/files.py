@@ -18,20 +18,7 @@ _LEVEL = 6
 
 
 def write_whole(content: bytes, file: Path) -> Path:
-    """Write a file whole or not at all, making its folder.
-
-    Parameters
-    ----------
-    content
-        What it holds.
-    file
-        The file; with the ending ``.gz`` it is compressed, the same bytes for the same content.
-
-    Raises
-    ------
-    WriteError
-        When it cannot be written, as on a full disk; a file that was there stays as it was.
-    """
+    """Write a file whole or not at all, making its folder."""
     if file.suffix == ".gz":
         content = gzip.compress(content, _LEVEL, mtime=0)
     part = _hidden(file, "part")
@@ -51,38 +38,14 @@ def write_whole(content: bytes, file: Path) -> Path:
 
 
 def regular(file: Path) -> Path:
-    """A file that may be read: devices and pipes may have no end.
-
-    Parameters
-    ----------
-    file
-        The file; whether it is there its reader tells.
-
-    Raises
-    ------
-    OSError
-        When it is a folder, a device or a pipe.
-    """
+    """A file that may be read: devices and pipes may have no end."""
     if file.exists() and not file.is_file():
         raise OSError(errno.EINVAL, "not a regular file", str(file))
     return file
 
 
 def check_writable(file: Path, field: str) -> None:
-    """Refuse a file that cannot be written, before the work whose result it is to hold.
-
-    Parameters
-    ----------
-    file
-        The file; its folder is made.
-    field
-        Name of it, as the user gave it, for the message.
-
-    Raises
-    ------
-    InputError
-        Naming the field.
-    """
+    """Refuse a file that cannot be written, before the work whose result it is to hold."""
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
         regular(file)
@@ -95,18 +58,7 @@ def check_writable(file: Path, field: str) -> None:
 
 @contextmanager
 def folder_whole(folder: Path) -> Iterator[Path]:
-    """A new folder to fill, which takes the place of a folder when the block ends without error.
-
-    Parameters
-    ----------
-    folder
-        The folder; one that is there is replaced with all it holds.
-
-    Raises
-    ------
-    WriteError
-        When it cannot be written; what was there stays.
-    """
+    """A new folder to fill, which takes the place of a folder when the block ends without error."""
     part, old = _hidden(folder, "part"), _hidden(folder, "old")
     try:
         with _told(folder):

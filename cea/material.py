@@ -39,6 +39,12 @@ class IsotropicMaterial:
         if self.rho is not None and not (is_number(self.rho) and self.rho > 0):
             yield InputError("material.rho", self.rho, "a positive number (kg/m^3)")
 
+    def density(self, field: str) -> float:
+        """Density (kg/m^3), which is needed here; refused where there is none."""
+        if self.rho is None:
+            raise InputError(f"{field}.rho", None, "a density (kg/m^3) is needed for eigenvalues")
+        return self.rho
+
     @property
     def lame(self) -> tuple[float, float]:
         """Lame parameters (lambda, mu) (N/m^2) of the solid; plane strain uses the same."""

@@ -17,20 +17,7 @@ type Rows = tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]], Floats]
 def distributed(
     rows: csr_array, columns: tuple[int, int], comm: Any, *, shared: bool = False
 ) -> Any:
-    """PETSc AIJ matrix of the rows of every rank, one rank's after another's.
-
-    Parameters
-    ----------
-    rows
-        The rows of this rank.
-    columns
-        Columns of this rank and of all, as PETSc's layouts have them.
-    comm
-        Communicator.
-    shared
-        Whether on one rank the matrix may take the memory of its rows, which are then left alone;
-        the columns of each must rise.
-    """
+    """PETSc AIJ matrix of the rows of every rank, one rank's after another's."""
     size: Any = ((rows.shape[0], PETSc.DETERMINE), columns)
     starts, indices = (
         part.astype(PETSc.IntType, copy=False) for part in (rows.indptr, rows.indices)
@@ -42,19 +29,7 @@ def distributed(
 
 
 def from_blocks(inner: Rows, outer: Rows, comm: Any, *, block_size: int | None = None) -> Any:
-    """Square PETSc AIJ matrix of the rows of every rank; their memory is shared.
-
-    Parameters
-    ----------
-    inner
-        Rows of this rank in its own columns, which are counted from its first.
-    outer
-        Those in columns of other ranks, rising in each row; none on one rank.
-    comm
-        Communicator.
-    block_size
-        Rows and columns that belong together.
-    """
+    """Square PETSc AIJ matrix of the rows of every rank; their memory is shared."""
     rows = len(inner[0]) - 1
     parts = tuple((starts.astype(PETSc.IntType), *rest) for starts, *rest in (inner, outer))
     csr: Any = parts[0] if comm.size == 1 else parts
@@ -72,6 +47,11 @@ def local_part(matrix: Any) -> csr_array:
 def one_below_the_other(blocks: Sequence[Any]) -> Any:
     """Matrices of equal columns as one, PETSc AIJ: on each rank its rows of each in turn."""
     return PETSc.Mat().createNest([[block] for block in blocks]).convert("aij")
+
+
+def side_by_side(blocks: Sequence[Any]) -> Any:
+    """Matrices of equal rows as one, PETSc AIJ: on each rank its columns of each in turn."""
+    return PETSc.Mat().createNest([list(blocks)]).convert("aij")
 
 
 def product(left: Any, right: Any, factor: Any) -> Any:
@@ -206,17 +186,7 @@ def identity(rows: int, comm: Any) -> Any:
 
 
 def dense(columns: NDArray[Any], layout: tuple[int, int], comm: Any) -> Any:
-    """PETSc dense matrix of columns, of which each rank has its rows; their memory is shared.
-
-    Parameters
-    ----------
-    columns
-        The rows of this rank, shape (n_local, columns); best in Fortran order.
-    layout
-        Rows of this rank and of all.
-    comm
-        Communicator.
-    """
+    """PETSc dense matrix of columns, of which each rank has its rows; their memory is shared."""
     size: Any = (layout, (PETSc.DECIDE, columns.shape[1]))
     array: Any = np.asfortranarray(columns)
     return PETSc.Mat().createDense(size, array=array, comm=comm)

@@ -13,21 +13,12 @@ from cea.arrays import Floats, Ints
 
 @dataclass(frozen=True)
 class Nodes:
-    """Basis functions of this rank and the unknowns at them.
+    """Basis functions of this rank and the unknowns at them."""
 
-    Parameters
-    ----------
-    dim
-        Components of a displacement.
-    count
-        Basis functions of this rank.
-    node, component
-        Of each unknown of this rank, shape (n_local,): its basis function among those of this rank,
-        and its component. Where supports hold a displacement the component has no unknown.
-    """
-
-    dim: int
-    count: int
+    dim: int  # components of a displacement
+    count: int  # basis functions of this rank
+    # of each unknown of this rank, shape (n_local,): its basis function among those of this rank,
+    # and its component. Where supports hold a displacement the component has no unknown
     node: Ints
     component: Ints
 
@@ -43,13 +34,7 @@ class Nodes:
         return np.concatenate([[0], np.cumsum(comm.allgather(self.count))])
 
     def everywhere(self, comm: Any) -> tuple[Ints, Ints]:
-        """Basis function, among those of all ranks, and component of all unknowns; collective.
-
-        Parameters
-        ----------
-        comm
-            MPI communicator (mpi4py).
-        """
+        """Basis function, among those of all ranks, and component of all unknowns; collective."""
         node = self.node + self.starts(comm)[comm.rank]
         return (
             np.concatenate(comm.allgather(node)),
@@ -57,15 +42,7 @@ class Nodes:
         )
 
     def blocks(self, rows: csr_array, first: int) -> Floats:
-        """Diagonal blocks of a matrix, zero where held, shape (count, dim, dim).
-
-        Parameters
-        ----------
-        rows
-            The rows of this rank, scipy CSR array (n_local, n).
-        first
-            First unknown of this rank.
-        """
+        """Diagonal blocks of a matrix, zero where held, shape (count, dim, dim)."""
         row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
         column = rows.indices.astype(np.int64) - first
         own = (column >= 0) & (column < len(self.node))
@@ -78,15 +55,7 @@ class Nodes:
 
 
 def places(expansion: csr_array, own: range) -> Ints | None:
-    """The dof that each unknown moves most; None where two move the same, or one moves none.
-
-    Parameters
-    ----------
-    expansion
-        Displacement of the dofs of this rank from all free unknowns of a body.
-    own
-        Those unknowns that are of this rank.
-    """
+    """The dof that each unknown moves most; None where two move the same, or one moves none."""
     entries = coo_array(expansion)
     column = entries.col - own.start
     mine = (column >= 0) & (column < len(own))
@@ -98,17 +67,7 @@ def places(expansion: csr_array, own: range) -> Ints | None:
 
 
 def joined(dofs: Sequence[Ints], functions: Sequence[int], dim: int) -> Nodes:
-    """Basis functions of bodies, one body after another.
-
-    Parameters
-    ----------
-    dofs
-        What :func:`places` says of each body, in the order of the unknowns.
-    functions
-        Basis functions of each that are of this rank.
-    dim
-        Components of a displacement.
-    """
+    """Basis functions of bodies, one body after another."""
     starts = np.cumsum([0, *functions])
     node = np.concatenate([each // dim + at for each, at in zip(dofs, starts, strict=False)])
     component = np.concatenate([each % dim for each in dofs])

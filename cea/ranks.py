@@ -36,15 +36,7 @@ def agreed(comm: Any) -> Iterator[None]:
 
 
 def made_on_first[T](comm: Any, make: Callable[[], T]) -> T | None:
-    """What a function makes on rank 0, None on the others; what it raises there, all ranks raise.
-
-    Parameters
-    ----------
-    comm
-        MPI communicator (mpi4py); the call is collective.
-    make
-        The function; it sends no messages.
-    """
+    """What a function makes on rank 0, None on others; every rank raises what it raises there."""
     made: T | None = None
     fault: Exception | None = None
     if comm.rank == 0:

@@ -92,13 +92,7 @@ class SurfaceCells:
     tensor: bool
 
     def coordinates(self, t: Floats) -> tuple[SurfaceCoordinates, Floats]:
-        """The same points of each cell, cell by cell, and the extent of each in xi, (n,).
-
-        Parameters
-        ----------
-        t
-            Points of the unit interval, square or triangle, shape (m, dim - 1).
-        """
+        """The same points of each cell, cell by cell, and the extent of each in xi, (n,)."""
         first = self.corners[:, :1]
         edges = self.corners[:, [1, -1][: t.shape[1]]] - first
         xi = first + t @ edges
@@ -131,6 +125,10 @@ class Location:
     miss: Floats
     status: NDArray[np.int8]
     tolerance: float
+
+    def __getitem__(self, rows: Any) -> "Location":
+        distance, miss, status = self.distance[rows], self.miss[rows], self.status[rows]
+        return Location(self.at[rows], distance, miss, status, self.tolerance)
 
     @property
     def missed(self) -> NDArray[np.bool_]:

@@ -11,5 +11,5 @@ friction and the ring are solved by a graded Galerkin method of high order, whic
 others; lumped systems are roots of polynomials.
 
 ``reference`` and ``thresholds`` give eigenvalues and critical friction by the name of a problem,
-``entries`` writes them with their digits. ``hertz`` has what is known of a contact at rest.
+``entries`` writes them with their digits.
 """

@@ -9,19 +9,19 @@ with ``phi ~ Z_m(alpha r)`` and ``chi, psi ~ Z_m(beta r)``, Z = J or Y,
 
 import math
 from dataclasses import dataclass
-from typing import Self
 
 from flint import acb, acb_mat, arb
 
 from cea.errors import InputError
 from exact_cea.material import SOFT, STIFF, Material, Response, compliance, join
 from exact_cea.numbers import Exact, not_negative, order, positive
+from exact_cea.solve import Characteristic
 
 Column = list[acb]
 
 
 @dataclass(frozen=True)
-class Drum:
+class Drum(Characteristic):
     """Annulus a outside annulus b, clamped at the outermost and innermost circles.
 
     ``n = -e_r``, ``k = +e_theta``: at the interface ``sigma_rtheta = mu sigma_rr`` and
@@ -64,13 +64,7 @@ class Drum:
         interface: str | float = "1",
         outer: str | float = "1.5",
     ) -> "Drum":
-        """Drum of numbers or their texts.
-
-        Raises
-        ------
-        InputError
-            For a number out of range.
-        """
+        """Drum of numbers or their texts."""
         radii = positive("inner", inner), positive("interface", interface), positive("outer", outer)
         if not float(radii[0]) < float(radii[1]) < float(radii[2]):
             raise InputError(
@@ -100,20 +94,6 @@ class Drum:
         del frequency
         shear = 1 if self.kz is None else 2
         return sum(width / speeds[0] + shear * width / speeds[1] for speeds, width in self._walls())
-
-    def for_frequency(self, frequency: float) -> Self:
-        """The drum itself: nothing is truncated."""
-        del frequency
-        return self
-
-    def refined(self) -> Self:
-        """The drum itself: nothing is truncated."""
-        return self
-
-    def closed_form(self, frequency: float) -> list[acb]:
-        """None: every eigenvalue is a root."""
-        del frequency
-        return []
 
     def __call__(self, kappa: acb) -> acb:
         """Characteristic function of ``kappa = lambda^2``."""

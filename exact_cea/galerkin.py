@@ -154,24 +154,10 @@ class GalerkinContact:
 def lowest(contact: GalerkinContact, count: int, scale: float) -> NDArray[np.complex128]:
     """Lowest eigenvalues lambda with Im >= 0 by inverse iteration about a negative shift.
 
-    Parameters
-    ----------
-    contact
-        The discrete problem.
-    count
-        Number of eigenvalues; the nearest to the shift of ``omega^2`` are found, more than asked.
-    scale
-        A frequency near the lowest; the shift ``-scale^2 / 4`` stays off rigid motions.
-
     Returns
     -------
     ndarray
         Sorted by frequency, shape (count,). A rigid motion has zero, not its round-off.
-
-    Raises
-    ------
-    ConvergenceError
-        If the discrete problem has too few eigenvalues.
     """
     A, B = contact.pencil()
     shift = -(scale**2) / 4
@@ -215,24 +201,10 @@ def converged(
 ) -> tuple[NDArray[np.complex128], list[int]]:
     """Lowest eigenvalues and the digits on which two discretisations agree.
 
-    Parameters
-    ----------
-    contact
-        The discrete problem, fine or (False) coarser.
-    scale
-        A frequency near the lowest.
-    count, max_frequency
-        Number of eigenvalues, or upper end of Im lambda: exactly one of both.
-
     Returns
     -------
     tuple
         Eigenvalues of the fine problem, and digits of each.
-
-    Raises
-    ------
-    InputError
-        Unless exactly one of ``count`` and ``max_frequency`` is given, positive.
     """
     check_window(max_frequency, count)
     fine, coarse = contact(True), contact(False)

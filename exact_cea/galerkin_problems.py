@@ -15,7 +15,7 @@ from exact_cea.numbers import Exact, not_negative, order, positive
 from exact_cea.solve import Guess
 from exact_cea.spectral import Axis, Single, graded
 
-V, D, R = "value", "slope", "over_r"
+V, D, R, Z = "value", "slope", "over_r", "along z"
 
 
 def cylindrical(m: int) -> Strain:
@@ -31,46 +31,28 @@ def cylindrical(m: int) -> Strain:
     ]
 
 
-def cylindrical_family(m: int, kz: float | None) -> Strain:
-    """Strains of ``u_r, u_theta ~ cos(kz z)``, ``u_z ~ sin(kz z)``; plane strain for None."""
-    im = 1j * m
-    plane: Strain = [
-        [(1, 0, D, V)],
-        [(1, 0, R, V), (im, 1, R, V)],
-        [],
-        [(im, 0, R, V), (1, 1, D, V), (-1, 1, R, V)],
-        [],
-        [],
-    ]
-    if kz is None:
-        return plane
-    return [
-        *plane[:2],
-        [(kz, 2, V, V)],
-        plane[3],
-        [(-kz, 0, V, V), (1, 2, D, V)],
-        [(-kz, 1, V, V), (im, 2, R, V)],
-    ]
+_CARTESIAN: Strain = [
+    [(1, 0, D, V)],
+    [(1, 1, V, D)],
+    [(1, 2, V, Z)],
+    [(1, 0, V, D), (1, 1, D, V)],
+    [(1, 0, V, Z), (1, 2, D, V)],
+    [(1, 1, V, Z), (1, 2, V, D)],
+]
+"""Strains xx, yy, zz, xy, xz, yz on axes x, y, with derivatives along z."""
 
 
-def cartesian_family(kz: float | None) -> Strain:
-    """Strains of ``u_x, u_y ~ cos(kz z)``, ``u_z ~ sin(kz z)`` on axes x, y."""
-    plane: Strain = [
-        [(1, 0, D, V)],
-        [(1, 1, V, D)],
-        [],
-        [(1, 0, V, D), (1, 1, D, V)],
-        [],
-        [],
-    ]
+def family(strain: Strain, kz: float | None, along_z: str) -> Strain:
+    """Strains where the first two components go as cos(kz z), the third as sin(kz z).
+
+    Plane strain, without the third, for None.
+    """
     if kz is None:
-        return plane
+        return [[term for term in terms if term[1] < 2 and term[3] != along_z] for terms in strain]
+    rate = (-kz, -kz, kz)
     return [
-        *plane[:2],
-        [(kz, 2, V, V)],
-        plane[3],
-        [(-kz, 0, V, V), (1, 2, D, V)],
-        [(-kz, 1, V, V), (1, 2, V, D)],
+        [(c * rate[u], u, x, V) if y == along_z else (c, u, x, y) for c, u, x, y in terms]
+        for terms in strain
     ]
 
 
@@ -86,7 +68,7 @@ def drum(problem: Drum, degree: int = 30) -> GalerkinContact:
             material,
             axes,
             components,
-            cylindrical_family(problem.m, kz),
+            family(cylindrical(problem.m), kz, D),
             dict.fromkeys(range(components), held),
             (0, -1 - clamp),
         )
@@ -102,19 +84,7 @@ def drum(problem: Drum, degree: int = 30) -> GalerkinContact:
 
 
 def blocks(problem: Blocks, degree: int, layers: int, constant: bool) -> GalerkinContact:
-    """The blocks, with friction mu0 throughout or ``mu0 sin(pi x / length)``.
-
-    Parameters
-    ----------
-    problem
-        Sizes, materials, contact.
-    degree
-        Polynomial degree in x and y.
-    layers
-        Elements that shrink towards the ends of the interface; 0 for smooth solutions.
-    constant
-        Whether the friction coefficient is constant.
-    """
+    """The blocks, friction mu0 throughout or ``mu0 sin(pi x / length)``; no layers if smooth."""
     length, mu0 = float(problem.length), float(problem.mu0)
     kz = None if problem.kz is None else float(problem.kz)
     components = 2 if kz is None else 3
@@ -124,7 +94,9 @@ def blocks(problem: Blocks, degree: int, layers: int, constant: bool) -> Galerki
         axes = along, graded(start, end, degree, layers, (clamp == -1, clamp == 0))
         held = dict.fromkeys(range(components), _at(axes, (1, clamp)))
         held[0] = held[0] | _at(axes, (0, 0)) | _at(axes, (0, -1))
-        return GalerkinBody(material, axes, components, cartesian_family(kz), held, (1, -1 - clamp))
+        return GalerkinBody(
+            material, axes, components, family(_CARTESIAN, kz, Z), held, (1, -1 - clamp)
+        )
 
     def sine(x: NDArray[np.float64]) -> NDArray[np.float64]:
         return mu0 * np.sin(math.pi * x / length)
@@ -199,13 +171,7 @@ class Ring:
         height_a: str | float = "0.01",
         height_b: str | float = "0.02",
     ) -> "Ring":
-        """Ring of numbers or their texts.
-
-        Raises
-        ------
-        InputError
-            For a number out of range.
-        """
+        """Ring of numbers or their texts."""
         radii = positive("inner", inner), positive("outer", outer)
         if not float(radii[0]) < float(radii[1]):
             raise InputError("inner, outer", f"{inner}, {outer}", "increasing")

@@ -35,18 +35,15 @@ class LumpedSystem:
     K: Matrix
 
 
-def rational(field: str, value: str | float | Exact) -> Fraction:
-    """Rational number as written.
-
-    Raises
-    ------
-    InputError
-        If it is infinite or holds pi.
-    """
-    number = Exact(value, field)
-    if number.infinite or number.pi_power:
-        raise InputError(field, str(value), "a finite decimal number or fraction")
-    return number.rational
+def rationals(**values: str | float | Exact) -> list[Fraction]:
+    """Rational numbers as written; those that are infinite or hold pi are refused."""
+    numbers = []
+    for field, value in values.items():
+        number = Exact(value, field)
+        if number.infinite or number.pi_power:
+            raise InputError(field, str(value), "a finite decimal number or fraction")
+        numbers.append(number.rational)
+    return numbers
 
 
 def hoffmann(
@@ -57,12 +54,7 @@ def hoffmann(
     k3: str | float = "4/3",
 ) -> LumpedSystem:
     """Minimal model of mode coupling: unit masses, ``K = [[k11, k12 - mu k3], [k12, k22]]``."""
-    m, a, b, c, d = (
-        rational(name, value)
-        for name, value in zip(
-            ("mu", "k11", "k12", "k22", "k3"), (mu, k11, k12, k22, k3), strict=True
-        )
-    )
+    m, a, b, c, d = rationals(mu=mu, k11=k11, k12=k12, k22=k22, k3=k3)
     one, nil = Fraction(1), Fraction(0)
     return LumpedSystem(
         f"Hoffmann mu={mu}",
@@ -79,10 +71,7 @@ def hoffmann_threshold(
     k3: str | float = "4/3",
 ) -> Fraction:
     """Friction coefficient of coalescence: ``(k11 - k22)^2 + 4 k12 (k12 - mu k3) = 0``."""
-    a, b, c, d = (
-        rational(name, value)
-        for name, value in zip(("k11", "k12", "k22", "k3"), (k11, k12, k22, k3), strict=True)
-    )
+    a, b, c, d = rationals(k11=k11, k12=k12, k22=k22, k3=k3)
     if b * d == 0:
         raise InputError("k12, k3", f"{k12}, {k3}", "both nonzero: else friction couples nothing")
     return ((a - c) ** 2 + 4 * b * b) / (4 * b * d)
@@ -100,12 +89,7 @@ def hulten(
 
     ``K = [[k1, -mu k2], [mu k1, k2]]``, ``C = [[c1, -2 W], [2 W, c2]]``; k = omega^2.
     """
-    m, a, b, d1, d2, turn = (
-        rational(name, value)
-        for name, value in zip(
-            ("mu", "k1", "k2", "c1", "c2", "rotation"), (mu, k1, k2, c1, c2, rotation), strict=True
-        )
-    )
+    m, a, b, d1, d2, turn = rationals(mu=mu, k1=k1, k2=k2, c1=c1, c2=c2, rotation=rotation)
     one, nil = Fraction(1), Fraction(0)
     title = f"Hulten mu={mu} c=({c1},{c2})" + (f" Om={rotation}" if turn else "")
     return LumpedSystem(
@@ -134,10 +118,7 @@ def hulten_threshold(
     tuple
         mu_c and the squared frequency there.
     """
-    a, b, d1, d2 = (
-        rational(name, value)
-        for name, value in zip(("k1", "k2", "c1", "c2"), (k1, k2, c1, c2), strict=True)
-    )
+    a, b, d1, d2 = rationals(k1=k1, k2=k2, c1=c1, c2=c2)
     if a <= 0 or b <= 0 or d1 < 0 or d2 < 0:
         raise InputError("k1, k2, c1, c2", (k1, k2, c1, c2), "k positive, c zero or positive")
     a3, a2, a1 = d1 + d2, a + b + d1 * d2, d1 * b + d2 * a

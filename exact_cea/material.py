@@ -79,13 +79,6 @@ class Response:
 def join(a: Response, b: Response, compliance: arb) -> tuple[acb, acb]:
     """Gap condition ``s / p = u^a - u^b``, times ``free^a free^b``.
 
-    Parameters
-    ----------
-    a, b
-        Responses in the same axes.
-    compliance
-        1 / p; zero for p = infinity.
-
     Returns
     -------
     tuple

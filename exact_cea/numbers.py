@@ -84,13 +84,7 @@ def _decimal(token: str) -> Fraction:
 
 
 def positive(field: str, value: "str | float | Exact", infinite: bool = False) -> Exact:
-    """Exact number above zero.
-
-    Raises
-    ------
-    InputError
-        If it is not, or infinite where that is not allowed.
-    """
+    """Exact number above zero."""
     number = Exact(value, field)
     if not float(number) > 0 or (number.infinite and not infinite):
         raise InputError(field, str(value), "positive" + (" or inf" if infinite else ""))
@@ -98,13 +92,7 @@ def positive(field: str, value: "str | float | Exact", infinite: bool = False) -
 
 
 def not_negative(field: str, value: "str | float | Exact") -> Exact:
-    """Exact finite number, zero or above.
-
-    Raises
-    ------
-    InputError
-        If it is negative or infinite.
-    """
+    """Exact finite number, zero or above."""
     number = Exact(value, field)
     if not 0 <= float(number) < math.inf:
         raise InputError(field, str(value), "zero or a positive number")
@@ -112,26 +100,14 @@ def not_negative(field: str, value: "str | float | Exact") -> Exact:
 
 
 def order(field: str, value: int) -> int:
-    """Circumferential order.
-
-    Raises
-    ------
-    InputError
-        If it is not an integer of 0 or more.
-    """
+    """Circumferential order."""
     if isinstance(value, bool) or int(value) != value or value < 0:
         raise InputError(field, value, "an integer of 0 or more (-m gives -Re lambda)")
     return int(value)
 
 
 def check_window(max_frequency: float | None, count: int | None) -> None:
-    """Refuse anything but one of a highest frequency and a number of eigenvalues.
-
-    Raises
-    ------
-    InputError
-        Unless exactly one is given, positive and finite.
-    """
+    """Refuse anything but one of a highest frequency and a number of eigenvalues."""
     if (max_frequency is None) == (count is None):
         raise InputError("max_frequency, count", (max_frequency, count), "exactly one of both")
     if max_frequency is not None and not 0 < max_frequency < math.inf:

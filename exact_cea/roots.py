@@ -87,11 +87,6 @@ class RootFinder:
 
         The phase is followed by bisection until both halves of every step turn by less than
         0.8 and the modulus halfway is near the geometric mean of the ends.
-
-        Raises
-        ------
-        EdgeTooClose
-            If a root lies on the path.
         """
         path = box.path
         turn = 0.0

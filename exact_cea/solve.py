@@ -1,10 +1,11 @@
 """Complete lists of eigenvalues of a characteristic function, with the digits they hold."""
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import Protocol, Self
+from typing import Self
 
 import numpy as np
 from flint import acb, arb, ctx
@@ -20,28 +21,35 @@ Guess = Callable[[int], NDArray[np.complex128]]
 """The lowest eigenvalues by another method, as many as asked for."""
 
 
-class Characteristic(Protocol):
+class Characteristic(ABC):
     """A problem whose eigenvalues are the roots of an entire function of ``lambda^2``."""
 
     @property
+    @abstractmethod
     def real(self) -> bool:
         """Whether the function is real for real arguments."""
 
+    @abstractmethod
     def scale(self) -> float:
         """A frequency near the lowest."""
 
+    @abstractmethod
     def turning(self, frequency: float) -> float:
         """Turning of the function's phase with lambda: its travel times, up to a frequency."""
 
     def for_frequency(self, frequency: float) -> Self:
         """The problem truncated finely enough for eigenvalues up to a frequency."""
+        return self
 
     def refined(self) -> Self:
         """The problem truncated later; itself where nothing is, or far beyond all need."""
+        return self
 
     def closed_form(self, frequency: float) -> list[acb]:
         """Eigenvalues beside the roots, of modes that never feel the contact."""
+        return []
 
+    @abstractmethod
     def __call__(self, kappa: acb) -> acb:
         """Characteristic function at ``kappa = lambda^2``."""
 
@@ -139,13 +147,7 @@ class _Window:
 
     @classmethod
     def open(cls, problem: Characteristic, frequency: float, max_growth: float | None) -> "_Window":
-        """Count the roots, widening the box by fractions of a per cent where its edge is near one.
-
-        Raises
-        ------
-        ConvergenceError
-            If every box tried has a root at its edge.
-        """
+        """Count the roots, widening the box by parts of a per cent where its edge is near one."""
         growth = max_growth or frequency / 2
         finder = RootFinder(problem, problem.turning(frequency), problem.real)
         for widening in (1.0, 1.0017, 1.0041, 1.0073):

@@ -106,20 +106,8 @@ def graded(
 ) -> Axis:
     """Axis whose elements shrink by 0.15, and degrees fall, towards one or both ends.
 
-    Parameters
-    ----------
-    start, end
-        The interval.
-    degree
-        Degree of the largest elements.
-    layers
-        Number of shrinking elements at an end; 0.15 is near the best ratio for corner
-        singularities, and degrees growing linearly from the corner lose nothing
-        (I. Babuska, M. Suri, SIAM Review 36 (1994) 578-632).
-    ends
-        Whether to shrink towards the start and towards the end.
-    radial
-        Whether the coordinate is a radius.
+    That is near the best ratio for corner singularities, and degrees growing linearly from the
+    corner lose nothing (I. Babuska, M. Suri, SIAM Review 36 (1994) 578-632).
     """
     if not (layers and any(ends)):
         return Axis((start, end), (degree,), radial)

@@ -29,22 +29,13 @@ _SIMPLICES = (basix.CellType.triangle, basix.CellType.tetrahedron)
 
 @dataclass(frozen=True)
 class Cells:
-    """All cells of a mesh with their dofs, replicated on every rank.
+    """All cells of a mesh with their dofs, replicated on every rank."""
 
-    Parameters
-    ----------
-    geometry, trial
-        Elements (basix) of the geometry and of the scalar displacement.
-    nodes
-        Geometry nodes (m) of each cell, (n, n_geometry, dim).
-    dofs
-        Global scalar dofs of each cell, (n, n_dofs).
-    """
-
+    # elements (basix) of the geometry and of the scalar displacement
     geometry: Any
     trial: Any
-    nodes: Floats
-    dofs: Ints
+    nodes: Floats  # geometry nodes (m) of each cell, (n, n_geometry, dim)
+    dofs: Ints  # global scalar dofs of each cell, (n, n_dofs)
 
     @classmethod
     def of(cls, V: Any) -> "Cells":
@@ -70,19 +61,7 @@ class Cells:
         return Boxes(self.nodes.min(axis=1), self.nodes.max(axis=1))
 
     def locate(self, x: Floats) -> tuple[Ints, Floats, Floats]:
-        """Cell and reference coordinates nearest to each point.
-
-        Parameters
-        ----------
-        x
-            Points (m), shape (n, dim).
-
-        Returns
-        -------
-        tuple
-            Cells (n,), reference coordinates inside them (n, dim), and the distance left relative
-            to the size of the cell (n,).
-        """
+        """Cell and reference coordinates nearest to each point."""
         cell = np.full(len(x), -1, dtype=np.int64)
         xi, miss = np.zeros(x.shape), np.full(len(x), np.inf)
         left, largest = np.arange(len(x)), float(self.sizes.max())
@@ -100,13 +79,7 @@ class Cells:
         return cell, xi, miss
 
     def _pulled_back(self, cell: Ints, x: Floats, point: Ints) -> tuple[Floats, Floats]:
-        """Reference coordinates of points in cells by Newton steps kept inside, and misses.
-
-        Parameters
-        ----------
-        cell, x, point
-            Cells and points (m) that may lie in them, and which of these are the same one.
-        """
+        """Reference coordinates of points in cells by Newton steps kept inside, and misses."""
         corners = basix.geometry(self.geometry.cell_type)
         xi = np.broadcast_to(corners.mean(axis=0), x.shape).copy()
         rest = np.empty(x.shape)

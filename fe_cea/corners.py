@@ -21,23 +21,7 @@ go round are a circle.
 
 
 def smooth_pairs(dofs: Ints, normals: Floats, on_side: int) -> Ints:
-    """Pairs of facets that join smoothly.
-
-    Parameters
-    ----------
-    dofs
-        Scalar dofs of the nodes of each facet, shape (facets, nodes).
-    normals
-        Unit normals of each facet at its nodes, shape (facets, nodes, dim).
-    on_side
-        Number of nodes that neighbours have in common: those of a side of a facet.
-
-    Returns
-    -------
-    ndarray
-        Numbers of the facets, the lower first, shape (pairs, 2): neighbours, and facets in one
-        plane that have a node in common.
-    """
+    """Pairs of facets that join smoothly."""
     entries = pairs_of_equal(dofs.ravel())
     one, other = normals.reshape(-1, normals.shape[2])[entries.T]
     turn = _angle(one, other)

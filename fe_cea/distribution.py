@@ -37,22 +37,7 @@ def lasting_communicator(comm: Any) -> Any:
 
 
 def distribute(mesh: Mesh | None, comm: Any, field: str) -> TaggedMesh:
-    """Spread a mesh over the ranks; collective.
-
-    Parameters
-    ----------
-    mesh
-        The mesh; only that of rank 0 is read.
-    comm
-        Communicator (mpi4py).
-    field
-        Name of the mesh, for the message.
-
-    Raises
-    ------
-    InputError
-        When rank 0 has no mesh.
-    """
+    """Spread a mesh over the ranks; collective."""
     said = (mesh.cell, mesh.order, tuple(mesh.surfaces)) if mesh is not None else None
     said = comm.bcast(said, root=0)
     if said is None:

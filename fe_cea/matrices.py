@@ -22,7 +22,7 @@ from dolfinx.fem import Constant, Form, Function, form
 from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from scipy.sparse import bsr_array, csr_array
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats
 from cea.matrices import destroy, distributed, local_part
 from cea.petsc import PETSc
 from cea.rotation import Rotation
@@ -39,32 +39,27 @@ class LagrangeMatrices:
         Scalar Lagrange space (dolfinx).
     comm
         Communicator of the matrices, of the same ranks as that of the mesh.
-    cells
-        Cells of this rank that are integrated over; by default all of them.
+    mass_quadrature
+        Degree of the quadrature of the mass; None takes that which is exact on affine cells.
     """
 
-    def __init__(self, V: Any, comm: Any, cells: Ints | None = None) -> None:
-        self._space, self._mesh, self._comm = V, V.mesh, comm
-        self._dim = V.mesh.geometry.dim
-        if cells is None:
-            cells = np.arange(V.mesh.topology.index_map(V.mesh.topology.dim).size_local)
-        domains: Any = [(1, cells.astype(np.int32))]
-        self._cells = ufl.Measure("dx", domain=V.mesh, subdomain_data=domains)(1)
+    def __init__(self, V: Any, comm: Any, mass_quadrature: int | None = None) -> None:
+        self.scalar, self._mesh, self.comm = V, V.mesh, comm
+        self._mass_quadrature = mass_quadrature
         self._trial, self._test = ufl.TrialFunction(V), ufl.TestFunction(V)
         self._order = max(V.ufl_element().degree, V.mesh.geometry.cmaps[0].degree)
         self._is_simplex = V.mesh.basix_cell().name in ("triangle", "tetrahedron")
 
-    def stiffness(self, lame: tuple[float, float]) -> Any:
-        """Elastic stiffness (N/m), symmetric.
+    @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        return int(self._mesh.geometry.dim)
 
-        Parameters
-        ----------
-        lame
-            Lame parameters (lambda, mu) (N/m^2).
-        """
+    def stiffness(self, lame: tuple[float, float]) -> Any:
+        """Elastic stiffness (N/m), symmetric."""
         lam, mu = lame
-        every = range(self._dim)
-        tensor = Constant(self._mesh, np.zeros((self._dim, self._dim)))
+        every = range(self.dim)
+        tensor = Constant(self._mesh, np.zeros((self.dim, self.dim)))
         integral = self._gradients(tensor, 2)
         matrix = create_matrix(integral)
         G = {}
@@ -76,7 +71,7 @@ class LagrangeMatrices:
             if i == j:
                 G[i, i] = 0.5 * (rows.data + transposed)
         destroy(matrix)
-        blocks = np.empty((rows.nnz, self._dim, self._dim))
+        blocks = np.empty((rows.nnz, self.dim, self.dim))
         trace = mu * sum(G[k, k] for k in every)
         for i, j in G:
             blocks[:, i, j] = lam * G[i, j] + mu * G[j, i]
@@ -84,32 +79,16 @@ class LagrangeMatrices:
                 blocks[:, i, i] += trace
         return self._matrix(_coupled(rows, blocks))
 
-    def mass(self, rho: float, degree: int | None = None) -> Any:
-        """Consistent mass (kg), symmetric; components are not coupled.
-
-        Parameters
-        ----------
-        rho
-            Density (kg/m^3).
-        degree
-            Degree of the quadrature, by default that which is exact on affine cells.
-        """
-        rows, transposed = self._products(degree)
+    def mass(self, rho: float) -> Any:
+        """Consistent mass (kg), symmetric; components are not coupled."""
+        rows, transposed = self._products(self._mass_quadrature)
         return self._of_each_component(rows, 0.5 * rho * (rows.data + transposed))
 
     def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
-        """Stiffness int sigma_ij d_i u . d_j v that stresses of a displacement make (N/m).
-
-        Parameters
-        ----------
-        lame
-            Lame parameters (lambda, mu) (N/m^2).
-        displacement
-            Displacement of all dofs (m), (dim * num_scalar_dofs,).
-        """
+        """Stiffness int sigma_ij d_i u . d_j v that stresses of a displacement make (N/m)."""
         lam, mu = (Constant(self._mesh, value) for value in lame)
         strain = ufl.sym(ufl.as_tensor([ufl.grad(u) for u in self._functions(displacement)]))
-        stress = lam * ufl.tr(strain) * ufl.Identity(self._dim) + 2 * mu * strain
+        stress = lam * ufl.tr(strain) * ufl.Identity(self.dim) + 2 * mu * strain
         rows, transposed = _scalar(self._gradients(stress, 3))
         return self._of_each_component(rows, 0.5 * (rows.data + transposed))
 
@@ -123,7 +102,7 @@ class LagrangeMatrices:
         products, mirrored = self._products(degree)
         mass = rho * (products.data + mirrored)
         return self._matrix(
-            _coupled(rows, _times(skew, np.eye(self._dim)) - _times(mass, rotation.spin(self._dim)))
+            _coupled(rows, _times(skew, np.eye(self.dim)) - _times(mass, rotation.spin(self.dim)))
         )
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
@@ -134,7 +113,7 @@ class LagrangeMatrices:
         squares = 0.5 * rho * (rows.data + transposed)
         if rotation.coriolis:
             return self._of_each_component(rows, squares)
-        spin, eye = rotation.spin(self._dim), np.eye(self._dim)
+        spin, eye = rotation.spin(self.dim), np.eye(self.dim)
         of_trial, of_test = self._transport(rotation, degree)
         skew = rho * (of_trial.data - of_test)
         products, mirrored = self._products(degree)
@@ -162,22 +141,22 @@ class LagrangeMatrices:
         return _scalar(self._form(along * self._test, degree))
 
     def _form(self, integrand: Any, degree: int) -> Form:
-        measure = self._cells(metadata={"quadrature_degree": degree})
+        measure = ufl.dx(self._mesh, metadata={"quadrature_degree": degree})
         return form(integrand * measure, jit_options=dict(_JIT_OPTIONS))
 
     def _velocity(self, rotation: Rotation) -> Any:
         """Velocity a x r of a rotation at 1 rad/s (m)."""
-        spin = Constant(self._mesh, rotation.spin(self._dim))
-        origin = Constant(self._mesh, np.asarray(rotation.origin[: self._dim], dtype=float))
+        spin = Constant(self._mesh, rotation.spin(self.dim))
+        origin = Constant(self._mesh, np.asarray(rotation.origin[: self.dim], dtype=float))
         return ufl.dot(spin, ufl.SpatialCoordinate(self._mesh) - origin)
 
     def _functions(self, displacement: Floats) -> list[Function]:
         """Components of a displacement of all dofs."""
-        first, last = self._space.dofmap.index_map.local_range
-        own = displacement[self._dim * first : self._dim * last].reshape(-1, self._dim)
+        first, last = self.scalar.dofmap.index_map.local_range
+        own = displacement[self.dim * first : self.dim * last].reshape(-1, self.dim)
         functions = []
         for component in own.T:
-            u = Function(self._space)
+            u = Function(self.scalar)
             u.x.array[: last - first] = component
             u.x.scatter_forward()
             functions.append(u)
@@ -187,14 +166,14 @@ class LagrangeMatrices:
         """Matrix of components that are not coupled, by the same values at scalar entries."""
         count, columns = rows.shape
         scalar = csr_array((values, rows.indices, rows.indptr), shape=rows.shape)
-        repeated = csr_array(scalar[np.repeat(np.arange(count), self._dim)])
-        component = np.repeat(np.tile(np.arange(self._dim), count), np.diff(repeated.indptr))
-        entries = (repeated.data, self._dim * repeated.indices + component, repeated.indptr)
-        return self._matrix(csr_array(entries, shape=(self._dim * count, self._dim * columns)))
+        repeated = csr_array(scalar[np.repeat(np.arange(count), self.dim)])
+        component = np.repeat(np.tile(np.arange(self.dim), count), np.diff(repeated.indptr))
+        entries = (repeated.data, self.dim * repeated.indices + component, repeated.indptr)
+        return self._matrix(csr_array(entries, shape=(self.dim * count, self.dim * columns)))
 
     def _matrix(self, rows: csr_array) -> Any:
         """PETSc AIJ matrix of the rows of every rank."""
-        return distributed(rows, rows.shape, self._comm, shared=True)
+        return distributed(rows, rows.shape, self.comm, shared=True)
 
 
 def _scalar(integral: Form) -> tuple[csr_array, Floats]:

@@ -28,27 +28,7 @@ _SAMPLES = np.array([[0.31, 0.22, 0.13], [0.17, 0.53, 0.24]])
 
 
 def prolongation(coarse: Any, fine: Any, comm: Any, field: str) -> tuple[csr_array, float]:
-    """Prolongation from one space of a body to another; collective.
-
-    Parameters
-    ----------
-    coarse, fine
-        Scalar Lagrange spaces (dolfinx) of the body, on the same ranks.
-    comm
-        Communicator of these.
-    field
-        Name of the finer mesh in messages.
-
-    Returns
-    -------
-    tuple
-        As :meth:`cea.body.Space.prolongation`.
-
-    Raises
-    ------
-    InputError
-        When the meshes are not those of one body.
-    """
+    """Prolongation from one space of a body to another; collective."""
     before, dim = coarse.mesh.geometry.dim, fine.mesh.geometry.dim
     if before != dim:
         raise InputError(field, f"{dim} dimensions", f"{before}, as the coarse body has")

@@ -30,13 +30,7 @@ _ACROSS = {
 
 
 def sagittas(layer: FacetLayer) -> Floats:
-    """Estimated distance (m) of each facet from the smooth surface it stands for, (n_facets,).
-
-    Parameters
-    ----------
-    layer
-        The facets.
-    """
+    """Estimated distance (m) of each facet from the smooth surface it stands for, (n_facets,)."""
     kind = layer.geometry.facet.cell_type
     corners = np.array(basix.topology(kind)[layer.dim - 2])  # of each edge
     normals, reach = _normals(layer), _reach(layer, corners)

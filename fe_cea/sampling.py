@@ -7,11 +7,12 @@ import basix
 import basix.ufl
 import numpy as np
 from dolfinx.fem import functionspace
+from dolfinx.fem.petsc import interpolation_matrix
 from scipy.sparse import csr_array, vstack
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
-from cea.volume import VolumeSample
+from cea.volume import VolumeCells, VolumeSample
 from fe_cea.facets import geometry_element, slices
 
 
@@ -20,29 +21,11 @@ def sample_volume(V: Any, subdivisions: int) -> VolumeSample:
 
     The points are the nodes of an equispaced Lagrange space of degree ``subdivisions``, which
     numbers them over all ranks.
-
-    Parameters
-    ----------
-    V
-        Scalar Lagrange space (dolfinx).
-    subdivisions
-        Parts each edge is divided into.
-
-    Raises
-    ------
-    InputError
-        When subdivisions is less than 1.
     """
     if subdivisions < 1:
         raise InputError("subdivisions", subdivisions, "at least 1")
     mesh = V.mesh
-    element = basix.ufl.element(
-        "Lagrange",
-        mesh.basix_cell(),
-        subdivisions,
-        lagrange_variant=basix.LagrangeVariant.equispaced,
-    )
-    W = functionspace(mesh, element)
+    W, element = _equispaced(mesh, subdivisions)
     lattice, numbers = W.dofmap.list, W.dofmap.index_map
     owned = numbers.size_local
 
@@ -50,7 +33,7 @@ def sample_volume(V: Any, subdivisions: int) -> VolumeSample:
     node, first = np.unique(lattice.ravel(), return_index=True)
     first = first[node < owned]
     cell, k = np.divmod(first, lattice.shape[1])
-    table = V.ufl_element().basix_element.tabulate(0, element.basix_element.points)[0, :, :, 0]
+    table = V.ufl_element().basix_element.tabulate(0, element.points)[0, :, :, 0]
     dofs = V.dofmap.list
     columns = V.dofmap.index_map.local_to_global(dofs.ravel()).reshape(dofs.shape)[cell]
     starts = np.arange(0, columns.size + 1, columns.shape[1])
@@ -62,7 +45,7 @@ def sample_volume(V: Any, subdivisions: int) -> VolumeSample:
     points = W.tabulate_dof_coordinates()[:, : mesh.geometry.dim]
 
     own_cells = lattice[: mesh.topology.index_map(mesh.topology.dim).size_local]
-    split = own_cells[:, _subcells(element.basix_element, subdivisions)]
+    split = own_cells[:, _subcells(element, subdivisions)]
     split = _right_handed(split.reshape(-1, split.shape[2]), points)
     cells = numbers.local_to_global(split.ravel()).reshape(split.shape).astype(np.int64)
     return VolumeSample(
@@ -70,6 +53,69 @@ def sample_volume(V: Any, subdivisions: int) -> VolumeSample:
         cells=np.concatenate(mesh.comm.allgather(cells)),
         values=csr_array(vstack(mesh.comm.allgather(values), format="csr")),
     )
+
+
+def lagrange_cells(V: Any) -> VolumeCells:
+    """Cells of a Lagrange space on equally spaced nodes, shared nodes once; on every rank whole.
+
+    Their degree is the higher one of space and geometry, so that both are held exactly.
+    """
+    mesh, dim = V.mesh, V.mesh.geometry.dim
+    degree = max(V.ufl_element().degree, geometry_element(mesh).degree)
+    W, element = _equispaced(mesh, degree)
+    numbers = W.dofmap.index_map
+    points = W.tabulate_dof_coordinates()[:, :dim]
+
+    owned = mesh.topology.index_map(mesh.topology.dim).size_local
+    lattice = np.rint(element.points * degree).astype(int)
+    c_order = np.lexsort(lattice.T[::-1])
+    simplex = element.cell_type in (basix.CellType.triangle, basix.CellType.tetrahedron)
+    cells = _in_right_handed_order(W.dofmap.list[:owned][:, c_order], lattice[c_order], points)
+    cells = numbers.local_to_global(cells.ravel()).reshape(cells.shape).astype(np.int64)
+
+    gathered = np.concatenate(mesh.comm.allgather(points[: numbers.size_local]))
+    return VolumeCells(
+        kind="lagrange",
+        simplex=simplex,
+        degree=degree,
+        points=gathered,
+        weights=np.ones(len(gathered)),
+        cells=np.concatenate(mesh.comm.allgather(cells)),
+        values=csr_array(vstack(mesh.comm.allgather(_values(V, W)), format="csr")),
+    )
+
+
+def _values(V: Any, W: Any) -> csr_array:
+    """Values of the scalar functions of V at the owned nodes of W, global numbers as columns."""
+    matrix = interpolation_matrix(V, W)
+    matrix.assemble()
+    indptr, indices, data = matrix.getValuesCSR()
+    matrix.destroy()
+    shape = (len(indptr) - 1, V.dofmap.index_map.size_global)
+    values = csr_array((data, indices.astype(np.int64), indptr), shape=shape)
+    values.eliminate_zeros()
+    return values
+
+
+def _in_right_handed_order(cells: Ints, lattice: Ints, points: Floats) -> Ints:
+    """Cells in C order of their lattice, those of negative volume with x and y exchanged."""
+    dim, degree = lattice.shape[1], lattice.max()
+    corners = degree * np.vstack([np.zeros(dim, dtype=int), np.eye(dim, dtype=int)])
+    at = [int(np.flatnonzero((lattice == corner).all(axis=1))[0]) for corner in corners]
+    edges = points[cells[:, at[1:]]] - points[cells[:, at[:1]]]
+    exchanged = np.lexsort(lattice[:, [1, 0, *range(2, dim)]].T[::-1])
+    return np.where(np.linalg.det(edges)[:, None] < 0, cells[:, exchanged], cells)
+
+
+def _equispaced(mesh: Any, degree: int) -> tuple[Any, Any]:
+    """Lagrange space on equally spaced nodes (dolfinx), and its element (basix)."""
+    element = basix.ufl.element(
+        "Lagrange",
+        mesh.basix_cell(),
+        degree,
+        lagrange_variant=basix.LagrangeVariant.equispaced,
+    )
+    return functionspace(mesh, element), element.basix_element
 
 
 def cell_jacobians(mesh: Any) -> Floats:

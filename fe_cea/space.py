@@ -1,41 +1,37 @@
 """Displacements on Lagrange elements of dolfinx."""
 
 from collections.abc import Mapping, Sequence
-from copy import copy
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any, Self
 
 import numpy as np
-from dolfinx import la
 from dolfinx.fem import functionspace
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-from cea.checks import check_jacobians
 from cea.errors import InputError
 from cea.mesh import Mesh
 from cea.petsc import MPI
 from cea.ranks import agreed
-from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.surface import TrueSurface
 from cea.volume import VolumeCells, VolumeSample
-from fe_cea.cells import lagrange_cells
 from fe_cea.distribution import distribute, lasting_communicator
 from fe_cea.facets import gather_facets
 from fe_cea.matrices import LagrangeMatrices
 from fe_cea.prolongation import prolongation
-from fe_cea.sampling import cell_jacobians, sample_volume
+from fe_cea.sampling import cell_jacobians, lagrange_cells, sample_volume
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
 
+_FLAT = 1e-10
+"""Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""
 _UNKNOWN: Mapping[str, TrueSurface] = MappingProxyType({})
 
 
-class LagrangeSpace:
+class LagrangeSpace(LagrangeMatrices):
     """Lagrange space of a mesh; implements :class:`cea.body.Space`.
 
     Parameters
@@ -86,11 +82,9 @@ class LagrangeSpace:
             if self.comm.allreduce(len(facet_tags.find(tag))) == 0:
                 raise InputError(f"{field}.surfaces.{surface}", tag, "the tag of some facets")
         with agreed(self.comm):
-            check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
-        self._field, self._mass_quadrature = field, mass_quadrature
-        self.scalar = functionspace(mesh, ("Lagrange", degree))
-        """Lagrange space of one component (dolfinx)."""
-        self._matrices = LagrangeMatrices(self.scalar, self.comm)
+            _check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
+        self._field = field
+        super().__init__(functionspace(mesh, ("Lagrange", degree)), self.comm, mass_quadrature)
         self._facets = {name: facet_tags.find(tag) for name, tag in surface_tags.items()}
         self._true_surfaces = dict(true_surfaces)
 
@@ -132,11 +126,6 @@ class LagrangeSpace:
             field=field,
         )
 
-    @property
-    def dim(self) -> int:
-        """Dimension of space, 2 or 3."""
-        return int(self.scalar.mesh.geometry.dim)
-
     @cached_property
     def ranges(self) -> Ints:
         """First scalar dof of each rank, and the end of the last, (ranks + 1,)."""
@@ -158,26 +147,6 @@ class LagrangeSpace:
         count = self.scalar.dofmap.index_map.size_global
         return nodal_constraints(self.scalar, surfaces, supports, count, field)
 
-    def stiffness(self, lame: tuple[float, float]) -> Any:
-        """Elastic stiffness (N/m), symmetric."""
-        return self._matrices.stiffness(lame)
-
-    def mass(self, rho: float) -> Any:
-        """Consistent mass (kg), symmetric."""
-        return self._matrices.mass(rho, self._mass_quadrature)
-
-    def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""
-        return self._matrices.gyroscopic(rho, rotation)
-
-    def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.rotation`), kg, symmetric."""
-        return self._matrices.convective(rho, rotation)
-
-    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
-        """Stiffness that stresses of a displacement (m) make, N/m, symmetric."""
-        return self._matrices.geometric_stiffness(lame, displacement)
-
     @property
     def dof_positions(self) -> Floats | None:
         """Nodes (m) on every rank, shape (num_scalar_dofs, dim); None where cells are curved more.
@@ -193,18 +162,6 @@ class LagrangeSpace:
         """Nodes of this rank (m), shape (n_local, dim)."""
         first, last = self.scalar.dofmap.index_map.local_range
         return np.asarray(self.scalar.tabulate_dof_coordinates()[: last - first, : self.dim])
-
-    def part(self, nodes: NDArray[np.bool_]) -> "LagrangeSpace":
-        """The space integrated over those cells alone whose nodes are all among some."""
-        among = la.vector(self.scalar.dofmap.index_map, dtype=np.int8)
-        among.array[: len(nodes)] = nodes
-        among.scatter_forward()
-        topology = self.scalar.mesh.topology
-        count = topology.index_map(topology.dim).size_local
-        cells = np.flatnonzero(among.array[self.scalar.dofmap.list[:count]].all(axis=1))
-        part = copy(self)
-        part._matrices = LagrangeMatrices(self.scalar, self.comm, cells)
-        return part
 
     def prolongation(self, coarse: "LagrangeSpace") -> tuple[csr_array, float]:
         """Functions of the space of a coarser mesh (:mod:`fe_cea.prolongation`)."""
@@ -226,3 +183,14 @@ class LagrangeSpace:
         Complete on every rank.
         """
         return lagrange_cells(self.scalar)
+
+
+def _check_jacobians(jacobians: Floats, field: str) -> None:
+    """Refuse cells whose Jacobian, at points of each, (cells, points), changes sign or vanishes."""
+    largest = np.abs(jacobians).max(axis=1)
+    turned = np.sign(jacobians[:, :1]) * jacobians
+    inverted = ~(turned.min(axis=1) > _FLAT * largest)
+    if inverted.any():
+        allowed = "cells whose Jacobian keeps its sign: some are inverted or flat"
+        value = f"{inverted.sum()} of {len(jacobians)} cells"
+        raise InputError(field, value, allowed)

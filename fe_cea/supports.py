@@ -34,19 +34,6 @@ def nodal_constraints(
     meet at a sharper edge hold a direction each. Facets of a round rim are polynomials: normal to
     them, a rotation about the axis is held as weakly as they err from a circle, by radial not at
     all.
-
-    Parameters
-    ----------
-    V
-        Lagrange space (dolfinx).
-    surfaces
-        Surfaces of the body.
-    supports
-        What is held.
-    num_scalar_dofs
-        Scalar dofs of the body.
-    field
-        Name of the supports in messages.
     """
     dim = V.mesh.geometry.dim
     points = FacetBasis(V.ufl_element().basix_element).facet.points
@@ -81,13 +68,7 @@ def _nodes(surface: FESurface, points: Floats) -> tuple[Ints, Floats, Floats]:
 
 
 def _mean_normals(normals: Directions, field: str) -> Directions:
-    """One direction for all normals that are near at a node, held by each of their supports.
-
-    Raises
-    ------
-    InputError
-        When faces that join smoothly are held at different values.
-    """
+    """One direction for all normals that are near at a node, held by each of their supports."""
     label = merged(normals, _CREASE)
     count = label.max(initial=-1) + 1
     mean = np.zeros((count, normals.direction.shape[1]))

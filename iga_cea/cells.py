@@ -20,11 +20,6 @@ def bezier_cells(multipatch: Multipatch) -> VolumeCells:
     Knots inserted until each is as frequent as the degree turn a patch into Bezier elements
     (Borden, Scott, Evans & Hughes, Isogeometric finite element data structures based on Bezier
     extraction of NURBS, 2011). Their degree is then raised to the highest one of any direction.
-
-    Parameters
-    ----------
-    multipatch
-        The joined patches.
     """
     degree = max(max(patch.degrees) for patch in multipatch.patches)
     cells, values, weights, count = [], [], [], 0
@@ -53,11 +48,6 @@ def sample_volume(multipatch: Multipatch, subdivisions: int) -> VolumeSample:
     """Sample of all patches, each knot span divided so many times a direction.
 
     Points on joints of patches appear once for each patch.
-
-    Raises
-    ------
-    InputError
-        When subdivisions is less than 1.
     """
     if subdivisions < 1:
         raise InputError("subdivisions", subdivisions, "at least 1")

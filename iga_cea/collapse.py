@@ -18,13 +18,7 @@ Lines = tuple[NDArray[np.bool_], ...]
 
 
 def collapsed_lines(control_points: Floats) -> Lines:
-    """True for the collapsed lines of a net along each axis, in the shape of its other axes.
-
-    Parameters
-    ----------
-    control_points
-        Net (m), shape (n1, ..., dim).
-    """
+    """True for the collapsed lines of a net along each axis, in the shape of its other axes."""
     dim = control_points.shape[-1]
     diagonal = np.linalg.norm(np.ptp(control_points.reshape(-1, dim), axis=0))
     extents = [np.linalg.norm(np.ptp(control_points, axis=k), axis=-1) for k in range(dim)]
@@ -32,30 +26,14 @@ def collapsed_lines(control_points: Floats) -> Lines:
 
 
 def face_is_collapsed(lines: Lines, axis: int, side: int) -> bool:
-    """True when a face is no more than an edge or a point.
-
-    Parameters
-    ----------
-    lines
-        Collapsed lines of the net.
-    axis, side
-        The face.
-    """
+    """True when a face is no more than an edge or a point."""
     others = [k for k in range(len(lines)) if k != axis]
     # The lines along k lack axis k: what lies behind it has moved up by one.
     return any(bool(np.take(lines[k], -side, axis=axis - (axis > k)).all()) for k in others)
 
 
 def coinciding(lines: Lines, numbers: Ints) -> Ints:
-    """Pairs of control points that coincide, shape (n, 2).
-
-    Parameters
-    ----------
-    lines
-        Collapsed lines of the net.
-    numbers
-        Numbers of its control points, in the shape of the net.
-    """
+    """Pairs of control points that coincide, shape (n, 2)."""
     pairs = [np.empty((0, 2), dtype=np.int64)]
     for axis, collapsed in enumerate(lines):
         along = np.moveaxis(numbers, axis, -1)[collapsed]

@@ -26,26 +26,7 @@ def entries(
     *,
     sign: int = 1,
 ) -> Floats:
-    """Entries of the rows of this rank, flat.
-
-    Parameters
-    ----------
-    multipatch
-        The joined patches.
-    pattern
-        Pattern of this rank.
-    form
-        The form.
-    comm
-        MPI communicator.
-    sign
-        1 of a symmetric form, -1 of a skew one.
-
-    Raises
-    ------
-    InputError
-        When a patch is folded.
-    """
+    """Entries of the rows of this rank, flat."""
     n = form.components
     # One more place takes the entries of partners that do not exist.
     data = np.zeros((n * len(pattern.columns) + 1, n))

@@ -64,17 +64,7 @@ class PatchFace:
 
     @classmethod
     def of(cls, patch: Patch, dofs: Ints, end: tuple[int, int, int]) -> "PatchFace":
-        """Cut a face from a patch.
-
-        Parameters
-        ----------
-        patch
-            The refined patch.
-        dofs
-            Scalar dofs of its control points, in their shape.
-        end
-            Number of the patch, axis and side.
-        """
+        """Cut a face from a patch."""
         number, axis, side = end
         layers = [0, 1] if side == 0 else [-1, -2]
         rest = [k for k in range(patch.dim) if k != axis]

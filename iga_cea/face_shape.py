@@ -61,15 +61,6 @@ def tensor_splines(
 ) -> tuple[Ints, Floats, list[Floats]]:
     """Splines of several parameters that do not vanish, at points of any place.
 
-    Parameters
-    ----------
-    knots, degrees
-        Of each parameter.
-    xi
-        Parameters, shape (n, parameters).
-    derivatives
-        Whether their first derivatives are wanted.
-
     Returns
     -------
     tuple

@@ -29,13 +29,7 @@ def applied_along(matrix: csr_array, net: Floats, axis: int) -> Floats:
 
 
 def projected(homogeneous: Floats) -> tuple[Floats, Floats]:
-    """Positions and derivatives from those of w x and w: (w x)' = w' x + w x'.
-
-    Parameters
-    ----------
-    homogeneous
-        Values, then a derivative along each parameter, shape (n, dim, dim + 1).
-    """
+    """Positions and derivatives from those of w x and w: (w x)' = w' x + w x'."""
     weight = homogeneous[:, 0, -1]
     x = homogeneous[:, 0, :-1] / weight[:, None]
     turned = homogeneous[:, 1:, :-1] - homogeneous[:, 1:, -1:] * x[:, None]
@@ -43,15 +37,7 @@ def projected(homogeneous: Floats) -> tuple[Floats, Floats]:
 
 
 def chunks(count: int, bytes_each: float) -> Iterator[slice]:
-    """Slices that cover ``range(count)``, each within the budget.
-
-    Parameters
-    ----------
-    count
-        Number of items.
-    bytes_each
-        Bytes of temporaries that one item takes.
-    """
+    """Slices that cover ``range(count)``, each within the budget."""
     step = max(1, int(BUDGET / bytes_each))
     for start in range(0, count, step):
         yield slice(start, min(start + step, count))

@@ -40,19 +40,6 @@ def joined_dofs(faces: Sequence[PatchFace], field: str) -> Ints:
     Two faces, of one patch that closes on itself or of two, are joined when, one of them turned or
     flipped, their control points coincide, their knots are the same and their weights equal up to a
     factor.
-
-    Parameters
-    ----------
-    faces
-        All faces of all patches, their dofs not joined yet.
-    field
-        Name of the patches in messages.
-
-    Raises
-    ------
-    InputError
-        When faces touch or nearly touch but are not joined, patches lie on each other, or they make
-        several bodies.
     """
     joints = []
     for side_a, side_b in _neighbours([_Side(face) for face in faces]):

@@ -43,17 +43,7 @@ class Line:
 
     @classmethod
     def of(cls, patch: Patch, axis: int, weights: Floats | None = None) -> "Line":
-        """One parameter of a patch.
-
-        Parameters
-        ----------
-        patch
-            The patch.
-        axis
-            The parameter.
-        weights
-            Factors of the rational weights along it: functions are then rational.
-        """
+        """One parameter of a patch."""
         degree, first = patch.degrees[axis], patch.first_functions[axis]
         x, rule = gauss_rule(patch.breaks[axis], degree + 1)
         _, tables = basis_functions(patch.knots[axis], degree, x.ravel(), 1)
@@ -121,13 +111,6 @@ class Line:
 
     def pairs(self, left: int, right: int, functions: slice) -> Floats:
         """Products of functions and their partners, times the Gauss weights.
-
-        Parameters
-        ----------
-        left, right
-            Derivatives of the function and of its partner, 0 or 1.
-        functions
-            The functions.
 
         Returns
         -------

@@ -81,15 +81,7 @@ class NurbsMatrices:
         return self._of_each_component(self._products(rho))
 
     def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
-        """Stiffness int sigma_ij d_i N_a d_j N_b that stresses of a displacement make (N/m).
-
-        Parameters
-        ----------
-        lame
-            Lame parameters (lambda, mu) (N/m^2).
-        displacement
-            Displacement of all dofs (m), (dim * num_scalar_dofs,).
-        """
+        """Stiffness int sigma_ij d_i N_a d_j N_b that stresses of a displacement make (N/m)."""
         lam, mu = lame
 
         def coefficients(metric: Metric) -> Coefficients:

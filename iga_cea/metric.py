@@ -114,20 +114,7 @@ class Map:
             self._parts.append(b @ (net @ dc.T))
 
     def at(self, values: Floats, slopes: Floats, functions: slice = slice(None)) -> Metric:
-        """Metric at points of the first parameter.
-
-        Parameters
-        ----------
-        values, slopes
-            Functions of the first parameter and their slopes there, (points, functions).
-        functions
-            Which functions these are.
-
-        Raises
-        ------
-        InputError
-            When the patch is folded.
-        """
+        """Metric at points of the first parameter."""
 
         def along(matrix: Floats, part: Floats) -> Floats:
             part = part[:, functions]

@@ -69,22 +69,7 @@ class Multipatch:
 
 
 def join(patches: Sequence[Patch], ranks: int, field: str) -> Multipatch:
-    """Join patches where their faces coincide.
-
-    Parameters
-    ----------
-    patches
-        The refined patches.
-    ranks
-        Number of ranks that share the work.
-    field
-        Name of the patches in messages.
-
-    Raises
-    ------
-    InputError
-        When patches touch but do not conform.
-    """
+    """Join patches where their faces coincide."""
     sizes = [patch.weights.size for patch in patches]
     offsets = np.concatenate([[0], np.cumsum(sizes)])
     copies = [

@@ -10,7 +10,6 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, kron
 
 from cea.arrays import Floats, Ints
-from cea.checks import check_knots, check_weights
 from cea.errors import InputError
 from iga_cea.collapse import COLLAPSED, Lines, collapsed_lines
 from iga_cea.splines import basis_matrix, elevation_matrix, insertion_matrix, knots_with_breaks
@@ -109,13 +108,7 @@ class Patch:
         )
 
     def basis_on_grid(self, parameters: Sequence[Floats]) -> csr_array:
-        """Values of the rational basis on a tensor grid, shape (points, functions), C order.
-
-        Parameters
-        ----------
-        parameters
-            Parameters along each direction.
-        """
+        """Values of the rational basis on a tensor grid, shape (points, functions), C order."""
         factors = [
             basis_matrix(knots, degree, x)
             for knots, degree, x in zip(self.knots, self.degrees, parameters, strict=True)
@@ -127,20 +120,7 @@ class Patch:
 
 
 def check_geometry(geometry: PatchGeometry, field: str) -> None:
-    """Refuse a patch whose data do not fit together.
-
-    Parameters
-    ----------
-    geometry
-        The patch.
-    field
-        Name of it in messages.
-
-    Raises
-    ------
-    InputError
-        Naming the part at fault.
-    """
+    """Refuse a patch whose data do not fit together."""
     dim = len(geometry.degrees)
     counts = np.shape(geometry.weights)
     if np.shape(geometry.control_points) != (*counts, dim) or len(counts) != dim:
@@ -148,16 +128,34 @@ def check_geometry(geometry: PatchGeometry, field: str) -> None:
         raise InputError(f"{field}.control_points", np.shape(geometry.control_points), shapes)
     if not np.isfinite(geometry.control_points).all():
         raise InputError(f"{field}.control_points", geometry.control_points, "finite numbers")
-    check_weights(geometry.weights, f"{field}.weights")
+    _check_weights(geometry.weights, f"{field}.weights")
     for axis, (knots, p, n) in enumerate(
         zip(geometry.knots, geometry.degrees, counts, strict=True)
     ):
-        check_knots(knots, p, n, f"{field}.knots[{axis}]")
+        _check_knots(knots, p, n, f"{field}.knots[{axis}]")
         breaks = geometry.breaks[axis]
         if np.any(breaks < knots[0]) or np.any(breaks > knots[-1]):
             allowed = f"parameters from {knots[0]} to {knots[-1]}"
             raise InputError(f"{field}.breaks[{axis}]", breaks, allowed)
     _check_map(geometry, field)
+
+
+def _check_knots(knots: Floats, degree: int, functions: int, field: str) -> None:
+    """Refuse knots that do not rise, are not open, or repeat an inner knot beyond the degree."""
+    n, p = functions, degree
+    ends = len(knots) == n + p + 1 and np.ptp(knots[: p + 1]) == np.ptp(knots[n:]) == 0
+    inner = knots[p + 1 : n]
+    inside = np.all((inner > knots[0]) & (inner < knots[-1])) and knots[0] < knots[-1]
+    continuous = not len(inner) or np.unique(inner, return_counts=True)[1].max() <= p
+    if not (ends and inside and continuous and np.all(np.diff(knots) >= 0)):
+        allowed = f"{n + p + 1} rising knots, ends {p + 1} times, others at most {p} times"
+        raise InputError(field, knots, allowed)
+
+
+def _check_weights(weights: Floats, field: str) -> None:
+    """Refuse weights that are not positive."""
+    if not (np.isfinite(weights).all() and np.all(np.asarray(weights) > 0)):
+        raise InputError(field, weights, "positive numbers")
 
 
 def _check_map(geometry: PatchGeometry, field: str) -> None:
@@ -213,17 +211,7 @@ def _contracted(net: Floats, matrices: Sequence[Floats]) -> Floats:
 
 
 def refine(geometry: PatchGeometry, degree: Sequence[int], continuity: Sequence[int]) -> Patch:
-    """Raise the degree of a patch, then insert its breaks; the geometry does not change.
-
-    Parameters
-    ----------
-    geometry
-        The patch, checked.
-    degree
-        Degree of the trial space along each parameter, not lower than that of the geometry.
-    continuity
-        Continuous derivatives at inserted breaks along each parameter.
-    """
+    """Raise the degree of a patch, then insert its breaks; the geometry does not change."""
     refined_knots, operators = [], []
     for axis, (p, q, c) in enumerate(zip(geometry.degrees, degree, continuity, strict=True)):
         knots, elevation = elevation_matrix(np.asarray(geometry.knots[axis], dtype=float), p, q)
@@ -242,13 +230,7 @@ def refine(geometry: PatchGeometry, degree: Sequence[int], continuity: Sequence[
 
 
 def tensor_cells(counts: Sequence[int]) -> Ints:
-    """Corners of the cells of a tensor grid in VTK order (quadrilaterals or hexahedra).
-
-    Parameters
-    ----------
-    counts
-        Number of points along each direction; points are numbered in C order.
-    """
+    """Corners of the cells of a tensor grid in VTK order (quadrilaterals or hexahedra)."""
     numbers = np.arange(np.prod(counts)).reshape(counts)
     square = [(0, 0), (1, 0), (1, 1), (0, 1)]
     layers: list[tuple[int, ...]] = [()] if len(counts) == 2 else [(0,), (1,)]
@@ -263,29 +245,13 @@ def tensor_cells(counts: Sequence[int]) -> Ints:
 
 
 def subdivided(breaks: Floats, parts: int) -> Floats:
-    """Breaks with each span divided evenly, shape (spans * parts + 1,).
-
-    Parameters
-    ----------
-    breaks
-        Rising ends of the spans.
-    parts
-        Pieces of each span.
-    """
+    """Breaks with each span divided evenly, shape (spans * parts + 1,)."""
     pieces = [np.linspace(a, b, parts, endpoint=False) for a, b in pairwise(breaks)]
     return np.concatenate([*pieces, breaks[-1:]])
 
 
 def outward(cells: Ints, points: Floats) -> Ints:
-    """Cells of a tensor grid in VTK order, mirrored where the grid is left-handed.
-
-    Parameters
-    ----------
-    cells
-        Corners of the cells, as :func:`tensor_cells` numbers them.
-    points
-        Positions of the grid (m), shape (points, dim).
-    """
+    """Cells of a tensor grid in VTK order, mirrored where the grid is left-handed."""
     corners = points[cells]
     edges = corners[:, [1, 3, 4][: points.shape[1]]] - corners[:, :1]
     if np.linalg.det(edges).sum() > 0:

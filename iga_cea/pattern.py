@@ -111,15 +111,6 @@ class Pattern:
     def sparse_rows(self, patch: int, place: Any, row: Ints) -> Ints:
         """Sparse row of each pair of some functions of a patch.
 
-        Parameters
-        ----------
-        patch
-            Number of the patch.
-        place
-            Which of the functions of this rank.
-        row
-            Their rows.
-
         Returns
         -------
         ndarray
@@ -177,13 +168,7 @@ def _filled(where: Any, values: Any, fill: Any) -> Any:
 
 
 def boxes_of(mask: np.ndarray) -> Iterator[tuple[slice, ...]]:
-    """Cut a set of points of a grid into boxes: runs along an axis of equal cuts across it.
-
-    Parameters
-    ----------
-    mask
-        True for the points of the set.
-    """
+    """Cut a set of points of a grid into boxes: runs along an axis of equal cuts across it."""
     if mask.ndim == 0:
         yield ()
         return

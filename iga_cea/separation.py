@@ -52,15 +52,7 @@ def kind_of(k: int, m: int) -> Kind:
 
 
 def separate(sample: Coefficients, most: int) -> dict[Kind, Separation] | None:
-    """Rows that span all rows of a sample of columns; None where they would be too many.
-
-    Parameters
-    ----------
-    sample
-        Coefficients at all points of the first parameter and few of the others.
-    most
-        Most rows of all kinds that are worth while.
-    """
+    """Rows that span all rows of a sample of columns; None where they would be too many."""
     found: dict[Kind, Separation] = {}
     size = _sizes(sample).max(axis=(1, 2))
     size[size == 0] = 1.0
@@ -98,17 +90,6 @@ def holds(
     """Whether separations give back the coefficients at every point.
 
     Differences are relative to the largest coefficient at the same point.
-
-    Parameters
-    ----------
-    separations
-        Of each kind.
-    skeleton
-        Coefficients of a pair of derivatives at the rows of its kind.
-    layers
-        Points of the first parameter in turn, and the coefficients there.
-    steepness
-        Largest product of degree and spans of a parameter.
     """
     for points, layer in layers:
         allowed = steepness * _ROUNDING * _sizes(layer)

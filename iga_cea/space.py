@@ -5,7 +5,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
@@ -116,12 +115,8 @@ class NurbsSpace:
 
     @property
     def node_positions(self) -> None:
-        """None: functions reach over many knot spans, and no part is assembled alone."""
+        """None: control points do not lie in the body."""
         return None
-
-    def part(self, nodes: NDArray[np.bool_]) -> "NurbsSpace":
-        """Refused: no part is assembled alone."""
-        raise InputError(self._field, "NURBS", "a body of finite elements")
 
     def prolongation(self, coarse: "NurbsSpace") -> tuple[csr_array, float]:
         """Functions of coarser patches (:mod:`iga_cea.prolongation`)."""

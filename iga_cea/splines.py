@@ -1,6 +1,7 @@
 """B-splines of one parameter: basis, derivatives, knot insertion, degree elevation.
 
-Knot vectors are open (first and last knot degree + 1 times). Everything is vectorised over points.
+Knot vectors are open (first and last knot degree + 1 times). Points x, of shape (n,), lie in the
+range of the knots.
 References: Piegl & Tiller, The NURBS Book; Cohen, Lyche & Riesenfeld, Discrete B-splines (1980).
 """
 
@@ -14,17 +15,7 @@ _HALVINGS = 60
 
 
 def find_span(knots: Floats, degree: int, x: Floats) -> Ints:
-    """Index i of the non-empty span ``knots[i] <= x < knots[i + 1]``; the last one is closed.
-
-    Parameters
-    ----------
-    knots
-        Open knot vector.
-    degree
-        Degree.
-    x
-        Parameters within its range, shape (n,).
-    """
+    """Index i of the non-empty span ``knots[i] <= x < knots[i + 1]``; the last one is closed."""
     spans = np.searchsorted(knots, x, side="right") - 1
     return np.clip(spans, degree, len(knots) - degree - 2)
 
@@ -33,17 +24,6 @@ def basis_functions(
     knots: Floats, degree: int, x: Floats, derivatives: int = 0
 ) -> tuple[Ints, Floats]:
     """Values and derivatives of the functions that do not vanish (Cox-de Boor).
-
-    Parameters
-    ----------
-    knots
-        Open knot vector.
-    degree
-        Degree.
-    x
-        Parameters within its range, shape (n,).
-    derivatives
-        Highest derivative wanted.
 
     Returns
     -------
@@ -93,19 +73,7 @@ def _differentiated(knots: Floats, q: int, span: Ints, values: Floats, order: in
 
 
 def basis_matrix(knots: Floats, degree: int, x: Floats, derivative: int = 0) -> csr_array:
-    """All functions, or a derivative of them, at given points, shape (n, number of functions).
-
-    Parameters
-    ----------
-    knots
-        Open knot vector.
-    degree
-        Degree.
-    x
-        Parameters within its range, shape (n,).
-    derivative
-        Order of the derivative.
-    """
+    """All functions, or a derivative of them, at given points, shape (n, number of functions)."""
     first, values = basis_functions(knots, degree, x, derivative)
     columns = first[:, None] + np.arange(degree + 1)
     rows = np.arange(0, values[0].size + 1, degree + 1)
@@ -114,31 +82,14 @@ def basis_matrix(knots: Floats, degree: int, x: Floats, derivative: int = 0) -> 
 
 
 def greville(knots: Floats, degree: int) -> Floats:
-    """Greville abscissae: means of ``degree`` successive knots, one for each function.
-
-    Parameters
-    ----------
-    knots
-        Open knot vector.
-    degree
-        Degree, at least 1.
-    """
+    """Greville abscissae: means of ``degree`` successive knots, one for each function."""
     windows = np.lib.stride_tricks.sliding_window_view(knots[1:-1], degree)
     # Rounding must not carry a mean outside the range.
     return np.clip(windows.mean(axis=1), knots[0], knots[-1])
 
 
 def insertion_matrix(knots: Floats, degree: int, refined: Floats) -> Floats:
-    """Coefficients on refined knots from those on the knots (Oslo algorithm).
-
-    Parameters
-    ----------
-    knots
-        Open knot vector.
-    degree
-        Degree.
-    refined
-        Open knot vector that holds every one of ``knots`` at least as often.
+    """Coefficients on refined knots, which hold the others as often, from those on these (Oslo).
 
     Returns
     -------
@@ -165,15 +116,6 @@ def elevation_matrix(knots: Floats, degree: int, target: int) -> tuple[Floats, F
     The spline is interpolated at the Greville abscissae of the elevated space, which holds it
     exactly; that interpolation is well conditioned at the degrees in use.
 
-    Parameters
-    ----------
-    knots
-        Open knot vector.
-    degree
-        Its degree.
-    target
-        Degree wanted, not lower.
-
     Returns
     -------
     elevated : ndarray
@@ -195,19 +137,8 @@ def elevation_matrix(knots: Floats, degree: int, target: int) -> tuple[Floats, F
 def knots_with_breaks(knots: Floats, degree: int, breaks: Floats, continuity: int) -> Floats:
     """Knots that have every break often enough for the wanted continuity there.
 
-    Knots the geometry already has keep at least their multiplicity.
-
-    Parameters
-    ----------
-    knots
-        Open knot vector.
-    degree
-        Degree.
-    breaks
-        Parameters of element boundaries within its range; within 1e-10 of its length from a
-        knot they are that knot.
-    continuity
-        Continuous derivatives at the breaks, 0 to degree - 1.
+    Knots the geometry already has keep at least their multiplicity. Breaks within 1e-10 of the
+    range from a knot are that knot.
     """
     distinct, multiplicity = np.unique(knots, return_counts=True)
     distance = np.abs(np.asarray(breaks)[:, None] - distinct)
@@ -221,15 +152,7 @@ def knots_with_breaks(knots: Floats, degree: int, breaks: Floats, continuity: in
 
 
 def gauss_rule(breaks: Floats, n: int) -> tuple[Floats, Floats]:
-    """Gauss-Legendre points and weights, n between each two breaks, both (spans, n).
-
-    Parameters
-    ----------
-    breaks
-        Rising ends of the spans.
-    n
-        Points per span.
-    """
+    """Gauss-Legendre points and weights, n between each two breaks, both (spans, n)."""
     nodes, weights = np.polynomial.legendre.leggauss(n)
     half = np.diff(breaks)[:, None] / 2
     middle = (breaks[1:, None] + breaks[:-1, None]) / 2
@@ -245,13 +168,6 @@ def botella(knots: Floats, degree: int) -> Floats:
     A B-spline i rises over its first span and falls over its last one, and has one maximum: it
     lies between knots i + 1 and i + degree, and bisection by the sign of the slope cannot fail.
     Where these knots are one, as at the ends, the function is 1 there.
-
-    Parameters
-    ----------
-    knots
-        Open knot vector.
-    degree
-        Degree, at least 1.
     """
     function = np.arange(len(knots) - degree - 1)
     low, high = knots[function + 1], knots[function + degree]

@@ -24,20 +24,7 @@ _CACHED = 2**10
 
 
 def block_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any:
-    """AIJ matrix whose scalar entries are dim x dim blocks.
-
-    Parameters
-    ----------
-    pattern
-        Pattern of this rank.
-    data
-        Entries as :func:`iga_cea.entries.entries` gives them of dim components; they become those
-        of the matrix.
-    dim
-        Dimension of space.
-    comm
-        MPI communicator.
-    """
+    """AIJ matrix whose scalar entries are dim x dim blocks; the data become those of the matrix."""
     columns = pattern.columns.astype(PETSc.IntType)[:, None] * dim
     columns = columns + np.arange(dim, dtype=PETSc.IntType)
     indices = np.empty((dim * len(columns), dim), dtype=PETSc.IntType)
@@ -47,19 +34,7 @@ def block_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any:
 
 
 def component_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any:
-    """AIJ matrix that has a scalar matrix in each component.
-
-    Parameters
-    ----------
-    pattern
-        Pattern of this rank.
-    data
-        Entries as :func:`iga_cea.entries.entries` gives them of one component.
-    dim
-        Dimension of space.
-    comm
-        MPI communicator.
-    """
+    """AIJ matrix that has a scalar matrix in each component."""
     columns = pattern.columns.astype(PETSc.IntType) * dim
     indices = np.empty(dim * len(columns), dtype=PETSc.IntType)
     values = np.empty(dim * len(columns))
@@ -72,17 +47,7 @@ def component_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any
 
 
 def combined(pattern: Pattern, parts: Sequence[tuple[Floats, Floats]], dim: int) -> Floats:
-    """Entries of a sum of Kronecker products, as :func:`block_matrix` takes them.
-
-    Parameters
-    ----------
-    pattern
-        Pattern of this rank.
-    parts
-        Entries of a scalar matrix and the dim x dim matrix that goes with it, of each product.
-    dim
-        Dimension of space.
-    """
+    """Entries of a sum of Kronecker products, as :func:`block_matrix` takes them."""
     data = np.zeros((dim * len(pattern.columns), dim))
     for stretch in _stretches(pattern, dim):
         for scalar, factor in parts:

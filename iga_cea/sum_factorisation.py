@@ -56,17 +56,6 @@ def slabs(
 ) -> Iterator[tuple[int, slice, Floats]]:
     """Rows of the functions of a box, a slab at a time.
 
-    Parameters
-    ----------
-    patch_map
-        Map of the patch from matrices of the second and third parameter.
-    lines
-        The parameters.
-    form
-        The form.
-    box
-        The functions.
-
     Yields
     ------
     tuple
@@ -226,15 +215,6 @@ class _Box:
 
 def _rows(pairs: Floats, held: Floats, components: int) -> Floats:
     """Contract the first parameter.
-
-    Parameters
-    ----------
-    pairs
-        Products along it, (offsets, points).
-    held
-        The rest, (points, rows, columns).
-    components
-        Components of each function.
 
     Returns
     -------

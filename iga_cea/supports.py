@@ -52,23 +52,7 @@ def face_constraints(
     gauss: int,
     field: str,
 ) -> Constraints:
-    """Hold the directions of the supports over whole faces.
-
-    Parameters
-    ----------
-    surfaces
-        Surfaces of the body.
-    supports
-        What is held.
-    num_scalar_dofs
-        Scalar dofs of the body.
-    dim
-        Dimension of space.
-    gauss
-        Gauss points per direction in each knot span for projections.
-    field
-        Name of the supports in messages.
-    """
+    """Hold the directions of the supports over whole faces."""
     held: list[Directions] = []
     turning: list[_TurningFace] = []
     for order, support in enumerate(supports):

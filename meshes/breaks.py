@@ -22,15 +22,6 @@ _SAMPLES = 2001
 def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -> Floats:
     """Element boundaries as even as possible that pass through given coordinates.
 
-    Parameters
-    ----------
-    low, high
-        Ends of the range.
-    count
-        Number of elements, at least one for each stretch between asked coordinates.
-    through
-        Coordinates that must be element boundaries.
-
     Returns
     -------
     ndarray
@@ -62,17 +53,7 @@ def breaks_of(
     elements: Sequence[int],
     through: Mapping[str, Sequence[float]] | None = None,
 ) -> Breaks:
-    """Breaks of a shape along its directions.
-
-    Parameters
-    ----------
-    shape
-        The shape.
-    elements
-        Number of elements along each direction; of closed shapes, all the way round.
-    through
-        Coordinates that must be breaks, by name of the direction.
-    """
+    """Breaks of a shape along its directions."""
     asked = _asked(shape, elements, through or {})
     return tuple(
         spread(low, high, count, asked.get(name, ()))
@@ -135,18 +116,6 @@ def fewest(shape: Shape, through: Mapping[str, Sequence[float]]) -> tuple[int, .
 
 def layered(breaks: Floats, towards: Sequence[float], layers: int, ratio: float) -> Floats:
     """Breaks with geometric layers towards some of them, as corners of stress ask for.
-
-    Parameters
-    ----------
-    breaks
-        Rising coordinates of element boundaries.
-    towards
-        Those of them that elements crowd towards, from both sides where there are two.
-    layers
-        New boundaries on each side: between c and its neighbour at the distance h they lie at
-        h ratio, h ratio^2 and so on from c.
-    ratio
-        Size of an element relative to the next one, below 1/2.
 
     Returns
     -------

@@ -80,22 +80,6 @@ def nurbs_shape(
     """NURBS patches of a shape: one of straight shapes and sectors, four quarters of closed ones.
 
     A hub has four quarters for each of its layers.
-
-    Parameters
-    ----------
-    shape
-        The shape.
-    breaks
-        Coordinates of the element boundaries along its directions (m, degrees), as
-        :func:`meshes.breaks.breaks_of` returns them.
-    placement
-        Where to put it.
-
-    Raises
-    ------
-    InputError
-        When breaks do not rise from one end of the shape to the other, or leave out a joint of
-        its patches.
     """
     _check(shape, breaks)
     match shape:

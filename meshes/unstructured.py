@@ -55,19 +55,7 @@ def gmsh_session() -> Iterator[None]:
 
 
 def read_gmsh(model: Any) -> Mesh:
-    """Mesh of a gmsh model whose cells are all of one kind.
-
-    Parameters
-    ----------
-    model
-        Meshed gmsh model of order 1 to 4; its named physical groups of one dimension less than its
-        cells are the surfaces.
-
-    Raises
-    ------
-    InputError
-        When there are no cells, or of several kinds, or they are none of a mesh.
-    """
+    """Mesh of a gmsh model whose cells are all of one kind."""
     content = content_of(arrays_of_model(model))
     groups = model.getPhysicalGroups(content.dim - 1) if content.dim else ()
     names = [model.getPhysicalName(*group) for group in groups]

@@ -11,11 +11,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
 from cea.body.space import Space
-from cea.checks import check_density
 from cea.material import IsotropicMaterial
 from cea.matrices import antisymmetrised, destroy, symmetrised, total
 from cea.petsc import PETSc
@@ -112,7 +110,7 @@ class Body:
         InputError
             When the material has none.
         """
-        return check_density(self.material, f"bodies.{self.name}.material")
+        return self.material.density(f"bodies.{self.name}.material")
 
     @property
     def _own(self) -> tuple[int, int]:
@@ -181,28 +179,12 @@ class Body:
         return whole
 
     def mass(self) -> Any:
-        """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
-
-        Raises
-        ------
-        InputError
-            When the material has no density.
-        """
+        """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg."""
         return self._mass
 
     @cached_property
     def _mass(self) -> Any:
         return self.reduced(self.space.mass(self.density))
-
-    def part(self, nodes: NDArray[np.bool_]) -> tuple[Any, Any]:
-        """Stiffness without springs (N/m) and mass (kg) of a part alone, of free ends elsewhere.
-
-        PETSc AIJ (free x free), symmetric; what is left of those of the body without it is positive
-        semidefinite. Nodes as for :meth:`Space.part`.
-        """
-        part = self.space.part(nodes)
-        stiffness = self.reduced(part.stiffness(self.material.lame))
-        return stiffness, self.reduced(part.mass(self.density))
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
@@ -227,17 +209,9 @@ class Body:
     def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
         """Forces of each support, along the directions that it holds and no other.
 
-        Parameters
-        ----------
-        force
-            The sum of all of them on all dofs (N), shape (num_scalar_dofs, dim).
-
-        Returns
-        -------
-        tuple
-            The scalar dofs that supports hold, shape (m,), and the forces of each support on the
-            body there (N), shape (supports, m, dim); their sum is the given one at these dofs where
-            the free dofs are in equilibrium.
+        Of the sum of all of them on all dofs (N), shape (num_scalar_dofs, dim), the scalar dofs
+        that supports hold, shape (m,), and the forces of each support on the body there (N), shape
+        (supports, m, dim).
         """
         return self.constraints.support_forces(force, len(self.supports))
 

@@ -7,8 +7,6 @@ displacement vector holds component c of function i at ``dim * i + c``.
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
@@ -105,25 +103,7 @@ class Space(Protocol):
 
     @property
     def node_positions(self) -> Floats | None:
-        """Where the scalar dofs of this rank lie (m), shape (n_local, dim).
-
-        None where no part of the body can be assembled alone.
-        """
-        ...
-
-    def part(self, nodes: NDArray[np.bool_]) -> "Space":
-        """The space integrated over those cells alone whose dofs are all among some.
-
-        Parameters
-        ----------
-        nodes
-            Whether each scalar dof of this rank is among them, shape (n_local,).
-
-        Raises
-        ------
-        InputError
-            When no part can be assembled alone.
-        """
+        """Where the scalar dofs of this rank lie (m), shape (n_local, dim); None where nowhere."""
         ...
 
     def prolongation(self, coarse: Any) -> tuple[csr_array, float]:

@@ -29,29 +29,7 @@ _FOLDED = 1e-8
 
 
 def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: Floats) -> Floats:
-    """Project points on cells along the normals at their centres.
-
-    Parameters
-    ----------
-    surface
-        The surface.
-    element
-        Element of each cell, shape (n,).
-    corners
-        Reference coordinates of its corners, shape (n, corners, dim - 1).
-    x
-        Points for each cell (m), shape (n, m, dim).
-
-    Returns
-    -------
-    ndarray
-        Reference coordinates, inside or beyond the cells, shape (n, m, dim - 1).
-
-    Raises
-    ------
-    ConvergenceError
-        When a cell is so distorted that a point cannot be told to lie inside or beyond it.
-    """
+    """Project points on cells along the normals at their centres."""
     m = x.shape[1]
     middle = corners.mean(axis=1)
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -74,30 +52,14 @@ def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: F
 
 @dataclass(frozen=True)
 class _Lines:
-    """Straight lines from the centres of cells, seen along the normals at the centres.
+    """Straight lines from the centres of cells, seen along the normals at the centres."""
 
-    Parameters
-    ----------
-    surface
-        The surface.
-    element
-        Element of each cell, (n,).
-    middle
-        Reference coordinates of its centre, (n, dim - 1).
-    extent
-        Its size along each of them, (n, dim - 1).
-    normal
-        Unit normal at its centre, (n, dim).
-    inverse
-        Inverse of the Jacobian there, the normal its last direction, (n, dim, dim).
-    """
-
-    surface: Surface
-    element: Ints
-    middle: Floats
-    extent: Floats
-    normal: Floats
-    inverse: Floats
+    surface: Surface  # the surface
+    element: Ints  # element of each cell, (n,)
+    middle: Floats  # reference coordinates of its centre, (n, dim - 1)
+    extent: Floats  # its size along each of them, (n, dim - 1)
+    normal: Floats  # unit normal at its centre, (n, dim)
+    inverse: Floats  # inverse of the Jacobian there, the normal its last direction, (n, dim, dim)
 
     @classmethod
     def of(cls, surface: Surface, element: Ints, middle: Floats, extent: Floats) -> "_Lines":
@@ -113,11 +75,6 @@ class _Lines:
         Newton's method, damped so that each step brings the point nearer as seen from where it
         began (Deuflhard, Newton Methods for Nonlinear Problems, 2011, section 3.3), keeps to the
         line: coordinates beyond a fold, or round a circle, are never reached.
-
-        Returns
-        -------
-        tuple
-            Coordinates (n, dim - 1) of the end, and whether it is the point.
         """
         xi = self.middle[cell]
         met = np.zeros(len(xi), dtype=bool)

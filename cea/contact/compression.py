@@ -37,21 +37,13 @@ _LEAF = 160
 
 @dataclass(frozen=True)
 class _Front:
-    """Rows that remain of a part of the points.
+    """Rows that remain of a part of the points."""
 
-    Parameters
-    ----------
-    rows
-        On the columns of G at the edge of the part, (k, n).
-    columns, touching
-        These columns, rising, and how many points of the part touch each, (n,).
-    carried, carried_columns
-        The rows of T that go with them, and their columns, rising.
-    """
-
-    rows: Floats
+    rows: Floats  # on the columns of G at the edge of the part, (k, n)
+    # these columns, rising, and how many points of the part touch each, (n,)
     columns: Ints
     touching: Ints
+    # the rows of T that go with them, and their columns, rising
     carried: Floats
     carried_columns: Ints
 
@@ -68,20 +60,6 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[c
     """J and R of rows G and T at points, the rows that this rank is left with.
 
     Each rank compresses its own points; rank 0 what remains between them.
-
-    Parameters
-    ----------
-    gap, slip
-        G and T at the points of this rank, shape (n_local, columns of each).
-    x
-        Positions of the points, shape (n_local, dim): near ones are worked on together.
-    comm
-        MPI communicator (mpi4py).
-
-    Returns
-    -------
-    tuple
-        J and R, shape (rows, columns of G and T).
     """
     gap = _without(gap, _rounding(gap, comm))
     squares = np.bincount(gap.indices, gap.data**2, gap.shape[1])

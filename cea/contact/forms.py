@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from cea.contact.coupling import Form
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
+from cea.contact.formulations import Form
 from cea.matrices import destroy, distributed, local_part
 from cea.warned import ResultWarning
 
@@ -24,44 +24,31 @@ def penalty_digits(contacts: Sequence[Contact], stiffness: Any) -> dict[str, flo
     """Digits that the penalty form costs, by contact; none where gaps are projected.
 
     log10 of the largest diagonal entry of K_n relative to that of K; infinite where sides are tied.
-
-    Parameters
-    ----------
-    contacts
-        All contacts.
-    stiffness
-        Diagonal of K of all bodies (N/m), PETSc vector.
     """
     digits: dict[str, float] = {}
     for contact in contacts:
-        if np.isinf(contact.half.stiffness).any():
+        if contact.tied:
             lost = inf
-        elif _is_unknown(contact):
+        elif contact.awaits_state or (contact.is_projected and contact.law.linear):
             lost = 0.0
         else:
-            projected = contact.projection is not None and not _meets_projected(contact)
-            lost = 0.0 if projected else _lost(contact, stiffness)
+            lost = _lost(contact, stiffness)
         digits[contact.pair] = max(lost, digits.get(contact.pair, 0.0))
     return digits
 
 
 def _lost(contact: Contact, stiffness: Any) -> float:
-    own = _diagonal(contact, stiffness)
+    if contact.penalty_only:
+        own = contact.K_n.getDiagonal()
+    else:
+        weight, own = contact.weight(contact.slope), stiffness.duplicate()
+        squares = squared(contact.gap)
+        squares.multTranspose(weight, own)
+        destroy(weight, squares)
     own.pointwiseDivide(own, stiffness)
     ratio = own.max()[1]
     destroy(own)
     return float(np.log10(max(ratio, np.finfo(float).tiny)))
-
-
-def _diagonal(contact: Contact, template: Any) -> Any:
-    """Diagonal of K_n (N/m), PETSc vector, without the rest of it."""
-    if contact.lumped is not None or _meets_projected(contact):
-        return contact.stiffness.getDiagonal()
-    weight, own = contact.weight(contact.half.stiffness), template.duplicate()
-    squares = squared(contact.gap)
-    squares.multTranspose(weight, own)
-    destroy(weight, squares)
-    return own
 
 
 def squared(matrix: Any) -> Any:
@@ -80,50 +67,22 @@ def with_forms(contacts: Sequence[Contact], digits: Mapping[str, float]) -> tupl
     """Contacts whose forms are all chosen; lumped ones have no other than the penalty.
 
     Where the stiffness is not known before a state of steady sliding is, the form stays open.
-
-    Parameters
-    ----------
-    contacts
-        All contacts.
-    digits
-        What the penalty form costs each.
     """
-    return tuple(
-        contact
-        if contact.half.form is not None or _is_unknown(contact)
-        else replace(contact, half=replace(contact.half, form=_chosen(contact, digits)))
-        for contact in contacts
-    )
 
+    def chosen(contact: Contact) -> Contact:
+        if contact.form is not None or contact.awaits_state:
+            return contact
+        form = "penalty" if contact.penalty_only else form_for(digits[contact.pair])
+        return replace(contact, form=form)
 
-def _is_unknown(contact: Contact) -> bool:
-    """Whether its stiffness is not known before a state of steady sliding is."""
-    return not contact.half.law.linear and contact.half.penetration is None
-
-
-def _chosen(contact: Contact, digits: Mapping[str, float]) -> Form:
-    only = contact.lumped is not None or _meets_projected(contact)
-    return "penalty" if only else form_for(digits[contact.pair])
-
-
-def _meets_projected(contact: Contact) -> bool:
-    """Whether a law that is not linear meets projected gaps: its forces cannot be kept."""
-    return contact.projection is not None and not contact.half.law.linear
+    return tuple(chosen(contact) for contact in contacts)
 
 
 def penalty_warnings(
     contacts: Sequence[Contact], digits: Mapping[str, float]
 ) -> tuple[ResultWarning, ...]:
-    """What the penalty form costs where it costs too much, a warning for each contact.
-
-    Parameters
-    ----------
-    contacts
-        All contacts, their forms chosen.
-    digits
-        What the penalty form costs each.
-    """
-    costly = {c.pair: digits[c.pair] for c in contacts if not c.keeps_forces}
+    """Where the penalty form costs too much, a warning for each contact."""
+    costly = {c.pair: digits[c.pair] for c in contacts if not c.has_multipliers}
     return tuple(
         ResultWarning(
             "penalty-rounding",

@@ -9,10 +9,20 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from types import MappingProxyType
 from typing import ClassVar, Literal
 
-from cea.contact.coupling import Coupling
 from cea.errors import InputError
 from cea.surface import Surface
 from cea.surface_points import SurfacePoints
+
+Coupling = Literal["pointwise", "lumped", "mortar", "bonded"]
+"""What becomes of the gaps at the points of an interface.
+
+``pointwise``: a penalty at each; ``lumped``: the same, the blocks of each side summed onto their
+diagonal; ``mortar``: the gap projected on the traces of side a; ``bonded``: as mortar, with every
+component of the jump tied.
+"""
+
+Form = Literal["penalty", "saddle"]
+"""Whether contact forces are eliminated (penalty) or unknowns of their own (saddle)."""
 
 
 class Formulation(ABC):

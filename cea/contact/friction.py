@@ -28,13 +28,7 @@ class AlongVector:
         _check_vector(self.vector, "vector")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse a vector of another dimension than that of space.
-
-        Raises
-        ------
-        InputError
-            Naming it below the name of the field.
-        """
+        """Refuse a vector of another dimension than that of space."""
         if len(self.vector) != dim:
             raise InputError(f"{field}.vector", self.vector, f"{dim} numbers, as space has")
 
@@ -63,13 +57,7 @@ class Circumferential:
         _check_vector(self.circumferential_about, "circumferential_about")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse an axis that leaves the plane oblique, and an origin beside it.
-
-        Raises
-        ------
-        InputError
-            Naming axis or origin below the name of the field.
-        """
+        """Refuse an axis that leaves the plane oblique, and an origin beside it."""
         axis = self.circumferential_about
         if dim == 2 and any(axis[:2]):
             allowed = "an axis along z in the plane"
@@ -104,13 +92,7 @@ class AlongField:
             Expression(text).check("field")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse another number of expressions than that of components, or coordinates of space.
-
-        Raises
-        ------
-        InputError
-            Naming them below the name of the field.
-        """
+        """Refuse another number of expressions than that of components, or coordinates of space."""
         if len(self.field) != dim:
             allowed = f"{dim} expressions, one for each component"
             raise InputError(f"{field}.field", list(self.field), allowed)

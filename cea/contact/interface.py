@@ -15,7 +15,6 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-from cea.checks import check_coverage, check_gap, check_point_weights
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed, local_rows
@@ -34,6 +33,8 @@ the chords of two sides the normals differ by the sum of both angles.
 """
 _FACING = -0.5
 """Largest cosine between the normals of two surfaces that face each other."""
+_TILTED = 1e-4
+"""Angle (rad) from which surfaces are said to be tilted."""
 _ROUNDING = 1e-15
 """Component of directions, relative to the largest, that is rounding."""
 _MANY_POINTS = 200_000
@@ -152,7 +153,7 @@ def pair(
     must_touch = reach is None
     if reach is None:
         reach = default_reach(a, b)
-    check_point_weights(points.weight, field)
+    _check_weights(points.weight, field)
     if not points.weight.all():
         points = points[points.weight > 0]
     start, stop = local_rows(len(points), comm)
@@ -163,17 +164,12 @@ def pair(
     left_out = 1 - points.weight.sum() / a.area
     missed_area = points.weight[~found].sum() / a.area
     fraction = float(missed_area + (left_out if left_out > _QUADRATURE else 0.0))
-    check_coverage(
-        int((~found).sum()),
-        len(points),
-        fraction,
-        max_missed,
-        field=field,
-        sides=f"{a.name} on {b.name}",
-        reach=f"{reach:.3g} m",
-    )
+    if fraction > max_missed:
+        told = _uncovered(int((~found).sum()), len(points), 100 * fraction, 100 * max_missed)
+        within = f"surfaces that face each other within {reach:.3g} m: "
+        raise InputError(field, f"{a.name} on {b.name}", within + told)
     if not found.all():
-        points, opposite = points[found], _select(opposite, found[start:stop])
+        points, opposite = points[found], opposite[found[start:stop]]
     rows = slice(*(int(found[:end].sum()) for end in (start, stop)))
     with agreed(comm):
         cosine = np.einsum("ij,ij->i", points.normal[rows], b.normal(opposite.at))
@@ -192,7 +188,7 @@ def pair(
     if must_touch:
         angle = float(np.arccos(np.clip(-worst, -1.0, 1.0)))
         allowed = float((_APART + _SAGITTA * angle) * max(a.mesh_size, b.mesh_size))
-        check_gap((least, largest), angle, allowed, field, f"{a.name} on {b.name}")
+        _check_gap((least, largest), angle, allowed, field, f"{a.name} on {b.name}")
     return Interface(
         a=a,
         b=b,
@@ -210,20 +206,8 @@ def pair(
 def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_array]:
     """Parts on a and b of the jump along a direction, the rows of this rank's points.
 
-    Components that are zero at every point have no entries; of very many points, nor have those
-    that are nothing but rounding.
-
-    Parameters
-    ----------
-    interface
-        The points.
-    direction
-        Vectors at the points of this rank, shape (n_local, dim).
-
-    Returns
-    -------
-    tuple
-        Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
+    Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each. Components that are zero at
+    every point have no entries; of very many points, nor have those that are rounding.
     """
     size = np.abs(direction).max(axis=0, initial=0.0)
     rounding = _ROUNDING * size.max() if len(interface.points) > _MANY_POINTS else 0.0
@@ -234,21 +218,9 @@ def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_
 
 
 def along(trace: csr_array, direction: Floats, components: Ints | None = None) -> csr_array:
-    """Component of the displacement along a direction, as an operator on full dofs.
+    """Component of the displacement along a direction, shape (n, dim * num_scalar_dofs).
 
-    Parameters
-    ----------
-    trace
-        Scalar trace, shape (n, num_scalar_dofs).
-    direction
-        Vectors, shape (n, dim).
-    components
-        Which of their components there are entries for; None takes all.
-
-    Returns
-    -------
-    csr_array
-        Shape (n, dim * num_scalar_dofs); component c of scalar dof i is column ``dim * i + c``.
+    There are entries for some components of the vectors (n, dim) alone, None for all.
     """
     n, m = trace.shape
     dim = direction.shape[1]
@@ -261,11 +233,49 @@ def along(trace: csr_array, direction: Floats, components: Ints | None = None) -
     return csr_array((part.ravel(), columns.ravel(), starts), shape=(n, m * dim))
 
 
-def _select(location: Location, rows: np.ndarray) -> Location:
-    return Location(
-        location.at[rows],
-        location.distance[rows],
-        location.miss[rows],
-        location.status[rows],
-        location.tolerance,
+def _check_weights(weights: Floats, field: str) -> None:
+    """Refuse area weights of points that are not numbers, zero or positive.
+
+    A negative weight is a negative stiffness: such a rule has no K_n that is positive, no sqrt(D).
+    """
+    wrong = ~(np.isfinite(weights) & (weights >= 0))
+    if wrong.any() or (len(weights) and not (weights > 0).any()):
+        value = float(weights[wrong][0]) if wrong.any() else 0.0
+        allowed = "area weights of points that are zero or positive, and some positive"
+        raise InputError(f"{field}.formulation.weights", value, allowed)
+
+
+def _uncovered(missed: int, count: int, part: float, limit: float) -> str:
+    """What is said of a contact whose points find too little on the other side (%)."""
+    if not missed:
+        return (
+            f"{part:.2g} % of the area of side a has no points, for they find nothing on side b "
+            "there, or the rule is too coarse for the weights of a spline; at most "
+            f"{limit:.2g} % may have none: take more elements, else raise max_missed"
+        )
+    return (
+        f"{missed} of {count} points ({part:.2g} % of the area of side a) find nothing on side b, "
+        f"at most {limit:.2g} % may; where curved rims only nearly meet, take more elements or a "
+        "higher degree of geometry, else raise max_missed"
+    )
+
+
+def _check_gap(
+    distances: tuple[float, float], angle: float, allowed: float, field: str, sides: str
+) -> None:
+    """Refuse surfaces apart, into each other, or tilted by an angle (rad), that nobody said may be.
+
+    Their least and largest distance (m) is below zero inside of each other.
+    """
+    least, largest = distances
+    if max(-least, largest) <= allowed:
+        return
+    found = [f"{largest:.3g} m apart"] if largest > allowed else []
+    found += [f"{-least:.3g} m inside each other"] if -least > allowed else []
+    tilt = f", tilted by up to {np.degrees(angle):.2g} degrees" if angle > _TILTED else ""
+    raise InputError(
+        f"{field}.reach",
+        None,
+        f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}{tilt}, and "
+        f"their meshes explain {allowed:.3g} m",
     )

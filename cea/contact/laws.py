@@ -1,4 +1,4 @@
-"""Laws of contact: the pressure that a penetration meets, its slope, and friction.
+"""Laws of contact: the pressure that a penetration meets, its slope, friction, and sliding.
 
 A law knows nothing of geometry. Linearised about steady sliding, its slope at the penetrations of
 that state stands in the place of the contact stiffness p, and friction multiplies it
@@ -144,3 +144,31 @@ class Friction:
     def acts(self) -> bool:
         """True where there is any friction."""
         return bool(np.any(np.asarray(self.mu) != 0))
+
+
+@dataclass(frozen=True)
+class Sliding:
+    """Steady sliding, as far as small velocities feel it (:mod:`cea.contact.sliding`).
+
+    Parameters
+    ----------
+    speed
+        v (m/s) at all points, positive, shape (n,); None where the direction of sliding is taken as
+        if it did not turn.
+    mu_slope
+        mu'(v) (s/m) at all points, shape (n,); None for zero.
+    pressure
+        sigma (N/m^2) at all points, zero or positive, shape (n,); None takes that of the law in the
+        state that is linearised about.
+    """
+
+    speed: Floats | None = None
+    mu_slope: Floats | None = None
+    pressure: Floats | None = None
+
+    def __post_init__(self) -> None:
+        if self.speed is not None and not (self.speed > 0).all():
+            raise InputError("sliding.speed", float(self.speed.min()), "positive (m/s)")
+        if self.pressure is not None and not (self.pressure >= 0).all():
+            allowed = "zero or positive (N/m^2)"
+            raise InputError("sliding.pressure", float(self.pressure.min()), allowed)

@@ -35,23 +35,7 @@ def lumped_matrices(
     direction: Floats | None,
     mu: Floats,
 ) -> tuple[Any, Any | None]:
-    """K_n and K_f of lumped contact in the unknowns of the whole system.
-
-    Parameters
-    ----------
-    bodies
-        All bodies by name, in the order of the unknowns.
-    sides
-        Names of bodies a and b.
-    interface
-        Its points.
-    weight
-        w p at the points of this rank (N/m), shape (n_local,).
-    direction
-        Direction of the friction traction on a there, shape (n_local, dim); None without friction.
-    mu
-        Friction coefficient there, shape (n_local,).
-    """
+    """K_n and K_f of lumped contact in the unknowns of the whole system."""
     normal = interface.local_points.normal
     stiffness = _lumped(bodies, sides, interface, weight, normal, normal)
     symmetrised(stiffness)

@@ -1,7 +1,7 @@
 """Mortar contact: the gap projected on the trace space of side a.
 
-With psi_i the traces of side a, split at corners where its normal jumps (:mod:`cea.corners`), and g
-the gap, the multiplier lambda_h = sum_i l_i psi_i obeys M l = B x, where
+With psi_i the traces of side a, split at corners where its normal jumps, and g the gap, the
+multiplier lambda_h = sum_i l_i psi_i obeys M l = B x, where
 
     B_i = int psi_i g,   M_ij = int psi_i psi_j / p,   (B_k)_i = int mu psi_i [[u]].k,
 
@@ -12,12 +12,13 @@ the sides have lifted off: the integrals go over the rest of the interface, and 
 there bear no multiplier.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lapack, solve_triangular
+from scipy.linalg import cho_solve, lapack, solve_triangular
 from scipy.sparse import csr_array, diags_array, vstack
 from scipy.sparse.linalg import splu, spsolve
 
@@ -32,43 +33,29 @@ from cea.matrices import (
     product,
     symmetric_product,
 )
+from cea.petsc import PETSc
 from cea.ranks import local_rows
 
-INDEPENDENT = 1e-15
+_INDEPENDENT = 1e-15
 """Least pivot of M, scaled to a diagonal of ones, of a trace that is not a sum of others."""
-INDEPENDENT_CUT = 1e-13
+_INDEPENDENT_CUT = 1e-13
 """The same of traces that are cut by what is open: sparse factors do not find such dependences."""
 
 
 @dataclass(frozen=True)
 class MortarProjection:
-    """Projection of functions at segment points on the trace space of side a.
+    """Projection of functions at segment points on the trace space of side a."""
 
-    Parameters
-    ----------
-    interface
-        Segment points.
-    traces
-        psi at the points, PETSc AIJ (points x m); zero at points that are left out.
-    """
-
-    interface: Interface
-    traces: Any
+    interface: Interface  # segment points
+    traces: Any  # psi at the points, PETSc AIJ (points x m); zero at points that are left out
 
     @classmethod
     def of(
         cls, interface: Interface, traces: csr_array, closed: NDArray[np.bool_] | None = None
     ) -> "MortarProjection":
-        """The projection on all traces that some point sees.
+        """The projection on all of some traces at the points of this rank that a point sees.
 
-        Parameters
-        ----------
-        interface
-            Segment points.
-        traces
-            psi at the points of this rank, whole or split at corners.
-        closed
-            Which of all points count, shape (n,); None takes every one.
+        Of all points those count that are closed, shape (n,); None takes every one.
         """
         if closed is None or closed.all():
             seen = traces.copy()
@@ -91,13 +78,9 @@ class MortarProjection:
         return result
 
     def compliance(self, stiffness: Floats) -> Any:
-        """M, PETSc AIJ (m x m), symmetric to the last bit.
+        """M, PETSc AIJ (m x m), symmetric to the last bit, of p or a part of it at all points.
 
-        Parameters
-        ----------
-        stiffness
-            Contact stiffness p at all points (N/m^3), or a part of it, shape (n,); zero only at
-            points that are left out.
+        It is zero only at points that are left out.
         """
         own, area = stiffness[self.interface.rows], self.interface.local_points.weight
         share = np.divide(area, own, out=np.zeros(len(own)), where=own > 0)
@@ -107,15 +90,7 @@ class MortarProjection:
         return result
 
     def pressure(self, stiffness: Floats, closed: Any) -> Floats:
-        """Contact pressure lambda_h (N/m^2) at all points, on every rank, from B x.
-
-        Parameters
-        ----------
-        stiffness
-            As for :meth:`compliance`.
-        closed
-            B x, PETSc vector (m).
-        """
+        """Contact pressure lambda_h (N/m^2) at all points, on every rank, from p and B x."""
         compliance = self.compliance(stiffness)
         multiplier = spsolve(everywhere(compliance).tocsc(), gather(closed))
         destroy(compliance)
@@ -126,6 +101,95 @@ class MortarProjection:
         vector = self.traces.createVecLeft()
         vector.array[:] = values
         return vector
+
+
+class ProjectedLaw:
+    """A law that is not linear meets the closure projected on the traces of side a.
+
+    With N the traces psi at the points, M_ij = int psi_i psi_j and E = M^-1 B, E_k = M^-1 B_k,
+
+        g = N E x - N E_0 g_n,    r = (E - mu E_k)^T N^T w sigma(g),
+
+    the multiplier is the projected pressure. Where p is uniform this is the mortar contact of a
+    linear law. All of it is the same on every rank.
+    """
+
+    def __init__(self, projection: MortarProjection, gap: Any, slip: Any | None) -> None:
+        self._gap = gap
+        interface = projection.interface
+        self._weight = interface.points.weight
+        gram = projection.compliance(np.ones(len(self._weight)))
+        M = everywhere(gram).toarray()
+        destroy(gram)
+        self._scale = 1 / np.sqrt(np.diag(M))
+        factor, order, rank, _ = lapack.dpstrf(
+            self._scale[:, None] * M * self._scale, tol=_INDEPENDENT
+        )
+        kept = order[:rank] - 1
+        self._scale = self._scale[kept]
+        self._factor = np.triu(factor[:rank, :rank])
+        traces = interface.comm.allgather(local_part(projection.traces))
+        self._traces = csr_array(csr_array(vstack(traces))[:, kept])
+        wholes = [everywhere(each)[kept] for each in (gap, slip) if each is not None]
+        self._columns = np.unique(np.concatenate([w.indices[w.data != 0] for w in wholes]))
+        self._closing, *slipping = self._projected(wholes)
+        self._slipping = slipping[0] if slipping else None
+
+    def _projected(self, integrals: Sequence[csr_array]) -> list[Floats]:
+        """E = M^-1 B of each B, on the columns that any of them touches."""
+        return [self._solve(each[:, self._columns].toarray()) for each in integrals]
+
+    def _solve(self, right: Floats) -> Floats:
+        """M^-1 times a block."""
+        scale = self._scale[:, None]
+        return scale * cho_solve((self._factor, False), scale * right)
+
+    def closing(self, x: Any) -> Floats:
+        """N E x, shape (n,)."""
+        return self._traces @ (self._closing @ gather(x)[self._columns])
+
+    def met(self, gap: Floats) -> Floats:
+        """The gap projected on the traces, shape (n,)."""
+        integrals = self._traces.T @ (self._weight * gap)
+        return self._traces @ self._solve(integrals[:, None])[:, 0]
+
+    def force(self, pressure: Floats, *, friction: bool) -> Any:
+        """(E - mu E_k)^T N^T w sigma, PETSc vector."""
+        integrals = self._traces.T @ (self._weight * pressure)
+        values = self._closing.T @ integrals
+        if friction and self._slipping is not None:
+            values -= self._slipping.T @ integrals
+        force = self._gap.createVecRight()
+        mine, start = self._mine()
+        force.array[self._columns[mine] - start] = values[mine]
+        return force
+
+    def tangent(self, slope: Floats) -> tuple[Any, Any | None]:
+        """E^T (N^T D N) E and E_k^T (N^T D N) E, full on the whole interface."""
+        inner = self._traces.T @ diags_array(self._weight * slope) @ self._traces
+        pushed = inner @ self._closing
+        normal = self._closing.T @ pushed
+        K_n = self._matrix(0.5 * (normal + normal.T))
+        K_n.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        if self._slipping is None:
+            return K_n, None
+        return K_n, self._matrix(self._slipping.T @ pushed)
+
+    def _mine(self) -> tuple[Ints, int]:
+        """Which of the columns are unknowns of this rank, and its first unknown."""
+        first, last = self._gap.getOwnershipRangeColumn()
+        return np.flatnonzero((self._columns >= first) & (self._columns < last)), first
+
+    def _matrix(self, block: Floats) -> Any:
+        """A full block on the columns as a matrix on all unknowns, PETSc AIJ."""
+        mine, start = self._mine()
+        local, total = self._gap.getSizes()[1]
+        lengths = np.zeros(local, dtype=np.int64)
+        lengths[self._columns[mine] - start] = len(self._columns)
+        indptr = np.concatenate([[0], np.cumsum(lengths)])
+        indices = np.tile(self._columns, len(mine))
+        rows = csr_array((block[mine].ravel(), indices, indptr), shape=(local, total))
+        return distributed(rows, self._gap.getSizes()[1], self._gap.comm)
 
 
 def _at(interface: Interface, traces: csr_array, points: NDArray[np.bool_]) -> csr_array:
@@ -152,14 +216,7 @@ def _independent(gram: csr_array, cut: NDArray[np.bool_], comm: Any) -> Ints:
     """Traces of which none is a sum of others at the points that count, the same on every rank.
 
     Traces that are cut reach beyond those points, and there may be more of them than points that
-    see them; what they add to the others, the Schur complement, tells which are needed.
-
-    Parameters
-    ----------
-    gram
-        Integrals of products of traces over the points that count, (m, m), on every rank.
-    cut
-        Which of the traces are cut, (m,).
+    see them; the Schur complement of what they add to the others tells which are needed.
     """
     kept: Ints | None = None
     if comm.rank == 0:
@@ -169,7 +226,7 @@ def _independent(gram: csr_array, cut: NDArray[np.bool_], comm: Any) -> Ints:
         if not cut.all():
             beside = scaled[~cut][:, cut].toarray()
             added -= beside.T @ splu(scaled[~cut][:, ~cut].tocsc()).solve(beside)
-        _, order, rank, _ = lapack.dpstrf(added, tol=INDEPENDENT_CUT)
+        _, order, rank, _ = lapack.dpstrf(added, tol=_INDEPENDENT_CUT)
         needed = np.flatnonzero(cut)[order[:rank] - 1]
         kept = np.sort(np.concatenate([np.flatnonzero(~cut), needed]))
     return np.asarray(comm.bcast(kept))
@@ -184,23 +241,11 @@ def eliminated(compliance: Any, gap: Any, slip: Any | None) -> tuple[Any, Any | 
     """K_n = B^T M^-1 B and K_f = B_k^T M^-1 B: full on the interface, for small ones.
 
     With R R^T = M^-1 they are G^T G and T^T G for G = R^T B and T = R^T B_k.
-
-    Parameters
-    ----------
-    compliance
-        M, PETSc AIJ (m x m).
-    gap, slip
-        B and B_k, PETSc AIJ (m x free dofs).
-
-    Returns
-    -------
-    tuple
-        PETSc AIJ; without B_k no K_f.
     """
     comm = gap.comm.tompi4py()
     M = everywhere(compliance).toarray()
     scale = 1 / np.sqrt(np.diag(M))
-    factor, order, rank, _ = lapack.dpstrf(scale[:, None] * M * scale, tol=INDEPENDENT)
+    factor, order, rank, _ = lapack.dpstrf(scale[:, None] * M * scale, tol=_INDEPENDENT)
     kept = order[:rank] - 1
     start, stop = local_rows(rank, comm)
     reduced = []

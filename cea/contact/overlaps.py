@@ -53,17 +53,7 @@ def clip(cells: Floats, other: NDArray[np.object_]) -> tuple[Ints, NDArray[np.ob
 def rule_on(
     owner: Ints, overlaps: NDArray[np.object_], on_boxes: int, on_triangles: int
 ) -> tuple[Ints, Floats, Floats]:
-    """Gauss rules on overlaps: owner, coordinates and weight of each point.
-
-    Parameters
-    ----------
-    owner
-        A number that goes with each overlap, (n,).
-    overlaps
-        Polygons (shapely), (n,).
-    on_boxes, on_triangles
-        Points along each direction of boxes, and of the triangles of other overlaps.
-    """
+    """Gauss rules on overlaps: owner, coordinates and weight of each point."""
     boxes, is_box = _boxes(overlaps)
     parts = (
         _rule_on_boxes(owner[is_box], boxes, on_boxes),

@@ -14,8 +14,7 @@ all of them sparse. A rule has more points than there are independent gaps: the 
 the rest (:mod:`cea.contact.compression`).
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,8 +22,10 @@ from scipy.sparse import csr_array, diags_array, vstack
 
 from cea.arrays import Floats
 from cea.contact.compression import compressed
+from cea.contact.contact import Contact
 from cea.contact.forms import squared
-from cea.contact.operators import Contact
+from cea.eigen.multipliers import ForcesOfContact
+from cea.eigen.parameters import NOTHING, Coefficient
 from cea.matrices import (
     block_diagonal,
     destroy,
@@ -39,64 +40,30 @@ _UNFELT = 1e-24
 """Stiffness, relative to the largest of a contact, of a force that the bodies do not feel."""
 
 
-@dataclass(frozen=True)
-class ContactForces:
-    """Operators of the forces of one contact as unknowns.
-
-    Parameters
-    ----------
-    closure
-        J, PETSc AIJ (forces x free dofs).
-    slip
-        R, PETSc AIJ (forces x free dofs), of the friction that ``mu`` of its halves says; None
-        without friction.
-    compliance
-        C, PETSc AIJ (forces x forces), symmetric positive semidefinite.
-    """
-
-    closure: Any
-    slip: Any | None
-    compliance: Any
-
-    def body_stiffness(self, stiffness: Any) -> tuple[float, float]:
-        """P (N/m) at which its stiffest and its softest force are about as stiff as the bodies.
-
-        Parameters
-        ----------
-        stiffness
-            Diagonal of K of all bodies (N/m), PETSc vector.
-        """
-        softness, own = stiffness.duplicate(), self.closure.createVecLeft()
-        stiffness.copy(softness)
-        softness.reciprocal()
-        squares = squared(self.closure)
-        squares.mult(softness, own)
-        compliance = self.compliance.getDiagonal()
-        own.pointwiseDivide(own, compliance)
-        comm, relative = own.comm.tompi4py(), own.array_r
-        stiffest = comm.allreduce(relative.max(initial=0.0), MPI.MAX)
-        felt = relative[relative > _UNFELT * stiffest]
-        softest = comm.allreduce(felt.min(initial=stiffest), MPI.MIN)
-        destroy(softness, own, squares, compliance)
-        return 1 / stiffest, 1 / softest
+def forces_of_contacts(
+    contacts: Sequence[Contact], stiffness: Any, friction: Mapping[str, float]
+) -> Iterator[ForcesOfContact]:
+    """Forces that are unknowns, of each contact that has any; collective."""
+    for name, halves in with_multipliers(contacts).items():
+        made = (_at_points if halves[0].projection is None else _projected)(halves)
+        closure, slip, compliance = made
+        inverse, mu = Coefficient.of({f"contacts.{name}.P": (1.0, -1.0)}), NOTHING
+        if not halves[0].law.linear:
+            inverse = Coefficient.of({}, factor=1 / sum(half.P for half in halves))
+        if slip is not None:
+            mu = Coefficient.of({f"contacts.{name}.mu": (friction[name], 1.0)})
+        soft = _body_stiffness(closure, compliance, stiffness)
+        yield ForcesOfContact(closure, slip, compliance, inverse, mu, soft)
 
 
-def contact_forces(contacts: Sequence[Contact]) -> dict[str, ContactForces]:
-    """Forces that are unknowns, by contact; none of contacts between sides that are held.
+def with_multipliers(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
+    """Half passes whose forces are unknowns by contact, but for those between sides that are held.
 
     The halves of a full pass go together: one P is shared among them.
     """
-    return {
-        name: (_projected if halves[0].projection is not None else _at_points)(halves)
-        for name, halves in keeping_forces(contacts).items()
-    }
-
-
-def keeping_forces(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
-    """Half passes by contact whose forces are unknowns, in the order of these."""
     pairs: dict[str, list[Contact]] = {}
     for contact in contacts:
-        if contact.keeps_forces:
+        if contact.has_multipliers:
             pairs.setdefault(contact.pair, []).append(contact)
     return {
         name: halves
@@ -105,26 +72,8 @@ def keeping_forces(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
     }
 
 
-def _relative_stiffness(halves: Sequence[Contact]) -> list[Floats]:
-    """p^ of each half at all points (1/m^2): p over the P of both; even where p is infinite."""
-    weights = [half.interface.points.weight for half in halves]
-    stiffness = [half.half.stiffness for half in halves]
-    if any(np.isinf(p).any() for p in stiffness):
-        return [np.full(len(w), 1 / (len(halves) * w.sum())) for w in weights]
-    P = sum(half.P for half in halves)
-    return [p / P for p in stiffness]
-
-
 def few_forces(halves: Sequence[Contact], carried: Sequence[csr_array]) -> tuple[csr_array, ...]:
-    """J, and Q^T sqrt(W p^) of further rows at the points, the rows that this rank is left with.
-
-    Parameters
-    ----------
-    halves
-        The half passes of a contact.
-    carried
-        Further rows at the points of this rank of each.
-    """
+    """J, and Q^T sqrt(W p^) of further rows at the points, the rows that this rank is left with."""
     gaps, others, places = [], [], []
     for half, share, rows in zip(halves, _relative_stiffness(halves), carried, strict=True):
         weight = half.weight(share)
@@ -138,42 +87,62 @@ def few_forces(halves: Sequence[Contact], carried: Sequence[csr_array]) -> tuple
     return compressed(gap, other, np.concatenate(places), halves[0].interface.comm)
 
 
-def _projected(halves: Sequence[Contact]) -> ContactForces:
-    """Multipliers of mortar and bonded contact."""
+def _relative_stiffness(halves: Sequence[Contact]) -> list[Floats]:
+    """p^ of each half at all points (1/m^2): p over the P of both; even where p is infinite."""
+    if any(half.tied for half in halves):
+        weights = [half.interface.points.weight for half in halves]
+        return [np.full(len(w), 1 / (len(halves) * w.sum())) for w in weights]
+    P = sum(half.P for half in halves)
+    return [half.slope / P for half in halves]
+
+
+def _projected(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
+    """J, R and C of multipliers of mortar and bonded contact."""
     shares = _relative_stiffness(halves)
     parts = [half.compliance(share) for half, share in zip(halves, shares, strict=True)]
-    closure = one_below_the_other([half.gap for half in halves])
-    slip = None
+    closure, slip = one_below_the_other([half.gap for half in halves]), None
     if any(half.slip is not None for half in halves):
-        rows = [_slip(half) for half in halves]
+        rows = [half.slip if half.slip is not None else _zero(half.gap) for half in halves]
         slip = one_below_the_other(rows)
         destroy(*(row for row, half in zip(rows, halves, strict=True) if row is not half.slip))
     compliance = block_diagonal(parts).convert("aij")
     destroy(*parts)
-    return ContactForces(closure, slip, compliance)
+    return closure, slip, compliance
 
 
-def _slip(half: Contact) -> Any:
-    """Its slip operator; without friction one of zeros."""
-    if half.slip is not None:
-        return half.slip
-    zero = half.gap.duplicate()
+def _zero(matrix: Any) -> Any:
+    """Zeros of the layout of a matrix."""
+    zero = matrix.duplicate()
     zero.assemble()
     return zero
 
 
-def _at_points(halves: Sequence[Contact]) -> ContactForces:
-    """Forces at points, as few as there are independent gaps."""
+def _at_points(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
+    """J, R and C of forces at points, as few as there are independent gaps."""
     template = halves[0].gap
     slips = [
         local_part(half.slip) if half.slip is not None else csr_array(local_part(half.gap).shape)
         for half in halves
     ]
     closure, reaction = few_forces(halves, slips)
-    columns = template.getSizes()[1]
+    columns, comm = template.getSizes()[1], template.comm
     frictional = any(half.slip is not None for half in halves)
-    return ContactForces(
-        distributed(closure, columns, template.comm),
-        distributed(reaction, columns, template.comm) if frictional else None,
-        identity(closure.shape[0], template.comm),
-    )
+    slip = distributed(reaction, columns, comm) if frictional else None
+    return distributed(closure, columns, comm), slip, identity(closure.shape[0], comm)
+
+
+def _body_stiffness(closure: Any, compliance: Any, stiffness: Any) -> tuple[float, float]:
+    """P (N/m) at which the stiffest and the softest force are about as stiff as the bodies."""
+    softness, own = stiffness.duplicate(), closure.createVecLeft()
+    stiffness.copy(softness)
+    softness.reciprocal()
+    squares = squared(closure)
+    squares.mult(softness, own)
+    diagonal = compliance.getDiagonal()
+    own.pointwiseDivide(own, diagonal)
+    comm, relative = own.comm.tompi4py(), own.array_r
+    stiffest = comm.allreduce(relative.max(initial=0.0), MPI.MAX)
+    felt = relative[relative > _UNFELT * stiffest]
+    softest = comm.allreduce(felt.min(initial=stiffest), MPI.MIN)
+    destroy(softness, own, squares, diagonal)
+    return 1 / stiffest, 1 / softest

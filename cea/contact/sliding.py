@@ -10,191 +10,117 @@ t = n x k across it (in space only), the force - C dx/dt on the bodies has
 The first part, of the turning direction, always damps; the second one feeds energy in where
 friction falls with the speed, mu' < 0 (Herve, Sinou, Mahe and Jezequel, European Journal of
 Mechanics A/Solids 27, 2008, 141-160).
+
+By the path of the contact in a scene, ``contacts.<name>``, the parameters of these pieces are
+``.sliding.speed``, ``.sliding.mu_slope`` and ``.sliding.pressure``, factors where they vary.
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.body.unknowns import system_operator
-from cea.contact.half_pass import friction_at
-from cea.contact.interface import jump_along
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact, jump_operator
+from cea.eigen.parameters import Coefficient, Parameter
+from cea.eigen.pencil import Term
 from cea.errors import InputError
 from cea.matrices import destroy, product, symmetric_product, symmetrised
 from cea.petsc import PETSc
-from cea.ranks import agreed
+
+_KINDS: dict[str, tuple[str, dict[str, Any]]] = {
+    "speed": ("m/s", {"positive": True}),
+    "mu_slope": ("s/m", {"signed": True}),
+    "pressure": ("N/m^2", {}),
+}
+"""Unit of each parameter, and what it may be."""
 
 
-@dataclass(frozen=True)
-class Sliding:
-    """Steady sliding, as far as small velocities feel it.
-
-    Parameters
-    ----------
-    speed
-        v (m/s) at all points, positive, shape (n,); None where the direction of sliding is taken as
-        if it did not turn.
-    mu_slope
-        mu'(v) (s/m) at all points, shape (n,); None for zero.
-    pressure
-        sigma (N/m^2) at all points, zero or positive, shape (n,); None takes that of the law at the
-        penetrations of the state that is linearised about.
-    """
-
-    speed: Floats | None = None
-    mu_slope: Floats | None = None
-    pressure: Floats | None = None
-
-    def __post_init__(self) -> None:
-        if self.speed is not None and not (self.speed > 0).all():
-            raise InputError("sliding.speed", float(self.speed.min()), "positive (m/s)")
-        if self.pressure is not None and not (self.pressure >= 0).all():
-            allowed = "zero or positive (N/m^2)"
-            raise InputError("sliding.pressure", float(self.pressure.min()), allowed)
-
-
-@dataclass(frozen=True)
-class SlidingDamping:
-    """Damping of one half pass that slides.
-
-    Parameters
-    ----------
-    contact
-        The half pass.
-    sliding
-        How it slides.
-    turning
-        C of the turning direction, PETSc AIJ (N s/m), symmetric, not negative; None without.
-    slope
-        C of the slope of friction, PETSc AIJ (N s/m), symmetric; None without.
-    """
-
-    contact: Contact
-    sliding: Sliding
-    turning: Any | None
-    slope: Any | None
-
-    @property
-    def sizes(self) -> dict[str, float]:
-        """Speed, slope and pressure that it was made with; 1 for those that vary."""
-        given = {
-            "speed": self.sliding.speed if self.turning is not None else None,
-            "mu_slope": self.sliding.mu_slope,
-            "pressure": self.sliding.pressure,
+def sliding_terms(
+    bodies: Mapping[str, Body], contacts: Sequence[Contact], friction: Mapping[str, float]
+) -> Iterator[Term]:
+    """Damping of the half passes that slide; the halves of a full pass share the pressure."""
+    sizes, pairs = _sizes(contacts), [contact.pair for contact in contacts]
+    for contact in contacts:
+        if contact.sliding is None:
+            continue
+        path = f"contacts.{contact.pair}"
+        powers = {
+            name: {f"{path}.sliding.{name}": (sizes[f"{path}.sliding.{name}"], exponent)}
+            for name, exponent in (("speed", -1.0), ("mu_slope", 1.0), ("pressure", 1.0))
+            if sizes.get(f"{path}.sliding.{name}")
         }
-        return {
-            name: float(values[0]) if len(values) and np.ptp(values) == 0 else 1.0
-            for name, values in given.items()
-            if values is not None
-        }
+        pressed = powers.get("pressure", {})
+        for kind, matrix in _damping(bodies, contact, 1 / pairs.count(contact.pair)):
+            if kind == "speed":
+                mu = {f"{path}.mu": (friction[contact.pair], 1.0)}
+                coefficient = Coefficient.of(pressed | mu | powers["speed"])
+            else:
+                coefficient = Coefficient.of(pressed | powers.get("mu_slope", {}))
+            yield Term("damping", matrix, coefficient)
 
 
-def damping_of(
-    bodies: Mapping[str, Body], contacts: Sequence[Contact], sliding: Mapping[str, Sliding]
-) -> tuple[SlidingDamping, ...]:
-    """Damping of the half passes that slide; the halves of a full pass share the pressure.
-
-    Parameters
-    ----------
-    bodies
-        All bodies of the system by name, in the order of the unknowns.
-    contacts
-        All half passes.
-    sliding
-        How they slide, by name of the half pass, where that damps.
-
-    Raises
-    ------
-    InputError
-        As for :func:`sliding_damping`.
-    """
-    pairs = [contact.pair for contact in contacts]
-    return tuple(
-        sliding_damping(bodies, contact, sliding[contact.name], 1 / pairs.count(contact.pair))
-        for contact in contacts
-        if contact.name in sliding
-    )
+def sliding_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
+    """Parameters of contacts that slide; what is zero everywhere is none."""
+    for path, size in _sizes(contacts).items():
+        unit, may = _KINDS[path.split(".")[-1]]
+        if size:
+            yield Parameter(path, size, unit, **may)
 
 
-def sliding_damping(
-    bodies: Mapping[str, Body], contact: Contact, sliding: Sliding, share: float = 1.0
-) -> SlidingDamping:
-    """Damping of a half pass that slides.
+def _sizes(contacts: Sequence[Contact]) -> dict[str, float]:
+    """What each parameter is relative to; 1 where it varies or the halves of a contact differ."""
+    found: dict[str, set[float]] = {}
+    for contact in contacts:
+        for name in _KINDS:
+            values = getattr(contact.sliding, name, None)
+            if values is None or (name == "speed" and contact.slip is None):
+                continue
+            size = float(values[0]) if len(values) and np.ptp(values) == 0 else 1.0
+            found.setdefault(f"contacts.{contact.pair}.sliding.{name}", set()).add(size)
+    return {path: each.pop() if len(each) == 1 else 1.0 for path, each in found.items()}
 
-    Parameters
-    ----------
-    bodies
-        All bodies of the system by name, in the order of the unknowns.
-    contact
-        The half pass, with friction or at least its direction.
-    sliding
-        How it slides.
-    share
-        Part of the pressure that is its own: one half of each half of a full pass.
 
-    Raises
-    ------
-    InputError
-        When the speed is given in the plane, the contact is bonded, or no pressure is known.
-    """
-    half, interface = contact.half, contact.interface
-    if half.coupling == "bonded" or half.friction is None:
-        raise InputError("sliding", half.coupling, "left out where nothing slides")
+def _damping(
+    bodies: Mapping[str, Body], contact: Contact, share: float
+) -> Iterator[tuple[str, Any]]:
+    """C of the turning direction, kind "speed", and of the slope of friction, PETSc AIJ (N s/m)."""
+    sliding, interface = contact.sliding, contact.interface
+    assert sliding is not None
+    if contact.coupling == "bonded" or contact.friction is None:
+        raise InputError("sliding", contact.coupling, "left out where nothing slides")
     if sliding.speed is not None and interface.a.dim < 3:
         allowed = "left out in the plane, where the direction of sliding cannot turn"
         raise InputError("sliding.speed", float(sliding.speed.flat[0]), allowed)
     points, rows = interface.local_points, interface.rows
-    load = points.weight * _pressure(contact, sliding, share)[rows]
-    with agreed(interface.comm):
-        along = half.friction.direction.at(points.x, points.normal)
+    load = points.weight * _pressure(contact, share)[rows]
+    k = contact.friction_direction()
 
-    def damping(direction: Floats, weight: Floats) -> Any:
-        parts = dict(zip((half.a, half.b), jump_along(interface, direction), strict=True))
-        slip = system_operator(bodies, parts, len(points))
-        diagonal = slip.createVecLeft()
-        diagonal.array[:] = weight
-        matrix = _weighted(slip, diagonal)
-        destroy(slip, diagonal)
+    def damping(direction: Floats, values: Floats) -> Any:
+        slip = jump_operator(bodies, contact, direction)
+        weight = slip.createVecLeft()
+        weight.array[:] = values
+        matrix = _weighted(slip, weight)
+        destroy(slip, weight)
         return matrix
 
-    return SlidingDamping(
-        contact,
-        sliding,
-        turning=_turning(damping, contact, sliding, load, along),
-        slope=(
-            damping(along, load * sliding.mu_slope[rows]) if sliding.mu_slope is not None else None
-        ),
-    )
+    if sliding.speed is not None and contact.slip is not None:
+        across = np.cross(points.normal, k)
+        yield "speed", damping(across, load * contact.mu_at_points / sliding.speed[rows])
+    if sliding.mu_slope is not None:
+        yield "mu_slope", damping(k, load * sliding.mu_slope[rows])
 
 
-def _turning(
-    damping: Callable[[Floats, Floats], Any],
-    contact: Contact,
-    sliding: Sliding,
-    load: Floats,
-    along: Floats,
-) -> Any | None:
-    """C of the turning direction; none without speed, or where friction was left out."""
-    if sliding.speed is None or contact.slip is None:
-        return None
-    field, _ = friction_at(contact.half)
-    across = np.cross(contact.interface.local_points.normal, along)
-    return damping(across, load * field / sliding.speed[contact.interface.rows])
-
-
-def _pressure(contact: Contact, sliding: Sliding, share: float) -> Floats:
-    """Contact pressure at all points (N/m^2), the share of the half pass."""
-    if sliding.pressure is not None:
+def _pressure(contact: Contact, share: float) -> Floats:
+    """Contact pressure at all points (N/m^2): a share of one that is given."""
+    sliding = contact.sliding
+    if sliding is not None and sliding.pressure is not None:
         return share * sliding.pressure
-    if contact.half.penetration is None:
+    if contact.closure is None:
         allowed = "needed where no state of steady sliding tells it (N/m^2)"
         raise InputError("sliding.pressure", None, allowed)
-    return np.maximum(contact.half.law.pressure(contact.half.penetration), 0.0)
+    return np.maximum(contact.law.pressure(contact.closure), 0.0)
 
 
 def _weighted(slip: Any, weight: Any) -> Any:

@@ -130,13 +130,7 @@ class CorrectedTests:
         return None
 
     def bounds(self, top: float, depth: float) -> bool:
-        """Whether no eigenvalue of a window to top = omega^2 has Re kappa < -depth; collective.
-
-        Raises
-        ------
-        ConvergenceError
-            When the factorisation fails.
-        """
+        """Whether no eigenvalue of a window to top = omega^2 has Re kappa < -depth; collective."""
         within = self.depth_within(top, depth)
         return within is not None and self.holds(within)
 
@@ -147,13 +141,7 @@ class CorrectedTests:
         return float(within) if within >= 0 and square * tip <= tip + depth else None
 
     def holds(self, within: float) -> bool:
-        """Whether h >= -X g for every x; collective.
-
-        Raises
-        ------
-        ConvergenceError
-            When the factorisation fails.
-        """
+        """Whether h >= -X g for every x; collective."""
         operator = self.matrices.operator(-within)
         whole = self._form(operator, forces=True)
         destroy(operator)

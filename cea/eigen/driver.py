@@ -153,15 +153,12 @@ class EigenSolver:
         if matrices.quadratic:
             decay = None if min_growth is None else -min_growth
             return DampedSearch(matrices, end, self.options, timer, decay)
-        counted, near = None, None
+        counted = None
         if matrices.symmetric:
             self.factorisations += 1
             with timer("factorisation"):
                 counted = count_below(matrices, upper_end(end**2))
-        elif self.pencil.near_contact is not None:
-            with timer("assembly"):
-                near = self.pencil.near_contact.at(values)
-        return UndampedSearch(matrices, end, self.options, timer, counted, near)
+        return UndampedSearch(matrices, end, self.options, timer, counted)
 
     def _modes(
         self,
@@ -172,11 +169,7 @@ class EigenSolver:
         *,
         left: bool | None,
     ) -> Modes:
-        """Modes of what was found in a window, with their errors.
-
-        Left vectors are searched where they are wanted or errors cannot be told without; never
-        where ``left`` is None.
-        """
+        """Modes of what was found, with errors; where ``left`` is None without left vectors."""
         subspace, op = search.found, search.near
         assert subspace is not None
         with timer("post-processing"):  # those around the window show too what rounding does
@@ -260,13 +253,6 @@ class EigenSolver:
             shift=op.shift,
             radius=float(np.abs(pairs.values - place).max(initial=0.0)),
             found=len(pairs.values),
-            discs=1,
-            max_growth=0.0,
-            bounded=False,
-            odd=False,
-            upper=np.inf,
-            found_below=len(pairs.values),
-            symmetric_count=None,
             neighbours=True,
         )
         modes = modes_of(self.pencil, values, matrices, pairs, None, window)
@@ -354,11 +340,10 @@ def run_window(
     left: bool = False,
     timer: StageTimer | None = None,
 ) -> Modes:
-    """Modes up to a frequency, with what a reader of them should know of those above.
+    """Modes up to a frequency; the window names those that grow up to 5 percent above its end.
 
-    Parameters and errors are those of :meth:`EigenSolver.solve`. The window
-    names the modes that grow up to 5 percent above its end, and where it is empty the lowest mode.
-    Where nothing can grow for the structure of the problem, nothing is searched above the end.
+    Where it is empty it names the lowest mode above. Where nothing can grow for the structure of
+    the problem, nothing is searched above. Parameters are those of :meth:`EigenSolver.solve`.
     """
     above = 1.0 if driver.conservative(changes) else ABOVE
     try:

@@ -126,8 +126,7 @@ def _checked(
 ) -> Eigenpairs:
     """Eigenpairs, the vectors normalised in place, with residuals and backward errors.
 
-    Conditions and slopes are those of vectors of unit length of the operator. The vector of a
-    conjugate which follows its eigenvalue is the conjugate.
+    Conditions and slopes are those of vectors of unit length of the operator.
     """
     matrices, comm = op.matrices, op.matrices.stiffness.comm
     values, n = values.copy(), len(values)
@@ -135,8 +134,7 @@ def _checked(
     forces = np.empty((op.factors.multipliers, n), dtype=complex)
     lengths, residuals, errors, least = np.empty((4, n))
     sizes, root = Sizes(matrices, op.damping), _root_of_diagonal(matrices)
-    twins = _twins(values)
-    for block, x in _blocks(values, vectors, twins):
+    for block, x in _blocks(values, vectors):
         value = values[block] if np.iscomplexobj(x) else values[block].real
         f = np.empty((0, x.shape[1]), dtype=x.dtype)
         if matrices.multipliers is not None:
@@ -179,10 +177,6 @@ def _checked(
             error[large] = np.minimum(error[large], inverse)
         errors[block] = rounding + error
     sizes.free()
-    for each in (vectors, forces):
-        each[:, twins] = each[:, twins - 1].conj()
-    for each in (residuals, errors, slopes, least):
-        each[twins] = each[twins - 1]
     if op.damped:
         slopes = np.maximum(slopes, np.minimum(least, 1 / np.sqrt(errors)))
     bounds = np.full(n, np.inf)
@@ -208,19 +202,10 @@ def _root_of_diagonal(matrices: Matrices) -> Floats:
     return np.asarray(root)
 
 
-def _twins(values: Complexes) -> Ints:
-    """Numbers of the eigenvalues that are the conjugates of those before them."""
-    return 1 + np.flatnonzero((values[:-1].imag > 0) & (values[1:] == values[:-1].conj()))
-
-
-def _blocks(
-    values: Complexes, vectors: Complexes, twins: Ints
-) -> Iterator[tuple[Ints, NDArray[np.inexact]]]:
-    """Numbers of eigenvalues with their vectors, real ones in real numbers; without twins."""
+def _blocks(values: Complexes, vectors: Complexes) -> Iterator[tuple[Ints, NDArray[np.inexact]]]:
+    """Numbers of eigenvalues with their vectors, real ones in real numbers."""
     real = values.imag == 0
-    other = ~real
-    other[twins] = False
-    for chosen, part in ((real, np.real), (other, np.asarray)):
+    for chosen, part in ((real, np.real), (~real, np.asarray)):
         numbers = np.flatnonzero(chosen)
         for columns in column_blocks(len(numbers)):
             block = numbers[columns]

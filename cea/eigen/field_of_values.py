@@ -132,13 +132,7 @@ def has_cone(matrices: Matrices) -> bool:
 
 
 def largest_growth(matrices: Matrices, end: float) -> float:
-    """Rate (1/s) that no eigenvalue with abs(Im lambda) <= end exceeds, by the cone; or infinity.
-
-    Raises
-    ------
-    ConvergenceError
-        When a factorisation fails.
-    """
+    """Rate (1/s) that no eigenvalue with abs(Im lambda) <= end exceeds by the cone, or infinity."""
     field = field_of_values(matrices, _DEPTH * end**2, cone=True)
     if not field.bounded or not np.isfinite(field.slope):
         return np.inf
@@ -151,13 +145,7 @@ def largest_growth(matrices: Matrices, end: float) -> float:
 
 
 def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
-    """Whether no eigenvalue with abs(Im lambda) <= end (1/s) can grow at a rate (1/s) or faster.
-
-    Raises
-    ------
-    ConvergenceError
-        When a factorisation fails.
-    """
+    """Whether no eigenvalue with abs(Im lambda) <= end (1/s) can grow at a rate (1/s) or faster."""
     damping = _symmetric_damping(matrices)
     if damping is not None and not _positive(matrices, damping, 2 * growth):
         destroy(damping)
@@ -281,18 +269,9 @@ def largest_quotient(
 ) -> float:
     """Estimate from below of max abs(x^H N x) / x^H H x, N skew or symmetric, by block Krylov.
 
-    The vectors are orthonormal in H, with which H^-1 N is skew, or symmetric.
-
-    Parameters
-    ----------
-    solve, image, skew
-        H^-1, which need not be exact, H and N times a block of vectors, the rows of this rank.
-    rows
-        Rows of this rank.
-    comm
-        Communicator (petsc4py).
-    steps
-        Steps of block Krylov, the more the less the extreme quotients stand out.
+    ``solve``, which need not be exact, ``image`` and ``skew`` are H^-1, H and N times a block. The
+    vectors are orthonormal in H, with which H^-1 N is skew, or symmetric. Steps are the more the
+    less the extreme quotients stand out.
     """
     most = _COLUMNS * steps
     basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))

@@ -23,6 +23,7 @@ from scipy.linalg import schur
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import combined
 from cea.eigen.krylov_space import KrylovSpace
+from cea.eigen.mumps import SingularError
 from cea.eigen.pencil import Matrices
 from cea.eigen.shift_invert import Companion, ShiftInvert
 from cea.eigen.subspace import (
@@ -45,8 +46,8 @@ _NEAR_SHIFT = 1e-6
 """Distance of an eigenvalue from the shift, relative to it, at which all others lose digits."""
 _SHIFT = 0.25
 """Real shift relative to the modulus of a place, where something damps."""
-_ASIDE, _STEPS = 1e-3, 4
-"""Step of a shift aside from an eigenvalue, relative to itself, and most such steps."""
+ASIDE, ATTEMPTS = 1e-3, 6
+"""Step of a shift aside from an eigenvalue, relative to itself, and shifts tried at most."""
 _EDGE = 1 + 1e-9
 """Radius of a disc relative to the farthest eigenvalue in it: conjugates are equally far."""
 _PAIR = 1e-9
@@ -100,10 +101,6 @@ class CrowdedError(ConvergenceError):
     """More eigenvalues in a disc than are worth their price."""
 
 
-class NearShiftError(ConvergenceError):
-    """An eigenvalue so near to the shift that others lose digits."""
-
-
 def krylov_schur(
     op: ShiftInvert,
     radius: float | Radius,
@@ -141,7 +138,7 @@ def krylov_schur(
         When eigenvalues of the disc do not converge; ``best`` is the invariant subspace so far.
     CrowdedError
         When the disc holds more than ``most`` eigenvalues.
-    NearShiftError
+    SingularError
         When an eigenvalue is next to the shift.
     """
     radius_of = radius if callable(radius) else lambda _: radius
@@ -153,7 +150,7 @@ def krylov_schur(
         found = dense_subspace(op, radius_of, disc_only=not (verify and np.isfinite(op.reach)))
         distances = np.abs(found.eigenvalues - op.shift)
         if distances.min(initial=np.inf) < _NEAR_SHIFT * abs(op.shift):
-            raise NearShiftError(near)
+            raise SingularError(near)
         return found
     if locked.size >= op.finite:
         return locked
@@ -178,7 +175,7 @@ def krylov_schur(
         inside, converged = sizes >= least, residuals <= options.tolerance * sizes
         nearly = residuals <= options.loose * sizes
         if (nearly & (_NEAR_SHIFT * abs(op.shift) * sizes > 1)).any():
-            raise NearShiftError(near)
+            raise SingularError(near)
         number = int(inside.sum())
         if last_random and (space.size >= last_random or not space.next):
             verified, last_random = verified or number <= counted, 0
@@ -357,6 +354,7 @@ def nearest(
         When fewer converge.
     """
     damped = matrices.quadratic
+    scale = abs(place) if damped else np.inf
     shift = _SHIFT * abs(place) if damped else place.real
     wanted = min(wanted, matrices.size - matrices.tied)
 
@@ -367,19 +365,16 @@ def nearest(
             return np.inf
         return _EDGE * float(abs(place - shift) + np.sort(np.abs(chosen - place))[wanted - 1])
 
-    for step in range(_STEPS):
-        shift *= 1 + step * _ASIDE
+    for step in range(ATTEMPTS):  # aside from an eigenvalue
+        shift *= 1 + step * ASIDE
         op: ShiftInvert | None = None
         try:
-            if damped:
-                op = Companion(matrices, shift, abs(place))
-                op.reach = np.inf
-            else:
-                op = ShiftInvert(matrices, shift, np.inf)
+            op = (Companion if damped else ShiftInvert)(matrices, shift, scale)
+            op.reach = np.inf
             return krylov_schur(op, radius, options, verify=False), op
-        except ConvergenceError:
+        except ConvergenceError as error:
             if op is not None:
                 op.free()
-            if step + 1 == _STEPS or not shift:
+            if step + 1 == ATTEMPTS or not isinstance(error, SingularError):
                 raise
     raise AssertionError

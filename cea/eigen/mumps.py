@@ -30,15 +30,15 @@ _LACKS_MEMORY = (-7, -8, -9, -11, -12, -13, -14, -15, -17, -19, -20)
 _FOLDER = "mat_mumps_ooc_tmpdir"
 """Option of PETSc that names the folder of factors on disk."""
 _LARGE = 10_000
-"""Unknowns from which on inertia is found by an order of nodes, and in panels."""
-_SAME = 0.9
-"""Part of the nodes of which all unknowns have the same columns, where unknowns are by node."""
-_LOOKED_AT = 2000
-"""Nodes of which that is seen."""
+"""Unknowns from which on inertia is found in panels."""
 _FOLDER_OF_FACTORS: ContextVar[Path | None] = ContextVar("folder of factors", default=None)
 _PREFIX, _LOCK = "factors-", "in_use"
 _NEW = 60.0
 """Age (s) up to which a folder may be about to be locked."""
+
+
+class SingularError(ConvergenceError):
+    """A matrix that is singular, or so nearly that solutions lose their digits."""
 
 
 class Mumps:
@@ -56,7 +56,7 @@ class Mumps:
 
     Raises
     ------
-    ConvergenceError
+    SingularError
         When A is singular, or the factorisation fails.
     MemoryError
         When there is no memory for the factors.
@@ -84,7 +84,7 @@ class Mumps:
             self.free()
             if code in _LACKS_MEMORY:
                 raise MemoryError(f"factors of {rows} rows: MUMPS ends with INFOG(1) = {code}")
-            raise ConvergenceError(f"a matrix of {rows} rows is singular")
+            raise SingularError(f"a matrix of {rows} rows is singular")
 
     def _set_up(self) -> None:
         """Factorise; PETSc reads the folder of factors from its options, and only then."""
@@ -108,13 +108,10 @@ class Mumps:
         factor = pc.getFactorMatrix()
         factor.setMumpsIcntl(14, room)
         factor.setMumpsIcntl(22, int(folder_of_factors() is not None))
-        large = matrix_size(self.matrix) >= _LARGE
-        if large and (unknowns := unknowns_of_nodes(self.matrix)) > 1:
-            factor.setMumpsIcntl(15, -unknowns)  # the graph of the nodes is ordered
         if self._inertia:
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
-            if large:  # in panels, of which none is compressed: sooner
+            if matrix_size(self.matrix) >= _LARGE:  # none of which is compressed
                 factor.setMumpsIcntl(35, 2)
                 factor.setMumpsCntl(7, 0.0)
         elif not self._symmetric:
@@ -161,29 +158,6 @@ class Mumps:
 def matrix_size(matrix: Any) -> int:
     """Number of rows over all ranks."""
     return int(matrix.getSize()[0])
-
-
-def unknowns_of_nodes(matrix: Any) -> int:
-    """Unknowns of each node where they follow each other, 3 or 2; else, or on several ranks, 1.
-
-    Rows of a node have the same columns; some nodes are looked at, evenly spread.
-    """
-    if matrix.comm.size > 1:
-        return 1
-    rows = matrix_size(matrix)
-    for unknowns in (3, 2):
-        if rows and rows % unknowns == 0:
-            nodes = np.unique(np.linspace(0, rows // unknowns - 1, _LOOKED_AT, dtype=int))
-            same = [_has_same_columns(matrix, unknowns * int(node), unknowns) for node in nodes]
-            if np.mean(same) >= _SAME:
-                return unknowns
-    return 1
-
-
-def _has_same_columns(matrix: Any, first: int, count: int) -> bool:
-    """Whether so many rows from one on have the same columns."""
-    columns = [matrix.getRow(row)[0] for row in range(first, first + count)]
-    return all(np.array_equal(columns[0], each) for each in columns[1:])
 
 
 def folder_of_factors() -> Path | None:

@@ -9,9 +9,8 @@ of K are never formed (:mod:`cea.eigen.unformed`). One object serves a single ru
 threshold, a derivative.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, Literal
 
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
@@ -164,9 +163,6 @@ class Pencil:
         symmetric.
     nodes
         Which unknowns belong together; None where that is not known, as of given matrices.
-    near_contact
-        Makes, when it is first asked for, the pencil of what lies near the contacts, with the same
-        parameters; None where there is none.
 
     Raises
     ------
@@ -184,10 +180,8 @@ class Pencil:
         *,
         leave_out: bool = True,
         nodes: Nodes | None = None,
-        near_contact: "Callable[[], Pencil | None] | None" = None,
     ) -> None:
         self.leave_out, self.nodes = leave_out, nodes
-        self._near_contact = near_contact
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
@@ -202,23 +196,8 @@ class Pencil:
         if unknown:
             raise InputError("parameters", sorted(self.parameters), f"with {sorted(unknown)}")
 
-    @cached_property
-    def near_contact(self) -> "Pencil | None":
-        """Pencil of some of the displacements whose bounds hold for all; collective.
-
-        What the rest adds to M and to the symmetric part of K is positive semidefinite, and all of
-        friction is near.
-        """
-        return None if self._near_contact is None else self._near_contact()
-
     @classmethod
-    def of(
-        cls,
-        stiffness: Mat,
-        mass: Mat | None = None,
-        friction: Mat | None = None,
-        near_contact: "Pencil | None" = None,
-    ) -> "Pencil":
+    def of(cls, stiffness: Mat, mass: Mat | None = None, friction: Mat | None = None) -> "Pencil":
         """Pencil of given PETSc AIJ matrices: lambda^2 M + S - s F, s the parameter ``friction``.
 
         S is symmetric (N/m), M symmetric positive definite (kg), F of any kind (N/m).
@@ -230,7 +209,7 @@ class Pencil:
             return cls(terms)
         coefficient = Coefficient.of({FRICTION: (1.0, 1.0)}, factor=-1.0)
         terms.append(Term("stiffness", friction, coefficient, symmetric=False))
-        return cls(terms, [Parameter(FRICTION, 1.0)], near_contact=lambda: near_contact)
+        return cls(terms, [Parameter(FRICTION, 1.0)])
 
     def at_rest(self) -> "Pencil":
         """Its stiffness alone: what an equilibrium obeys."""

@@ -63,7 +63,7 @@ class ShiftInvert:
 
     Raises
     ------
-    ConvergenceError
+    SingularError
         When the pencil is singular at the shift.
     """
 

@@ -20,16 +20,12 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
 from cea.eigen.multipliers import Multipliers, with_circulatory
-from cea.eigen.mumps import Mumps
+from cea.eigen.mumps import Mumps, SingularError
 from cea.eigen.pencil import Matrices
 from cea.eigen.unformed import CirculatorySum
 from cea.eigen.updated_factors import UpdatedFactors
-from cea.errors import ConvergenceError
-from cea.matrices import destroy, distributed, identity, largest_row, local_part
+from cea.matrices import destroy, distributed, largest_row, local_part
 from cea.petsc import PETSc
-
-_OF_NODES = 6
-"""A multiple of the unknowns that a node has, in the plane and in space."""
 
 
 class Shifted:
@@ -46,7 +42,7 @@ class Shifted:
 
     Raises
     ------
-    ConvergenceError
+    SingularError
         When the matrix is singular.
     """
 
@@ -59,7 +55,7 @@ class Shifted:
         if rate and circulatory is not None:
             try:
                 self._factorise(circulatory)
-            except ConvergenceError:
+            except SingularError:
                 self.free()
             else:
                 return
@@ -92,7 +88,7 @@ class Shifted:
             self._update = UpdatedFactors(
                 self._factors, root, self.rate, rest, symmetric=self._symmetric
             )
-        except ConvergenceError:
+        except SingularError:
             self.free()
             raise
 
@@ -216,25 +212,6 @@ def balanced(border: Any, scale: Any, size: float) -> Any:
     return distributed(part, border.getSizes()[1], border.comm)
 
 
-def nested(blocks: list[list[Any]]) -> Any:
-    """Blocks as one PETSc AIJ matrix, the displacements first.
-
-    On one rank rows of their own are put at its end, until they are a multiple of what nodes have:
-    the factorisation orders its graph by nodes then (:mod:`cea.eigen.mumps`).
-    """
-    operator = blocks[0][0]
-    rows = sum(next(block for block in row if block).getSize()[0] for row in blocks)
-    missing = -rows % _OF_NODES
-    if operator.comm.size > 1 or not missing:
-        return PETSc.Mat().createNest(blocks).convert("aij")
-    alone = identity(missing, operator.comm)
-    alone.scale(largest_row(operator) or 1.0)
-    last: list[Any] = [*([None] * len(blocks)), alone]
-    result = PETSc.Mat().createNest([*([*row, None] for row in blocks), last]).convert("aij")
-    destroy(alone)
-    return result
-
-
 def bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric: bool) -> Any:
     """[A, L^T s, .; s J, -s C s, s Z; ., Z^T s, .], PETSc AIJ; J is L where it is symmetric."""
     closure = multipliers.closure.copy()
@@ -254,7 +231,7 @@ def bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric: 
         across = border.transpose(PETSc.Mat())
         blocks = [[operator, transpose, None], [closure, corner, border], [None, across, None]]
         made += [border, across]
-    whole = nested(blocks)
+    whole = PETSc.Mat().createNest(blocks).convert("aij")
     destroy(*made)
     if reaction is not closure:
         destroy(reaction)

@@ -1,6 +1,6 @@
 """Eigenvalues of a complex eigenvalue analysis, with the errors and search that vouch for them."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -68,13 +68,13 @@ class Window:
     shift: float
     radius: float
     found: int
-    discs: int
-    max_growth: float
-    bounded: bool
-    odd: bool
-    upper: float
-    found_below: int
-    symmetric_count: int | None
+    discs: int = 1
+    max_growth: float = 0.0
+    bounded: bool = False
+    odd: bool = False
+    upper: float = np.inf
+    found_below: int = 0
+    symmetric_count: int | None = None
     growing_above: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
     lowest: float | None = field(default=None, kw_only=True)
     whole: bool = field(default=False, kw_only=True)
@@ -131,8 +131,7 @@ class Spectrum:
         lambda (1/s), shape (n,): growth rate + i * angular frequency.
     residuals
         Norm of (lambda^2 M + K) x relative to abs(lambda)^2 times that of M x, shape (n,). With
-        damping or rotation D that of (lambda^2 M + lambda D + K) x relative to that of its parts,
-        abs(lambda)^2 abs(M) abs(x) and so on: the relative change of entries that makes it zero.
+        damping or rotation that of P(lambda) x relative to that of its parts, abs(M) abs(x) etc.
     conditions
         Condition numbers of lambda^2 in the M-norm, shape (n,): 1 for a symmetric problem without
         damping, large near a coalescence. Without left vectors, those within the subspace found.
@@ -248,29 +247,53 @@ class Spectrum:
 
     def headline(self, threshold: float | None = None) -> str:
         """How many modes have which word, the threshold that decided, and the run's word."""
-        window, word = self.window, self.verdict(threshold)
-        top = f"{window.max_frequency:g} Hz"
-        if not len(self):
-            near = "" if window.lowest is None else f"; the lowest is near {window.lowest:.5g} Hz"
-            return f"no modes below {top}{near}"
-        counts = counted_words(self.verdicts(threshold), self.growth_rates.tolist(), threshold)
-        modes = "mode" if len(self) == 1 else "modes"
-        line = f"{len(self)} {modes} up to {top}: {counts}; verdict: {word}"
-        if word == "no unstable mode found":
-            line += f" up to a growth rate of {window.max_growth:.4g} 1/s"
-        return line
+        return headline(
+            self.verdicts(threshold), self.growth_rates.tolist(), self.window, threshold
+        )
 
     @property
     def hints(self) -> list[str]:
         """What to know of modes just above the window, a line where some grow there."""
-        above = self.window.growing_above
-        if not above:
-            return []
-        modes = "a mode grows" if len(above) == 1 else f"{len(above)} modes grow"
-        told = ", ".join(f"{growth:+.3g} 1/s at {frequency:.6g} Hz" for frequency, growth in above)
-        return [f"hint: {modes} just above the end of the window: {told}"]
+        return hints(self.window)
 
     def text(self, threshold: float | None = None) -> str:
         """The headline, and all modes in a table with marks."""
         lines = aligned(self.table(threshold))
         return "\n".join([self.headline(threshold), *self.hints, *lines, SIGNS])
+
+
+def headline(
+    words: Sequence[Word], growth: Sequence[float], window: Window, threshold: float | None
+) -> str:
+    """How many modes of a window have which word, the threshold that decided, and its own word.
+
+    Parameters
+    ----------
+    words, growth
+        Words of the modes and growth rates (1/s).
+    window
+        The window.
+    threshold
+        Growth rate (1/s) above which a mode is called unstable; None takes 1e-4 of abs(lambda).
+    """
+    top = f"{window.max_frequency:g} Hz"
+    if not words:
+        near = "" if window.lowest is None else f"; the lowest is near {window.lowest:.5g} Hz"
+        return f"no modes below {top}{near}"
+    word = classify_run(words, complete=window.complete, missing=window.missing)
+    modes = "mode" if len(words) == 1 else "modes"
+    counts = counted_words(words, growth, threshold)
+    line = f"{len(words)} {modes} up to {top}: {counts}; verdict: {word}"
+    if word == "no unstable mode found":
+        line += f" up to a growth rate of {window.max_growth:.4g} 1/s"
+    return line
+
+
+def hints(window: Window) -> list[str]:
+    """What to know of modes just above a window, a line where some grow there."""
+    above = window.growing_above
+    if not above:
+        return []
+    modes = "a mode grows" if len(above) == 1 else f"{len(above)} modes grow"
+    told = ", ".join(f"{growth:+.3g} 1/s at {frequency:.6g} Hz" for frequency, growth in above)
+    return [f"hint: {modes} just above the end of the window: {told}"]

@@ -17,9 +17,8 @@ from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 
 from cea.arrays import Floats
 from cea.eigen.blocks import column_blocks, image_of, norms, transposed_times
-from cea.eigen.mumps import Mumps
+from cea.eigen.mumps import Mumps, SingularError
 from cea.eigen.unformed import CirculatorySum
-from cea.errors import ConvergenceError
 
 _MOST_STEPS = 8
 """Most steps of refinement."""
@@ -47,7 +46,7 @@ class UpdatedFactors:
 
     Raises
     ------
-    ConvergenceError
+    SingularError
         When A or the sum is singular, or as good as that, or E is too large.
     """
 
@@ -93,7 +92,7 @@ class UpdatedFactors:
             image[:, each] = self._matrix.solve_block(self._root[:, each], transposed=transposed)
         small = np.eye(image.shape[1]) + self._shift * self._inner(image)
         if not np.isfinite(small).all():
-            raise ConvergenceError("a matrix is singular without a piece of low rank")
+            raise SingularError("a matrix is singular without a piece of low rank")
         with catch_warnings():
             simplefilter("ignore", LinAlgWarning)  # a singular one solves nothing below
             self._small[transposed] = image, lu_factor(small, check_finite=False)
@@ -111,10 +110,10 @@ class UpdatedFactors:
             errors.append(float(np.nan_to_num(norms(x - known, self._comm)[0], nan=np.inf)))
         least = min(errors)
         if not least <= (_UNSOLVED if self._rest is None else _SLOW):
-            raise ConvergenceError(f"a matrix with updates is singular, or far from one ({least})")
+            raise SingularError(f"a matrix with updates is singular, or far from one ({least})")
         steps = next(i for i, each in enumerate(errors) if each <= max(_WORTH * least, _EXACT))
         if self._rest is not None and steps == _MOST_STEPS and least > _EXACT:
-            raise ConvergenceError("a series that converges slowly")
+            raise SingularError("a series that converges slowly")
         return steps
 
     def _once(self, b: Floats, transposed: bool) -> Floats:

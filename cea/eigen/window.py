@@ -26,11 +26,11 @@ from cea.eigen.field_of_values import (
     FieldOfValues,
     bounded_growth,
     field_of_values,
-    has_cone,
     largest_growth,
 )
-from cea.eigen.krylov_schur import CrowdedError, KrylovOptions, NearShiftError, krylov_schur
+from cea.eigen.krylov_schur import ASIDE, ATTEMPTS, CrowdedError, KrylovOptions, krylov_schur
 from cea.eigen.left_vectors import SAME
+from cea.eigen.mumps import SingularError
 from cea.eigen.pencil import Matrices
 from cea.eigen.regions import Disc, distance_of_cone, distance_within, touching_disc, upper_end
 from cea.eigen.shift_invert import MARGIN, Companion, ShiftInvert
@@ -58,10 +58,6 @@ _CROWDED, _FEW = 4, 100
 _AWAY, _SLIM = 4.0, 2.0
 """Growth of a real shift where eigenvalues crowd, and the shift relative to omega from which on a
 disc reaches little beyond the decay asked for."""
-_ATTEMPTS = 6
-"""Shifts tried at most, where they are eigenvalues and where eigenvalues crowd."""
-_ASIDE = 1e-3
-"""Step of a shift aside from an eigenvalue, relative to itself."""
 _INSIDE = 1 + SAME
 """Radius of a disc of left eigenvalues relative to the farthest right one in it: those that are the
 same but for rounding, which is large of rigid motions and near coalescence, are inside."""
@@ -118,13 +114,11 @@ class WindowSearch(ABC):
             When a disc cannot be searched; ``best`` is the invariant subspace so far.
         """
         for centre, radius in self._plan():
-            for attempt in range(_ATTEMPTS):  # a shift steps aside where it is an eigenvalue
-                step = attempt * _ASIDE
+            for attempt in range(ATTEMPTS):  # a shift steps aside where it is an eigenvalue
+                step = attempt * ASIDE
                 disc = Disc(centre * (1 + step), radius + step * abs(centre))
-                op = self._at_regular(disc.centre)
-                if op is None:
-                    continue
                 try:
+                    op = self.at(disc.centre)
                     with self._timer("krylov"):
                         self.found = krylov_schur(
                             op,
@@ -134,7 +128,7 @@ class WindowSearch(ABC):
                             seed=len(self.discs),
                             most=self._most,
                         )
-                except NearShiftError:
+                except SingularError:
                     self._parities.pop(disc.centre, None)
                     continue
                 except CrowdedError as error:
@@ -165,13 +159,7 @@ class WindowSearch(ABC):
         """Number of eigenvalues beyond a shift."""
 
     def at(self, shift: float) -> ShiftInvert:
-        """The operator at a shift; that before it is freed.
-
-        Raises
-        ------
-        ConvergenceError
-            When the pencil is singular there.
-        """
+        """The operator at a shift; that before it is freed."""
         if self._op is None or self._op.shift != shift:
             self.free()
             self.factorisations += 1
@@ -180,13 +168,6 @@ class WindowSearch(ABC):
             if (parity := self._op.factors.parity()) is not None:
                 self._parities[shift] = parity
         return self._op
-
-    def _at_regular(self, shift: float) -> ShiftInvert | None:
-        """The operator at a shift; None where that is an eigenvalue."""
-        try:
-            return self.at(shift)
-        except ConvergenceError:
-            return None
 
     @property
     def near(self) -> ShiftInvert:
@@ -210,15 +191,7 @@ class WindowSearch(ABC):
         return any(self._parities[s] != self._beyond(values, s) % 2 for s in chosen)
 
     def left(self, rows: int) -> tuple[Complexes, Complexes]:
-        """Eigenvalues of the transposed pencil and their vectors, of all that was found.
-
-        The vectors have so many rows: the displacements of this rank.
-
-        Raises
-        ------
-        ConvergenceError
-            When they do not converge.
-        """
+        """Eigenvalues of the transposed pencil and so many rows of their vectors, of all found."""
         assert self.found is not None
         values, found = self.found.eigenvalues, None
         for disc in sorted(
@@ -226,7 +199,7 @@ class WindowSearch(ABC):
         ):
             distances = np.abs(values - disc.centre)
             inside = self.whole | (distances < disc.radius * _INSIDE)
-            farthest = max(float(distances[inside].max(initial=0.0)), _ASIDE * disc.radius)
+            farthest = max(float(distances[inside].max(initial=0.0)), ASIDE * disc.radius)
             op = self.at(disc.centre).transposed()
             with self._timer("krylov"):
                 found = krylov_schur(op, _INSIDE * farthest, self._options, found, seed=len(values))
@@ -241,17 +214,7 @@ class WindowSearch(ABC):
 
 
 class UndampedSearch(WindowSearch):
-    """Searches of K x = kappa M x.
-
-    Parameters
-    ----------
-    matrices, end, options, timer
-        Those of :class:`WindowSearch`.
-    counted
-        Without friction, eigenvalues below :func:`cea.eigen.regions.upper_end` by inertia.
-    near_contact
-        Pencil of what lies near the contacts (:attr:`cea.eigen.pencil.Pencil.near_contact`).
-    """
+    """Searches of K x = kappa M x."""
 
     def __init__(
         self,
@@ -260,10 +223,9 @@ class UndampedSearch(WindowSearch):
         options: KrylovOptions,
         timer: StageTimer,
         counted: int | None,
-        near_contact: Matrices | None = None,
     ) -> None:
         super().__init__(matrices, end, options, timer)
-        self._top, self.counted, self._near_contact = end**2, counted, near_contact
+        self._top, self.counted = end**2, counted
 
     def _operator(self, shift: float) -> ShiftInvert:
         return ShiftInvert(self._matrices, shift, self._end)
@@ -326,18 +288,10 @@ class UndampedSearch(WindowSearch):
         return distance_of_cone(self._top, 0.5 * self._top, field.depth, field.slope)
 
     def _first_field(self) -> FieldOfValues:
-        """How far friction moves eigenvalues near the window: what its first disc rests on.
-
-        That of what lies near the contacts is the wider one, and known sooner.
-        """
-        top, near = self._top, self._near_contact
+        """How far friction moves eigenvalues near the window: what its first disc rests on."""
         with self._timer("factorisation"):
             self.factorisations += 1
-            if near is not None and has_cone(near):
-                field = field_of_values(near, _DEPTH * top, cone=True)
-                if self._radius_of(field) <= _AROUND * (upper_end(top) - 0.5 * top):
-                    return field
-            return field_of_values(self._matrices, _DEPTH * top, cone=True)
+            return field_of_values(self._matrices, _DEPTH * self._top, cone=True)
 
     def _bounds(self, depth: float) -> bool:
         """Whether nothing of the window has Re kappa < -depth: by as few tests as show it."""
@@ -359,17 +313,7 @@ class UndampedSearch(WindowSearch):
 class DampedSearch(WindowSearch):
     """Searches of (lambda^2 M + lambda (C + Y) + K) x = 0.
 
-    Parameters
-    ----------
-    matrices, end, options, timer
-        Those of :class:`WindowSearch`.
-    decay
-        d (1/s); None takes a tenth of omega, or less where modes crowd.
-
-    Attributes
-    ----------
-    decay
-        d (1/s), once the window was searched.
+    The decay d (1/s) may be lessened where modes crowd, unless it is asked for.
     """
 
     def __init__(
@@ -425,7 +369,7 @@ class DampedSearch(WindowSearch):
             with self._timer("factorisation"):
                 counted = count_below(self._matrices, self._end**2)
             self._most = _CROWDED * counted + _FEW
-        for _ in range(_ATTEMPTS):
+        for _ in range(ATTEMPTS):
             yield centre, self._radius(centre, -self.decay)
             if not self._crowded:
                 self._most = sys.maxsize

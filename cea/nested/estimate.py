@@ -1,7 +1,7 @@
 """Errors of eigenvalues, estimated in a richer space without an eigenproblem there.
 
-Prolonged right and left vectors X, Y of the coarse mesh take one block inverse step in the richer
-space, two with damping (:mod:`cea.nested.block_steps`). To first order its projected problem is
+Prolonged right and left vectors X, Y of the coarse mesh take block inverse steps in the richer
+space (:mod:`cea.nested.block_steps`). To first order the projected problem of one is
 
     d lambda = - (y^H r + s^H e) / y^H (2 lambda M + D) x,
 
@@ -38,9 +38,9 @@ class ErrorEstimate:
     corrected
         lambda in the richer space (1/s), in the same order.
     remaining
-        Bounds on how far those are from the eigenvalues of the richer space (1/s), shape (n,), by
-        what the last solves changed (:mod:`cea.nested.remaining`); infinite where solves do not
-        converge, as with damping beta K beyond abs(lambda) = 1 / beta.
+        What the last step changed those by (1/s), shape (n,), more than is left where steps
+        converge; infinite where it is more than the step before changed. With damping beta K beyond
+        abs(lambda) = 1 / beta steps do not converge.
     uncertainties
         Errors of the coarse ones by rounding and iteration (1/s), shape (n,).
     clusters
@@ -109,41 +109,26 @@ def error_estimate(
     *,
     steps: int,
 ) -> ErrorEstimate:
-    """Errors of the eigenvalues of a coarse mesh; collective.
+    """Errors of the eigenvalues of a coarse mesh, as the richer pencil tells them; collective.
 
-    Parameters
-    ----------
-    coarse
-        Modes of the coarse mesh, with left vectors unless they are symmetric.
-    matrices
-        The pencil in the richer space, at the same parameters.
-    prolongation
-        From the coarse displacements to those of the richer space.
-    steps
-        Block inverse steps; one gives the error to a few per cent where it is small scale. With
-        damping or rotation there is one more, which bounds what remains.
-
-    Raises
-    ------
-    InputError
-        When there are no modes or no left vectors, or less than one step is asked for.
-    ConvergenceError
-        When the richer pencil is singular at shifts amid the modes.
+    One block inverse step gives them to a few per cent where they are small scale, the next tells
+    what remains. Modes without left vectors, or none, are refused.
     """
     start = prolonged(coarse, matrices, prolongation)
     if steps < 1:
         raise InputError("steps", steps, "1 or more")
     work = BlockSteps(matrices, middle_shift(start.eigenvalues))
     try:
-        step = work.improved(start, steps)
+        improved, changes = work.improved(start, steps)
     finally:
         work.free()
-    corrected = step.approximation.eigenvalues
+    corrected, rounding = improved.eigenvalues, coarse.growth_uncertainties
+    falls = steps < 2 or changes[-1] <= np.maximum(changes[-2], rounding)
     return ErrorEstimate(
         coarse.eigenvalues,
         corrected,
-        step.remaining,
-        coarse.growth_uncertainties,
+        np.where(falls, changes[-1], np.inf),
+        rounding,
         _clusters(coarse.eigenvalues, corrected, damped=matrices.quadratic),
         damped=matrices.quadratic,
         symmetric=matrices.symmetric and not matrices.quadratic,
@@ -152,13 +137,7 @@ def error_estimate(
 
 
 def prolonged(coarse: Modes, matrices: Matrices, prolongation: Prolongation) -> Approximation:
-    """Modes of a coarse mesh as approximations on a finer one.
-
-    Raises
-    ------
-    InputError
-        When there are no modes, or no left vectors where they differ from right ones.
-    """
+    """Modes of a coarse mesh as approximations on a finer one."""
     if not len(coarse):
         raise InputError("modes", 0, "at least one mode to begin with")
     right = prolongation.apply(coarse.vectors)

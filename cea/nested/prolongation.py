@@ -27,15 +27,10 @@ from cea.matrices import block_diagonal, destroy, gather, identity
 
 @dataclass(frozen=True)
 class Prolongation:
-    """From the free dofs of a coarse discretisation to those of a finer one.
+    """From the free dofs of a coarse discretisation to those of a finer one: a PETSc AIJ matrix.
 
-    Parameters
-    ----------
-    matrix
-        P, PETSc AIJ (fine free dofs x coarse free dofs).
-    defect
-        Largest difference that was found between a coarse function and its prolongation, relative
-        to its coefficients; what supports hold differently is part of it.
+    The defect is the largest difference that was found between a coarse function and its
+    prolongation, relative to its coefficients; what supports hold differently is part of it.
     """
 
     matrix: Any
@@ -64,15 +59,7 @@ class Prolongation:
 def of_body(coarse: Body, fine: Body) -> Prolongation:
     """Prolongation of one body between what supports leave free; collective.
 
-    Parameters
-    ----------
-    coarse, fine
-        The body in both discretisations, on the same ranks.
-
-    Raises
-    ------
-    InputError
-        When these are on different backends, or not of one body.
+    Discretisations on different backends, or not of one body, are refused.
     """
     if coarse is fine:
         return Prolongation(identity(fine.expansion.getLocalSize()[1], fine.comm), 0.0)

@@ -17,15 +17,7 @@ DEPENDENT = 1e-13
 
 @dataclass(frozen=True)
 class Approximation:
-    """Approximate eigenvalues with right and left vectors.
-
-    Parameters
-    ----------
-    eigenvalues
-        lambda (1/s), shape (n,).
-    right, left
-        Vectors x and y, y^H (lambda^2 M + lambda D + K) = 0: the rows of this rank, (n_local, n).
-    """
+    """Approximate lambda (1/s) with vectors x and y, y^H (lambda^2 M + lambda D + K) = 0."""
 
     eigenvalues: Complexes
     right: Complexes
@@ -59,10 +51,11 @@ def ritz(
 ) -> tuple[Complexes, Complexes, Complexes]:
     """Eigenvalues, right and left vectors of a projected problem, whose bases may be dependent."""
     if symmetric:
-        sizes, turned = np.linalg.eigh(mean_with_transpose(masses))
+        sizes, turned = np.linalg.eigh(0.5 * (masses + masses.T))
         large = sizes > DEPENDENT * sizes.max()
         kept = turned[:, large]
-        mu, z = eigh(mean_with_transpose(kept.T @ works @ kept), np.diag(sizes[large]))
+        own = kept.T @ works @ kept
+        mu, z = eigh(0.5 * (own + own.T), np.diag(sizes[large]))
         vectors = kept @ z + 0j
         return mu + 0j, vectors, vectors
     u, sizes, vt = np.linalg.svd(masses)
@@ -85,8 +78,3 @@ def quadratic_ritz(
     companion = np.block([[none, one], [-stiffness / scale**2, -damping / scale]])
     found, w, z = eig(companion, left=True)
     return scale * found, V @ z[:count] + 0j, U @ w[count:] + 0j
-
-
-def mean_with_transpose(matrix: Floats) -> Floats:
-    """Symmetric part of a matrix that is symmetric but for rounding."""
-    return np.asarray(0.5 * (matrix + matrix.T))

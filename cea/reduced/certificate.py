@@ -1,190 +1,226 @@
 """Bounds on the errors of eigenvalues of a reduced model, of one and of several together.
 
+With z = kappa of an undamped pencil and z = lambda of a damped one,
+
+    P(z) = K - z M,    P(z) = K + z D + z^2 M,
+
+right and left vectors x and y of M-norm one, and their residuals r = P x and s = P^H y,
+
+    |z - z_pencil| <= (g |r| |s| + u) / |y^H P'(z) x|,
+
+norms in X^-1. It is of second order because r and s vanish on the basis (Galerkin). The factor g
+stands for the inverse of the pencil outside of the basis (:class:`Settings`), u is rounding.
+
 Where eigenvalues nearly coalesce, bounds of one mean little: their condition grows without limit.
-With a biorthonormal basis Y, Z of a cluster of p eigenvalues, block B = Z^H K Y, and the residuals
-R and S of its invariant subspaces, the true block differs from B by e = g |R| |S| at most. The mean
-of the cluster then is off by no more than e, and its members by
+With a basis Q of an invariant subspace of the linearised problem, its dual, the displacements X and
+Y of both and the block B of p eigenvalues, the residuals K X + D X B + M X B^2 (or K X - M X B) and
+those of Y bound the error of the block by e = g |R| |S|. The mean of the cluster then is off by no
+more than e, and its members by
 
     (2 |B - mean| + e)^(1 - 1/p) e^(1/p)
 
 (L. Elsner, An optimal bound for the spectral variation of two matrices, Linear Algebra Appl. 71
 (1985)).
+
+Rounding: full solves have errors of their own. Besides, entries of the reduced matrices are rounded
+relative to their parts, which moves an eigenvalue of k unknowns and condition c by
+c sqrt(k) eps |y|^T (sum_j |c_j| |V^T A_j V|) |x| (componentwise backward error; N. J. Higham,
+T. Mary, SIAM J. Sci. Comput. 41 (2019)).
 """
 
-from dataclasses import dataclass
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.left_vectors import POWERS
 from cea.eigen.matching import connected
+from cea.eigen.pencil import Role
 from cea.reduced.products import real_times
-from cea.reduced.rounding import Rounding
 
-TOUCH = 10.0
+_TOUCH = 10.0
 """Bound of an eigenvalue, in its distance from the next, from the inverse of which on they are
 judged together."""
 
 
-class Projection(Protocol):
-    """K or M on a basis (:class:`cea.reduced.spectrum.Residuals`)."""
+@dataclass(frozen=True)
+class Residuals:
+    """K, D or M on a basis V.
 
-    @property
-    def square(self) -> Floats:
-        """V^T A V."""
-        ...
+    V^T A V; X^-1-coordinates Q^T A V and Q^T A^T V of its images; norm of what Q leaves out.
+    """
 
-    @property
-    def right(self) -> Floats:
-        """Q^T A V."""
-        ...
+    square: Floats
+    right: Floats
+    left: Floats
+    lost: float
 
-    @property
-    def left(self) -> Floats:
-        """Q^T A^T V."""
-        ...
 
-    @property
-    def lost(self) -> float:
-        """Norm of what these leave out."""
-        ...
+@dataclass(frozen=True)
+class Rounding:
+    """What rounding does.
 
-    def measured(self, residuals: Complexes) -> Complexes:
-        """Coordinates of residuals, shape (q, n), whose lengths are their norms."""
-        ...
+    In full solves to eigenvalues of condition one (1/s^2); sum_j |c_j| |V^T A_j V| by role.
+    """
+
+    solves: float
+    entries: Mapping[Role, Floats]
+
+    def of_pairs(self, left: Complexes, right: Complexes, speeds: Floats) -> Floats:
+        """What it does to y^H P x of pairs (1/s^2), with abs(lambda) (1/s), shape (n,)."""
+        y, x = np.abs(left), np.abs(right)
+        works = np.zeros(len(speeds))
+        for role, entries in self.entries.items():
+            works += speeds ** POWERS[role] * np.einsum("ij,ij->j", y, entries @ x)
+        return self.solves + _of_sums(len(y)) * works
+
+    def of_block(self, left: Complexes, right: Complexes, speed: float) -> float:
+        """Norm of the perturbation of the block of a cluster by that of entries (1/s^2)."""
+        y, x = np.abs(left), np.abs(right)
+        block = np.zeros((y.shape[1], x.shape[1]))
+        for role, entries in self.entries.items():
+            block += speed ** POWERS[role] * (y.T @ entries @ x)
+        return float(_of_sums(len(y)) * np.linalg.norm(block, 2))
+
+
+def _of_sums(terms: int) -> float:
+    """Error of sums of so many terms, relative to these."""
+    return float(np.sqrt(terms) * np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Eigenpairs of a linearised problem T q = q / (z - shift).
+
+    z; x and y of M-norm one with their contact forces below, shape (k + m, n); right and left
+    vectors of T whose displacements have M-norm one, shape (k or 2 k, n); T and the shift.
+    """
+
+    values: Complexes
+    right: Complexes
+    left: Complexes
+    states: Complexes
+    duals: Complexes
+    operator: Floats
+    shift: float
+
+    def __getitem__(self, modes: Ints) -> "Pairs":
+        names = ("values", "right", "left", "states", "duals")
+        return replace(self, **{name: getattr(self, name)[..., modes] for name in names})
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """Bounds on errors of eigenvalues.
+    """Bounds on errors of eigenvalues z, each of shape (n,).
 
-    Parameters
-    ----------
-    errors
-        Of each kappa (1/s^2), shape (n,).
-    means
-        Of the mean of the cluster that it belongs to (1/s^2), shape (n,): that of itself where it
-        is alone.
-    reduction
-        What the basis makes of the latter, without rounding (1/s^2), shape (n,).
-    clusters
-        Number of that cluster, shape (n,).
-    conditions
-        Condition numbers of kappa in the M-norm, shape (n,).
+    Of each; of the mean of its cluster, or of itself where it is alone; what the basis makes of the
+    latter, without rounding; number of the cluster; 1 / abs(y^H P'(z) x).
     """
 
     errors: Floats
     means: Floats
     reduction: Floats
     clusters: Ints
-    conditions: Floats
-
-    def __getitem__(self, modes: Ints) -> "Certificate":
-        return Certificate(
-            self.errors[modes],
-            self.means[modes],
-            self.reduction[modes],
-            self.clusters[modes],
-            self.conditions[modes],
-        )
+    slopes: Floats
 
 
-def certify(
-    kappa: Complexes,
-    right: Complexes,
-    left: Complexes,
-    stiffness: Projection,
-    mass: Projection,
-    outside: Floats,
-    rounding: Rounding,
-) -> Certificate:
-    """Bounds on the errors of eigenvalues.
+@dataclass(frozen=True)
+class Certifier:
+    """What bounds are made of: reduced matrices with contact forces as unknowns, and rounding.
 
-    Parameters
-    ----------
-    kappa
-        Eigenvalues (1/s^2), shape (n,).
-    right, left
-        Coordinates of their vectors of M-norm one, shape (k, n).
-    stiffness, mass
-        The reduced matrices.
-    outside
-        g, shape (n,).
-    rounding
-        What rounding does to eigenvalues.
+    Speeds in states of a damped pencil are divided by ``scale`` (1/s).
     """
-    M = mass.square
-    overlap = np.abs(np.einsum("ij,ij->j", left.conj(), real_times(M, right)))
-    conditions = 1 / np.maximum(overlap, np.finfo(float).tiny)
-    r = real_times(stiffness.right, right) - real_times(mass.right, right * kappa)
-    s = real_times(stiffness.left, left) - real_times(mass.left, left * kappa.conj())
-    lost = stiffness.lost + np.abs(kappa) * mass.lost
-    sizes = (np.linalg.norm(each, axis=0) for each in (right, left))
-    lengths = [
-        np.linalg.norm(stiffness.measured(defect), axis=0) + lost * size
-        for defect, size in zip((r, s), sizes, strict=True)
-    ]
-    reduction = conditions * outside * lengths[0] * lengths[1]
-    errors = reduction + conditions * rounding.of_pairs(left, right, np.sqrt(np.abs(kappa)))
-    means, clusters = errors.copy(), np.arange(len(kappa))
-    distance = np.abs(kappa[:, None] - kappa)
-    near = distance <= TOUCH * np.minimum(errors[:, None], errors)
-    for number, members in enumerate(connected(near)):
-        clusters[members] = number
-        if len(members) > 1:
-            own, doubt, spread = _together(
-                right[:, members],
-                left[:, members],
-                stiffness,
-                mass,
-                outside[members].max(),
-                rounding,
+
+    stiffness: Residuals
+    damping: Residuals | None
+    mass: Residuals
+    rounding: Rounding
+    scale: float
+
+    def certificate(self, pairs: Pairs, outside: Floats) -> Certificate:
+        """Bounds of eigenpairs, with the factor g of each, shape (n,)."""
+        values, damped = pairs.values, self.damping is not None
+        slopes = 1 / np.maximum(self._overlap(pairs), np.finfo(float).tiny)
+        r, s = self._residuals(
+            pairs.right, pairs.left, lambda image: image * values, lambda y: y * values.conj()
+        )
+        sizes = [
+            np.linalg.norm(defect, axis=0)
+            + self._lost(np.abs(values)) * np.linalg.norm(vectors, axis=0)
+            for defect, vectors in ((r, pairs.right), (s, pairs.left))
+        ]
+        speeds = np.abs(values) if damped else np.sqrt(np.abs(values))
+        reduction = slopes * outside * sizes[0] * sizes[1]
+        errors = reduction + slopes * self.rounding.of_pairs(pairs.left, pairs.right, speeds)
+        means, clusters = errors.copy(), np.arange(len(values))
+        near = np.abs(values[:, None] - values) <= _TOUCH * np.minimum(errors[:, None], errors)
+        for number, members in enumerate(connected(near)):
+            clusters[members] = number
+            if len(members) > 1:
+                own, doubt, spread = self._together(pairs[members], float(outside[members].max()))
+                e, p = own + doubt, len(members)
+                reduction[members], means[members] = own, e
+                errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
+                if damped and (values[members].imag < 0).any():  # only a part of them is told
+                    means[members] = reduction[members] = errors[members]
+        return Certificate(errors, means, reduction, clusters, slopes)
+
+    def _overlap(self, pairs: Pairs) -> Floats:
+        """abs(y^H P'(z) x)."""
+        turned = real_times(self.mass.square, pairs.right)
+        if self.damping is not None:
+            turned = turned * (2 * pairs.values) + real_times(self.damping.square, pairs.right)
+        return np.abs(np.einsum("ij,ij->j", pairs.left.conj(), turned))
+
+    def _residuals(
+        self,
+        x: Complexes,
+        y: Complexes,
+        times: Callable[[Complexes], Complexes],
+        back: Callable[[Complexes], Complexes],
+    ) -> list[Complexes]:
+        """Coordinates of the residuals of right and left vectors, which z multiplies."""
+        found = []
+        for side, vectors, z in (("right", x, times), ("left", y, back)):
+            of_k, of_m = (
+                real_times(getattr(each, side), vectors) for each in (self.stiffness, self.mass)
             )
-            e, p = own + doubt, len(members)
-            reduction[members], means[members] = own, e
-            errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
-    return Certificate(errors, means, reduction, clusters, conditions)
+            if self.damping is None:
+                found.append(of_k - z(of_m))
+            else:
+                of_d = real_times(getattr(self.damping, side), vectors)
+                found.append(of_k + z(of_d) + z(z(of_m)))
+        return found
 
+    def _lost[T: (float, Floats)](self, size: T) -> T:
+        """Norm of what coordinates of residuals leave out at |z|."""
+        if self.damping is None:
+            return self.stiffness.lost + size * self.mass.lost
+        return self.stiffness.lost + size * self.damping.lost + size**2 * self.mass.lost
 
-def _together(
-    right: Complexes,
-    left: Complexes,
-    stiffness: Projection,
-    mass: Projection,
-    outside: float,
-    rounding: Rounding,
-) -> tuple[float, float, float]:
-    """Error of the block of a cluster, rounding of it, distance from a multiple of one."""
-    M = mass.square
-    y, z = (_apart(vectors, int(np.count_nonzero(np.diag(M)))) for vectors in (right, left))
-    y = y @ np.linalg.inv(np.linalg.cholesky(y.conj().T @ M @ y)).conj().T
-    overlap = z.conj().T @ M @ y
-    try:
-        z = z @ np.linalg.inv(overlap).conj().T
-    except np.linalg.LinAlgError:
-        return np.inf, np.inf, np.inf
-    block = z.conj().T @ stiffness.square @ y
-    r = _defect(stiffness.right, mass.right, y, block)
-    s = _defect(stiffness.left, mass.left, z, block.conj().T)
-    size = float(np.linalg.norm(block, 2))
-    lost = stiffness.lost + size * mass.lost
-    lengths = [
-        float(np.linalg.norm(stiffness.measured(defect), 2) + lost * np.linalg.norm(vectors, 2))
-        for defect, vectors in ((r, y), (s, z))
-    ]
-    mean = np.trace(block) / len(block)
-    spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
-    projector = float(np.sqrt(np.linalg.norm(z.conj().T @ M @ z, 2)))
-    doubt = rounding.solves * projector + rounding.of_block(z, y, np.sqrt(size))
-    return float(outside * lengths[0] * lengths[1]), doubt, spread
-
-
-def _apart(vectors: Complexes, k: int) -> Complexes:
-    """Combinations of vectors with orthonormal displacements, their first k numbers."""
-    _, sizes, axes = np.linalg.svd(vectors[:k], full_matrices=False)
-    return vectors @ axes.conj().T / sizes
-
-
-def _defect(K: Floats, M: Floats, vectors: Complexes, block: Complexes) -> Complexes:
-    """(K - M .) of vectors: K X - M X B."""
-    return real_times(K, vectors) - real_times(M, vectors @ block)
+    def _together(self, pairs: Pairs, outside: float) -> tuple[float, float, float]:
+        """Error of the block of a cluster, rounding of it, distance from a multiple of one."""
+        half = 0 if self.damping is None else len(pairs.states) // 2
+        q, q_sizes, q_axes = np.linalg.svd(pairs.states, full_matrices=False)
+        d, d_sizes, d_axes = np.linalg.svd(pairs.duals, full_matrices=False)
+        x, y = pairs.right @ q_axes.conj().T / q_sizes, pairs.left @ d_axes.conj().T / d_sizes
+        try:
+            turned = np.linalg.inv(d.conj().T @ q).conj().T / self.scale
+            inverse = self.scale * turned.conj().T @ d.conj().T @ (pairs.operator @ q)
+            block = np.linalg.inv(inverse) + pairs.shift * np.eye(len(inverse))
+        except np.linalg.LinAlgError:
+            return np.inf, np.inf, np.inf
+        y, of_y = y @ turned, d[half:] @ turned
+        of_x = q[:half] if half else q
+        r, s = self._residuals(x, y, lambda v: v @ block, lambda v: v @ block.conj().T)
+        size = float(np.linalg.norm(block, 2))
+        lengths = [
+            float(np.linalg.norm(defect, 2) + self._lost(size) * np.linalg.norm(vectors, 2))
+            for defect, vectors in ((r, x), (s, y))
+        ]
+        mean = np.trace(block) / len(block)
+        spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
+        doubt = self.rounding.solves * float(np.linalg.norm(of_x, 2) * np.linalg.norm(of_y, 2))
+        doubt += self.rounding.of_block(y, x, size if half else np.sqrt(size))
+        return outside * lengths[0] * lengths[1], doubt, spread

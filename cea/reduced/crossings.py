@@ -40,26 +40,14 @@ Function = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class Threshold:
-    """A value at which the number of growing modes changes.
+    """A value at which the number of growing modes changes, with a bound on its error.
 
-    Parameters
-    ----------
-    value
-        Of the parameter.
-    error
-        Bound on its error.
-    eigenvalue
-        lambda there (1/s), Im lambda >= 0.
-    slope
-        Derivative in the parameter of what passes zero: growth rate (1/s), s of an undamped pair
-        (1/s^4), kappa of an undamped mode (1/s^2), frequency (rad/s) at the window's end; zero
-        where only the numbers of growing modes on both sides are known.
-    change
-        Change of the number of growing eigenvalues of the window, of both half planes, as the
-        parameter rises.
-    kind
-        "flutter", "divergence"; "window" where a growing mode passes the window's end; "count"
-        where only the numbers of growing modes on both sides are known.
+    lambda there (1/s), Im lambda >= 0. The derivative of what passes zero: growth rate (1/s), s of
+    an undamped pair (1/s^4), kappa of an undamped mode (1/s^2), frequency (rad/s) at the window's
+    end; zero where only the numbers of growing modes on both sides are known. The change of the
+    number of growing eigenvalues of the window, of both half planes, as the parameter rises. The
+    kind is "flutter", "divergence", "window" where a growing mode passes the window's end, or
+    "count" where only the numbers on both sides are known.
     """
 
     value: float
@@ -77,19 +65,7 @@ class Threshold:
 
 @dataclass(frozen=True)
 class Crossings:
-    """What one unit does between three samples.
-
-    Parameters
-    ----------
-    window
-        What is looked at.
-    at
-        Spectra of the pencil.
-    unit
-        The mode or the pair.
-    places
-        Values of the samples, rising.
-    """
+    """What one unit does between three samples at rising ``places``; ``at`` gives spectra."""
 
     window: Window
     at: Callable[[float], Sample]
@@ -99,10 +75,7 @@ class Crossings:
     def thresholds(self) -> Iterator[Threshold]:
         """All thresholds of the interval.
 
-        Raises
-        ------
-        UnresolvedError
-            When a sign is not sure, or Newton's method leaves the interpolant.
+        Raises UnresolvedError when a sign is not sure, or Newton's method leaves the interpolant.
         """
         grid = self._grid
         frequencies = self.window.roots(self.unit.members(grid)).imag
@@ -288,14 +261,9 @@ class Crossings:
     def _roots(
         self, function: Function, error: Function, negligible: float
     ) -> Iterator[tuple[float, int]]:
-        """Roots of an interpolant with the sign after each; sure of the sign everywhere else.
+        """Roots of an interpolant with the sign after each; UnresolvedError where a sign is unsure.
 
         Zero within the error of samples is sure where that error is negligible.
-
-        Raises
-        ------
-        UnresolvedError
-            When it is not.
         """
         grid, width = self._grid, self._width
         values, errors = function(grid), error(grid)
@@ -335,13 +303,7 @@ class Crossings:
                     raise UnresolvedError(place, by_bounds)
 
     def _check_apart(self, places: Floats, noise: float, by_bounds: float) -> None:
-        """Refuse places at which a damped pair may coalesce: its growth is flat up to there.
-
-        Raises
-        ------
-        UnresolvedError
-            Naming the first.
-        """
+        """Refuse places at which a damped pair may coalesce: its growth is flat up to there."""
         half = self.unit.half
         if half is None or not self.window.by_growth or not len(places):
             return

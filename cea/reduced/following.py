@@ -42,13 +42,9 @@ _ROUNDING = 64 * float(np.finfo(float).eps)
 class UnresolvedError(Exception):
     """What three samples do not tell.
 
-    Parameters
-    ----------
-    at
-        Where another sample would help; None where nothing points to a place.
-    noise
-        The error of the samples themselves where that leaves a sign open: further samples
-        help where theirs is less. Zero elsewhere.
+    ``at`` is where another sample would help, None where nothing points to a place; ``noise`` the
+    error of the samples themselves where that leaves a sign open: further samples help where theirs
+    is less.
     """
 
     def __init__(self, at: float | None = None, noise: float = 0.0) -> None:
@@ -60,16 +56,8 @@ class UnresolvedError(Exception):
 class Window:
     """What is looked at.
 
-    Parameters
-    ----------
-    end
-        Largest frequency (rad/s).
-    damped
-        Whether z is lambda rather than kappa.
-    level
-        Growth rate (1/s) from which on a mode counts as growing.
-    decay
-        Decay (1/s) down to which modes are known.
+    Frequencies up to ``end`` (rad/s); z is lambda if ``damped``, else kappa; growth above ``level``
+    (1/s) counts; modes are known down to ``decay`` (1/s).
     """
 
     end: float
@@ -107,20 +95,9 @@ class Window:
 class Sample:
     """The spectrum at a value: with damping lambda of both half planes, without it kappa.
 
-    Parameters
-    ----------
-    value
-        The value of the parameter.
-    z, slopes
-        Eigenvalues and their derivatives, shape (n,).
-    errors
-        Bounds on the errors of z, shape (n,).
-    means
-        Bounds on the errors of the mean of the cluster of each, shape (n,).
-    clusters
-        Number of that cluster, shape (n,).
-    vectors
-        Right eigenvectors of unit length in one basis for all values, shape (k, n).
+    z and derivatives; bounds on the errors of z, and of the mean of the cluster of each, by the
+    numbers of these, shape (n,); right eigenvectors of unit length in one basis for all values,
+    shape (k, n).
     """
 
     value: float
@@ -131,22 +108,27 @@ class Sample:
     clusters: Ints
     vectors: Complexes
 
+    def with_mirror_image(self) -> "Sample":
+        """It with the conjugates of lambda below the real axis."""
+        above = np.flatnonzero(self.z.imag > 0)
+        numbers = self.clusters, self.clusters.max(initial=0) + 1 + self.clusters[above]
+        return Sample(
+            self.value,
+            np.concatenate([self.z, self.z[above].conj()]),
+            np.concatenate([self.slopes, self.slopes[above].conj()]),
+            np.concatenate([self.errors, self.errors[above]]),
+            np.concatenate([self.means, self.means[above]]),
+            np.concatenate(numbers),
+            np.hstack([self.vectors, self.vectors[:, above].conj()]),
+        )
+
 
 @dataclass(frozen=True)
 class Hermite:
-    """Two cubics through values and slopes at three places.
+    """Two cubics through values and slopes at three places, whose values have an error ``noise``.
 
-    The error of a cubic is largest in the middle: what the cubic over the whole interval misses of
-    the value and the slope there bounds the error of the two, which is sixteen times smaller.
-
-    Parameters
-    ----------
-    places
-        The places, rising, shape (3,).
-    values, slopes
-        Values and derivatives there, shape (3,).
-    noise
-        Error of the values.
+    The error of a cubic is largest in the middle: what the cubic over the whole interval misses
+    there bounds the error of the two, which is sixteen times smaller.
     """
 
     places: Floats
@@ -192,19 +174,7 @@ def _cubic(u: Floats, h: float, f0: complex, d0: complex, f1: complex, d1: compl
 
 @dataclass(frozen=True)
 class Unit:
-    """A mode, or a pair.
-
-    Parameters
-    ----------
-    window
-        What is looked at.
-    mean
-        z of a mode, or m of a pair.
-    half
-        s of a pair; None of a mode.
-    copies
-        How many modes are the same.
-    """
+    """A mode, whose z is ``mean``, or a pair with m and s; and how many modes are the same."""
 
     window: Window
     mean: Hermite
@@ -233,13 +203,7 @@ _TINY = float(np.finfo(float).tiny)
 
 
 def units_of(window: Window, samples: Sequence[Sample]) -> list[Unit]:
-    """Modes and pairs between three samples at rising values.
-
-    Raises
-    ------
-    UnresolvedError
-        When modes cannot be told apart.
-    """
+    """Modes and pairs between three samples at rising values; UnresolvedError if not told apart."""
     chains = _chains(window, samples)
     if not len(chains):
         return []
@@ -300,21 +264,9 @@ def _without_copies(samples: Sequence[Sample], chains: Ints) -> tuple[Ints, Ints
 
 
 def _partners(window: Window, places: Floats, z: Complexes, slopes: Complexes) -> Ints:
-    """The partner of each mode, -1 of single ones.
+    """The partner of each mode, -1 of single ones; z and slopes of shape (3, n).
 
-    Parameters
-    ----------
-    window
-        What is looked at.
-    places
-        The three places.
-    z, slopes
-        Eigenvalues and derivatives there, shape (3, n).
-
-    Raises
-    ------
-    UnresolvedError
-        When one has two.
+    Raises UnresolvedError when one has two.
     """
     half = (z[:, :, None] - z[:, None]) / 2
     with np.errstate(invalid="ignore"):
@@ -365,18 +317,9 @@ def _unit(
 
 
 def error_of_half(distance: Floats, error: Floats, *, together: NDArray[np.bool_]) -> Floats:
-    """Error of s of a pair from those of its members.
+    """Error of s of a pair from half the distance and the larger error of its members.
 
     Where both are judged together Elsner's bound of a member is the root of that of s.
-
-    Parameters
-    ----------
-    distance
-        Half the distance of the members.
-    error
-        The larger error of both.
-    together
-        Whether they are judged together.
     """
     return np.where(together, error**2, (2 * distance + error) * error)
 

@@ -5,17 +5,18 @@ bound that was passed raises the factor that all bounds are made with.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
+from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError
-from cea.reduced.model import Growth, ReducedModel
+from cea.reduced.model import ReducedModel
+from cea.reduced.snapshots import Snapshot
 from cea.reduced.spectrum import MARGIN, ReducedSpectrum
-from cea.reduced.stored import Arrays
 from cea.warned import ResultWarning
 
 Point = Mapping[str, float]
@@ -25,275 +26,157 @@ TOLERANCE = 1e-8
 """Error of lambda relative to its speed up to which a value counts as certified."""
 _MEANINGFUL = 1e-3
 """The same up to which a reduced model is tested by a full solve."""
-_LOOKS = 12
-"""Bounds above the tolerance that are computed anew before the largest is taken."""
-_NEARLY = 0.5
-"""Part of what all others may have that makes a bound the worst: a look costs as much as a tenth of
-a solve, and a solve takes bounds down by decades."""
+_GOLDEN = 0.5 * (np.sqrt(5) - 1)
+"""Multiples of it modulo 1 spread any beginning of a sequence over all of it."""
 _REACH = 0.5
 """Distance of a partner, relative to a speed, beyond which a mode is missing."""
 
 
-class FullDriver(Protocol):
-    """What solves the pencil itself."""
-
-    def solve(
-        self,
-        max_frequency: float,
-        changes: Point,
-        /,
-        *,
-        min_growth: float | None = None,
-        left: bool = False,
-    ) -> Modes:
-        """All modes up to a frequency (Hz)."""
-        ...
-
-
 @dataclass(frozen=True)
-class Snapshot:
-    """A full solve that a basis took in.
+class Tested:
+    """What a full solve that a basis took in said of the bounds before.
 
-    Parameters
-    ----------
-    point
-        Where.
-    grown
-        What the basis grew by.
-    rounding
-        What rounding does to eigenvalues of condition one (1/s^2).
-    tested
-        Largest error of the reduced model relative to its bound, and infinite where a mode was
-        missing; None where the bounds were too large to tell.
-    complete
-        Whether the window of the full solve was shown to be complete.
-    warnings
-        What the full solve must be read with.
+    The largest error of the reduced model relative to its bound: infinite where a mode was missing,
+    None where bounds were too large to tell. And the solve as plain data, without its vectors.
     """
 
     point: Point
-    grown: Growth
-    rounding: float
-    tested: float | None
-    complete: bool
-    warnings: tuple[ResultWarning, ...] = ()
-
-    def plain(self) -> dict[str, Any]:
-        """It as plain data, without the vectors."""
-        return {
-            "point": {name: float(value) for name, value in self.point.items()},
-            "rounding": float(self.rounding),
-            "tested": None if self.tested is None else float(self.tested),
-            "complete": bool(self.complete),
-            "warnings": [warning.plain() for warning in self.warnings],
-        }
+    error_over_bound: float | None
+    about: Mapping[str, Any]
 
 
 @dataclass
 class Enrichment:
-    """Greedy enrichment of a reduced model.
+    """Greedy enrichment of a reduced model by at most so many full solves.
 
-    Parameters
-    ----------
-    model
-        The model.
-    driver
-        What solves the pencil itself.
-    max_frequency
-        Upper end of the window (Hz).
-    tolerance
-        Error of lambda, relative to its speed, to be reached.
-    most
-        Most full solves.
-    keep
-        Called with each snapshot once it is taken in.
-    tell
-        Called with each point that is solved, and the worst bound there.
-
-    Attributes
-    ----------
-    snapshots
-        What was taken in, without the vectors.
-    failed
-        Points whose full solve gave no answer, and why.
+    Errors of lambda, relative to its speed, are to be no more than ``tolerance``. What was solved
+    in full is told by ``solves``, and by ``failed`` where that gave no answer.
     """
 
     model: ReducedModel
-    driver: FullDriver
-    max_frequency: float
+    full_solve: Callable[[Point], Snapshot]
     tolerance: float = TOLERANCE
     most: int = 100
-    keep: Callable[[Snapshot], None] = lambda _: None
-    tell: Callable[[Point, float], None] = lambda point, worst: None
-    snapshots: list[Snapshot] = field(default_factory=list)
+    solves: list[Tested] = field(default_factory=list)
     failed: list[tuple[Point, str]] = field(default_factory=list)
 
+    @classmethod
+    def of(
+        cls,
+        model: ReducedModel,
+        driver: EigenSolver,
+        tolerance: float = TOLERANCE,
+        most: int = 100,
+    ) -> "Enrichment":
+        """Enrichment by the full solves of a driver."""
+        return cls(model, lambda point: full_solve(model, driver, point), tolerance, most)
+
     def at(self, point: Point) -> ReducedSpectrum:
-        """The reduced model at a point, residuals measured as stiff as contacts are there."""
-        values, small = self.model.pencil.values(point), self.model.small
-        return small.where(small.stiffness(values)).at(values)
+        """The reduced model at a point."""
+        return self.model.small.at(self.model.pencil.values(point))
 
     def cover(self, points: Sequence[Point], tolerance: float | None = None) -> float:
-        """Solve where bounds are worst until all are small, there are solves enough, or none helps.
+        """Solve where bounds are worst until all are small or solves are spent; the worst left.
 
         Bounds hardly rise as a basis grows: those that were small stay, and of the others the
-        largest is computed anew until one is known to be nearly the largest, or that of a dozen.
-
-        Parameters
-        ----------
-        points
-            Where bounds are to be small.
-        tolerance
-            Error of lambda, relative to its speed, up to which they are; None for that of all.
-
-        Returns
-        -------
-        float
-            The worst bound left.
+        largest is computed anew until it is known to be the largest.
         """
         tolerance = self.tolerance if tolerance is None else tolerance
-        known = dict.fromkeys(_spread_out(len(points)), np.inf)
-        if not self.snapshots and known:
+        solved = [each.point for each in self.solves]
+        order = sorted(range(len(points)), key=lambda i: i * _GOLDEN % 1)
+        known = {i: np.inf for i in order if dict(points[i]) not in solved}
+        if not self.solves and known:
             known.pop(len(points) // 2)
-            self.solve(points[len(points) // 2], np.inf)
-        while known:
-            worst, fresh = self._worst_of(points, known, tolerance)
-            if worst < 0:
-                break
-            if len(self.snapshots) >= self.most:
-                return fresh
-            before = self.model.size, len(self.failed)
-            self.solve(points[worst], fresh)
-            if before == (self.model.size, len(self.failed)):
-                return fresh
-            del known[worst]
-        return 0.0
-
-    def _worst_of(
-        self, points: Sequence[Point], known: dict[int, float], tolerance: float
-    ) -> tuple[int, float]:
-        """Number of the point with nearly the largest bound, and that; -1 where all are small.
-
-        Points whose bounds are small are taken out of those known.
-        """
-        looked: dict[int, float] = {}
+            self.solve(points[len(points) // 2])
+        fresh: set[int] = set()
         while known:
             number = max(known, key=lambda each: known[each])
-            if looked:
-                worst = max(looked.items(), key=lambda each: each[1])
-                if worst[1] >= _NEARLY * known[number] or len(looked) == _LOOKS:
-                    return worst
-            bound = known[number] = self._worst(points[number])
-            if bound <= tolerance:
-                del known[number]
+            if number not in fresh:
+                known[number] = self.worst(points[number])
+                fresh.add(number)
+                if known[number] <= tolerance:
+                    del known[number]
+            elif len(self.solves) >= self.most:
+                return known[number]
             else:
-                looked[number] = bound
-        return -1, 0.0
+                self.solve(points[number])
+                del known[number]
+                fresh.clear()
+        return 0.0
 
-    def solve(self, point: Point, worst: float) -> float | None:
-        """Solve in full, test the reduced model, take the modes in.
-
-        Returns
-        -------
-        float or None
-            The test, as :class:`Snapshot` has it.
-        """
-        self.tell(point, worst)
+    def solve(self, point: Point) -> float | None:
+        """Solve in full, test the reduced model, take the modes in; the test (:class:`Tested`)."""
         try:
-            modes = self.driver.solve(
-                MARGIN * self.max_frequency, point, min_growth=self._least_growth, left=True
-            )
+            taken = self.full_solve(point)
         except ConvergenceError as error:
             self.failed.append((point, str(error)))
             return None
-        tested = None
-        if worst <= _MEANINGFUL:
-            tested = self.model.norm.comm.bcast(largest_ratio(self.at(point), modes))
+        return self.take(taken)
+
+    def take(self, taken: Snapshot) -> float | None:
+        """Test the reduced model by a full solve, and take its modes in."""
+        tested, found = None, self.at(taken.point)
+        if self.model.norm.comm.bcast(found.worst) <= _MEANINGFUL:
+            tested = self.model.norm.comm.bcast(largest_ratio(found, taken))
             if 1 < tested < np.inf:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
-        grown = self.model.take(modes)
-        rounding = self.model.small.roundings[-1][0]
-        taken = Snapshot(
-            point, grown, rounding, tested, modes.window.complete, tuple(modes.warnings)
-        )
-        self.keep(taken)
-        self.snapshots.append(replace(taken, grown=Growth.nothing()))
+        self.model.take(taken)
+        self.solves.append(Tested(taken.point, tested, taken.plain()))
         return tested
 
-    def restore(self, snapshots: Sequence[Snapshot], arrays: Arrays) -> None:
-        """Take over snapshots that were stored, and the small pencil as it was with the last.
-
-        Raises
-        ------
-        ValueError
-            When they are none of this model.
-        """
-        self.model.restore([each.grown for each in snapshots], arrays)
-        self.snapshots += [replace(each, grown=Growth.nothing()) for each in snapshots]
-
-    def confirm(self, points: Sequence[Point]) -> bool:
-        """Test the model at points by full solves; whether it stood them all.
-
-        Where it was tested already, before an interruption, nothing is solved again.
-        """
+    def stands(self, points: Sequence[Point]) -> bool:
+        """Test the model at points by full solves, once each; whether it stood them all."""
         stood = True
         for point in points:
-            known = [each.tested for each in self.snapshots if dict(each.point) == dict(point)]
-            tested = known[0] if known else self.solve(point, self._worst(point))
+            known = [each.error_over_bound for each in self.solves if each.point == point]
+            tested = known[0] if known else self.solve(point)
             stood = stood and (tested is None or tested <= 1)
         return stood
 
-    @property
-    def _least_growth(self) -> float | None:
-        """Growth rate (1/s) down to which full solves go where there is damping or rotation."""
-        return -self.model.small.settings.reach if self.model.small.damped else None
-
-    def _worst(self, point: Point) -> float:
+    def worst(self, point: Point) -> float:
         """The worst bound at a point, the same on every rank."""
         return float(self.model.norm.comm.bcast(self.at(point).worst))
 
 
-def _spread_out(count: int) -> list[int]:
-    """Numbers up to a count in an order whose beginnings are spread over all of them."""
-    golden = 0.5 * (np.sqrt(5) - 1)
-    order: list[int] = np.argsort(np.arange(count) * golden % 1).tolist()
-    return order
+def full_solve(
+    model: ReducedModel,
+    driver: EigenSolver,
+    point: Point,
+    warnings: Callable[[Modes, Point], tuple[ResultWarning, ...]] | None = None,
+) -> Snapshot:
+    """A full solve that reaches as far as a model is to know, perhaps with warnings of its own."""
+    settings = model.small.settings
+    least = -settings.reach if settings.damped else None
+    top = MARGIN * settings.max_frequency
+    modes = driver.solve(top, point, min_growth=least, left=True)
+    return Snapshot.of(point, modes, None if warnings is None else warnings(modes, point))
 
 
-def largest_ratio(found: ReducedSpectrum, modes: Modes) -> float:
+def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
     """Largest error of eigenvalues of a window relative to their bounds; infinite if one misses.
 
     Clusters are compared by their means. Both lists reach beyond the window, so that nothing hangs
     on which side of its end an eigenvalue lies.
-
-    Parameters
-    ----------
-    found
-        What the reduced model says.
-    modes
-        The modes there.
     """
-    damped = found.settings.decay < np.inf
-    theirs, mine = -(modes.eigenvalues**2), found.kappa
-    if damped:  # lambda and -lambda are not of one motion
-        theirs, mine = modes.eigenvalues, found.eigenvalues
-    distance = np.abs(theirs[:, None] - mine) / modes.speeds[:, None] ** (1 if damped else 2)
+    damped, holds = found.settings.damped, found.settings.holds
+    theirs = full.eigenvalues if damped else -(full.eigenvalues**2)
+    speeds = full.speeds if damped else full.speeds**2
+    distance = np.abs(theirs[:, None] - found.z) / speeds[:, None]
     rows, columns = assign(distance, _REACH)
     alone = np.setdiff1d(np.arange(len(theirs)), rows)
-    extra = np.setdiff1d(np.arange(len(mine)), columns)
-    holds = found.settings.holds
-    if holds(modes.eigenvalues[alone]).any() or found.inside[extra].any():
+    extra = np.setdiff1d(np.arange(len(found)), columns)
+    if holds(full.eigenvalues[alone]).any() or found.inside[extra].any():
         return np.inf
-    ratio, bounds = 0.0, found.certificate
-    for number in np.unique(bounds.clusters[columns]):
-        members = bounds.clusters[columns] == number
-        if not found.inside[columns[members]].any():
+    ratio, clusters = 0.0, found.clusters[columns]
+    for number in np.unique(clusters):
+        members = clusters == number
+        mine = columns[members]
+        if not found.inside[mine].any():
             continue
-        error = abs((mine[columns[members]] - theirs[rows[members]]).mean())
-        speeds = modes.speeds[rows[members]]
-        if damped:
-            error *= 2 * speeds.min() + error
-        doubt = modes.growth_uncertainties[rows[members]] if members.sum() == 1 else 0.0
-        known = float((2 * speeds * doubt).max(initial=0.0))
-        ratio = max(ratio, error / (bounds.means[columns[members]].max() + known))
+        error = abs((found.z[mine] - theirs[rows[members]]).mean())
+        known = 0.0
+        if members.sum() == 1:
+            known = full.uncertainties[rows[members]].max()
+            known *= 1.0 if damped else 2 * full.speeds[rows[members]].max()
+        ratio = max(ratio, error / (found.means[mine].max() + known))
     return float(ratio)

@@ -19,23 +19,21 @@ bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.left_vectors import POWERS
-from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
 from cea.reduced.norm import EnergyNorm, InnerProduct
-from cea.reduced.pieces import ContactPiece, Piece, Pieces, Values
+from cea.reduced.pieces import ContactPiece, Piece, Pieces
 from cea.reduced.saddle import SmallContact
 from cea.reduced.small import SmallPencil, SmallPiece
-from cea.reduced.snapshots import forces_of, real_vectors, rounding_of
+from cea.reduced.snapshots import Snapshot
 from cea.reduced.span import Span
 from cea.reduced.spectrum import MARGIN, Settings
-from cea.reduced.stored import Arrays, restored
 
 BASIS = 1e-6
 """Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
@@ -49,34 +47,8 @@ on the map: errors go by residuals of 1e-5 and less. A contact that is stiffer b
 norm allows nothing then, or bounds end at what is left out of its forces."""
 _DECAY = 0.1
 """Decay down to which a window of a damped pencil reaches by default, relative to its end."""
-_ORTHONORMAL = 1e-8
-"""Largest product of vectors that were stored as orthonormal."""
-_STIFFER = 10.0
+_STIFFER = 2.0
 """Ratio of coefficients over the map from which on a stiffness adds static displacements."""
-
-
-@dataclass(frozen=True)
-class Growth:
-    """What a full solve adds to bases, the rows of this rank.
-
-    Parameters
-    ----------
-    vectors
-        To that of the model, shape (n_local, new).
-    residuals
-        To that of its residuals, shape (n_local, new).
-    forces
-        To that of the forces of each contact, shape (forces of this rank, new).
-    """
-
-    vectors: Floats
-    residuals: Floats
-    forces: tuple[Floats, ...] = ()
-
-    @classmethod
-    def nothing(cls) -> "Growth":
-        """No vectors of no length."""
-        return cls(np.empty((0, 0)), np.empty((0, 0)))
 
 
 class ReducedModel:
@@ -135,26 +107,21 @@ class ReducedModel:
             for piece in self._pieces.all
         ]
         nothing = np.empty((0, 0))
+        none = (nothing, nothing, nothing, nothing)
         settings = Settings(max_frequency, self.norm.shift)
         if pencil.damped:
             decay = _DECAY * settings.end if min_growth is None else -min_growth
             settings = replace(settings, decay=decay)
         self.small = SmallPencil(
             tuple(
-                SmallPiece(
-                    *(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0),
-                    stiff=piece in self._stiff,
-                    least=piece.coefficient.at(least) if piece in self._stiff else 0.0,
-                )
+                SmallPiece(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0)
                 for piece in self._pieces.all
             ),
-            settings,
-            contacts=tuple(
-                SmallContact(
-                    each.inverse_stiffness, each.friction, nothing, nothing, nothing, nothing, 0.0
-                )
+            tuple(
+                SmallContact(each.inverse_stiffness, each.friction, *none, 0.0)
                 for each in self._contacts
             ),
+            settings,
         )
 
     @property
@@ -162,100 +129,52 @@ class ReducedModel:
         """Vectors of the basis."""
         return self._basis.size
 
-    def take(self, modes: Modes) -> Growth:
-        """Take the right and left vectors of modes into the basis.
-
-        Parameters
-        ----------
-        modes
-            Modes with left vectors, up to the margin of the window.
-
-        Returns
-        -------
-        Growth
-            What the bases have grown by.
-        """
-        vectors = real_vectors(self.norm, modes)
+    def take(self, taken: Snapshot) -> None:
+        """Take the right and left vectors of a full solve, up to the margin of the window, in."""
+        values = self.pencil.values(taken.point)
+        vectors = taken.real_vectors(self.norm, damped=self.small.settings.damped)
         blocks, images = [vectors], [self.norm.image(vectors)]
         for piece in self._stiff:
-            forces = piece.coefficient.at(modes.values) * piece.times(vectors)
+            forces = piece.coefficient.at(values) * piece.times(vectors)
             moved = self.norm.solve(forces)
             lengths = np.maximum(self.norm.lengths(moved, forces), 1.0)
             blocks.append(moved / lengths)
             images.append(forces / lengths)
-        bases = self._basis, self._residuals, *self._forces
-        before = [each.size for each in bases]
-        for contact, span, size in zip(self._contacts, self._forces, before[2:], strict=True):
-            span.add(_unit(span.norm, forces_of(modes, contact.rows)))
+        before, forces_before = self._basis.size, [each.size for each in self._forces]
+        for contact, span, size in zip(self._contacts, self._forces, forces_before, strict=True):
+            span.add(_unit(span.norm, taken.real_forces(contact.rows)))
             self._add_static(contact, span.vectors[:, size:], blocks, images)
         self._basis.add(np.hstack(blocks), np.hstack(images))
         blocks, images = [], []
         for contact, span in zip(self._contacts, self._forces, strict=True):
             size = span.size
-            self._add_gaps(contact, span, before[0])
+            self._add_gaps(contact, span, before)
             self._add_static(contact, span.vectors[:, size:], blocks, images)
         if blocks:
             self._basis.add(np.hstack(blocks), np.hstack(images))
-        self._extend(before[0])
-        self._extend_contacts(before[2:])
-        self._round(rounding_of(modes), modes.values)
-        vectors, residuals, *forces_grown = (
-            each.vectors[:, size:] for each, size in zip(bases, before, strict=True)
-        )
-        return Growth(vectors, residuals, tuple(forces_grown))
-
-    def restore(self, grown: Sequence[Growth], arrays: Arrays) -> None:
-        """Take over what bases had grown by before, and the small pencil as it was then.
-
-        Parameters
-        ----------
-        grown
-            What full solves had added, one after the other.
-        arrays
-            The small pencil (:func:`cea.reduced.stored.arrays_of`).
-
-        Raises
-        ------
-        ValueError
-            When these are no vectors of such a basis, or of another one than the pencil.
-        """
-        for each in grown:
-            if {len(each.vectors), len(each.residuals)} != {self.norm.rows}:
-                raise ValueError("vectors of another length")
-            self._basis.restore(each.vectors)
-            self._residuals.restore(each.residuals)
-            for span, forces in zip(self._forces, each.forces, strict=True):
-                span.restore(forces)
-        vectors = self._basis.vectors
-        gram = self.norm.inner(vectors, self.norm.image(vectors)) - np.eye(self.size)
-        if not np.abs(gram).max(initial=0.0) < _ORTHONORMAL:
-            raise ValueError("vectors that are not orthonormal")
-        self.small = restored(self.small, arrays)
-        if self.small.pieces[0].right.shape != (self._residuals.size, self.size):
-            raise ValueError("vectors of another pencil")
+        self._project(before, forces_before)
+        rounding = max(self.small.rounding, taken.rounding)
+        self.small = replace(self.small, rounding=rounding)
 
     def raise_safety(self, safety: float) -> None:
         """Make all bounds with another factor on the inverse outside of the basis."""
         settings = replace(self.small.settings, safety=safety)
         self.small = replace(self.small, settings=settings)
 
-    def _round(self, rounding: float, values: Values) -> None:
-        """Remember what rounding does at some parameters."""
-        stiff = tuple(piece.coefficient.at(values) for piece in self._stiff)
-        self.small = replace(self.small, roundings=(*self.small.roundings, (rounding, stiff)))
-
-    def _extend(self, before: int) -> None:
-        """Project the pieces on vectors of the basis from a number on."""
-        if before == self._basis.size:
-            return
-        grown = [
-            self._grown(piece, small, before, allowed)
-            for piece, small, allowed in zip(
-                self._pieces.all, self.small.pieces, self._allowed, strict=True
-            )
-        ]
+    def _project(self, before: int, forces_before: Sequence[int]) -> None:
+        """Project all pieces and contacts on what bases have grown by."""
+        pieces = list(self.small.pieces)
+        if before < self._basis.size:
+            parts = zip(self._pieces.all, pieces, self._allowed, strict=True)
+            pieces = [self._grown(piece, small, before, left) for piece, small, left in parts]
+        both = zip(self._contacts, self._forces, self.small.contacts, forces_before, strict=True)
+        contacts = [self._grown_contact(*each) for each in both]
         rows = self._residuals.size
-        self.small = replace(self.small, pieces=tuple(piece.padded(rows) for piece in grown))
+        self.small = replace(
+            self.small,
+            pieces=tuple(piece.padded(rows) for piece in pieces),
+            contacts=tuple(contact.padded(rows) for contact in contacts),
+        )
 
     def _grown(self, piece: Piece, small: SmallPiece, before: int, allowed: float) -> SmallPiece:
         vectors = self._basis.vectors
@@ -298,47 +217,26 @@ class ReducedModel:
                 blocks.append(moved / lengths)
                 images.append(image / lengths)
 
-    def _extend_contacts(self, known: Sequence[int]) -> None:
-        """Project contacts on both bases."""
-        vectors = self._basis.vectors
-        grown = []
-        for contact, span, small, old in zip(
-            self._contacts, self._forces, self.small.contacts, known, strict=True
-        ):
-            closes, slides = contact.closes, contact.slides
-            gaps = closes.times(vectors)
-            new, lost = span.vectors[:, old:], np.zeros(2)
-            normal_forces, lost[0] = self._with_images(
-                small.normal_forces, closes.transposed(new), 0.0
-            )
-            slid, friction_forces = np.zeros_like(gaps), np.zeros_like(normal_forces)
-            if slides is not None:
-                slid = slides.times(vectors)
-                friction_forces, lost[1] = self._with_images(
-                    small.friction_forces, slides.transposed(new), 0.0
-                )
-            comm, forces = self.norm.comm, span.vectors
-            whole = replace(
-                small,
-                closes=comm.bcast(comm.allreduce(forces.T @ gaps)),
-                slides=comm.bcast(comm.allreduce(forces.T @ slid)),
-                normal_forces=normal_forces,
-                friction_forces=friction_forces,
-                lost=float(np.hypot(small.lost, lost.max())),
-            )
-            grown.append(whole)
-        rows = self._residuals.size
-        self.small = replace(
-            self.small,
-            pieces=tuple(piece.padded(rows) for piece in self.small.pieces),
-            contacts=tuple(
-                replace(
-                    each,
-                    normal_forces=_padded(each.normal_forces, rows),
-                    friction_forces=_padded(each.friction_forces, rows),
-                )
-                for each in grown
-            ),
+    def _grown_contact(
+        self, contact: ContactPiece, span: Span, small: SmallContact, before: int
+    ) -> SmallContact:
+        comm, vectors, new = self.norm.comm, self._basis.vectors, span.vectors[:, before:]
+        gaps = comm.bcast(comm.allreduce(span.vectors.T @ contact.closes.times(vectors)))
+        normal, lost = self._with_images(small.normal_forces, contact.closes.transposed(new), 0.0)
+        slid, friction = np.zeros_like(gaps), np.zeros_like(normal)
+        if contact.slides is not None:
+            slid = comm.bcast(comm.allreduce(span.vectors.T @ contact.slides.times(vectors)))
+            image = contact.slides.transposed(new)
+            friction, other = self._with_images(small.friction_forces, image, 0.0)
+            lost = max(lost, other)
+        lost = float(np.hypot(small.lost, lost))
+        return replace(
+            small,
+            closes=gaps,
+            slides=slid,
+            normal_forces=normal,
+            friction_forces=friction,
+            lost=lost,
         )
 
     def _with_images(self, before: Floats, image: Floats, allowed: float) -> tuple[Floats, float]:
@@ -353,10 +251,6 @@ class ReducedModel:
         """Free factors and pieces."""
         self.norm.free()
         self._pieces.free()
-
-
-def _padded(coordinates: Floats, rows: int) -> Floats:
-    return np.pad(coordinates, ((0, rows - len(coordinates)), (0, 0)))
 
 
 def _unit(norm: InnerProduct, block: Floats) -> Floats:

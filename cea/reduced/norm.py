@@ -31,17 +31,7 @@ def shift_of(max_frequency: float) -> float:
 
 
 class InnerProduct:
-    """What bases are orthonormal in, their rows distributed.
-
-    Parameters
-    ----------
-    comm
-        Communicator (mpi4py).
-    rows
-        Rows of this rank.
-    image
-        Its matrix times a block.
-    """
+    """What bases are orthonormal in: ``image`` is its matrix times a block of this rank's rows."""
 
     def __init__(self, comm: Any, rows: int, image: Callable[[Floats], Floats]) -> None:
         self.comm, self.rows, self.image = comm, rows, image
@@ -70,10 +60,7 @@ class InnerProduct:
     def principal(products: Floats, floor: float = 0.0) -> tuple[Floats, Floats]:
         """Eigenvalues and vectors of W^T X W; below the square of a length it may be rounding.
 
-        Raises
-        ------
-        ConvergenceError
-            When X is not positive definite.
+        Raises ConvergenceError when X is not positive definite.
         """
         sizes, axes = np.linalg.eigh(0.5 * (products + products.T))
         if len(sizes) and sizes[0] < -max(1e-6 * sizes[-1], floor**2):
@@ -82,23 +69,9 @@ class InnerProduct:
 
 
 class EnergyNorm(InnerProduct):
-    """X, factorised.
+    """X at some values of all parameters, factorised; tied sides are constraints of all vectors.
 
-    Parameters
-    ----------
-    pencil
-        The pencil.
-    values
-        t0, values of all parameters.
-    tied
-        Contacts whose sides are tied, constraints of all vectors.
-    max_frequency
-        Upper end of the window (Hz).
-
-    Raises
-    ------
-    ConvergenceError
-        When X is singular.
+    Raises ConvergenceError when X is singular.
     """
 
     def __init__(

@@ -35,17 +35,7 @@ Product = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class Piece:
-    """c(t) A.
-
-    Parameters
-    ----------
-    role
-        The sum it belongs to.
-    coefficient
-        c.
-    times, transposed
-        A and A^T times a block, shape (n_local, columns); the same where A is symmetric.
-    """
+    """c(t) A of one role of a pencil, as products of A and A^T with blocks of columns."""
 
     role: Role
     coefficient: Dependence
@@ -59,13 +49,7 @@ class Piece:
 
 
 class Rectangle:
-    """A PETSc AIJ matrix (forces x displacements) times blocks of columns.
-
-    Attributes
-    ----------
-    rows
-        Forces of this rank.
-    """
+    """A PETSc AIJ matrix (forces x displacements) times blocks; ``rows`` are those of this rank."""
 
     def __init__(self, matrix: Any) -> None:
         self._matrix = matrix
@@ -94,16 +78,8 @@ class Rectangle:
 class ContactPiece:
     """A contact whose forces f are unknowns: (J - c_f R)^T f on the bodies, J x = c_c C^ f.
 
-    Parameters
-    ----------
-    closes, slides
-        J and R times blocks; R is None without friction.
-    compliance, inverse
-        C^ times blocks of forces, and factorised.
-    inverse_stiffness, friction
-        c_c and c_f.
-    rows
-        Its forces among all of this rank.
+    J and R as ``closes`` and ``slides``, None without friction; C^ as ``compliance`` and
+    factorised; c_c and c_f; ``rows`` are its forces among all of this rank.
     """
 
     closes: Rectangle
@@ -116,20 +92,7 @@ class ContactPiece:
 
 
 class Pieces:
-    """All pieces of a pencil, with what they were made of.
-
-    Parameters
-    ----------
-    pencil
-        The pencil.
-    free
-        Names of the parameters that vary.
-
-    Raises
-    ------
-    InputError
-        When sides that are tied rub.
-    """
+    """All pieces of a pencil whose ``free`` parameters vary; InputError when tied sides rub."""
 
     def __init__(self, pencil: Pencil, free: Iterable[str]) -> None:
         self._made: list[Any] = []
@@ -211,19 +174,9 @@ class Pieces:
 
 
 def check_pencil(pencil: Pencil, free: Iterable[str]) -> tuple[ForcesOfContact, ...]:
-    """Refuse a pencil that has no reduced model; else the contacts that tie their sides.
+    """The contacts that tie their sides, for any values of the free parameters.
 
-    Parameters
-    ----------
-    pencil
-        The pencil.
-    free
-        Names of the parameters that vary.
-
-    Raises
-    ------
-    InputError
-        When sides that are tied rub: their forces are not to be eliminated.
+    Raises InputError when sides that are tied rub: their forces are not to be eliminated.
     """
     values, free = pencil.values(), frozenset(free)
     tied = tuple(

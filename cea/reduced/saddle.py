@@ -21,24 +21,20 @@ from scipy.linalg import block_diag, lu_factor, lu_solve
 
 from cea.arrays import Floats
 from cea.eigen.parameters import Dependence
+from cea.reduced.certificate import Residuals
 from cea.reduced.pieces import Values
-from cea.reduced.residuals import Residuals
+
+
+def padded(coordinates: Floats, rows: int) -> Floats:
+    """Coordinates with rows of zeros below, so many in all."""
+    return np.pad(coordinates, ((0, rows - len(coordinates)), (0, 0)))
 
 
 @dataclass(frozen=True)
 class SmallContact:
-    """A contact on both bases, with X^-1-coordinates Q of its forces.
+    """A contact on bases of displacements V and forces F, with X^-1-coordinates Q of its forces.
 
-    Parameters
-    ----------
-    inverse_stiffness, friction
-        c_c and c_f (:class:`cea.reduced.pieces.ContactPiece`).
-    closes, slides
-        N and T, shape (m, k); T is zero without friction.
-    normal_forces, friction_forces
-        Q^T J^T F and Q^T R^T F, shape (q, m).
-    lost
-        Norm of what Q does not hold of these.
+    c_c and c_f, N and T of shape (m, k), Q^T J^T F and Q^T R^T F, norm of what Q does not hold.
     """
 
     inverse_stiffness: Dependence
@@ -49,23 +45,18 @@ class SmallContact:
     friction_forces: Floats
     lost: float
 
+    def padded(self, rows: int) -> "SmallContact":
+        """With zeros for vectors of Q that came later."""
+        both = padded(self.normal_forces, rows), padded(self.friction_forces, rows)
+        return replace(self, normal_forces=both[0], friction_forces=both[1])
+
 
 @dataclass(frozen=True)
 class Saddle:
     """All contacts at given parameters.
 
-    Parameters
-    ----------
-    closes, reacts
-        N, shape (m, k), and N^T - c_f T^T, shape (k, m).
-    sizes
-        abs(N^T) + abs(c_f T^T), shape (k, m).
-    compliance
-        c_c of each force, shape (m,).
-    right, left
-        Coordinates of forces of right and of left vectors, shape (q, m).
-    lost
-        Norm of what these leave out.
+    N; N^T - c_f T^T; abs(N^T) + abs(c_f T^T); c_c of each force; coordinates of forces of right and
+    of left vectors; norm of what these leave out.
     """
 
     closes: Floats
@@ -125,15 +116,7 @@ class Saddle:
 
 
 class Inverse:
-    """The inverse of a shifted stiffness with the contacts.
-
-    Parameters
-    ----------
-    shifted
-        A, shape (k, k).
-    saddle
-        The contacts; None without.
-    """
+    """The inverse of a shifted stiffness, shape (k, k), with contacts where there are any."""
 
     def __init__(self, shifted: Floats, saddle: Saddle | None) -> None:
         self._factors, self._saddle = lu_factor(shifted), saddle

@@ -1,51 +1,28 @@
-"""A pencil on a basis, in small matrices alone, and on few vectors of that basis once more."""
+"""A pencil on a basis, in small matrices alone: what is solved at any parameters."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.left_vectors import POWERS
 from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Role
+from cea.reduced.certificate import Residuals, Rounding
+from cea.reduced.following import Sample, Window
 from cea.reduced.pieces import Values
-from cea.reduced.products import like_times, real_times
-from cea.reduced.quadratic import quadratic_spectrum
-from cea.reduced.residuals import Residuals
-from cea.reduced.rounding import Rounding
-from cea.reduced.saddle import Saddle, SmallContact
+from cea.reduced.products import real_times
+from cea.reduced.saddle import Saddle, SmallContact, padded
 from cea.reduced.spectrum import ReducedSpectrum, Settings, reduced_spectrum
-from cea.reduced.stiff_norm import StiffNorm, stiff_norm
-
-LOCAL = 1e-5
-"""Part of an eigenvector of the larger basis that a local one leaves out, or of its forces."""
-
-Seen = tuple[float, tuple[float, ...]]
-"""What rounding does to eigenvalues of condition one (1/s^2), and the stiff coefficients there."""
 
 
 @dataclass(frozen=True)
 class SmallPiece:
     """One piece of a pencil on a basis V, with X^-1-coordinates Q of its images.
 
-    Parameters
-    ----------
-    role, coefficient
-        Those of the piece (:class:`cea.reduced.pieces.Piece`).
-    square
-        V^T A V, shape (k, k).
-    right, left
-        Q^T A V and Q^T A^T V, shape (q, k); the same object where A is symmetric.
-    lost
-        Norm of what Q does not hold of X^-1 A V, either side.
-    stiff
-        Whether it is a stiffness that varies over decades.
-    least
-        Of such a one, its coefficient in the energy norm.
-    whole
-        On a local basis, V^T A V on the larger one that it was made of; None on that itself.
+    V^T A V; Q^T A V and Q^T A^T V, the same object where A is symmetric; norm of what Q does not
+    hold of either.
     """
 
     role: Role
@@ -54,9 +31,6 @@ class SmallPiece:
     right: Floats
     left: Floats
     lost: float
-    stiff: bool = False
-    least: float = 0.0
-    whole: Floats | None = None
 
     @property
     def symmetric(self) -> bool:
@@ -65,71 +39,43 @@ class SmallPiece:
 
     def padded(self, rows: int) -> "SmallPiece":
         """With zeros for vectors of Q that came later."""
-        right = _padded(self.right, rows)
-        return replace(
-            self, right=right, left=right if self.symmetric else _padded(self.left, rows)
-        )
+        right = padded(self.right, rows)
+        return replace(self, right=right, left=right if self.symmetric else padded(self.left, rows))
 
 
 @dataclass(frozen=True)
 class SmallPencil:
-    """All pieces on one basis: what is solved at any parameters.
+    """All pieces on one basis, with contacts whose forces are unknowns.
 
-    Parameters
-    ----------
-    pieces
-        The pieces.
-    settings
-        What bounds are made with.
-    roundings
-        What rounding does where it was seen.
-    axes
-        Of a local basis, its vectors in the larger one; None of the larger one itself.
-    norm
-        Measures residuals where stiff pieces are stiffer than in the energy norm; None leaves them
-        in that.
-    contacts
-        Contacts whose forces are unknowns; local bases have none.
+    Bounds are made with ``settings``; full solves have errors of ``rounding``, for eigenvalues of
+    condition one (1/s^2).
     """
 
     pieces: tuple[SmallPiece, ...]
+    contacts: tuple[SmallContact, ...]
     settings: Settings
-    roundings: tuple[Seen, ...] = ()
-    axes: Floats | None = None
-    norm: StiffNorm | None = None
-    contacts: tuple[SmallContact, ...] = ()
+    rounding: float = 0.0
 
     @property
     def size(self) -> int:
         """Vectors of the basis."""
         return len(self.pieces[0].square)
 
-    @property
-    def damped(self) -> bool:
-        """Whether anything acts on velocities at some parameters."""
-        return any(piece.role == "damping" for piece in self.pieces)
-
-    def at(self, values: Mapping[str, float]) -> ReducedSpectrum:
+    def at(self, values: Values) -> ReducedSpectrum:
         """Eigenvalues of the window and its margin at values of all parameters."""
+        if not self.size:
+            return ReducedSpectrum.empty(self.settings)
         K, M = (self._sum(role, values) for role in ("stiffness", "mass"))
-        saddle = Saddle.at(self.contacts, values) if self.size else None
-        rounding = self._rounding(values, saddle)
-        if self.damped:
-            D = self._sum("damping", values)
-            found = quadratic_spectrum(K, D, M, self.settings, rounding, saddle)
-        else:
-            found = reduced_spectrum(K, M, self.settings, rounding, saddle)
-        return found if self.axes is None else found.lifted(self.axes)
+        D = self._sum("damping", values) if self.settings.damped else None
+        saddle = Saddle.at(self.contacts, values) if self.contacts else None
+        return reduced_spectrum(K, D, M, self.settings, self._rounding(values, saddle), saddle)
 
     def derivatives(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:
-        """Derivatives of eigenvalues lambda in parameters that change together, shape (n,).
-
-        Infinite at a coalescence; parameters as of :meth:`slopes`.
-        """
+        """Derivatives of eigenvalues lambda, as :meth:`slopes`; infinite at a coalescence."""
         slopes = self.slopes(found, values, rates)
-        if self.damped:
+        if self.settings.damped:
             return slopes
         with np.errstate(divide="ignore", invalid="ignore"):
             return -slopes / (2 * found.eigenvalues)
@@ -137,24 +83,17 @@ class SmallPencil:
     def slopes(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:
-        """Derivatives of kappa, with damping of lambda, shape (n,); infinite at a coalescence.
+        """Derivatives of kappa, with damping of lambda, where parameters change at given rates.
 
-        y^H (dK - kappa dM) x / y^H M x, with damping
-        - y^H (lambda^2 dM + lambda dD + dK) x / y^H (2 lambda M + D) x.
-
-        Parameters
-        ----------
-        found
-            Eigenvalues, their coordinates in this basis or, of a local one, in the larger one.
-        values
-            Values of all parameters there.
-        rates
-            How fast each of the parameters changes.
+        y^H (dK - kappa dM) x / y^H M x, with damping - y^H (lambda^2 dM + lambda dD + dK) x / y^H
+        (2 lambda M + D) x; infinite at a coalescence.
         """
-        x, y = self.coordinates(found.right), self.coordinates(found.left).conj()
-        eigenvalues = found.eigenvalues
+        x, y = found.right, found.left.conj()
+        eigenvalues, damped = found.eigenvalues, self.settings.damped
         one: Complexes = np.ones(len(found), dtype=complex)
-        speeds = {"mass": -2 * eigenvalues, "damping": -one} if self.damped else {"mass": one}
+        speeds: dict[str, Complexes] = (
+            {"mass": -2 * eigenvalues, "damping": -one} if damped else {"mass": one}
+        )
         change: Complexes = np.zeros(len(found), dtype=complex)
         turned: Complexes = np.zeros(len(found), dtype=complex)
         for piece in self.pieces:
@@ -165,10 +104,10 @@ class SmallPencil:
             if not (slope or factor):
                 continue
             projected = np.einsum("ij,ij->j", y, real_times(piece.square, x))
-            if self.damped or piece.role == "stiffness":
+            if damped or piece.role == "stiffness":
                 change += slope * eigenvalues ** POWERS[piece.role] * projected
             else:
-                change -= slope * found.kappa * projected
+                change -= slope * found.z * projected
             if factor:
                 turned += factor * speeds[piece.role] * projected
         change += self._moved_contacts(found, values, rates)
@@ -195,126 +134,22 @@ class SmallPencil:
                 change -= compliance * np.einsum("ij,ij->j", g, b)
         return change
 
-    def coordinates[T: (Floats, Complexes)](self, vectors: T) -> T:
-        """Of vectors in the larger basis, in this one."""
-        return vectors if self.axes is None else like_times(self.axes.T, vectors)
-
-    def where(self, stiffness: Sequence[float]) -> "SmallPencil":
-        """It with residuals measured where stiff pieces are no softer than so.
-
-        Parameters
-        ----------
-        stiffness
-            Coefficients of the pieces that are stiff, the least where it is to serve.
-        """
-        stiff = [piece for piece in self.pieces if piece.stiff]
-        parts = [
-            (size, piece.least, piece.right, piece.square)
-            for size, piece in zip(stiffness, stiff, strict=True)
-        ]
-        return replace(self, norm=stiff_norm(parts))
-
-    def local(
-        self, vectors: Floats, stiff: Values | None = None, tolerance: float = LOCAL
-    ) -> "SmallPencil":
-        """The pencil on the span of some coordinates; its residuals are as full as before.
-
-        Parameters
-        ----------
-        vectors
-            Coordinates in this basis, shape (k, columns).
-        stiff
-            Values of all parameters where the basis is to serve: what is left out is measured by
-            the forces that it has there. None where these vary widely: by itself.
-        tolerance
-            Part of the vectors that is left out.
-        """
-        axes = vectors / np.linalg.norm(vectors, axis=0)
-        if stiff is None:
-            axes = _principal(axes, tolerance)
-        else:
-            norm = self._stiffened(stiff)
-            axes = cho_solve(cho_factor(norm), _principal(norm @ axes, tolerance))
-            axes, _ = np.linalg.qr(axes)
-        images = [piece.right @ axes for piece in self.pieces]
-        images += [piece.left @ axes for piece in self.pieces if not piece.symmetric]
-        if self.norm is not None:
-            images = [self.norm.real(image) for image in images]
-        # Lengths of combinations are those of the columns of R.
-        columns = np.split(np.linalg.qr(np.hstack(images), mode="r"), len(images), axis=1)
-        lefts = iter(columns[len(self.pieces) :])
-        return SmallPencil(
-            tuple(
-                replace(
-                    piece,
-                    square=axes.T @ piece.square @ axes,
-                    right=right,
-                    left=right if piece.symmetric else next(lefts),
-                    whole=piece.square if piece.whole is None else piece.whole,
-                )
-                for piece, right in zip(self.pieces, columns, strict=False)
-            ),
-            self.settings,
-            self.roundings,
-            axes if self.axes is None else self.axes @ axes,
-        )
-
-    def spanned(self, found: ReducedSpectrum, static: Values | None = None) -> Floats:
-        """Coordinates that a local basis takes from a spectrum, shape (k, columns).
-
-        Real and imaginary parts of right and left vectors, of unit length; and, at values of all
-        parameters, the static displacements under the forces that stiff pieces have on them there:
-        X is one in this basis. Coordinates are in this one too, of whichever the spectrum is. Left
-        vectors keep gaps open that friction closes; where a contact is
-        all but rigid no others can be closed without these.
-        """
-        vectors = columns_of(self.coordinates(found.right), self.coordinates(found.left))
-        blocks = [vectors]
-        for piece in self.pieces:
-            if piece.stiff and static is not None:
-                moved = piece.coefficient.at(static) * piece.square @ vectors
-                blocks.append(moved / np.maximum(np.linalg.norm(moved, axis=0), 1.0))
-        return np.hstack(blocks)
-
-    def _stiffened(self, values: Values) -> Floats:
-        """The energy norm at some parameters: that of the basis, one, with what is stiff there."""
-        norm = np.eye(self.size)
-        for piece in self.pieces:
-            if piece.stiff:
-                norm += piece.coefficient.at(values) * piece.square
-        return norm
-
-    def stiffness(self, values: Values) -> list[float]:
-        """Coefficients of the pieces that are stiff."""
-        return [piece.coefficient.at(values) for piece in self.pieces if piece.stiff]
-
     def _rounding(self, values: Values, saddle: Saddle | None) -> Rounding:
-        """What rounding does to eigenvalues.
-
-        That of full solves is less in proportion where it was seen at greater stiffness, but no
-        less than anywhere.
-        """
-        stiff = self.stiffness(values)
-        sizes = [
-            size * max((min(1.0, a / b) for a, b in zip(stiff, at, strict=True)), default=1.0)
-            for size, at in self.roundings
-        ]
-        least = min((size for size, _ in self.roundings), default=0.0)
-        entries = {role: self._entries(role, values) for role in POWERS}
+        """What rounding does to eigenvalues."""
+        entries: dict[Role, Floats] = {}
+        for role in POWERS:
+            parts = [
+                (abs(piece.coefficient.at(values)), np.abs(piece.square))
+                for piece in self.pieces
+                if piece.role == role
+            ]
+            entries[role] = _weighted(parts, (self.size, self.size))
         if saddle is not None:
-            entries = {role: saddle.padded(each) for role, each in entries.items()}
-            entries["stiffness"] = saddle.rounded(self._entries("stiffness", values))
-        return Rounding(max([least, *sizes]), entries, self.axes)
-
-    def _entries(self, role: Role, values: Values) -> Floats:
-        """sum_j |c_j| |V^T A_j V| of one role on the larger basis."""
-        parts = []
-        for piece in self.pieces:
-            if piece.role == role:
-                square = piece.square if piece.whole is None else piece.whole
-                parts.append((abs(piece.coefficient.at(values)), np.abs(square)))
-        size = self.size if self.axes is None else len(self.axes)
-        return _weighted(parts, (size, size))
+            entries = {
+                role: saddle.rounded(each) if role == "stiffness" else saddle.padded(each)
+                for role, each in entries.items()
+            }
+        return Rounding(self.rounding, entries)
 
     def _sum(self, role: Role, values: Values) -> Residuals:
         parts = [
@@ -322,43 +157,64 @@ class SmallPencil:
             for piece in self.pieces
             if piece.role == role and (factor := piece.coefficient.at(values))
         ]
-        square = _weighted(
-            [(factor, piece.square) for factor, piece in parts], (self.size, self.size)
-        )
         shape = self.pieces[0].right.shape
-        both = [(factor, piece.right) for factor, piece in parts if piece.symmetric]
-        left = right = _weighted(both, shape)
-        one_sided = [(factor, piece) for factor, piece in parts if not piece.symmetric]
+        square = _weighted([(c, piece.square) for c, piece in parts], (self.size, self.size))
+        left = right = _weighted([(c, piece.right) for c, piece in parts if piece.symmetric], shape)
+        one_sided = [(c, piece) for c, piece in parts if not piece.symmetric]
         if one_sided:
-            left = right + _weighted([(f, piece.left) for f, piece in one_sided], shape)
-            right = right + _weighted([(f, piece.right) for f, piece in one_sided], shape)
-        lost = sum(abs(factor) * piece.lost for factor, piece in parts)
-        return Residuals(square, right, left, lost, self.norm)
+            left = right + _weighted([(c, piece.left) for c, piece in one_sided], shape)
+            right = right + _weighted([(c, piece.right) for c, piece in one_sided], shape)
+        return Residuals(square, right, left, sum(abs(c) * piece.lost for c, piece in parts))
 
 
 def _weighted(parts: list[tuple[float, Floats]], shape: tuple[int, ...]) -> Floats:
     """Sum of factors times matrices of one shape."""
-    if not parts:
-        return np.zeros(shape)
-    total = parts[0][0] * parts[0][1]
-    for factor, matrix in parts[1:]:
+    total = np.zeros(shape)
+    for factor, matrix in parts:
         total += factor * matrix
     return total
 
 
-def columns_of(right: Complexes, left: Complexes) -> Floats:
-    """Real and imaginary parts of right and left vectors, each of unit length, those not zero."""
-    units = [each / np.linalg.norm(each, axis=0) for each in (right, left)]
-    vectors = np.hstack([part for each in units for part in (each.real, each.imag)])
-    return vectors[:, vectors.any(axis=0)]
+@dataclass(frozen=True)
+class ModelLine:
+    """Spectra of a reduced model along a line, a :class:`cea.reduced.thresholds.Line`.
 
+    ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
+    more than ``level`` (1/s) count; places on the line may be logarithms of values; spectra that
+    are known serve again.
+    """
 
-def _principal(vectors: Floats, least: float) -> Floats:
-    """Principal directions of columns, those longer than a length."""
-    axes, sizes, _ = np.linalg.svd(vectors, full_matrices=False)
-    kept: Floats = axes[:, sizes > least]
-    return kept
+    small: SmallPencil
+    parameters: Callable[[float], Values]
+    rates: Mapping[str, float]
+    level: float = 0.0
+    logarithmic: bool = False
+    known: dict[float, ReducedSpectrum] = field(default_factory=dict)
 
+    @property
+    def window(self) -> Window:
+        """What is looked at."""
+        settings = self.small.settings
+        return Window(settings.end, settings.damped, self.level, settings.decay)
 
-def _padded(rows_of: Floats, rows: int) -> Floats:
-    return np.pad(rows_of, ((0, rows - len(rows_of)), (0, 0)))
+    def place(self, value: float) -> float:
+        """Where a value is on the line."""
+        return float(np.log(value)) if self.logarithmic else value
+
+    def value(self, place: float) -> float:
+        """The value at a place."""
+        return float(np.exp(place)) if self.logarithmic else place
+
+    def speed(self, place: float) -> float:
+        """Derivative of the value in the place."""
+        return self.value(place) if self.logarithmic else 1.0
+
+    def at(self, value: float) -> Sample:
+        """The spectrum at a place."""
+        at = self.parameters(self.value(value))
+        found = self.known.get(value) or self.small.at(at)
+        slopes = self.small.slopes(found, at, self.rates) * self.speed(value)
+        vectors = found.right / np.linalg.norm(found.right, axis=0)
+        bounds = found.errors, found.means, found.clusters
+        sample = Sample(value, found.z, slopes, *bounds, vectors)
+        return sample.with_mirror_image() if self.small.settings.damped else sample

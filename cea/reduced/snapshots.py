@@ -1,56 +1,101 @@
-"""Full solves as blocks of real vectors that a basis takes in."""
+"""Full solves as plain arrays, and as blocks of real vectors that a basis takes in."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.modes import Modes
 from cea.reduced.norm import EnergyNorm
+from cea.warned import ResultWarning
 
 _ALONE = 10.0
 """Condition number up to which an eigenvalue is by itself."""
 
 
-def real_vectors(norm: EnergyNorm, modes: Modes) -> Floats:
-    """Real and imaginary parts of right and left vectors, each complex vector of X-norm one.
+@dataclass(frozen=True)
+class Snapshot:
+    """Modes of a full solve with left vectors, the rows of this rank.
 
-    Of conjugate pairs of kappa one is enough; damped pencils have none. Phases are such that real
-    parts are as long as can be.
-
-    Parameters
-    ----------
-    norm
-        X.
-    modes
-        Modes with left vectors.
-
-    Returns
-    -------
-    ndarray
-        The rows of this rank, shape (n_local, columns).
+    lambda, what its errors are relative to, errors (1/s) and condition numbers, shape (n,);
+    eigenvectors and contact forces of both sides, shape (rows, n); whether its window was shown to
+    be complete, and up to which growth (1/s) it is; what it must be read with.
     """
-    assert modes.left is not None
-    one = (-(modes.eigenvalues**2)).imag >= 0
-    if modes.pencil.damped:
-        one[:] = True
-    parts = [_parts(norm, modes.vectors[:, one])]
-    if modes.left.vectors is not modes.vectors:
-        parts.append(_parts(norm, modes.left.vectors[:, one]))
-    return np.hstack(parts)
 
+    point: Mapping[str, float]
+    eigenvalues: Complexes
+    speeds: Floats
+    uncertainties: Floats
+    conditions: Floats
+    right: Complexes
+    left: Complexes
+    forces: Complexes
+    left_forces: Complexes
+    complete: bool
+    max_growth: float
+    warnings: tuple[ResultWarning, ...] = ()
 
-def forces_of(modes: Modes, rows: slice) -> Floats:
-    """Real and imaginary parts of contact forces of modes and of their left vectors.
+    @classmethod
+    def of(
+        cls,
+        point: Mapping[str, float],
+        modes: Modes,
+        warnings: tuple[ResultWarning, ...] | None = None,
+    ) -> "Snapshot":
+        """What a basis needs of modes that have left vectors."""
+        assert modes.left is not None
+        return cls(
+            {name: float(value) for name, value in point.items()},
+            modes.eigenvalues,
+            modes.speeds,
+            modes.growth_uncertainties,
+            modes.conditions,
+            modes.vectors,
+            modes.left.vectors,
+            modes.forces,
+            modes.left.forces,
+            modes.window.complete,
+            float(modes.window.max_growth),
+            tuple(modes.warnings) if warnings is None else warnings,
+        )
 
-    Parameters
-    ----------
-    modes
-        Modes with left vectors.
-    rows
-        The forces, among all of this rank.
-    """
-    assert modes.left is not None
-    both = [modes.forces[rows], modes.left.forces[rows]]
-    return np.hstack([part for each in both for part in (each.real, each.imag)])
+    def plain(self) -> dict[str, Any]:
+        """It as plain data, without the vectors."""
+        return {
+            "point": dict(self.point),
+            "complete": bool(self.complete),
+            "max_growth": self.max_growth if np.isfinite(self.max_growth) else None,
+            "warnings": [warning.plain() for warning in self.warnings],
+        }
+
+    def real_vectors(self, norm: EnergyNorm, *, damped: bool) -> Floats:
+        """Real and imaginary parts of right and left vectors, each complex one of X-norm one.
+
+        Of conjugate pairs of kappa one is enough; damped pencils have none. Phases are such that
+        real parts are as long as can be.
+        """
+        one = ((-(self.eigenvalues**2)).imag >= 0) | damped
+        parts = [_parts(norm, self.right[:, one])]
+        if norm.comm.allreduce(not np.array_equal(self.left, self.right)):
+            parts.append(_parts(norm, self.left[:, one]))
+        return np.hstack(parts)
+
+    def real_forces(self, rows: slice) -> Floats:
+        """Real and imaginary parts of the contact forces in some rows of this rank."""
+        both = [self.forces[rows], self.left_forces[rows]]
+        return np.hstack([part for each in both for part in (each.real, each.imag)])
+
+    @property
+    def rounding(self) -> float:
+        """What errors of the full solve come to for kappa of condition one (1/s^2), at most.
+
+        Modes near a coalescence, whose uncertainty is that of a cluster, tell nothing of it.
+        """
+        alone = self.conditions < _ALONE
+        sizes = 2 * self.speeds * self.uncertainties / self.conditions
+        return float(sizes[alone].max(initial=0.0))
 
 
 def _parts(norm: EnergyNorm, vectors: Complexes) -> Floats:
@@ -61,13 +106,3 @@ def _parts(norm: EnergyNorm, vectors: Complexes) -> Floats:
     lengths = np.hypot(norm.lengths(real), of_imaginary)
     turning = of_imaginary > np.finfo(float).eps * lengths
     return np.hstack([real / lengths, (imaginary / lengths)[:, turning]])
-
-
-def rounding_of(modes: Modes) -> float:
-    """What errors of a full solve come to for kappa of condition one (1/s^2), at most.
-
-    Modes near a coalescence, whose uncertainty is that of a cluster, tell nothing of it.
-    """
-    alone = modes.conditions < _ALONE
-    sizes = 2 * modes.speeds * modes.growth_uncertainties / modes.conditions
-    return float(sizes[alone].max(initial=0.0))

@@ -14,17 +14,7 @@ _PASSES = 6
 class Span:
     """An X-orthonormal basis of the span of all blocks it was given.
 
-    Parameters
-    ----------
-    norm
-        X.
-    tolerance
-        Part of a block, relative to its longest vector, that is left out.
-
-    Attributes
-    ----------
-    vectors
-        The basis, the rows of this rank, shape (n_local, size).
+    A part of a block is left out: ``tolerance``, relative to its longest vector.
     """
 
     def __init__(self, norm: InnerProduct, tolerance: float) -> None:
@@ -40,27 +30,14 @@ class Span:
     def add(
         self, block: Floats, image: Floats | None = None, allowed: float = 0.0
     ) -> tuple[Floats, float]:
-        """Take the span of a block in.
+        """Take the span of a block in, whose image X times it may be known.
 
-        Products with X and with the basis cost more than all else, so there are few: of the block
-        where its image is not known, of what is left of it in each pass, and of the vectors that
-        are new. The first pass, of the whole block, leaves the part in the span that rounding puts
-        back to the new vectors: it is small beside directions that are resolved.
-
-        Parameters
-        ----------
-        block
-            Vectors, the rows of this rank, shape (n_local, columns).
-        image
-            X times these, where it is known.
-        allowed
-            Length of what may be left out even where the block is short.
-
-        Returns
-        -------
-        tuple
-            Coordinates of the block in the basis, shape (size, columns), and the norm of what was
-            left out of it, as an operator on unit coefficients.
+        Products with X and with the basis cost more than all else, so there are few: of what is
+        left of the block in each pass, and of the vectors that are new. The first pass leaves the
+        part in the span that rounding puts back to the new vectors: it is small beside directions
+        that are resolved. Vectors shorter than ``allowed`` may be left out. Coordinates of the
+        block in the basis are given, and the norm of what was left out of it, as an operator on
+        unit coefficients.
         """
         image = self.norm.image(block) if image is None else image
         longest = float(self.norm.lengths(block, image).max(initial=0.0))
@@ -85,10 +62,6 @@ class Span:
                 break
         fresh = self.norm.inner(self.vectors[:, before:], image)
         return np.vstack([known, fresh]), size
-
-    def restore(self, vectors: Floats) -> None:
-        """Take over vectors that are X-orthonormal to those that are there."""
-        self._grow(vectors)
 
     def _outside(self, block: Floats) -> tuple[Floats, Floats]:
         """A block less its part in the span, and W^T X W of what is left.

@@ -1,35 +1,28 @@
-"""Eigenvalues of a reduced model, with bounds on how far they are from those of the pencil.
+"""Eigenvalues of a reduced model up to the end of a window and its margin, with their bounds.
 
-A window and its margin are known to a basis; what lies in the margin helps to judge the rest. For a
-right vector x and a left vector y of the reduced model, of M-norm one, with residuals r and s,
-
-    |kappa - kappa_pencil| <= c g |r| |s|,    c = 1 / |y^H M x|,
-
-norms in X^-1. It is of second order because r and s vanish on the basis (Galerkin). The factor g
-stands for the inverse of the pencil outside of the basis, where no eigenvalue lies below the end
-kappa_m of the margin: g = (kappa_m + s) / (kappa_m - Re kappa), taken twice. Friction adds to that
-inverse what no factor bounds beforehand; full solves test it (:mod:`cea.reduced.greedy`).
+Undamped, the inverse of the shifted stiffness is solved for 1 / (kappa + s); damped, the companion
+form inverted about a real shift of growth. What lies in the margin helps to judge the rest.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.classify import Word, cannot_grow, classify, thresholds
 from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
-from cea.reduced.certificate import Certificate, certify
-from cea.reduced.products import real_times
-from cea.reduced.residuals import Residuals
-from cea.reduced.rounding import Rounding
+from cea.reduced.certificate import Certifier, Pairs, Residuals, Rounding
 from cea.reduced.saddle import Inverse, Saddle
 
 MARGIN = 1.15
 """Frequency up to which eigenvectors are taken into a basis, relative to the end of the window."""
 _FURTHER = 0.05
 """Decay beyond that of the window, relative to its end, down to which they are."""
+_BELOW = 0.05
+"""Part of the window below the real axis whose eigenvalues help to judge those next to it."""
 _SAFETY = 2.0
 """Factor on the inverse outside of the basis."""
 
@@ -38,22 +31,20 @@ _SAFETY = 2.0
 class Settings:
     """What bounds are made with.
 
-    Parameters
-    ----------
-    max_frequency
-        Upper end of the window (Hz).
-    shift
-        s (1/s^2) of the energy norm.
-    safety
-        Factor on the inverse outside of the basis.
-    decay
-        Decay (1/s) down to which eigenvalues of damped pencils are in the window.
+    Upper end of the window (Hz), shift s (1/s^2) of the energy norm, factor on the inverse outside
+    of the basis, decay (1/s) down to which damped eigenvalues are in the window, infinite without
+    damping.
     """
 
     max_frequency: float
     shift: float
     safety: float = _SAFETY
     decay: float = np.inf
+
+    @property
+    def damped(self) -> bool:
+        """Whether z is lambda rather than kappa."""
+        return self.decay < np.inf
 
     @property
     def end(self) -> float:
@@ -69,67 +60,61 @@ class Settings:
         """Which eigenvalues lambda, Im lambda >= 0, the window holds."""
         return (eigenvalues.imag <= self.end) & (eigenvalues.real >= -self.decay)
 
-    def outside(self, kappa: Complexes) -> Floats:
-        """G of eigenvalues, shape (n,): infinite at the end of the margin."""
-        top = (MARGIN * self.end) ** 2
-        room = top - np.minimum(kappa.real, self.end**2)
-        return self.safety * (top + self.shift) / room
+    def outside(self, z: Complexes) -> Floats:
+        """The factor g for the inverse of the pencil outside of the basis, shape (n,).
 
-    def outside_damped(self, eigenvalues: Complexes) -> Floats:
-        """G of eigenvalues lambda of a damped pencil, shape (n,).
-
-        Modes that decay faster than the basis reaches are outside of it too. Where one has the
-        frequency of an eigenvalue, P on it is about 2 |lambda| times their distance.
+        Outside no eigenvalue lies below the end kappa_m of the margin: g = (kappa_m + s) /
+        (kappa_m - Re kappa), taken twice. Friction adds to that inverse what no factor bounds
+        beforehand; full solves test it. Modes that decay faster than the basis reaches are
+        outside of it too: where one has the frequency of an eigenvalue, P on it is about
+        2 |lambda| times their distance.
         """
-        speeds = np.abs(eigenvalues)
-        room = self.reach + np.maximum(eigenvalues.real, -self.decay)
+        kappa = -(z**2) if self.damped else z
+        top = (MARGIN * self.end) ** 2
+        of_margin = self.safety * (top + self.shift) / (top - np.minimum(kappa.real, self.end**2))
+        if not self.damped:
+            return of_margin
+        speeds, room = np.abs(z), self.reach + np.maximum(z.real, -self.decay)
         decaying = (speeds**2 + self.shift) / np.maximum(2 * speeds, SLOW * self.end) / room
-        return np.maximum(self.outside(-(eigenvalues**2)), self.safety * decaying)
+        return np.maximum(of_margin, self.safety * decaying)
 
 
 @dataclass(frozen=True)
 class ReducedSpectrum:
-    """Eigenvalues of a window, by rising frequency.
+    """Eigenvalues of a window and its margin, by rising frequency.
 
-    Parameters
-    ----------
-    kappa
-        -lambda^2 (1/s^2), shape (n,).
-    eigenvalues
-        lambda (1/s), Im lambda >= 0, shape (n,).
-    right, left
-        Coordinates of their vectors, shape (k, n), of M-norm one.
-    certificate
-        Bounds on their errors.
-    settings
-        What they were made with.
-    forces, left_forces
-        Coordinates of their contact forces, shape (m, n).
+    kappa (1/s^2), or lambda (1/s) of damped pencils, as z, and lambda with Im lambda >= 0;
+    coordinates of their vectors of M-norm one and of their contact forces; bounds on the errors of
+    z (:class:`cea.reduced.certificate.Certificate`).
     """
 
-    kappa: Complexes
+    settings: Settings
+    z: Complexes
     eigenvalues: Complexes
     right: Complexes
     left: Complexes
-    certificate: Certificate
-    settings: Settings
     forces: Complexes
     left_forces: Complexes
+    errors: Floats
+    means: Floats
+    reduction: Floats
+    clusters: Ints
+    slopes: Floats
+
+    @classmethod
+    def empty(cls, settings: Settings) -> "ReducedSpectrum":
+        """What a basis without vectors knows."""
+        none, vectors = np.empty(0, dtype=complex), np.empty((0, 0), dtype=complex)
+        real, clusters = np.empty(0), np.empty(0, dtype=np.int64)
+        of_modes = (real, real, real, clusters, real)
+        return cls(settings, none, none, vectors, vectors, vectors, vectors, *of_modes)
 
     def __len__(self) -> int:
-        return len(self.kappa)
+        return len(self.z)
 
     def __getitem__(self, modes: Ints) -> "ReducedSpectrum":
-        return ReducedSpectrum(
-            self.kappa[modes],
-            self.eigenvalues[modes],
-            self.right[:, modes],
-            self.left[:, modes],
-            self.certificate[modes],
-            self.settings,
-            self.forces[:, modes],
-            self.left_forces[:, modes],
-        )
+        arrays = {each.name: getattr(self, each.name)[..., modes] for each in fields(self)[1:]}
+        return replace(self, **arrays)
 
     @property
     def window(self) -> "ReducedSpectrum":
@@ -149,7 +134,21 @@ class ReducedSpectrum:
     @property
     def uncertainties(self) -> Floats:
         """Bounds on errors of lambda (1/s), shape (n,)."""
-        return uncertainties_of(self.eigenvalues, self.certificate.errors)
+        if self.settings.damped:
+            return self.errors
+        return uncertainties_of(self.eigenvalues, self.errors)
+
+    @property
+    def mean_errors(self) -> Floats:
+        """Bounds on errors of the means of clusters, of lambda relative to its speed, (n,)."""
+        return self.means * self._relative
+
+    @property
+    def conditions(self) -> Floats:
+        """Condition numbers of kappa in the M-norm, shape (n,)."""
+        if self.settings.damped:
+            return np.maximum(2 * np.abs(self.z) * self.slopes, 1.0)
+        return self.slopes
 
     @property
     def worst(self) -> float:
@@ -157,7 +156,7 @@ class ReducedSpectrum:
 
         Rounding is left aside: a larger basis does not help against it.
         """
-        return self._largest(self.certificate.reduction)
+        return self._largest(self.reduction)
 
     @property
     def bound(self) -> float:
@@ -165,16 +164,26 @@ class ReducedSpectrum:
 
         Infinite where there is no basis.
         """
-        return self._largest(self.certificate.means)
+        return self._largest(self.means)
+
+    @property
+    def _relative(self) -> Floats:
+        """What takes errors of z to those of lambda relative to its speed."""
+        return 1 / self.speeds if self.settings.damped else 1 / (2 * self.speeds**2)
 
     def _largest(self, errors: Floats) -> float:
         if not len(self.right):
             return np.inf
-        return float((errors / (2 * self.speeds**2))[self.inside].max(initial=0.0))
+        return float((errors * self._relative)[self.inside].max(initial=0.0))
 
-    def lifted(self, axes: Floats) -> "ReducedSpectrum":
-        """With coordinates in the basis that a local one was taken from."""
-        return replace(self, right=real_times(axes, self.right), left=real_times(axes, self.left))
+    def words(self, threshold: float | None) -> list[Word]:
+        """A word for each mode, whose error is its bound, with a limit of growth (1/s)."""
+        values, bounds = self.eigenvalues, self.uncertainties
+        bounded = np.zeros(len(values), dtype=bool)
+        if not self.settings.damped:
+            bounded = cannot_grow(self.z, self.errors, symmetric=False)
+        limits, rigid = thresholds(values, threshold), np.abs(values) <= bounds
+        return classify(values.real, bounds, limits, bounded, rigid)
 
 
 def upper_root(kappa: Complexes) -> Complexes:
@@ -185,54 +194,87 @@ def upper_root(kappa: Complexes) -> Complexes:
 
 def reduced_spectrum(
     stiffness: Residuals,
+    damping: Residuals | None,
     mass: Residuals,
     settings: Settings,
     rounding: Rounding,
     saddle: Saddle | None,
 ) -> ReducedSpectrum:
-    """Eigenvalues of a window and its margin.
-
-    Parameters
-    ----------
-    stiffness, mass
-        The reduced matrices.
-    settings
-        What bounds are made with.
-    rounding
-        What rounding does to eigenvalues.
-    saddle
-        Contacts whose forces are unknowns.
-    """
-    k, M = len(mass.square), mass.square
-    if not k:
-        return without_a_basis(settings)
+    """Eigenvalues of a window and its margin; ``damping`` is None without it."""
+    K, M, k = stiffness.square, mass.square, len(mass.square)
     root = np.linalg.cholesky(M)
-    inverse = Inverse(stiffness.square + settings.shift * M, saddle)
-    theta, left, right = eig(root.T @ inverse(root), left=True, right=True)
-    with np.errstate(divide="ignore"):
-        kappa = 1 / theta - settings.shift
-    eigenvalues = upper_root(kappa)
-    order = np.lexsort((eigenvalues.real, eigenvalues.imag))
-    order = order[eigenvalues.imag[order] <= MARGIN * settings.end]
-    kappa, eigenvalues = kappa[order], eigenvalues[order]
-    right = solve_triangular(root, right[:, order], lower=True, trans="T")
-    left = solve_triangular(root, left[:, order], lower=True, trans="T")
+    if damping is None:
+        pairs = _undamped(K, M, root, settings, saddle)
+        eigenvalues, scale = upper_root(pairs.values), 1.0
+    else:
+        pairs = _damped(K, damping.square, M, root, settings, saddle)
+        eigenvalues, scale = pairs.values, settings.end
     if saddle is not None:
-        speeds = kappa + settings.shift
-        right = inverse.extended(right, M @ right * speeds)
-        left = inverse.extended_left(left, M @ left * speeds.conj())
         stiffness, mass = saddle.with_stiffness(stiffness), saddle.beside(mass)
-    outside = settings.outside(kappa)
-    certificate = certify(kappa, right, left, stiffness, mass, outside, rounding)
-    vectors = right[:k], left[:k]
-    return ReducedSpectrum(kappa, eigenvalues, *vectors, certificate, settings, right[k:], left[k:])
-
-
-def without_a_basis(settings: Settings) -> ReducedSpectrum:
-    """What a basis without vectors knows."""
-    none, vectors = np.empty(0), np.empty((0, 0), dtype=complex)
-    certificate = Certificate(none, none, none, np.empty(0, dtype=np.int64), none)
-    nothing = none.astype(complex)
-    return ReducedSpectrum(
-        nothing, nothing, vectors, vectors, certificate, settings, vectors, vectors
+        damping = None if damping is None else saddle.beside(damping)
+    certifier = Certifier(stiffness, damping, mass, rounding, scale)
+    told = certifier.certificate(pairs, settings.outside(pairs.values))
+    found = ReducedSpectrum(
+        settings,
+        pairs.values,
+        eigenvalues,
+        *(pairs.right[:k], pairs.left[:k], pairs.right[k:], pairs.left[k:]),
+        *(told.errors, told.means, told.reduction),
+        told.clusters,
+        told.slopes,
     )
+    return found if damping is None else found[np.flatnonzero(eigenvalues.imag >= 0)]
+
+
+def _undamped(
+    K: Floats, M: Floats, root: Floats, settings: Settings, saddle: Saddle | None
+) -> Pairs:
+    """Eigenpairs by the inverse of K + s M."""
+    shift = settings.shift
+    inverse = Inverse(K + shift * M, saddle)
+    operator = root.T @ inverse(root)
+    theta, duals, states = eig(operator, left=True, right=True)
+    with np.errstate(divide="ignore"):
+        kappa = 1 / theta - shift
+    speeds = upper_root(kappa)
+    order = np.lexsort((speeds.real, speeds.imag))
+    order = order[speeds.imag[order] <= MARGIN * settings.end]
+    kappa, states, duals = kappa[order], states[:, order], duals[:, order]
+    right = solve_triangular(root, states, lower=True, trans="T")
+    left = solve_triangular(root, duals, lower=True, trans="T")
+    loads = M @ right * (kappa + shift), M @ left * (kappa + shift).conj()
+    right, left = inverse.extended(right, loads[0]), inverse.extended_left(left, loads[1])
+    return Pairs(kappa, right, left, states, duals, operator, -shift)
+
+
+def _damped(
+    K: Floats, D: Floats, M: Floats, root: Floats, settings: Settings, saddle: Saddle | None
+) -> Pairs:
+    """Eigenpairs by the companion form, inverted about a real shift of growth."""
+    k, shift, scale = len(K), np.sqrt(settings.shift), settings.end
+    inverse_of = Inverse(shift**2 * M + shift * D + K, saddle)
+    one = np.eye(k)
+    half = solve_triangular(root, D, lower=True)
+    drag = solve_triangular(root, half.T, lower=True).T  # L^-1 D L^-T
+    inverse = root.T @ inverse_of(root @ np.hstack([drag + shift * one, one]))
+    of_motion, of_speed = -inverse[:, :k], -scale * inverse[:, k:]
+    operator = np.block(
+        [[of_motion, of_speed], [(one + shift * of_motion) / scale, shift * of_speed / scale]]
+    )
+    mu, duals, states = eig(operator, left=True, right=True)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        values = shift + 1 / mu
+    order = np.lexsort((values.real, values.imag))
+    inside = (values.imag >= -_BELOW * scale) & (values.imag <= MARGIN * scale)
+    inside &= np.isfinite(values) & (values.real >= -settings.reach)
+    order = order[inside[order]]
+    values, states, duals = values[order], states[:, order], duals[:, order]
+    states = states / np.linalg.norm(states[:k], axis=0)
+    duals = duals / np.linalg.norm(duals[k:], axis=0)
+    right = solve_triangular(root, states[:k], lower=True, trans="T")
+    left = solve_triangular(root, duals[k:], lower=True, trans="T")
+    back = values.conj()
+    load = M @ right * (shift**2 - values**2) + D @ right * (shift - values)
+    left_load = M @ left * (shift**2 - back**2) + D.T @ left * (shift - back)
+    right, left = inverse_of.extended(right, load), inverse_of.extended_left(left, left_load)
+    return Pairs(values, right, left, states, duals, operator, shift)

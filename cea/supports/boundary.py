@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats
-from cea.checks import check_surface
 from cea.errors import InputError
+from cea.suggestions import did_you_mean
 from cea.supports.frames import Cartesian, Cylindrical, Frame
 
 _CARTESIAN = Cartesian()
@@ -205,3 +205,11 @@ def check_boundary(
     for number, force in enumerate(forces):
         if len(force.value) != dim:
             raise InputError(f"{field}.forces[{number}].value", force.value, f"{dim} components")
+
+
+def check_surface(name: str, known: Iterable[str], field: str) -> None:
+    """Refuse a surface that does not exist."""
+    names = list(known)
+    if name not in names:
+        there = ", ".join(names) or "none: no surface is named"
+        raise InputError(field, name, f"one of {there}{did_you_mean(name, names)}")

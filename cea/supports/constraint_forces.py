@@ -30,17 +30,11 @@ from cea.supports.directions import Directions, orthonormal
 
 @dataclass(frozen=True)
 class RowForces:
-    """Forces of projected constraints.
+    """Forces of projected constraints."""
 
-    Parameters
-    ----------
-    anchors
-        T: displacement of the dofs along the anchors of the rows, shape (dim * m, rows).
-    shares
-        The part of C of each support, shape (rows, dim * m); C is their sum.
-    """
-
+    # T: displacement of the dofs along the anchors of the rows, shape (dim * m, rows)
     anchors: csr_array
+    # the part of C of each support, shape (rows, dim * m); C is their sum
     shares: Mapping[int, csr_array]
 
     @property
@@ -61,47 +55,22 @@ class RowForces:
 
 @dataclass(frozen=True)
 class ConstraintForces:
-    """How the forces of the constraints of a body are divided among its supports.
+    """How the forces of the constraints of a body are divided among its supports."""
 
-    Parameters
-    ----------
-    span
-        Orthonormal rows that single directions span at each of the m dofs with a constraint, zero
-        beyond their number, shape (m, dim, dim).
-    owner, support
-        Dof, from 0 to m - 1, and support of each space V_s, shape (n,).
-    projector
-        P_s, shape (n, dim, dim).
-    rows
-        Forces of projected constraints; None without any.
-    """
-
+    # orthonormal rows that single directions span at each of the m dofs with a constraint, zero
+    # beyond their number, shape (m, dim, dim)
     span: Floats
+    # dof, from 0 to m - 1, and support of each space V_s, shape (n,)
     owner: Ints
     support: Ints
-    projector: Floats
-    rows: RowForces | None = None
+    projector: Floats  # P_s, shape (n, dim, dim)
+    rows: RowForces | None = None  # forces of projected constraints; None without any
 
     @classmethod
     def of(
         cls, held: Directions, owner: Ints, taken: Floats, slot: Ints, rows: RowForces | None
     ) -> "ConstraintForces":
-        """The division where single directions are held.
-
-        Parameters
-        ----------
-        held
-            The directions.
-        owner
-            Dof of each, from 0 to m - 1.
-        taken
-            Orthonormal rows that all constraints were made, those of held directions first, shape
-            (m, dim, dim).
-        slot
-            Row that each direction became, -1 where it depends on those before it.
-        rows
-            Forces of projected constraints; None without any.
-        """
+        """The division where single directions are held."""
         count, dim = taken.shape[:2]
         number = np.bincount(owner[slot >= 0], minlength=count)
         span = np.where(np.arange(dim)[:, None] < number[:, None, None], taken, 0.0)
@@ -117,15 +86,7 @@ class ConstraintForces:
         return cls(span, spaces[:, 0], spaces[:, 1], projector, rows)
 
     def split(self, force: Floats, supports: int) -> Floats:
-        """Forces of each support (N), shape (supports, m, dim).
-
-        Parameters
-        ----------
-        force
-            Their sum at the dofs with a constraint, shape (m, dim).
-        supports
-            Number of supports.
-        """
+        """Forces of each support (N), shape (supports, m, dim)."""
         parts = np.zeros((supports, *force.shape))
         if self.rows is not None:
             for support, part in self.rows.split(force).items():

@@ -7,8 +7,8 @@ free directions B, directions T solved for, and held ones, so that u = B v + T s
 
     C T s + C B v = 0,    u = (B - T (C T)^-1 C B) v = Z v.
 
-Where supports prescribe values, d . u_i = g and C u = c, a displacement u_D is added to that
-(:mod:`cea.supports.prescribed`).
+Where supports prescribe values, d . u_i = g and C u = c, a displacement u_D is added to that, zero
+but at held dofs, and the equilibrium of the free dofs is Z^T K Z v = Z^T F - Z^T K u_D.
 
 They are eliminated in :mod:`cea.supports.elimination`. Every rank holds all constraints: there are
 as many as a surface has dofs.
@@ -30,36 +30,18 @@ from cea.supports.constraint_forces import ConstraintForces
 
 @dataclass(frozen=True)
 class Constraints:
-    """What the supports of a body leave free.
+    """What the supports of a body leave free."""
 
-    Parameters
-    ----------
-    dim
-        Dimension of space.
-    num_scalar_dofs
-        Scalar dofs of the body.
-    dofs
-        Scalar dofs with a constraint, rising, shape (m,).
-    removed
-        Unknowns lost at each of them, shape (m,).
-    rows
-        Their displacement components from the free unknowns, shape (dim * m, free unknowns).
-    frame
-        The same without what dependent dofs add: B at each of them.
-    forces
-        How the forces of the constraints are divided among the supports.
-    prescribed
-        Displacement components of theirs that are prescribed (m), shape (dim * m,); None where all
-        is held at zero.
-    """
-
-    dim: int
-    num_scalar_dofs: int
-    dofs: Ints
-    removed: Ints
+    dim: int  # dimension of space
+    num_scalar_dofs: int  # scalar dofs of the body
+    dofs: Ints  # scalar dofs with a constraint, rising, shape (m,)
+    removed: Ints  # unknowns lost at each of them, shape (m,)
+    # their displacement components from the free unknowns, shape (dim * m, free unknowns)
     rows: csr_array
-    frame: csr_array
-    forces: ConstraintForces
+    frame: csr_array  # the same without what dependent dofs add: B at each of them
+    forces: ConstraintForces  # how the forces of the constraints are divided among the supports
+    # displacement components of theirs that are prescribed (m), shape (dim * m,); None where all
+    # is held at zero
     prescribed: Floats | None = None
 
     @property
@@ -84,39 +66,8 @@ class Constraints:
         """Number of the first free unknown at each scalar dof, or of the next one."""
         return first_free_at(self.dim, self.dofs, self.removed, dofs)
 
-    def numbers(self, dofs: Ints) -> Ints:
-        """Free unknown of each component of scalar dofs, -1 where held; supports must select.
-
-        Parameters
-        ----------
-        dofs
-            Scalar dofs, shape (n,), any order.
-
-        Returns
-        -------
-        ndarray
-            Rising along each row, but for those held, shape (n, dim).
-        """
-        found = self.first_free(dofs)[:, None] + np.arange(self.dim)
-        if not self.any:
-            return found
-        at_held = np.full(len(self.dofs) * self.dim, -1, dtype=np.int64)
-        at_held[np.diff(self.rows.indptr) > 0] = self.rows.indices
-        place = np.minimum(np.searchsorted(self.dofs, dofs), len(self.dofs) - 1)
-        held = self.dofs[place] == dofs
-        found[held] = at_held.reshape(-1, self.dim)[place[held]]
-        return found
-
     def expansion(self, first: int, last: int, comm: Any) -> Any:
-        """Z, PETSc AIJ (full x free).
-
-        Parameters
-        ----------
-        first, last
-            Scalar dofs of this rank; its free unknowns are those at them.
-        comm
-            MPI communicator.
-        """
+        """Z, PETSc AIJ (full x free)."""
         local = self._local(self.rows, first, last)
         starts, stops = self.first_free(np.array([first, last]))
         return distributed(local, (int(stops - starts), local.shape[1]), comm)
@@ -125,30 +76,12 @@ class Constraints:
         """B of the scalar dofs of a rank: their displacement from the free unknowns at them.
 
         B^T B = I, and B^T u gives the free unknowns of a displacement u that the supports admit.
-
-        Parameters
-        ----------
-        first, last
-            Scalar dofs of the rank.
-
-        Returns
-        -------
-        csr_array
-            Shape (dim * (last - first), free unknowns at these dofs).
         """
         starts, stops = self.first_free(np.array([first, last]))
         return csr_array(self._local(self.frame, first, last)[:, int(starts) : int(stops)])
 
     def _local(self, rows: csr_array, first: int, last: int) -> csr_array:
-        """Displacement of the scalar dofs of a rank from all free unknowns.
-
-        Parameters
-        ----------
-        rows
-            That of all dofs with a constraint.
-        first, last
-            Scalar dofs of the rank.
-        """
+        """Displacement of the scalar dofs of a rank from all free unknowns."""
         dim = self.dim
         held = slice(*np.searchsorted(self.dofs, [first, last]))
         plain = np.setdiff1d(np.arange(first, last), self.dofs[held], assume_unique=True)
@@ -168,15 +101,7 @@ class Constraints:
         return csr_array(coo_array(entries, shape=(size, rows.shape[1])))
 
     def prescribed_displacement(self, first: int, last: int, expansion: Any) -> Any | None:
-        """u_D, PETSc vector (full), m; None where all is held at zero.
-
-        Parameters
-        ----------
-        first, last
-            Scalar dofs of this rank.
-        expansion
-            Z, PETSc AIJ (full x free).
-        """
+        """u_D, PETSc vector (full), m; None where all is held at zero."""
         if self.prescribed is None:
             return None
         held = slice(*np.searchsorted(self.dofs, [first, last]))
@@ -193,13 +118,6 @@ class Constraints:
         """Z^T A Z of a symmetric matrix, symmetric as far as rounding goes.
 
         Plain components are picked from the matrix; the product is formed only for others.
-
-        Parameters
-        ----------
-        matrix
-            A, PETSc AIJ (full x full).
-        expansion
-            Z, PETSc AIJ (full x free).
         """
         if not self.any:
             return matrix
@@ -216,19 +134,7 @@ class Constraints:
 
 
 def first_free_at(dim: int, held: Ints, removed: Ints, dofs: Ints) -> Ints:
-    """Number of the first free unknown at scalar dofs, or of the next one.
-
-    Parameters
-    ----------
-    dim
-        Dimension of space.
-    held
-        Scalar dofs with a constraint, rising.
-    removed
-        Unknowns lost at each of them.
-    dofs
-        The scalar dofs that are asked for.
-    """
+    """Number of the first free unknown at scalar dofs, or of the next one."""
     before = np.concatenate([[0], np.cumsum(removed)])
     return dim * dofs - before[np.searchsorted(held, dofs)]
 

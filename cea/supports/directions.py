@@ -16,23 +16,12 @@ _ALIGNED = 1e-12
 
 @dataclass(frozen=True)
 class Directions:
-    """Directions at scalar dofs; a dof may appear several times.
+    """Directions at scalar dofs; a dof may appear several times."""
 
-    Parameters
-    ----------
-    dof
-        Scalar dofs, shape (n,).
-    direction
-        Unit directions there, shape (n, dim).
-    value
-        Displacement along each (m), shape (n,); None of zero.
-    support
-        Number of the support that holds each, shape (n,); None where all belong to the first.
-    """
-
-    dof: Ints
-    direction: Floats
-    value: Floats | None = None
+    dof: Ints  # scalar dofs, shape (n,)
+    direction: Floats  # unit directions there, shape (n, dim)
+    value: Floats | None = None  # displacement along each (m), shape (n,); None of zero
+    # number of the support that holds each, shape (n,); None where all belong to the first
     support: Ints | None = None
 
     def __len__(self) -> int:
@@ -64,20 +53,7 @@ class Directions:
 
 
 def merged(entries: Directions, cosine: float) -> Ints:
-    """Label of each entry, the same for entries of one dof whose directions are near.
-
-    Parameters
-    ----------
-    entries
-        Directions at dofs.
-    cosine
-        Least cosine between directions that count as one.
-
-    Returns
-    -------
-    ndarray
-        Labels 0, 1, ..., shape (n,). Each group of a dof is gathered about its first entry.
-    """
+    """Label of each entry, the same for entries of one dof whose directions are near."""
     label = np.full(len(entries), -1)
     waiting = np.arange(len(entries))
     count = 0
@@ -94,26 +70,7 @@ def merged(entries: Directions, cosine: float) -> Ints:
 
 
 def orthonormal(owner: Ints, direction: Floats, count: int) -> tuple[Floats, Ints, Ints]:
-    """Gram-Schmidt at each owner, its entries in order.
-
-    Parameters
-    ----------
-    owner
-        Owner of each entry, 0 to count - 1, shape (n,).
-    direction
-        Unit directions, shape (n, dim).
-    count
-        Number of owners.
-
-    Returns
-    -------
-    vectors : ndarray
-        Orthonormal rows, zero beyond the rank, shape (count, dim, dim).
-    rank : ndarray
-        Shape (count,).
-    slot : ndarray
-        Row that each entry became, -1 where it depends on those before it.
-    """
+    """Gram-Schmidt at each owner, its entries in order."""
     dim = direction.shape[1]
     vectors, rank = np.zeros((count, dim, dim)), np.zeros(count, dtype=np.int64)
     slot = np.full(len(owner), -1)
@@ -140,11 +97,6 @@ def complement(taken: Floats) -> Floats:
 
     Where they span coordinate axes the rest is exactly the other axes, in their order, so that
     plain components stay plain.
-
-    Parameters
-    ----------
-    taken
-        Orthonormal rows, zero beyond the rank, shape (n, dim, dim).
     """
     dim = taken.shape[1]
     frame = np.linalg.svd(taken)[2]

@@ -12,7 +12,6 @@ from cea.errors import InputError
 from cea.supports.constraint_forces import ConstraintForces, RowForces
 from cea.supports.constraints import Constraints, components, first_free_at
 from cea.supports.directions import Directions, complement, orthonormal
-from cea.supports.prescribed import held_displacement
 
 _NEGLIGIBLE = 1e-14
 """Coefficients dropped; those of dependent dofs fall exponentially with distance."""
@@ -20,26 +19,22 @@ _NEGLIGIBLE = 1e-14
 _LARGEST = 1e6
 """Coefficient of a dependent dof beyond which its constraints contradict each other."""
 
+_SAME = 1e-9
+"""Difference of prescribed values, relative to the largest, that is taken for rounding."""
+
 _CHUNK_BYTES = 64 * 2**20
 
 
 @dataclass(frozen=True)
 class ProjectedConstraints:
-    """Rows of C u = 0, each with the dof and direction it is to be solved for.
+    """Rows of C u = 0, each with the dof and direction it is to be solved for."""
 
-    Parameters
-    ----------
-    anchor
-        One dof and direction for each row. A row whose direction is held there already is dropped.
-    shares
-        Coefficients by the number of the support that they are of, shape (rows,
-        dim * num_scalar_dofs) each, which add up to C; they touch anchored dofs only.
-    right
-        c of C u = c, shape (rows,), where anchors have values; None of zero.
-    """
-
+    # one dof and direction for each row. A row whose direction is held there already is dropped
     anchor: Directions
+    # coefficients by the number of the support that they are of, shape (rows, dim *
+    # num_scalar_dofs) each, which add up to C; they touch anchored dofs only
     shares: Mapping[int, csr_array]
+    # c of C u = c, shape (rows,), where anchors have values; None of zero
     right: Floats | None = None
 
 
@@ -80,7 +75,7 @@ def constrain(
     values = None
     place = slice(len(held))
     if held.value is not None:
-        values = held_displacement(held, owner[place], taken, slot[place], field).ravel()
+        values = _held_displacement(held, owner[place], taken, slot[place], field).ravel()
     solved = np.flatnonzero(slot[len(held) :] >= 0)
     rows = None
     if projected and len(solved):
@@ -153,3 +148,31 @@ def _contradiction(field: str) -> InputError:
         "directions that turn along a surface, beside others held at its edge",
         "at such an edge, directions that differ everywhere or agree everywhere",
     )
+
+
+def _held_displacement(
+    held: Directions, owner: Ints, taken: Floats, slot: Ints, field: str
+) -> Floats:
+    """Displacement of dofs that are held at values along directions, shape (dofs, dim)."""
+    along = np.einsum("nki,ni->nk", taken[owner], held.direction)
+    amount = np.zeros(taken.shape[:2])
+    for k in range(taken.shape[1]):
+        new = np.flatnonzero(slot == k)
+        before = np.einsum("nj,nj->n", along[new, :k], amount[owner[new], :k])
+        amount[owner[new], k] = (held.values[new] - before) / along[new, k]
+    _check_values(held, owner, taken, along, amount, field)
+    return np.einsum("nk,nki->ni", amount, taken)
+
+
+def _check_values(
+    held: Directions, owner: Ints, taken: Floats, along: Floats, amount: Floats, field: str
+) -> None:
+    """Refuse values that contradict each other, as far as their directions are the same."""
+    spanned = np.einsum("nk,nki->ni", along, taken[owner])
+    sine = np.linalg.norm(held.direction - spanned, axis=1)
+    wrong = np.abs(held.values - np.einsum("nk,nk->n", along, amount[owner]))
+    largest = np.abs(held.values).max(initial=0.0)
+    if len(wrong) and (wrong > (_SAME + 4 * sine) * largest).any():
+        value = float(held.values[np.argmax(wrong)])
+        allowed = "the value of the other supports that hold the same component at an edge"
+        raise InputError(f"{field}.value", value, allowed)

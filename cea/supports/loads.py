@@ -13,24 +13,7 @@ from cea.surface import Surface
 
 
 def foundation(surface: Surface, spring: Spring, own: slice, comm: Any) -> Any:
-    """Matrix of a spring: int k_c phi_m phi_n on the diagonal of components c.
-
-    Parameters
-    ----------
-    surface
-        Its surface.
-    spring
-        The spring.
-    own
-        Full dofs of this rank.
-    comm
-        MPI communicator.
-
-    Returns
-    -------
-    PETSc.Mat
-        AIJ matrix (full x full), N/m, symmetric to the last bit.
-    """
+    """Matrix of a spring: int k_c phi_m phi_n on the diagonal of components c."""
     points = surface.gauss_points(surface.cells().degree + 1)
     scaled = diags_array(np.sqrt(points.weight)) @ surface.trace(points.at)
     scalar = csr_array(scaled.T @ scaled)
@@ -45,17 +28,7 @@ def surface_forces(
     forces: Sequence[Force],
     shape: tuple[int, int],
 ) -> Floats:
-    """Forces of loads on surfaces on all scalar dofs (N); those on every part are left out.
-
-    Parameters
-    ----------
-    surfaces
-        All surfaces of the body by name.
-    pressures, forces
-        Its loads.
-    shape
-        Scalar dofs of the body, and dimension of space.
-    """
+    """Forces of loads on surfaces on all scalar dofs (N); those on every part are left out."""
     total = np.zeros(shape)
     for pressure in pressures:
         surface = surfaces[pressure.surface]

@@ -2,38 +2,60 @@
 
 By the path of the body in a scene, ``bodies.<name>``, the parameters are ``.material.E`` and
 ``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``; modal damping has its own.
+
+Damping that rotates with its body makes of displacements at rest in space, with B = int rho v . R u
+of the rotation (:mod:`cea.rotation`), the pieces of the stiffness
+
+    alpha Omega B,    beta Omega K M^-1 B,    Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T,
+
+the last two full (:mod:`cea.eigen.unformed`). K is without the springs of the body, which stay
+where they are in space.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
+from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping, RayleighDamping
+from cea.eigen.blocks import image_of
 from cea.eigen.parameters import Coefficient, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
-from cea.petsc import Mat
+from cea.eigen.unformed import Circulatory, CirculatoryTerm, LowRankTerm
+from cea.matrices import (
+    block_diagonal,
+    destroy,
+    distributed,
+    identity,
+    one_below_the_other,
+    scaled_total,
+    side_by_side,
+    zeros,
+)
+from cea.petsc import Mat, PETSc
+from cea.ranks import local_rows
 from cea.rotation import Rotation
+
+if TYPE_CHECKING:  # brought in where modes are damped
+    from cea.system.modal_damping import DampedModes
+
+
+type Size = tuple[int, int]
+"""Rows or columns of this rank and of all ranks."""
 
 
 @dataclass(frozen=True)
 class Motion:
-    """What acts on the velocities of a body.
+    """What acts on the velocities of a body."""
 
-    Parameters
-    ----------
-    damping
-        Its Rayleigh damping; None without.
-    rotation
-        Its rotation; None without.
-    modal
-        Its modal damping (:mod:`cea.system.modal_damping`); None without.
-    """
-
-    damping: RayleighDamping | None = None
-    rotation: Rotation | None = None
+    damping: RayleighDamping | None = None  # its Rayleigh damping; None without
+    rotation: Rotation | None = None  # its rotation; None without
+    # its modal damping (:mod:`cea.system.modal_damping`); None without
     modal: ModalDamping | None = None
 
     @property
@@ -42,125 +64,216 @@ class Motion:
         damped = self.damping is not None or self.modal is not None
         return damped and self.rotation is not None
 
-    @property
-    def turns_modes(self) -> bool:
-        """Whether modal damping is carried along by a rotation."""
-        return self.modal is not None and self.rotation is not None
+
+@dataclass(frozen=True)
+class BodyTerms:
+    """Pieces of a pencil that a body brings, each made once.
+
+    On every rank the unknowns are the free dofs of the first body, then those of the second, ...
+    """
+
+    # the body
+    name: str
+    body: Body
+    motion: Motion  # its damping and rotation
+    with_mass: bool  # whether there is mass, and velocities count
+    sizes: tuple[Size, ...]  # unknowns of this rank and of all ranks, of each body in their order
+    number: int  # which of them the body is
 
     @property
-    def in_equilibrium(self) -> bool:
-        """Whether it acts on displacements that are at rest in space."""
-        convective = self.rotation is not None and self.rotation.convective_stiffness
-        return self.circulates or convective
+    def path(self) -> str:
+        """Path of the body in a scene."""
+        return f"bodies.{self.name}"
 
+    @cached_property
+    def terms(self) -> tuple[Term, ...]:
+        """K and M, what damping and rotation make of them, and the sparse part of what rotates."""
+        return (*self._of_body(), *self._of_rotation(), *self._carried[0])
 
-STILL = Motion()
-"""Neither damped nor rotating."""
+    @property
+    def circulatory(self) -> tuple[CirculatoryTerm, ...]:
+        """What damping that rotates with the body makes of displacements, but for sparse terms."""
+        return self._carried[1]
+
+    @cached_property
+    def modal(self) -> tuple[LowRankTerm, ...]:
+        """Modal damping."""
+        if self._damped_modes is None or not self.with_mass:
+            return ()
+        from cea.system.modal_damping import modal_term
+
+        modal, first = self.motion.modal, self._first
+        assert modal is not None
+        return (modal_term(self.path, self.body, modal, self._damped_modes, first),)
+
+    def parameters(self) -> Iterator[Parameter]:
+        """Parameters of the body."""
+        path, motion, material = self.path, self.motion, self.body.material
+        convective = motion.rotation is not None and motion.rotation.convective_stiffness
+        yield Parameter(f"{path}.material.E", material.E, "N/m^2", positive=True)
+        if self.with_mass or motion.circulates or convective:
+            rho = float(material.rho or 0)
+            yield Parameter(f"{path}.material.rho", rho, "kg/m^3", positive=True)
+        if motion.damping is not None:
+            yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
+            yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
+        if motion.modal is not None:
+            from cea.system.modal_damping import modal_parameters
+
+            yield from modal_parameters(path, motion.modal)
+        if motion.rotation is not None:
+            yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")
+
+    def strain(self, x: Any) -> Any | None:
+        """Displacement that elastic forces of beta K belong to: beta Omega M^-1 B of one in space.
+
+        Of displacements of all unknowns (m), PETSc vector, that of all dofs of the body, PETSc
+        vector; None without damping of its stiffness.
+        """
+        damping, rotation = self.motion.damping, self.motion.rotation
+        if damping is None or rotation is None or not damping.beta * rotation.rate:
+            return None
+        piece = self.circulatory[-1].piece
+        free, full = self.body.expansion.createVecs()
+        free.array[:] = damping.beta * rotation.rate * piece.inner(x.array_r[:, None])[:, 0]
+        self.body.expansion.mult(free, full)
+        destroy(free)
+        return full
+
+    def square(self, matrix: Mat) -> Mat:
+        """A matrix of the body as one of all unknowns; itself where there is no other body."""
+        return self._placed(
+            matrix, lambda size: (size, size), lambda blocks: block_diagonal(blocks).convert("aij")
+        )
+
+    @property
+    def _stiffness(self) -> Coefficient:
+        """Young's modulus, relative to its own."""
+        return Coefficient.of({f"{self.path}.material.E": (self.body.material.E, 1.0)})
+
+    @property
+    def _mass(self) -> Coefficient:
+        """Density, relative to its own."""
+        rho = float(self.body.material.rho or 0)
+        return Coefficient.of({f"{self.path}.material.rho": (rho, 1.0)})
+
+    def _of_body(self) -> Iterator[Term]:
+        """K, M and their Rayleigh damping; springs do not grow with E."""
+        body, path = self.body, self.path
+        pieces: list[tuple[Role, Mat, Coefficient]]
+        pieces = [("stiffness", body.stiffness(), self._stiffness)]
+        if (springs := body.spring_stiffness()) is not None:
+            E = {f"{path}.material.E": (body.material.E, 1.0)}
+            pieces.append(("stiffness", springs, Coefficient((Monomial(), Monomial(-1.0, E)))))
+        if self.with_mass:
+            pieces.append(("mass", body.mass(), self._mass))
+        for role, own, coefficient in pieces:
+            matrix = self.square(own)
+            yield Term(role, matrix, coefficient)
+            if self.with_mass and self.motion.damping is not None:
+                factor = {"mass": "alpha", "stiffness": "beta"}[role]
+                yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
+
+    def _of_rotation(self) -> Iterator[Term]:
+        """Omega Y and - Omega^2 Z."""
+        rotation, rate = self.motion.rotation, f"{self.path}.rotation.rate"
+        if rotation is not None and self.with_mass:
+            Y = self.square(self.body.gyroscopic(rotation))
+            yield Term("damping", Y, self._mass.times(rate), symmetric=False)
+        if rotation is not None and rotation.convective_stiffness:
+            Z = self.square(self.body.convective_stiffness(rotation))
+            yield Term("stiffness", Z, self._mass.times(rate, 2.0, factor=-1.0))
+
+    @cached_property
+    def _carried(self) -> tuple[tuple[Term, ...], tuple[CirculatoryTerm, ...]]:
+        """What damping that a rotation carries along makes: sparse and full pieces."""
+        rotation, damping = self.motion.rotation, self.motion.damping
+        if rotation is None or not self.motion.circulates:
+            return (), ()
+        rate = f"{self.path}.rotation.rate"
+        B = transport(self.body, rotation)
+        full = [*self._of_modes(B, rate)]
+        if damping is None:
+            return (), tuple(full)
+        K, springs = self.body.stiffness(), self.body.spring_stiffness()
+        if springs is not None:
+            K = scaled_total([(1.0, K), (-1.0, springs)])
+        own = self.sizes[self.number]
+        piece = Circulatory(
+            self._placed(K, lambda size: (size, own), one_below_the_other),
+            self.body.mass(),
+            self._placed(B, lambda size: (own, size), side_by_side),
+        )
+        beta = self._stiffness.times(f"{self.path}.damping.beta").times(rate)
+        alpha = self._mass.times(f"{self.path}.damping.alpha").times(rate)
+        full.append(CirculatoryTerm(piece, beta))
+        return (Term("stiffness", self.square(B), alpha, symmetric=False),), tuple(full)
+
+    def _of_modes(self, B: Mat, rate: str) -> Iterator[CirculatoryTerm]:
+        """The piece Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T."""
+        modes, damping = self._damped_modes, self.motion.modal
+        if modes is None or damping is None or not len(modes.weights):
+            return
+        from cea.system.modal_damping import modal_coefficient
+
+        left = self._upright(modes.images * modes.weights)
+        turned = self._upright(-image_of(B, modes.vectors))
+        right = turned.transpose(PETSc.Mat())
+        destroy(turned)
+        piece = Circulatory(left, identity(left.getLocalSize()[1], left.comm), right)
+        yield CirculatoryTerm(piece, modal_coefficient(self.path, self.body, damping, rate))
+
+    @cached_property
+    def _damped_modes(self) -> "DampedModes | None":
+        """Modes that are damped one by one; None without modal damping."""
+        if self.motion.modal is None:
+            return None
+        from cea.system.modal_damping import damped_modes
+
+        return damped_modes(self.path, self.body, self.motion.modal)
+
+    @property
+    def _first(self) -> int:
+        """Number of the first unknown of the body among those of this rank."""
+        return sum(local for local, _ in self.sizes[: self.number])
+
+    def _placed(
+        self, matrix: Mat, shape: Callable[[Size], tuple[Size, Size]], join: Callable[..., Mat]
+    ) -> Mat:
+        """A matrix of the body in its place among zeros of the other bodies."""
+        if len(self.sizes) == 1:
+            return matrix
+        comm = self.body.expansion.comm
+        blocks = [
+            matrix if number == self.number else zeros(*shape(size), comm)
+            for number, size in enumerate(self.sizes)
+        ]
+        whole = join(blocks)
+        destroy(*(block for block in blocks if block is not matrix))
+        return whole
+
+    def _upright(self, columns: Floats) -> Mat:
+        """Columns of the body, the rows of this rank, as a matrix whose rows are all unknowns."""
+        count, comm = columns.shape[1], self.body.comm
+        start, stop = local_rows(count, comm)
+        every = np.zeros((sum(local for local, _ in self.sizes), count))
+        every[self._first : self._first + len(columns)] = columns
+        return distributed(csr_array(every), (stop - start, count), self.body.expansion.comm)
 
 
 def body_terms(
-    path: str, body: Body, motion: Motion, embedded: Callable[[Mat], Mat], *, with_mass: bool
-) -> Iterator[Term]:
-    """K and M of a body, and what damping and rotation make of it.
-
-    Modal damping and what a rotation carries along of damping come from
-    :mod:`cea.system.modal_damping` and :mod:`cea.system.rotating_damping`.
-
-    Parameters
-    ----------
-    path
-        Path of the body in a scene.
-    body
-        The body.
-    motion
-        Its damping and rotation.
-    embedded
-        Takes a matrix of the body to one of all unknowns.
-    with_mass
-        Whether there is mass, and velocities count; otherwise only the stiffness is made.
-    """
-    for role, matrix, coefficient in _pieces(path, body, embedded, with_mass):
-        yield Term(role, matrix, coefficient)
-        if with_mass and motion.damping is not None:
-            factor = {"mass": "alpha", "stiffness": "beta"}[role]
-            yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
-    if motion.rotation is not None:
-        if with_mass:
-            yield _gyroscopic_term(path, body, motion.rotation, embedded)
-        if motion.rotation.convective_stiffness:
-            yield _convective_term(path, body, motion.rotation, embedded)
+    bodies: Mapping[str, Body], motions: Mapping[str, Motion], *, with_mass: bool
+) -> dict[str, BodyTerms]:
+    """Pieces of each of the bodies of a system; those without a motion are still."""
+    sizes = tuple(body.expansion.getSizes()[1] for body in bodies.values())
+    return {
+        name: BodyTerms(name, body, motions.get(name, Motion()), with_mass, sizes, number)
+        for number, (name, body) in enumerate(bodies.items())
+    }
 
 
-def part_terms(
-    path: str, body: Body, nodes: NDArray[np.bool_], embedded: Callable[[Mat], Mat]
-) -> Iterator[Term]:
-    """K without springs and M of a part of a body (:meth:`cea.body.Body.part`).
-
-    Parameters
-    ----------
-    path, body, embedded
-        As for :func:`body_terms`.
-    nodes
-        Which scalar dofs of this rank all its cells are among, shape (n_local,).
-    """
-    stiffness, mass = body.part(nodes)
-    yield Term("stiffness", embedded(stiffness), of_stiffness(path, body))
-    yield Term("mass", embedded(mass), of_mass(path, body))
-
-
-def _pieces(
-    path: str, body: Body, embedded: Callable[[Mat], Mat], with_mass: bool
-) -> Iterator[tuple[Role, Mat, Coefficient]]:
-    """K and M of a body; springs do not grow with E."""
-    yield "stiffness", embedded(body.stiffness()), of_stiffness(path, body)
-    if (springs := body.spring_stiffness()) is not None:
-        E = {f"{path}.material.E": (body.material.E, 1.0)}
-        rest = Coefficient((Monomial(), Monomial(-1.0, E)))
-        yield "stiffness", embedded(springs), rest
-    if with_mass:
-        yield "mass", embedded(body.mass()), of_mass(path, body)
-
-
-def of_stiffness(path: str, body: Body) -> Coefficient:
-    """Young's modulus of a body, relative to its own."""
-    return Coefficient.of({f"{path}.material.E": (body.material.E, 1.0)})
-
-
-def of_mass(path: str, body: Body) -> Coefficient:
-    """Density of a body, relative to its own."""
-    return Coefficient.of({f"{path}.material.rho": (float(body.material.rho or 0), 1.0)})
-
-
-def _gyroscopic_term(
-    path: str, body: Body, rotation: Rotation, embedded: Callable[[Mat], Mat]
-) -> Term:
-    """Omega Y of a body."""
-    coefficient = of_mass(path, body).times(f"{path}.rotation.rate")
-    return Term("damping", embedded(body.gyroscopic(rotation)), coefficient, symmetric=False)
-
-
-def _convective_term(
-    path: str, body: Body, rotation: Rotation, embedded: Callable[[Mat], Mat]
-) -> Term:
-    """- Omega^2 Z of a body."""
-    coefficient = of_mass(path, body).times(f"{path}.rotation.rate", 2.0, factor=-1.0)
-    return Term("stiffness", embedded(body.convective_stiffness(rotation)), coefficient)
-
-
-def body_parameters(
-    path: str, body: Body, motion: Motion, *, with_mass: bool
-) -> Iterator[Parameter]:
-    """Parameters of a body; path, body, motion and mass as for :func:`body_terms`."""
-    yield Parameter(f"{path}.material.E", body.material.E, "N/m^2", positive=True)
-    if with_mass or motion.in_equilibrium:
-        rho = float(body.material.rho or 0)
-        yield Parameter(f"{path}.material.rho", rho, "kg/m^3", positive=True)
-    if motion.damping is not None:
-        yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
-        yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
-    if motion.modal is not None:
-        from cea.system.modal_damping import modal_parameters
-
-        yield from modal_parameters(path, motion.modal)
-    if motion.rotation is not None:
-        yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")
+def transport(body: Body, rotation: Rotation) -> Mat:
+    """B of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew; a new matrix."""
+    matrix = body.gyroscopic(rotation.of_material)
+    matrix.scale(0.5)
+    return matrix

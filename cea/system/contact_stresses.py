@@ -12,10 +12,11 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.errors import InputError
-from cea.stress import normal_stress
+from cea.material import IsotropicMaterial
 from cea.surface import Surface
+from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 
 _TIED = 1e-9
@@ -24,27 +25,17 @@ _TIED = 1e-9
 
 @dataclass(frozen=True)
 class NormalStress:
-    """Normal stress of one side of a contact; compression is negative.
+    """Normal stress of one side of a contact; compression is negative."""
 
-    Parameters
-    ----------
-    min, max
-        Extremes over the surface (N/m^2).
-    arc
-        Distances (m) along the diagonal of side a from its first corner, shape (m,).
-    sigma_n_along
-        Normal stress on that line (N/m^2), shape (m,); NaN where the line leaves the surface.
-    x
-        Sample points over the whole surface (m), shape (n, dim); none of a stored result.
-    sigma_n
-        Normal stress there (N/m^2), shape (n,).
-    """
-
+    # extremes over the surface (N/m^2)
     min: float
     max: float
-    arc: Floats
+    arc: Floats  # distances (m) along the diagonal of side a from its first corner, shape (m,)
+    # normal stress on that line (N/m^2), shape (m,); NaN where the line leaves the surface
     sigma_n_along: Floats
+    # sample points over the whole surface (m), shape (n, dim); none of a stored result
     x: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    # normal stress there (N/m^2), shape (n,)
     sigma_n: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
@@ -55,21 +46,13 @@ class NormalStress:
 
 @dataclass(frozen=True)
 class StressMap:
-    """Normal stress of both sides of a flat contact at the same points of its plane.
+    """Normal stress of both sides of a flat contact at the same points of its plane."""
 
-    Parameters
-    ----------
-    u, v
-        Coordinates in the plane (m), shapes (n,) and (n,), along :attr:`axes`.
-    axes
-        Unit vectors of u and v, shape (2, 3).
-    sigma_n
-        Normal stress (N/m^2) of sides "a" and "b", each (n, n), v by rows; NaN beside a surface.
-    """
-
+    # coordinates in the plane (m), shapes (n,) and (n,), along :attr:`axes`
     u: Floats
     v: Floats
-    axes: Floats
+    axes: Floats  # unit vectors of u and v, shape (2, 3)
+    # normal stress (N/m^2) of sides "a" and "b", each (n, n), v by rows; NaN beside a surface
     sigma_n: Mapping[str, Floats]
 
 
@@ -184,6 +167,17 @@ def pressure_along(
     return stiffness * gap
 
 
+def normal_stress(
+    surface: Surface, at: SurfaceCoordinates, displacement: Floats, material: IsotropicMaterial
+) -> Floats:
+    """Stress n.sigma.n (N/m^2) with n the outward normal, shape (n,); tension is positive."""
+    normal = surface.normal(at)
+    u = displacement.reshape(-1, surface.dim)
+    gradient = np.stack([derivative @ u for derivative in surface.gradient(at)], axis=2)
+    stress = material.stress(gradient)
+    return np.einsum("ni,nij,nj->n", normal, stress, normal)
+
+
 def _contact(system: CoupledSystem, name: str) -> Contact:
     return next(c for c in system.contacts if c.name == name)
 
@@ -193,8 +187,8 @@ def _sides(
 ) -> Iterator[tuple[str, Surface, Body, Floats]]:
     """Name, surface, body and full displacement of both sides."""
     for side, name, surface in (
-        ("a", contact.half.a, contact.interface.a),
-        ("b", contact.half.b, contact.interface.b),
+        ("a", contact.a, contact.interface.a),
+        ("b", contact.b, contact.interface.b),
     ):
         yield side, surface, system.bodies[name], system.displacement(x, name)
 

@@ -1,107 +1,69 @@
 """Pieces of the pencil and parameters that contacts bring, both halves of a full pass together."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
 
-from cea.contact.operators import Contact
-from cea.contact.saddle import contact_forces
-from cea.eigen.multipliers import ForcesOfContact
-from cea.eigen.parameters import NOTHING, Coefficient, Parameter
+from cea.contact.contact import Contact
+from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Term
 
 
-@dataclass(frozen=True)
-class ContactPairs:
-    """Contacts of a system by the name of the pair they belong to.
+def by_pair(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
+    """Half passes by the name of the contact they belong to."""
+    pairs: dict[str, list[Contact]] = {}
+    for contact in contacts:
+        pairs.setdefault(contact.pair, []).append(contact)
+    return pairs
 
-    Parameters
-    ----------
-    contacts
-        Contact matrices of all half passes.
-    """
 
-    contacts: tuple[Contact, ...]
+def stiffnesses(contacts: Sequence[Contact]) -> dict[str, float]:
+    """P of each contact, both halves of a full pass together."""
+    return {name: sum(half.P for half in halves) for name, halves in by_pair(contacts).items()}
 
-    def terms(self, keeping: Sequence[Contact]) -> Iterator[Term]:
-        """K_n and K_f of each half pass that keeps no forces."""
-        total, references = self.stiffnesses(), self.references()
-        names = {contact.name for contact in keeping}
-        for contact in self.contacts:
-            if contact.name in names:
-                continue
-            P = {}
-            if contact.half.law.linear:
-                P = {f"contacts.{contact.pair}.P": (total[contact.pair], 1.0)}
-            yield Term("stiffness", contact.stiffness, Coefficient.of(P), contact=True)
-            if contact.friction is not None and self.rubs(contact):
-                mu = {f"contacts.{contact.pair}.mu": (references[contact.pair], 1.0)}
-                coefficient = Coefficient.of(P | mu, factor=-1.0)
-                rubbing = contact.friction
-                yield Term("stiffness", rubbing, coefficient, symmetric=False, contact=True)
 
-    def forces(
-        self, keeping: Sequence[Contact], stiffness_diagonal: Any
-    ) -> Iterator[ForcesOfContact]:
-        """Forces of each contact that keeps them."""
-        references, laws = self.references(), self._with_laws()
-        rubbing = [c if self.rubs(c) else replace(c, slip=None) for c in keeping]
-        for name, forces in contact_forces(rubbing).items():
-            P, mu = f"contacts.{name}.P", f"contacts.{name}.mu"
-            slips = Coefficient.of({mu: (references[name], 1.0)}) if forces.slip else NOTHING
-            compliance = Coefficient.of({P: (1.0, -1.0)})
-            if name in laws:
-                compliance = Coefficient.of({}, factor=1 / self.stiffnesses()[name])
-            yield ForcesOfContact(
-                forces.closure,
-                forces.slip,
-                forces.compliance,
-                inverse_stiffness=compliance,
-                friction=slips,
-                body_stiffness=forces.body_stiffness(stiffness_diagonal),
-            )
+def with_own_friction(contacts: Sequence[Contact]) -> list[Contact]:
+    """Those half passes whose friction counts: where the other half has some, zero is none."""
+    pairs = by_pair(contacts)
+    return [
+        contact
+        for contact in contacts
+        if contact.has_friction or not any(half.has_friction for half in pairs[contact.pair])
+    ]
 
-    def parameters(self) -> Iterator[Parameter]:
-        """P and mu of each contact, where they are parameters."""
-        saddle = {c.pair for c in self.contacts if c.half.form == "saddle"}
-        laws = self._with_laws()
-        for name, P in self.stiffnesses().items():
-            if name in laws:
-                continue
-            finite = name not in saddle
+
+def friction_references(contacts: Sequence[Contact]) -> dict[str, float]:
+    """What mu of each contact is relative to; 1 where its halves do not have the same."""
+    counted, references = with_own_friction(contacts), {}
+    for name, halves in by_pair(contacts).items():
+        if any(half.slip is not None for half in halves):
+            values = {half.mu if half in counted else 0.0 for half in halves}
+            references[name] = values.pop() if len(values) == 1 else 1.0
+    return references
+
+
+def contact_terms(
+    contacts: Sequence[Contact], among: Sequence[Contact], friction: dict[str, float]
+) -> Iterator[Term]:
+    """K_n and K_f of some of the half passes, whose forces are eliminated."""
+    total, counted = stiffnesses(contacts), with_own_friction(contacts)
+    for contact in among:
+        path = f"contacts.{contact.pair}"
+        P = {f"{path}.P": (total[contact.pair], 1.0)} if contact.law.linear else {}
+        yield Term("stiffness", contact.K_n, Coefficient.of(P), contact=True)
+        if contact.K_f is not None and contact in counted:
+            mu = {f"{path}.mu": (friction[contact.pair], 1.0)}
+            coefficient = Coefficient.of(P | mu, factor=-1.0)
+            yield Term("stiffness", contact.K_f, coefficient, symmetric=False, contact=True)
+
+
+def contact_parameters(
+    contacts: Sequence[Contact], friction: dict[str, float]
+) -> Iterator[Parameter]:
+    """P and mu of each contact, where they are parameters."""
+    pairs = by_pair(contacts)
+    for name, P in stiffnesses(contacts).items():
+        if all(half.law.linear for half in pairs[name]):
+            finite = all(half.form != "saddle" for half in pairs[name])
             yield Parameter(f"contacts.{name}.P", P, "N/m", positive=True, finite=finite)
-        for name, reference in self.references().items():
-            acts = any(_acts(c) for c in self.halves(name))
-            yield Parameter(f"contacts.{name}.mu", reference if acts else 0.0)
-
-    def stiffnesses(self) -> dict[str, float]:
-        """P of each contact, both halves of a full pass together."""
-        total: dict[str, float] = {}
-        for contact in self.contacts:
-            total[contact.pair] = total.get(contact.pair, 0.0) + contact.P
-        return total
-
-    def references(self) -> dict[str, float]:
-        """What mu of each contact is relative to; 1 where its halves do not have the same."""
-        found: dict[str, set[float]] = {}
-        for contact in self.contacts:
-            if any(c.slip is not None for c in self.halves(contact.pair)):
-                own = contact.mu if self.rubs(contact) else 0.0
-                found.setdefault(contact.pair, set()).add(own)
-        return {name: each.pop() if len(each) == 1 else 1.0 for name, each in found.items()}
-
-    def halves(self, name: str) -> list[Contact]:
-        """The half passes of one contact."""
-        return [c for c in self.contacts if c.pair == name]
-
-    def rubs(self, contact: Contact) -> bool:
-        """Whether a half has friction where its contact has any: on one side mu may vanish."""
-        return _acts(contact) or not any(_acts(c) for c in self.halves(contact.pair))
-
-    def _with_laws(self) -> set[str]:
-        """Contacts whose stiffness is that of a law in the state that is linearised about."""
-        return {contact.pair for contact in self.contacts if not contact.half.law.linear}
-
-
-def _acts(contact: Contact) -> bool:
-    return contact.half.friction is not None and contact.half.friction.acts
+    for name, reference in friction.items():
+        acts = any(half.has_friction for half in pairs[name])
+        yield Parameter(f"contacts.{name}.mu", reference if acts else 0.0)

@@ -5,30 +5,39 @@
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from math import inf, log10
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cea.arrays import Floats
 from cea.body import Body
+from cea.contact.contact import Contact, assembled
 from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
-from cea.contact.operators import Contact
-from cea.contact.sliding import Sliding, SlidingDamping, damping_of
+from cea.contact.saddle import forces_of_contacts
+from cea.contact.sliding import sliding_parameters, sliding_terms
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
+from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
-from cea.petsc import MPI
-from cea.system.body_pieces import BodyPieces
-from cea.system.contact_terms import ContactPairs
-from cea.system.near_contact import PARTED_FROM, ContactPieces, near_contact
-from cea.system.sliding_terms import sliding_parameters, sliding_terms
+from cea.petsc import MPI, PETSc
+from cea.system.body_terms import BodyTerms, Motion, body_terms
+from cea.system.contact_terms import (
+    by_pair,
+    contact_parameters,
+    contact_terms,
+    friction_references,
+    stiffnesses,
+    with_own_friction,
+)
 from cea.warned import ResultWarning
 
 if TYPE_CHECKING:
-    from cea.system.sliding_state import SteadySliding
+    from cea.system.steady_state import SteadySliding
 
 
 @dataclass(frozen=True)
@@ -40,7 +49,7 @@ class CoupledSystem:
     bodies
         Bodies by name, in the order of the unknowns.
     contacts
-        Contact matrices.
+        Contacts with their operators, the half passes one after another.
     template
         PETSc vector of the layout of the unknowns.
     index_sets
@@ -52,9 +61,9 @@ class CoupledSystem:
     penalty_digits
         Digits that the penalty form costs, or would cost, by contact.
     pieces
-        Pieces of a pencil that bodies bring, with their damping and rotation.
-    sliding
-        How half passes slide, by name, where that damps; none in static scenes.
+        Pieces of a pencil that each body brings, with its damping and rotation.
+    with_mass
+        Whether bodies have mass, and velocities count.
     steady
         The state of steady sliding that contacts were linearised about; None where none was sought.
     prestress
@@ -69,8 +78,8 @@ class CoupledSystem:
     load: Any | None
     stiffness_diagonal: Any
     penalty_digits: Mapping[str, float]
-    pieces: BodyPieces
-    sliding: Mapping[str, Sliding]
+    pieces: Mapping[str, BodyTerms]
+    with_mass: bool
     steady: "SteadySliding | None" = None
     prestress: Mapping[str, Any] = field(default_factory=dict)
 
@@ -87,10 +96,16 @@ class CoupledSystem:
     @cached_property
     def mass(self) -> Any | None:
         """M of all bodies, PETSc AIJ (kg), None in static scenes."""
-        return self._diagonal(lambda body: body.mass()) if self.pieces.with_mass else None
+        return self._diagonal(lambda body: body.mass()) if self.with_mass else None
 
     def _diagonal(self, matrix_of: Callable[[Body], Any]) -> Any:
         return block_diagonal([matrix_of(body) for body in self.bodies.values()]).convert("aij")
+
+    @property
+    def softens(self) -> bool:
+        """Whether a rotation softens a body that is at rest in space."""
+        rotations = (each.motion.rotation for each in self.pieces.values())
+        return any(each is not None and each.convective_stiffness for each in rotations)
 
     @property
     def warnings(self) -> tuple[ResultWarning, ...]:
@@ -105,21 +120,21 @@ class CoupledSystem:
     def keeps_forms(self, contacts: Iterable[str], values: Mapping[str, float]) -> bool:
         """Whether contacts would take the forms they have if some parameters had other values."""
         return all(
-            half.lumped is not None or form_for(self._digits_at(name, values)) == half.half.form
+            half.lumped is not None or form_for(self._digits_at(name, values)) == half.form
             for name in contacts
-            for half in self._pairs.halves(name)
+            for half in by_pair(self.contacts)[name]
         )
 
     def _digits_at(self, contact: str, values: Mapping[str, float]) -> float:
         """Digits that the penalty form costs at other P and E; infinite where it is not known."""
-        before, halves = self._pairs.stiffnesses()[contact], self._pairs.halves(contact)
+        before, halves = stiffnesses(self.contacts)[contact], by_pair(self.contacts)[contact]
         P = values.get(f"contacts.{contact}.P", before)
         if inf in (P, before):
             return inf
-        if halves[0].projection is not None and halves[0].half.law.linear:
+        if halves[0].is_projected and halves[0].law.linear:
             return 0.0
         digits = self.penalty_digits
-        if any(_modulus(body) in values for body in (halves[0].half.a, halves[0].half.b)):
+        if any(_modulus(body) in values for body in (halves[0].a, halves[0].b)):
             diagonal = self._stiffness_diagonal_at(values)
             digits = penalty_digits(halves, diagonal)
             destroy(diagonal)
@@ -139,20 +154,13 @@ class CoupledSystem:
             diagonal.restoreSubVector(self.index_sets[name], part)
         return diagonal
 
-    @cached_property
-    def _pairs(self) -> ContactPairs:
-        """Its contacts, both halves of a full pass together."""
-        return ContactPairs(self.contacts)
-
     def vector(self) -> Any:
         """A new PETSc vector of unknowns, all zero."""
         vector = self.template.duplicate()
         vector.set(0.0)
         return vector
 
-    def pencil(
-        self, *, leave_out: bool = True, eliminate: bool = False, parted_from: int = PARTED_FROM
-    ) -> Pencil:
+    def pencil(self, *, leave_out: bool = True, eliminate: bool = False) -> Pencil:
         """The parametric pencil of the system, whose matrices are its pieces.
 
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
@@ -160,7 +168,7 @@ class CoupledSystem:
         where it varies. Without friction, if that was left out, there is no mu. Where p is the
         slope of a law in a state of steady sliding there is no P, and the state stays what it is
         whatever the parameters. Damping, rotation and sliding add theirs
-        (:mod:`cea.system.body_terms`, :mod:`cea.system.sliding_terms`).
+        (:mod:`cea.system.body_terms`, :mod:`cea.contact.sliding`).
 
         Parameters
         ----------
@@ -169,46 +177,39 @@ class CoupledSystem:
         eliminate
             Whether all contact forces are eliminated, where gaps are projected into matrices that
             are full on the interface; no contact is tied.
-        parted_from
-            Unknowns from which on what lies near the contacts is told apart.
         """
-        keeping = [c for c in self.contacts if c.keeps_forces and not eliminate]
-        contacts = ContactPieces(
-            tuple(self._pairs.terms(keeping)),
-            tuple(self._pairs.forces(keeping, self.stiffness_diagonal)),
-        )
-        stressed = [
-            Term("stiffness", self.pieces.square(name, matrix), Coefficient.of({}))
-            for name, matrix in self.prestress.items()
+        friction, counted = friction_references(self.contacts), with_own_friction(self.contacts)
+        kept = [c for c in self.contacts if c.has_multipliers and not eliminate]
+        others = [c for c in self.contacts if c not in kept]
+        # Where one half of a full pass alone has friction, the other has none.
+        own = [c if c in counted else replace(c, slip=None) for c in self.contacts]
+        terms = [
+            *(term for each in self.pieces.values() for term in each.terms),
+            *(
+                Term("stiffness", self.pieces[name].square(matrix), Coefficient.of({}))
+                for name, matrix in self.prestress.items()
+            ),
+            *contact_terms(self.contacts, others, friction),
         ]
+        forces = [c for c in own if c.has_multipliers and not eliminate]
+        if self.with_mass:
+            terms += sliding_terms(self.bodies, own, friction)
         return Pencil(
-            [*self.pieces.terms, *stressed, *contacts.terms, *self._sliding_terms()],
-            self._parameters(),
-            contacts.forces,
-            self.pieces.modal_terms,
-            self.pieces.circulatory,
+            terms,
+            self._parameters(friction),
+            list(forces_of_contacts(forces, self.stiffness_diagonal, friction)),
+            [term for each in self.pieces.values() for term in each.modal],
+            [term for each in self.pieces.values() for term in each.circulatory],
             leave_out=leave_out,
             nodes=self._nodes,
-            near_contact=partial(
-                self._near_contact, contacts, leave_out=leave_out, parted_from=parted_from
-            ),
         )
 
-    def _near_contact(
-        self, contacts: ContactPieces, *, leave_out: bool, parted_from: int
-    ) -> Pencil | None:
-        """Pencil of what lies near the contacts, where bodies have mass and are but elastic."""
-        if not self.pieces.with_mass or self.prestress or self.pieces.rotates:
-            return None
-        return near_contact(
-            self.bodies,
-            contacts,
-            self._parameters(),
-            self.template,
-            self.pieces.square,
-            leave_out=leave_out,
-            parted_from=parted_from,
-        )
+    def _parameters(self, friction: dict[str, float]) -> Iterator[Parameter]:
+        for each in self.pieces.values():
+            yield from each.parameters()
+        yield from contact_parameters(self.contacts, friction)
+        if self.with_mass:
+            yield from sliding_parameters(self.contacts)
 
     def linearised(
         self, steady: "SteadySliding", *, geometric_stiffness: bool = False
@@ -224,10 +225,7 @@ class CoupledSystem:
             keep their directions.
         """
         contacts = [
-            replace(
-                contact,
-                half=replace(contact.half, penetration=steady.contacts[contact.name].closure),
-            )
+            replace(contact, closure=steady.contacts[contact.name].closure)
             if contact.name in steady.contacts
             else contact
             for contact in self.contacts
@@ -260,24 +258,6 @@ class CoupledSystem:
         every = self.template.comm.tompi4py().allreduce(len(known) == len(found), MPI.LAND)
         return joined(known, functions, dim) if every else None
 
-    def _sliding_terms(self) -> Iterator[Term]:
-        """Damping of contacts that slide."""
-        halves = [
-            half if self._pairs.rubs(half.contact) else replace(half, turning=None)
-            for half in self._sliding_damping
-        ]
-        return sliding_terms(halves, self._pairs.references())
-
-    @cached_property
-    def _sliding_damping(self) -> tuple[SlidingDamping, ...]:
-        """Damping of the half passes that slide, at their pressures in the state of sliding."""
-        return damping_of(self.bodies, self.contacts, self.sliding)
-
-    def _parameters(self) -> Iterator[Parameter]:
-        yield from self.pieces.parameters()
-        yield from self._pairs.parameters()
-        yield from sliding_parameters(self._sliding_damping)
-
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
         """Full displacement (m) of one body under loads, shape (dim * num_scalar_dofs,).
 
@@ -301,6 +281,95 @@ class CoupledSystem:
         displacement = gather(full, everywhere=everywhere)
         destroy(full)
         return displacement
+
+
+def couple(
+    bodies: Mapping[str, Body],
+    contacts: Sequence[Contact],
+    *,
+    with_mass: bool = True,
+    with_load: bool = False,
+    leave_out: bool = True,
+    motions: Mapping[str, Motion] | None = None,
+) -> CoupledSystem:
+    """Assemble the coupled matrices.
+
+    Parameters
+    ----------
+    bodies
+        Bodies by name.
+    contacts
+        Contacts without their operators, the half passes one after another.
+    with_mass
+        Whether the mass is needed.
+    with_load
+        Whether the loads are needed.
+    leave_out
+        Whether slip operators and K_f are left out where mu = 0.
+    motions
+        Damping and rotation of bodies that have any, by name. Without mass they act on
+        displacements at rest in space alone.
+    """
+    PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
+    nest = block_diagonal([body.stiffness() for body in bodies.values()])
+    index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
+    template, diagonal = nest.createVecRight(), nest.createVecRight()
+    destroy(nest)
+    made = [assembled(bodies, contact, leave_out=leave_out) for contact in contacts]
+    parts = [body.stiffness().getDiagonal() for body in bodies.values()]
+    diagonal.array[:] = np.concatenate([part.array_r for part in parts])
+    destroy(*parts)
+    digits = penalty_digits(made, diagonal)
+    return CoupledSystem(
+        bodies=bodies,
+        contacts=with_forms(made, digits),
+        template=template,
+        index_sets=index_sets,
+        load=_load(bodies, made, template, index_sets) if with_load else None,
+        stiffness_diagonal=diagonal,
+        penalty_digits=digits,
+        pieces=body_terms(bodies, motions or {}, with_mass=with_mass),
+        with_mass=with_mass,
+    )
+
+
+def _load(
+    bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any, index_sets: Any
+) -> Any:
+    """Forces (N) of loads and of displacements that supports prescribe, PETSc vector."""
+    load = template.duplicate()
+    for name, body in bodies.items():
+        part = load.getSubVector(index_sets[name])
+        body.load().copy(part)
+        load.restoreSubVector(index_sets[name], part)
+    for contact in contacts:
+        if contact.prescribed is not None and contact.law.linear:
+            force = _force_of_prescribed(contact)
+            load.axpy(-1.0, force)
+            destroy(force)
+    return load
+
+
+def _force_of_prescribed(contact: Contact) -> Any:
+    """Forces (N) of a closure that is prescribed, PETSc vector (free), against the motion.
+
+    The closure is G x + e with e prescribed; contact forces that stay unknowns are then those of
+    G x alone, of the same stiffness.
+
+    Raises
+    ------
+    InputError
+        When the contact is projected, lumped or tied, whose forces are not those at its points.
+    """
+    if contact.coupling != "pointwise" or not contact.has_pressure:
+        allowed = (
+            "pointwise and of finite stiffness where a support that prescribes a displacement "
+            "meets a side; or c_n, a law of the gap"
+        )
+        raise InputError(f"contacts.{contact.pair}.formulation", contact.coupling, allowed)
+    assert contact.prescribed is not None
+    pressure = contact.slope * contact.prescribed
+    return contact.force(pressure, friction=contact.has_friction)
 
 
 def _modulus(body: str) -> str:

@@ -1,4 +1,4 @@
-"""Modal damping as pieces of a pencil: the modes of a body alone, and what damps them.
+"""Modal damping as pieces of a pencil: elastic modes of a body alone, and what damps them.
 
 By the path of the body in a scene, ``bodies.<name>``, the parameter is ``.damping.modal.ratio``, or
 ``.damping.modal.ratios``, a factor on these.
@@ -9,36 +9,51 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eigh
 
 from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping
-from cea.eigen.blocks import image_of
+from cea.eigen.blocks import all_inner, image_of
+from cea.eigen.driver import solve_modes
+from cea.eigen.krylov_schur import KrylovOptions, nearest
 from cea.eigen.parameters import Coefficient, Dependence, Parameter
+from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.shifted import count_below
 from cea.eigen.unformed import LowRank, LowRankTerm
 from cea.errors import ConvergenceError, InputError
-from cea.system.body_modes import ElasticModes, elastic_modes
+from cea.matrices import destroy
 
 _SAME = 1e-8
 """Relative distance up to which frequencies are those of one multiple eigenvalue."""
 _MOST = 2000
 """Most modes of a body that are damped one by one."""
+_RIGID = 10.0
+"""Frequency relative to its uncertainty up to which a motion is rigid, or lost."""
+_RIGID_MOTIONS = 6
+"""Most rigid motions of a body in one piece."""
+_BELOW = 1e-9
+"""Square of a frequency that no elastic mode need be below, relative to :func:`_largest_ratio`."""
+_BEYOND = 1e-6
+"""What is searched beyond the last mode asked for, relative to its frequency."""
+
+
+@dataclass(frozen=True)
+class _ElasticModes:
+    """Modes of a body by rising frequency, without rigid motions."""
+
+    # frequencies and what they may be off by (Hz), shape (n,)
+    frequencies: Floats
+    uncertainties: Floats
+    vectors: Floats  # modes phi with phi^T M phi = 1, the rows of this rank, shape (n_local, n)
 
 
 @dataclass(frozen=True)
 class _OfTheseModes:
-    """A coefficient of modes that are found anew where the material of their body changes.
+    """A coefficient of modes that are found anew where the material of their body changes."""
 
-    Parameters
-    ----------
-    coefficient
-        The coefficient, as long as it does not.
-    found_at
-        E and rho of the body, by their names.
-    """
-
-    coefficient: Coefficient
-    found_at: Mapping[str, float]
+    coefficient: Coefficient  # the coefficient, as long as it does not
+    found_at: Mapping[str, float]  # E and rho of the body, by their names
 
     @property
     def names(self) -> frozenset[str]:
@@ -69,41 +84,16 @@ def _changed(name: str, value: float, found_at: float) -> InputError:
 
 @dataclass(frozen=True)
 class DampedModes:
-    """Modes of a body that are damped.
+    """Modes of a body that are damped."""
 
-    Parameters
-    ----------
-    vectors, images
-        phi with phi^T M phi = 1, and M phi, the rows of this rank, shape (n_local, n).
-    weights
-        2 zeta omega (1/s) at a parameter of 1, shape (n,).
-    """
-
+    # phi with phi^T M phi = 1, and M phi, the rows of this rank, shape (n_local, n)
     vectors: Floats
     images: Floats
-    weights: Floats
+    weights: Floats  # 2 zeta omega (1/s) at a parameter of 1, shape (n,)
 
 
 def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
-    """Modes of a body that modal damping damps; rigid motions are none of them.
-
-    Parameters
-    ----------
-    path
-        Path of the body in a scene.
-    body
-        The body.
-    damping
-        What damps it.
-
-    Raises
-    ------
-    InputError
-        When more ratios are given than the body has modes, modes of one frequency are given
-        different ones, or modes are too many to be damped one by one.
-    ConvergenceError
-        When the modes of the body are not found.
-    """
+    """Modes of a body that modal damping damps; rigid motions are none of them."""
     counted = damping.ratios if damping.end is None and damping.ratios is not None else ()
     modes = _modes(path, body, damping, len(counted))
     if len(counted) > len(modes.frequencies):
@@ -119,17 +109,7 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
 def modal_term(
     path: str, body: Body, damping: ModalDamping, modes: DampedModes, first: int
 ) -> LowRankTerm:
-    """Modal damping of a body, sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T.
-
-    Parameters
-    ----------
-    path, body, damping
-        As for :func:`damped_modes`, whose result the modes are.
-    modes
-        The modes.
-    first
-        Number of its first row among the unknowns of this rank.
-    """
+    """Modal damping of a body, sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
     piece = LowRank(modes.images, modes.weights, first)
     return LowRankTerm(piece, modal_coefficient(path, body, damping))
 
@@ -159,10 +139,10 @@ def modal_coefficient(path: str, body: Body, damping: ModalDamping, *others: str
     return _OfTheseModes(Coefficient.of(powers), material)
 
 
-def _modes(path: str, body: Body, damping: ModalDamping, counted: int) -> ElasticModes:
+def _modes(path: str, body: Body, damping: ModalDamping, counted: int) -> _ElasticModes:
     """Elastic modes of a body up to the last one that is damped, and beyond."""
     try:
-        return elastic_modes(body, damping.end, wanted=counted, most=_MOST)
+        return _elastic_modes(body, damping.end, wanted=counted, most=_MOST)
     except InputError as error:
         allowed = f"{error.allowed} modes that are damped one by one; Rayleigh damping for more"
         raise InputError(f"{path}.damping.modal", error.value, allowed) from None
@@ -170,7 +150,7 @@ def _modes(path: str, body: Body, damping: ModalDamping, counted: int) -> Elasti
         raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
 
 
-def _groups(modes: ElasticModes) -> NDArray[np.int64]:
+def _groups(modes: _ElasticModes) -> NDArray[np.int64]:
     """Number of the multiple eigenvalue that each of the modes belongs to, shape (n,)."""
     reach = np.maximum(_SAME * modes.frequencies, modes.uncertainties)
     apart = np.diff(modes.frequencies) > reach[1:] + reach[:-1]
@@ -201,3 +181,76 @@ def _factors(
         )
         raise InputError(f"{path}.damping.modal.ratios", damping.ratios, allowed)
     return factors
+
+
+def _elastic_modes(body: Body, end: float | None, *, wanted: int, most: int) -> _ElasticModes:
+    """Every elastic mode of a body up to a frequency, and perhaps some beyond."""
+    pencil = Pencil.of(body.stiffness(), body.mass())
+    matrices = pencil.at()
+    try:
+        least = _BELOW * _largest_ratio(matrices)
+        if end is None:
+            end = _end_of_lowest(matrices, least, wanted)
+        end = _window(matrices, least, (1 + _BEYOND) * end, most)
+    finally:
+        release(matrices)
+    modes = solve_modes(pencil, end)
+    uncertainties = modes.growth_uncertainties / (2 * np.pi)
+    elastic = modes.frequencies > _RIGID * uncertainties
+    lost = int((~elastic & (modes.frequencies > np.sqrt(least) / (2 * np.pi))).sum())
+    if lost:
+        raise ConvergenceError(f"{lost} of {len(modes)} modes are lost to rounding", best=modes)
+    frequencies, vectors = _rayleigh_ritz(body, modes.vectors.real)
+    return _ElasticModes(frequencies[elastic], uncertainties[elastic], vectors[:, elastic])
+
+
+def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
+    """A frequency (Hz) up to which there are so many elastic modes, and one more if there is one.
+
+    Eigenvalues that are found are some of those that there are: there may be more below the last
+    one, not less.
+    """
+    count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
+    found, op = nearest(matrices, -least, count, KrylovOptions())
+    op.free()
+    return float(np.sqrt(np.sort(found.eigenvalues.real)[count - 1])) / (2 * np.pi)
+
+
+def _window(matrices: Matrices, least: float, end: float, most: int) -> float:
+    """A window (Hz) of the modes up to an end: neither far beyond all of them nor far below.
+
+    Where it ended far beyond, they would be rounding beside its shift; rigid motions alone would be
+    rounding beside each other.
+    """
+    end = max(end, float(np.sqrt(least)) / (2 * np.pi))
+    count = count_below(matrices, (2 * np.pi * end) ** 2)
+    if count > most:
+        raise InputError("modes", f"{count} up to {end:g} Hz", f"at most {most}")
+    if count < matrices.size:
+        return end
+    highest = float(np.sqrt(least / _BELOW)) / (2 * np.pi)
+    while highest < end and count_below(matrices, (2 * np.pi * highest) ** 2) < count:
+        highest *= 2
+    return min(highest, end)
+
+
+def _largest_ratio(matrices: Matrices) -> float:
+    """Largest ratio of diagonal entries of K and M (1/s^2), of the size of the largest kappa."""
+    stiffness, mass = matrices.stiffness.getDiagonal(), matrices.mass.getDiagonal()
+    stiffness.pointwiseDivide(stiffness, mass)
+    largest = float(stiffness.max()[1])
+    destroy(stiffness, mass)
+    return largest
+
+
+def _rayleigh_ritz(body: Body, vectors: Floats) -> tuple[Floats, Floats]:
+    """Frequencies (Hz) and modes, by rising frequency, in the space that some modes span.
+
+    Of modes far from the shift they were searched about the space is known far better than each is.
+    """
+    mass, stiffness = body.mass(), body.stiffness()
+    gram, form = (
+        all_inner(vectors, image_of(each, vectors), mass.comm) for each in (mass, stiffness)
+    )
+    kappa, turn = eigh(form, gram)
+    return np.sqrt(np.maximum(kappa, 0.0)) / (2 * np.pi), vectors @ turn

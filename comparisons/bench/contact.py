@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from cea.contact.assembly import assemble_contact
+from cea.contact.contact import assembled
 from cea.contact.interface import default_reach, pair
 from cea.errors import InputError
 from cea.matrices import destroy
@@ -18,7 +18,7 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
-from scenes.building.build import build_bodies, build_half_passes
+from scenes.building.build import build_bodies, build_contacts
 from scenes.spec.names import backend_name
 from scenes.spec.reading import Scene, read_scene
 
@@ -133,13 +133,13 @@ def contact_cost(scene: Scene) -> dict[str, float]:
     interface, search = _timed(lambda: pair(a, b, points))
     at, opposite = interface.points.at, interface.opposite.at
     _, basis = _timed(lambda: (a.trace(at), b.trace(opposite)))
-    half = build_half_passes(scene, {"contact": interface})["contact"]
-    contact, operators = _timed(lambda: assemble_contact(bodies, "contact", half))
+    (half,) = build_contacts(scene, {"contact": interface})
+    contact, operators = _timed(lambda: assembled(bodies, half))
     if contact.projection is None:
-        made, matrices = _timed(lambda: (contact.stiffness, contact.friction))
+        made, matrices = _timed(lambda: (contact.K_n, contact.K_f))
         destroy(*made)
     else:
-        compliance, matrices = _timed(lambda: contact.compliance(contact.half.stiffness))
+        compliance, matrices = _timed(lambda: contact.compliance(contact.slope))
         destroy(compliance)
     assembly = operators + matrices
     ratio = (search + assembly) / basis

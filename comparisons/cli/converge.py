@@ -38,8 +38,7 @@ def converge(
     from comparisons.cli.options import deliver, need, refuse_another, refuse_with_redraw
     from comparisons.cli.output import console, print_table, print_warnings
     from comparisons.cli.progress import working
-    from comparisons.converge import tables
-    from comparisons.converge.page import read_converge, write_converge
+    from comparisons.converge.page import levels_table, modes_table, read_converge, write_converge
     from comparisons.converge.request import Request
     from comparisons.converge.study import run_converge
     from comparisons.kit.progress import Progress
@@ -69,8 +68,8 @@ def converge(
         page = deliver(lambda folder: write_converge(data, folder), out)
     for line in (data["first"], data["words"], *data["hints"]):
         typer.echo(line)
-    print_table(tables.modes_table(data))
-    print_table(tables.levels_table(data))
+    print_table(modes_table(data))
+    print_table(levels_table(data))
     print_warnings(data["warnings"])
     typer.echo(f"The page to open: {page}")
     if not data["held"]:

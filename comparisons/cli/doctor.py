@@ -6,11 +6,11 @@ import typer
 def doctor() -> None:
     """Tell whether this installation works, and what mends it; code 1 where it does not."""
     from comparisons.cli.ranks import launched_together
-    from comparisons.doctor.study import examine
+    from comparisons.doctor import examine
 
     faults = 0
     for finding in examine(launched=launched_together() is not None):
-        mark = "well " if finding.well else "FAULT"
+        mark = "FAULT" if finding.mend else "well "
         typer.echo(f"{mark}  {finding.name}: {finding.told}")
         if finding.mend is not None:
             faults += 1

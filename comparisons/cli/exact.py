@@ -190,7 +190,7 @@ def lumped_(
     elif model == "hulten":
         system = lumped.hulten(mu, k1, k2, c1, c2, rotation)
         info = {}
-        if not lumped.rational("rotation", rotation):
+        if not lumped.rationals(rotation=rotation)[0]:
             mu_c, omega2 = lumped.hulten_threshold(k1, k2, c1, c2)
             info = {
                 "mu_c": mu_c.str(22, radius=False),

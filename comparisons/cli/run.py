@@ -155,7 +155,7 @@ def _run(
         drawn = {} if output is None else _draw(result, new.part, work)
         record = save_result(result, new.part / RESULT, inputs=inputs, data=drawn)
         if report:
-            from comparisons.run_report.page import write_run_report
+            from comparisons.run_report import write_run_report
 
             page = new.final(write_run_report(result, record))
     if new.kept:

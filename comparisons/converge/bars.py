@@ -27,21 +27,11 @@ CONVERGING = 1.2
 
 @dataclass(frozen=True)
 class Bar:
-    """Error bar of the last number of a sequence.
-
-    Parameters
-    ----------
-    size
-        The bar; infinite where there is no estimate.
-    converges
-        Whether differences fall; where they do not, the bar is at least their sum.
-    estimates
-        Estimates it is made of: 2, or 1 where meshes are too few or have no ratio.
-    """
+    """Error bar of the last number of a sequence; infinite where there is no estimate."""
 
     size: float
-    converges: bool = True
-    estimates: int = 2
+    converges: bool = True  # whether differences fall
+    estimates: int = 2  # 1 where meshes are too few or have no ratio, or there is no correction
 
 
 def bar_of(
@@ -78,29 +68,15 @@ def bar_of(
 
 @dataclass(frozen=True)
 class Estimated:
-    """An eigenvalue with its error bars.
-
-    Parameters
-    ----------
-    value
-        lambda (1/s).
-    frequency_bar, growth_bar
-        Errors of Im lambda and of Re lambda (1/s).
-    converges, estimates
-        As of :class:`Bar`.
-    still
-        Whether it cannot grow for the structure of the problem.
-    is_open
-        Whether it may have coalesced with another or not: then growth is not known.
-    """
+    """An eigenvalue lambda (1/s) with error bars of Im lambda and of Re lambda (1/s)."""
 
     value: complex
     frequency_bar: float
     growth_bar: float
     converges: bool = True
     estimates: int = 2
-    still: bool = False
-    is_open: bool = False
+    still: bool = False  # it cannot grow for the structure of the problem
+    is_open: bool = False  # it may have coalesced with another or not: growth is not known
 
 
 def single(

@@ -16,25 +16,11 @@ from scenes.spec.body import Backend
 
 @dataclass(frozen=True)
 class Mode:
-    """One mode as the report has it.
-
-    Parameters
-    ----------
-    backend
-        Whose value it is: that of the smaller bar.
-    estimated
-        The value with its bars, widened to the value of the other backend where bars do not meet.
-    agree
-        Whether the bars of both backends meet; None where only one has the mode, or ran.
-    rigid
-        Whether it is a motion that nothing holds.
-    word
-        Its word, with the bar of its growth as error (:func:`cea.eigen.classify.classify`).
-    """
+    """One mode as the report has it: the value of the backend with the smaller bar."""
 
     backend: Backend
-    estimated: Estimated
-    agree: bool | None
+    estimated: Estimated  # widened to the value of the other backend where bars do not meet
+    agree: bool | None  # whether they meet; None where only one backend has the mode
     rigid: bool
     word: Word
 
@@ -85,15 +71,7 @@ def combine(
     bars: dict[Backend, list[Estimated]],
     threshold: float | None,
 ) -> list[Mode]:
-    """Modes of the finest meshes with what every backend says of them; collective.
-
-    Parameters
-    ----------
-    followed, bars
-        Meshes, and modes of the finest ones with their bars, by backend.
-    threshold
-        Growth rate (1/s) above which a mode is called unstable; None takes 1e-4 of abs(lambda).
-    """
+    """Modes of the finest meshes with what every backend says of them; collective."""
     pairs: list[dict[Backend, int]] = []
     backends = list(followed)
     if len(backends) == 2:

@@ -10,21 +10,13 @@ import numpy as np
 from cea.arrays import Complexes, Ints
 from cea.eigen.matching import assign, connected
 from comparisons.converge.bars import Estimated, bar_of, opened, pair, single
-from comparisons.converge.ladder import Mesh
+from comparisons.converge.ladder import Ladder, Mesh
 from scenes.results.matching import match_runs
 
 
 @dataclass
 class Followed:
-    """Meshes of one backend, with the modes that stand for one another.
-
-    Parameters
-    ----------
-    meshes
-        From the first on; only the last holds its vectors.
-    links
-        Groups of modes of each mesh and of the next that were matched.
-    """
+    """Meshes of one backend, and groups of modes of each and of the next that were matched."""
 
     meshes: list[Mesh] = field(default_factory=list)
     links: list[list[tuple[Ints, Ints]]] = field(default_factory=list)
@@ -63,31 +55,17 @@ def matched(first: Mesh, second: Mesh) -> list[tuple[Ints, Ints]]:
     return [(at_rest[0], at_rest[1]), *groups] if at_rest and len(at_rest[0]) else groups
 
 
-def estimated(
-    followed: Followed, degree: int, *, damped: bool, grows: bool, by_degree: bool
-) -> list[Estimated]:
-    """Every mode of the finest mesh with its error bars, in the order of its eigenvalues.
-
-    Parameters
-    ----------
-    followed
-        The meshes.
-    degree
-        Degree of the elements.
-    damped
-        Whether something damps or rotates.
-    grows
-        Whether anything can grow: something damps, rotates or rubs.
-    by_degree
-        Whether meshes differ in the degree of their elements: then no ratio relates them.
-    """
-    mesh = followed.meshes[-1]
+def estimated(followed: Followed, ladder: Ladder) -> list[Estimated]:
+    """Every mode of the finest mesh with its error bars, in the order of its eigenvalues."""
+    mesh, degree, scene = followed.meshes[-1], ladder.degree, ladder.scene
+    damped = scene.damped or scene.rotates
+    grows = damped or any(contact.mu for contact in scene.contacts.values())
     found: dict[int, Estimated] = {}
     histories: dict[int, Complexes] = {}
     for members in _clusters(followed):
         newest = members[-1]
         assert newest is not None
-        values = _values(members[-1:] if by_degree else members, followed)
+        values = _values(members[-1:] if ladder.by_degree else members, followed)  # no ratio
         corrected = None if mesh.corrected is None else mesh.corrected[newest]
         rounding = mesh.uncertainties[newest]
         if len(newest) == 2 and grows and not mesh.rigid[newest].any():
@@ -102,13 +80,11 @@ def estimated(
             histories[number] = values[:, i]
     if grows and not damped:
         _open_where_bars_meet(found, histories, mesh, degree)
-    return [_rigid(mesh, i) if mesh.rigid[i] else found[i] for i in range(len(mesh.eigenvalues))]
-
-
-def _rigid(mesh: Mesh, number: int) -> Estimated:
-    value = complex(mesh.eigenvalues[number])
-    bar = abs(value) + float(mesh.uncertainties[number])
-    return Estimated(value, bar, bar)
+    for i in np.flatnonzero(mesh.rigid).tolist():
+        value = complex(mesh.eigenvalues[i])
+        bar = abs(value) + float(mesh.uncertainties[i])
+        found[i] = Estimated(value, bar, bar)
+    return [found[i] for i in range(len(mesh.eigenvalues))]
 
 
 def _open_where_bars_meet(

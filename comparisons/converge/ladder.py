@@ -43,63 +43,24 @@ LEAST_DEGREE = 3
 
 @dataclass(frozen=True)
 class Mesh:
-    """Modes on one mesh.
-
-    Parameters
-    ----------
-    resolution, scene
-        How fine it is, and the scene on it with the window of the user.
-    dofs
-        Free dofs.
-    seconds
-        Time by the clock, of the run and of the correction.
-    eigenvalues
-        lambda (1/s) with Im >= 0 by rising frequency, to 5 per cent above the window, shape (n,).
-    uncertainties
-        Errors of lambda by rounding and backward error (1/s), shape (n,).
-    rigid
-        Modes whose lambda is zero but for rounding, shape (n,).
-    stable
-        Modes that the run knows to be stable, shape (n,).
-    window
-        What was searched.
-    warnings
-        What the run must be read with.
-    result
-        The run; None once it is no longer compared with others.
-    corrected
-        lambda in a richer space (1/s), shape (n,); None where they were not corrected.
-    """
+    """Modes on one mesh, by rising frequency, to 5 per cent above the window of the user."""
 
     resolution: Resolution
-    scene: Scene
+    scene: Scene  # with the window of the user
     dofs: int
-    seconds: float
-    eigenvalues: Complexes
-    uncertainties: Floats
-    rigid: NDArray[np.bool_]
-    stable: NDArray[np.bool_]
+    seconds: float  # of the run and of its correction
+    eigenvalues: Complexes  # lambda (1/s) with Im >= 0, shape (n,)
+    uncertainties: Floats  # their errors by rounding and backward error (1/s)
+    rigid: NDArray[np.bool_]  # modes whose lambda is zero but for rounding
+    stable: NDArray[np.bool_]  # modes that the run knows to be stable
     window: Window
     warnings: tuple[ResultWarning, ...]
-    result: Result | None = field(repr=False)
-    corrected: Complexes | None = None
+    result: Result | None = field(repr=False)  # None once it is no longer compared
+    corrected: Complexes | None = None  # lambda in a richer space
 
 
 class Ladder:
-    """The meshes of a scene on one backend.
-
-    Parameters
-    ----------
-    scene
-        The scene as the user gives it.
-    backend
-        Backend of every shape.
-
-    Raises
-    ------
-    InputError
-        When the analysis is static, or a shape has no mesh of the backend.
-    """
+    """The meshes of a scene on one backend, that of its shapes."""
 
     def __init__(self, scene: Scene, backend: Backend) -> None:
         window_of(scene)
@@ -108,7 +69,9 @@ class Ladder:
         self.by_degree = any(map(from_file, on.bodies.values()))
         self._layered = has_singular_edges(on)
         self._slower = 1.0
-        degrees = [int(np.max(each.degree)) for each in _meshes_of_shapes(on)]
+        shapes = [body.mesh for body in on.bodies.values() if not from_file(body)]
+        meshes = [shape.fe if backend == "fe" else shape.iga for shape in shapes]
+        degrees = [int(np.max(mesh.degree)) for mesh in meshes if mesh is not None]
         self.degree = max([LEAST_DEGREE, *degrees])
         # Lagrange elements have as many nodes along a direction as elements times their degree.
         least = min(degrees, default=self.degree) if backend == "fe" else self.degree
@@ -139,15 +102,7 @@ class Ladder:
         return self._slower * _estimated_seconds(enriched_scene(_widened(scene))) / 2
 
     def run(self, number: int, progress: Progress) -> Mesh:
-        """Modes on the mesh of a number; collective.
-
-        Raises
-        ------
-        InputError
-            When the machine has not the memory it takes.
-        ConvergenceError
-            When modes are lost to rounding.
-        """
+        """Modes on the mesh of a number; collective."""
         resolution = self.resolution(number)
         assert resolution is not None
         begun, finer = perf_counter(), refined(self.scene, self.backend, resolution)
@@ -171,19 +126,13 @@ class Ladder:
         )
 
     def correct(self, mesh: Mesh, progress: Progress) -> Mesh:
-        """A mesh whose modes are corrected in a richer space; collective.
-
-        Raises
-        ------
-        InputError
-            When the machine has not the memory it takes, or there is no richer space.
-        """
+        """A mesh whose modes are corrected in a richer space; collective."""
         assert mesh.result is not None
         if not len(mesh.eigenvalues):
             return replace(mesh, corrected=mesh.eigenvalues)
         begun, own = perf_counter(), mesh.result
         richer = enriched_scene(own.scene)
-        found = estimate_errors(own, richer, listener=progress.stage)
+        found = estimate_errors(own, richer, steps=1, listener=progress.stage)
         seconds = own.comm.bcast(perf_counter() - begun)
         return replace(mesh, corrected=found.corrected, seconds=mesh.seconds + seconds)
 
@@ -200,19 +149,8 @@ def elements_of(scene: Scene) -> dict[str, Any]:
     return found
 
 
-def _meshes_of_shapes(scene: Scene) -> list[Any]:
-    bodies = [body for body in scene.bodies.values() if not from_file(body)]
-    return [body.mesh.fe if body.backend == "fe" else body.mesh.iga for body in bodies]
-
-
 def window_of(scene: Scene) -> ComplexEigenvalueAnalysis:
-    """What modes a scene asks for.
-
-    Raises
-    ------
-    InputError
-        When its analysis is static.
-    """
+    """What modes a scene asks for; a static one is refused."""
     if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
         raise InputError("analysis.kind", scene.analysis.kind, "'cea', which has eigenvalues")
     return scene.analysis

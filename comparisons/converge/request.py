@@ -9,41 +9,16 @@ from scenes.spec.body import Backend
 
 @dataclass(frozen=True)
 class Request:
-    """A scene, the digits asked for, what may be spent.
+    """A scene, the digits asked for, what may be spent; options out of range are refused."""
 
-    Parameters
-    ----------
-    scene
-        TOML file, or the name of a scene.
-    digits
-        Significant digits of frequencies: errors are at most half a unit of the last.
-    growth_digits
-        Those of growth rates; None takes one less, 1 at least.
-    backends
-        Backends that are refined; None takes those on which the scene has meshes.
-    budget
-        Seconds that all of it may take.
-    unstable
-        Whether only modes that are not known to be stable must hold their digits.
-    sweep_digits
-        Digits that the mesh for sweeps must hold.
-    overrides
-        Fields of the scene that differ, as ``--set`` takes them.
-
-    Raises
-    ------
-    InputError
-        Naming the option that is out of range.
-    """
-
-    scene: str
-    digits: int = 3
-    growth_digits: int | None = None
-    backends: tuple[Backend, ...] | None = None
-    budget: float = 900.0
-    unstable: bool = False
-    sweep_digits: int = 2
-    overrides: tuple[str, ...] = ()
+    scene: str  # TOML file, or the name of a scene
+    digits: int = 3  # significant ones of frequencies: errors are at most half a unit of the last
+    growth_digits: int | None = None  # those of growth rates; None takes one less, 1 at least
+    backends: tuple[Backend, ...] | None = None  # None takes those on which the scene has meshes
+    budget: float = 900.0  # seconds that all of it may take
+    unstable: bool = False  # whether only modes not known to be stable must hold their digits
+    sweep_digits: int = 2  # digits that the mesh for sweeps must hold
+    overrides: tuple[str, ...] = ()  # fields of the scene that differ, as ``--set`` takes them
 
     def __post_init__(self) -> None:
         for name, value in (

@@ -1,12 +1,16 @@
 """A scene solved on finer and finer meshes of each backend until bars hold the digits asked for."""
 
-from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
+from cea.errors import ConvergenceError, InputError
+from cea.petsc import MPI
+from comparisons.converge.bars import Estimated
 from comparisons.converge.combine import combine
-from comparisons.converge.course import Clock, Course
-from comparisons.converge.ladder import window_of
+from comparisons.converge.follow import Followed, estimated
+from comparisons.converge.ladder import MESHES, Ladder, window_of
 from comparisons.converge.request import Request
 from comparisons.converge.told import data_of
 from comparisons.kit.progress import Progress
@@ -17,6 +21,121 @@ from scenes.spec.reading import Scene, load_scene
 
 COMMAND = "converge"
 """Command that a result is marked with."""
+
+
+class _OutOfTimeError(Exception):
+    """A mesh that took longer than the budget was given up."""
+
+
+class _Clock:
+    """Time since the start of the command, the same on all ranks."""
+
+    def __init__(self, budget: float, begun: float | None) -> None:
+        self._begun = perf_counter() if begun is None else begun
+        self._budget = budget
+
+    @property
+    def gone(self) -> float:
+        """Seconds since the start."""
+        return float(MPI.COMM_WORLD.bcast(perf_counter() - self._begun))
+
+    @property
+    def left(self) -> float:
+        """Seconds of the budget that are left."""
+        return self._budget - self.gone
+
+    def guarded(self, progress: Progress) -> Progress:
+        """Progress that gives a mesh up as a stage of it begins after the budget; collective."""
+
+        def stage(name: str) -> None:
+            if self.left < 0:
+                raise _OutOfTimeError
+            progress.stage(name)
+
+        return Progress(progress.step, stage)
+
+
+class Course:
+    """The meshes of one backend so far, what they hold, and why no more follow."""
+
+    def __init__(self, scene: Scene, backend: Backend, request: Request) -> None:
+        self.scene, self.backend, self.request = scene, backend, request
+        self.ladder, self.followed = Ladder(scene, backend), Followed()
+        self.ended, self.done = "", False
+
+    @property
+    def spent(self) -> float:
+        """Seconds of all meshes."""
+        return sum(mesh.seconds for mesh in self.followed.meshes)
+
+    @property
+    def bars(self) -> list[Estimated]:
+        """Modes of the finest mesh with their error bars."""
+        return estimated(self.followed, self.ladder)
+
+    @property
+    def holds(self) -> bool:
+        """Whether every mode of the window holds its digits."""
+        window = window_of(self.scene)
+        threshold, top = window.growth_threshold, window.max_frequency
+        modes = combine({self.backend: self.followed}, {self.backend: self.bars}, threshold)
+        asked = [
+            mode.shortfalls(self.request, threshold) for mode in modes if mode.frequency <= top
+        ]
+        return all(max(both) <= 1 for both in asked)
+
+    def advance(self, clock: _Clock, progress: Progress) -> None:
+        """One more mesh, the correction of the last one, or the end."""
+        meshes = self.followed.meshes
+        needed = 1 if self.ladder.by_degree else MESHES
+        try:
+            if len(meshes) >= needed and meshes[-1].corrected is None:
+                if not self.holds and not self.ladder.by_degree and self._next_fits(clock):
+                    self._run(clock, progress)
+                else:
+                    self._correct(clock, progress)
+            elif len(meshes) >= needed and self.holds:
+                self.done = True
+            elif self._next_fits(clock):
+                self._run(clock, progress)
+            else:
+                more = self.ladder.seconds(len(meshes))
+                reason = "elements on the cells of mesh files have degree 4 at most"
+                if more is not None:
+                    reason = f"one more mesh would take about {more:.2g} s"
+                self._end(clock, progress, reason)
+        except (InputError, ConvergenceError) as error:
+            self._end(clock, progress, f"the next mesh failed: {error}")
+        except _OutOfTimeError:
+            self.ended = "the budget: a mesh that took longer than expected was given up"
+        self.done = self.done or bool(self.ended)
+
+    def _next_fits(self, clock: _Clock) -> bool:
+        seconds = self.ladder.seconds(len(self.followed.meshes))
+        return seconds is not None and seconds <= clock.left
+
+    def _run(self, clock: _Clock, progress: Progress) -> None:
+        number = len(self.followed.meshes)
+        progress.step(f"{self.backend}, mesh {number + 1}, {max(clock.left, 0):.0f} s left")
+        mesh = self.ladder.run(number, clock.guarded(progress))
+        progress.stage("matching")
+        self.followed.add(mesh)
+
+    def _correct(self, clock: _Clock, progress: Progress) -> None:
+        mesh = self.followed.meshes[-1]
+        progress.step(
+            f"{self.backend}, correction in a richer space, {max(clock.left, 0):.0f} s left"
+        )
+        self.followed.meshes[-1] = self.ladder.correct(mesh, clock.guarded(progress))
+
+    def _end(self, clock: _Clock, progress: Progress, reason: str) -> None:
+        """No mesh follows; the last one is corrected where there are time and memory."""
+        self.ended, meshes = reason, self.followed.meshes
+        if not meshes or meshes[-1].corrected is not None:
+            return
+        if self.ladder.seconds_to_correct(meshes[-1].scene) <= clock.left:
+            with suppress(InputError, ConvergenceError):
+                self._correct(clock, progress)
 
 
 def backends_of(scene: Scene, request: Request) -> tuple[Backend, ...]:
@@ -55,19 +174,17 @@ def run_converge(
     InputError
         When the scene cannot be refined.
     """
-    clock = Clock(request.budget, begun)
+    clock = _Clock(request.budget, begun)
     scene = load_scene(Path(request.scene), list(request.overrides))
     courses = {b: Course(scene, b, request) for b in backends_of(scene, request)}
     while active := [course for course in courses.values() if not course.done]:
         min(active, key=lambda course: course.spent).advance(clock, progress)
     progress.stage("report")
-    ran: Mapping[Backend, Course] = {b: c for b, c in courses.items() if c.followed.meshes}
-    modes = combine(
-        {backend: course.followed for backend, course in ran.items()},
-        {backend: course.bars for backend, course in ran.items()},
-        window_of(scene).growth_threshold,
-    )
-    data = data_of(courses, modes, request, scene)
+    followed = {b: course.followed for b, course in courses.items() if course.followed.meshes}
+    bars = {backend: courses[backend].bars for backend in followed}
+    modes = combine(followed, bars, window_of(scene).growth_threshold)
+    ended = {backend: course.ended for backend, course in courses.items()}
+    data = data_of(followed, ended, modes, request, scene)
     return record(
         COMMAND,
         data,

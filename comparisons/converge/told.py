@@ -1,16 +1,17 @@
 """The record of a study: what is held, the words of the run, modes, meshes, warnings."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from dataclasses import replace
 from math import floor, isfinite, log10, tau
 from typing import Any
 
 import numpy as np
 
-from cea.eigen.classify import classify_run, counted_words
+from cea.eigen.classify import GROWING
 from cea.eigen.matching import assign
-from cea.eigen.spectrum import Window
+from cea.eigen.spectrum import Window, headline, hints
 from comparisons.converge.combine import Mode
-from comparisons.converge.course import Course
+from comparisons.converge.follow import Followed
 from comparisons.converge.ladder import Mesh, elements_of, window_of
 from comparisons.converge.request import Request, half_unit
 from comparisons.kit.run_warnings import Run, merged_warnings
@@ -22,21 +23,31 @@ from scenes.spec.toml import scene_text
 
 
 def data_of(
-    courses: Mapping[Backend, Course], modes: list[Mode], request: Request, scene: Scene
+    followed: Mapping[Backend, Followed],
+    ended: Mapping[Backend, str],
+    modes: list[Mode],
+    request: Request,
+    scene: Scene,
 ) -> dict[str, Any]:
     """What the record of a study holds, as :func:`comparisons.converge.study.run_converge` says."""
     window = window_of(scene)
     top, threshold = window.max_frequency, window.growth_threshold
     inside = [mode for mode in modes if mode.frequency <= top]
     above = [mode for mode in modes if mode.frequency > top]
-    ran = {b: course for b, course in courses.items() if course.followed.meshes}
-    finest = {b: course.followed.meshes[-1] for b, course in ran.items()}
+    finest = {backend: each.meshes[-1] for backend, each in followed.items()}
     errors = [
         (mesh, {"backend": backend, **_level(mesh), **_errors(mesh, inside)})
-        for backend, course in ran.items()
-        for mesh in course.followed.meshes
+        for backend, each in followed.items()
+        for mesh in each.meshes
     ]
-    held, first = _held(inside, courses, request, threshold)
+    windows = [mesh.window for mesh in finest.values()]
+    told = _window(inside, above, windows, top) if windows else None
+    words, growth = [m.word for m in inside], [m.estimated.value.real for m in inside]
+    held, first = (
+        _held(inside, ended, request, threshold)
+        if finest
+        else (False, f"not reached: no mesh was solved; {_reasons(ended)}")
+    )
     scenes = {f"finest_{backend}": mesh.scene for backend, mesh in finest.items()}
     tolerance = half_unit(request.sweep_digits)
     enough = [(m, e) for m, e in errors if e["bound"] is not None and e["bound"] <= tolerance]
@@ -47,20 +58,20 @@ def data_of(
         "max_frequency": top,
         "growth_threshold": threshold,
         "held": held,
-        "words": _words(inside, above, [mesh.window for mesh in finest.values()], threshold, top),
-        "hints": _hints(above),
+        "words": "" if told is None else headline(words, growth, told, threshold),
+        "hints": [] if told is None else hints(told),
         "modes": [mode.plain() for mode in inside],
         "levels": [plain for _, plain in errors],
-        "backends": {b: {"ended": c.ended, "spent": c.spent} for b, c in courses.items()},
+        "ended": dict(ended),
         "mortar": moved_to_mortar(scene),
         "scenes": {name: scene_text(each) for name, each in scenes.items()},
-        "warnings": _warnings(ran, finest, inside, top),
+        "warnings": _warnings(followed, inside, top),
     }
 
 
 def _held(
     modes: list[Mode],
-    courses: Mapping[Backend, Course],
+    ended: Mapping[Backend, str],
     request: Request,
     threshold: float | None,
 ) -> tuple[bool, str]:
@@ -73,7 +84,6 @@ def _held(
     )
     if of_growth:
         line += f", {request.of_growth} of growth in {sum(of_growth)} of {len(of_growth)}"
-    ran = any(course.followed.meshes for course in courses.values())
     short = [
         f"{name} of {mode.frequency:.6g} Hz ({_digits(max(0, digits))})"
         for mode, both in zip(modes, asked, strict=True)
@@ -83,57 +93,29 @@ def _held(
         if shortfall > 1
         for digits in [floor(wanted - log10(shortfall)) if isfinite(shortfall) else 0]
     ]
-    ended = [f"{b}: {course.ended}" for b, course in courses.items() if course.ended]
-    if not ran:
-        return False, f"not reached: no mesh was solved; {'; '.join(ended)}"
     if short:
         more = f" and {len(short) - 3} more" if len(short) > 3 else ""
-        line += f"; not reached: {', '.join(short[:3])}{more}; {'; '.join(ended)}"
+        line += f"; not reached: {', '.join(short[:3])}{more}; {_reasons(ended)}"
     return not short, line
+
+
+def _reasons(ended: Mapping[Backend, str]) -> str:
+    return "; ".join(f"{backend}: {reason}" for backend, reason in ended.items() if reason)
 
 
 def _digits(count: int) -> str:
     return f"{count} digit{'s' * (count != 1)}"
 
 
-def _words(
-    modes: list[Mode],
-    above: list[Mode],
-    windows: Sequence[Window],
-    threshold: float | None,
-    top: float,
-) -> str:
-    """How many modes have which word and the word of the run, as one run says it."""
-    end = f"{top:g} Hz"
-    if not modes:
-        lowest = [w.lowest for w in windows if w.lowest is not None]
-        lowest = [min(mode.frequency for mode in above)] if above else lowest
-        near = f"; the lowest is near {min(lowest):.5g} Hz" if lowest else ""
-        return f"no modes below {end}{near}"
-    words = [mode.word for mode in modes]
-    counts = counted_words(words, [mode.estimated.value.real for mode in modes], threshold)
-    word = classify_run(
-        words,
-        complete=any(window.complete for window in windows),
-        missing=any(window.missing for window in windows),
-    )
-    line = f"{len(modes)} mode{'s' * (len(modes) > 1)} up to {end}: {counts}; verdict: {word}"
-    if word == "no unstable mode found":
-        most = max(window.max_growth for window in windows)
-        line += f" up to a growth rate of {most:.4g} 1/s"
-    return line
+def _window(inside: list[Mode], above: list[Mode], windows: list[Window], top: float) -> Window:
+    """The window of the user: one with a mode missing if there is one, else one that is complete.
 
-
-def _hints(above: list[Mode]) -> list[str]:
-    """Modes that grow beyond their bars up to 5 per cent above the window."""
-    grow = [mode for mode in above if mode.word in ("unstable", "grows slowly")]
-    if not grow:
-        return []
-    modes = "a mode grows" if len(grow) == 1 else f"{len(grow)} modes grow"
-    told = ", ".join(
-        f"{mode.estimated.value.real:+.3g} 1/s at {mode.frequency:.6g} Hz" for mode in grow
-    )
-    return [f"hint: {modes} just above the end of the window: {told}"]
+    It was searched to 5 per cent above its end: what grows there is told, and the lowest mode.
+    """
+    window = min(windows, key=lambda each: (not each.missing, not each.complete))
+    grow = tuple((m.frequency, m.estimated.value.real) for m in above if m.word in GROWING)
+    lowest = min([mode.frequency for mode in above], default=window.lowest)
+    return replace(window, max_frequency=top, growing_above=grow, lowest=lowest)
 
 
 def _level(mesh: Mesh) -> dict[str, Any]:
@@ -164,10 +146,10 @@ def _errors(mesh: Mesh, modes: list[Mode]) -> dict[str, Any]:
 
 
 def _warnings(
-    ran: Mapping[Backend, Course], finest: Mapping[Backend, Mesh], modes: list[Mode], top: float
+    followed: Mapping[Backend, Followed], modes: list[Mode], top: float
 ) -> list[dict[str, Any]]:
     """What the result must be read with; what runs warn of is that of the finest meshes."""
-    lost = [v for c in ran.values() for v in c.followed.lost.tolist() if v.imag <= tau * top]
+    lost = [v for each in followed.values() for v in each.lost.tolist() if v.imag <= tau * top]
     kinds = {
         "backends-disagree": (
             "bars of the backends do not meet, and are widened, in",
@@ -175,7 +157,7 @@ def _warnings(
         ),
         "modes-alone": (
             "one backend alone found",
-            [mode.frequency for mode in modes if len(ran) > 1 and mode.agree is None],
+            [mode.frequency for mode in modes if len(followed) > 1 and mode.agree is None],
         ),
         "not-converging": (
             "differences between meshes do not fall in",
@@ -200,7 +182,7 @@ def _warnings(
         if where
     ]
     runs: list[Run] = [
-        ({"backend": backend}, [w.plain() for w in mesh.warnings if w.kind != STATE_KEPT])
-        for backend, mesh in finest.items()
+        ({"backend": b}, [w.plain() for w in each.meshes[-1].warnings if w.kind != STATE_KEPT])
+        for b, each in followed.items()
     ]
     return found + merged_warnings(runs, "backends, on its newest mesh")

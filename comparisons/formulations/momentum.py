@@ -52,8 +52,8 @@ def momentum_defects(
     """
     dim = next(iter(system.bodies.values())).dim
     kinds = {
-        "normal": [c.stiffness for c in system.contacts if c.stiffness is not None],
-        "friction": [c.friction for c in system.contacts if c.friction is not None],
+        "normal": [c.K_n for c in system.contacts if c.K_n is not None],
+        "friction": [c.K_f for c in system.contacts if c.K_f is not None],
     }
     r, y = (system.vector() for _ in range(2))
     defects: dict[str, dict[str, float]] = {}

@@ -17,8 +17,8 @@ from cea.body import Body
 from cea.contact.interface import Interface
 from cea.eigen.static import solve_static
 from cea.errors import ConvergenceError
-from cea.stress import normal_stress
 from cea.surface import Surface
+from cea.system.contact_stresses import normal_stress
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from comparisons.formulations.momentum import momentum_defects, rigid_motions

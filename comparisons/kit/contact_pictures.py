@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from cea.arrays import Floats
-from cea.contact.operators import Contact
-from cea.system.sliding_state import ContactState
+from cea.contact.contact import Contact
+from cea.system.steady_state import ContactState
 from comparisons.kit.plots import AXIS, BLUE, GREY, save
 from scenes import Result
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.eigen.classify import BY_URGENCY, GROWING
 from comparisons.kit.binary import STEPS, Binary, quantised
 from comparisons.kit.interactive import literal
@@ -129,10 +129,10 @@ class Shapes:
         places = np.clip((_in_space(few.x) - scene["low"]) / scene["step"], 0, _POSITIONS)
         told = {
             "name": literal(contact.name),
-            "a": literal(contact.half.a),
+            "a": literal(contact.a),
             "points": self.binary.add(np.round(places).T, "uint16"),
         }
-        friction = contact.half.friction
+        friction = contact.K_f
         if friction is None or not friction.acts or len(points) == 0:
             return told
         some = points[_spread(len(points), _ARROWS)]

@@ -6,8 +6,7 @@ mu = 0.7; the knots of the disc trace the boundary of the pad.
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from cea.contact.coupling import Form
-from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid
+from cea.contact.formulations import Form, Formulation, GaussPointToSurface, Greville, Grid
 from comparisons.paper.figure import BACKENDS, MOST_LAGRANGE, Mesh, as_lagrange
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec

@@ -66,13 +66,13 @@ def false_shifts(plain: Result, lumped: Result) -> Floats:
 
 def _stiffness(result: Result) -> Any:
     """K_n, PETSc AIJ (N/m)."""
-    return result.system.contacts[0].stiffness
+    return result.system.contacts[0].K_n
 
 
 def rotation_ratio(result: Result) -> float:
     """Energy of a rotation about the x axis in K_n: of both bodies, over that of the pad alone."""
     contact = result.system.contacts[0]
-    sides = {contact.half.a: contact.interface.a, contact.half.b: contact.interface.b}
+    sides = {contact.a: contact.interface.a, contact.b: contact.interface.b}
     height = contact.interface.points.x[:, 1].mean()
     energies = []
     for turned in ((PAD, DISC), (PAD,)):

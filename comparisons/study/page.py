@@ -1,6 +1,6 @@
 """The page of a study: one file that needs no other; CSV and PNG files beside it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,11 +8,11 @@ from typing import Any
 import pandas as pd
 
 from cea.files import write_whole
-from comparisons.kit.numbers import number, plain
 from comparisons.kit.page import REPORT, Image, render
 from comparisons.kit.plots import save
 from comparisons.kit.shapes import Shapes
 from comparisons.study import plots
+from comparisons.study.closing import closing
 from comparisons.study.columns import Column, column, is_missing, is_number
 from comparisons.study.modes_view import merged
 from comparisons.study.result import StudyResult
@@ -99,6 +99,8 @@ def write(
     out: Path,
     *,
     shapes: Shapes | None = None,
+    text: str = "",
+    files: bool = True,
 ) -> Path:
     """Write tables, figures and the page.
 
@@ -114,19 +116,26 @@ def write(
         Folder for ``report.html``, CSV and PNG files.
     shapes
         Modes of the viewer.
+    text
+        What stands above all sections.
+    files
+        Whether tables and plots are written to files too.
 
     Returns
     -------
     Path
         The page.
     """
-    shown = [made for s in sections if (made := _section(s, result, out, shapes)) is not None]
+    to = out if files else None
+    shown = [made for s in sections if (made := _section(s, result, to, shapes)) is not None]
     keys = list(shapes.keys) if shapes else []
     page = render(
         TEMPLATE,
         plots=bool(keys) or any(s["plots"] for s in shown),
         shapes=shapes if shapes and shapes.scenes else None,
         heading=title,
+        text=text,
+        files=files,
         parts=shown,
         keys=set(keys),
         first=_first(shapes),
@@ -144,29 +153,34 @@ def _first(shapes: Shapes | None) -> str:
 
 
 def _section(
-    section: Section, result: Any, out: Path, shapes: Shapes | None
+    section: Section, result: Any, out: Path | None, shapes: Shapes | None
 ) -> dict[str, Any] | None:
+    """What the template shows of a section; None of one that shows nothing."""
     headline = (section.headline(result) if section.headline else None) or ""
     tables = [ShownTable.of(table, result) for table in section.tables]
     for table in tables:
-        write_whole(table.csv(), out / f"{table.name}.csv")
+        if out:
+            write_whole(table.csv(), out / f"{table.name}.csv")
     drawn, images = [], []
     for plot in section.plots:
         if isinstance(plot, Plot):
             made = plots.drawn_by_page(plot, result)
-            if made:
+            if made and out:
                 save(plots.draw(plot, result), out / f"{plot.name}.png")
+            if made:
                 drawn.append({"plot": plot, "panels": made})
             continue
-        name, figure = getattr(plot, "__name__", "figure"), plot(result)
-        if figure is None:
-            continue
-        save(figure, out / f"{name}.png")
-        caption = " ".join((plot.__doc__ or "").split())
-        images.append({"image": Image.of(out / f"{name}.png"), "caption": caption})
+        figure = plot(result)
+        if figure is not None and out is not None:
+            file = out / f"{getattr(plot, '__name__', 'figure')}.png"
+            save(figure, file)
+            images.append(
+                {"image": Image.of(file), "caption": " ".join((plot.__doc__ or "").split())}
+            )
     modes = section.modes and shapes is not None and bool(shapes.keys)
+    geometry = next(iter(shapes.scenes), "") if section.geometry and shapes else ""
     shown = [t for t in tables if t.table.shown and not t.frame.empty]
-    if not (shown or drawn or images or modes or headline):
+    if not (shown or drawn or images or modes or geometry or headline):
         return None
     return {
         "id": section.title.lower().replace(" ", "-"),
@@ -177,93 +191,5 @@ def _section(
         "plots": drawn,
         "images": images,
         "modes": modes,
+        "geometry": geometry,
     }
-
-
-def closing() -> list[Section]:
-    """Sections of every study: warnings, times, what was left out, what failed, versions."""
-    return [
-        Section("Warnings", tables=[Table("warnings", "What runs warn of.", _warnings, _WARNED)]),
-        Section("Run times", tables=[Table("times", "Seconds of cases by stage.", _times)]),
-        Section(
-            "Left out",
-            tables=[
-                Table(
-                    *("skipped", "What runs did without since their scenes do not need it."),
-                    _left_out,
-                )
-            ],
-        ),
-        Section("Failed", tables=[Table("failed", "Cases without an answer.", StudyResult.failed)]),
-        Section(
-            "Parameters",
-            tables=[
-                Table("parameters", "Fields of the scenes as run; bars part values.", _parameters),
-                Table("options", "Options of the study.", _options),
-            ],
-        ),
-        Section("Machine and versions", tables=[Table("machine", "", _machine)]),
-    ]
-
-
-_WARNED = {"runs": Column("runs", show=number)}
-
-
-def _warnings(result: StudyResult) -> pd.DataFrame:
-    """Kinds of warnings with the first of each and the number of runs that gave it."""
-    found: dict[str, dict[str, Any]] = {}
-    for run in result.runs():
-        for warning in run["warnings"]:
-            kind, message = warning["kind"], warning["message"]
-            row = found.setdefault(kind, {"warning": kind, "first": message, "runs": 0})
-            row["runs"] += 1
-    return pd.DataFrame(list(found.values()))
-
-
-def _times(result: StudyResult) -> pd.DataFrame:
-    rows = []
-    for case in result.cases:
-        stages: dict[str, float] = {}
-        for run in case["runs"]:
-            for name, seconds in run["stages"].items():
-                stages[name] = stages.get(name, 0.0) + seconds
-        rows.append(case["labels"] | stages | {"seconds": case["seconds"]})
-    return pd.DataFrame(rows)
-
-
-def _left_out(result: StudyResult) -> pd.DataFrame:
-    runs = result.runs()
-    rows = [
-        {"left_out": what, "reason": reason}
-        for run in runs
-        for what, reason in run["skipped"].items()
-    ]
-    if not rows:
-        return pd.DataFrame()
-    counts = pd.DataFrame(rows).groupby(["left_out", "reason"], sort=False).size()
-    return counts.reset_index(name="count").assign(runs=len(runs))
-
-
-def _parameters(result: StudyResult) -> pd.DataFrame:
-    from comparisons.kit.provenance import parameters
-
-    table = parameters(("", "", run) for run in result.runs())
-    return pd.DataFrame(
-        [row[1:] for row in table.rows], columns=[c.name for c in table.columns[1:]]
-    )
-
-
-def _options(result: StudyResult) -> pd.DataFrame:
-    return _named(result.record["inputs"])
-
-
-def _machine(result: StudyResult) -> pd.DataFrame:
-    record = result.record
-    commits = ", ".join(dict.fromkeys(case["commit"] for case in result.cases))
-    return _named(
-        {**record["machine"], **record["versions"], "commit": commits or record["commit"]}
-    )
-
-
-def _named(values: Mapping[str, Any]) -> pd.DataFrame:
-    return pd.DataFrame({"name": list(values), "value": [plain(v) for v in values.values()]})

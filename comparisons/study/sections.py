@@ -109,6 +109,8 @@ class Section:
         What it shows.
     modes
         Whether the viewer of the modes that cases kept stands here.
+    geometry
+        Whether the bodies of the first result with modes stand here at rest.
     """
 
     title: str
@@ -117,3 +119,4 @@ class Section:
     tables: Sequence[Table] = ()
     plots: Sequence[Plot | Drawing] = ()
     modes: bool = False
+    geometry: bool = False

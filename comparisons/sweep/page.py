@@ -1,34 +1,62 @@
-"""What a sweep leaves behind: result.json, tables, a picture."""
+"""What a sweep leaves behind: sweep.nc, tables, pictures, the page that holds them, the record."""
 
+from functools import partial
 from pathlib import Path
-from typing import Any
+
+import numpy as np
 
 from cea.petsc import MPI
-from comparisons.kit.plots import save
+from comparisons.kit.page import REPORT
 from comparisons.kit.records import RESULT, read_result
-from comparisons.sweep.figures import sweep_figure
-from comparisons.sweep.study import COMMAND
-from comparisons.sweep.tables import modes_table, unstable_table, values_table
+from comparisons.study.page import write
+from comparisons.study.sections import Drawing
+from comparisons.sweep.figures import line_figure, map_figure, samples_figure
+from comparisons.sweep.points import Points
+from comparisons.sweep.spectra import read_netcdf, read_samples, write_netcdf
+from comparisons.sweep.study import COMMAND, Swept
+from comparisons.sweep.tables import sections_of
 from scenes.results.record import write_record
 
+FILE = "sweep.nc"
+_LINES = 3
+"""Lines of a map of two axes or more whose modes are drawn."""
 
-def read_sweep(out: Path) -> dict[str, Any]:
-    """Data that :func:`write_sweep` wrote; refused where the folder holds none."""
-    return read_result(out, COMMAND)
+
+def write_sweep(made: Swept, out: Path) -> Path:
+    """Write a sweep to a folder, on rank 0; the page to open."""
+    if MPI.COMM_WORLD.rank:
+        return out / REPORT
+    out.mkdir(parents=True, exist_ok=True)
+    write_netcdf(made.spectra, made.points, out / FILE)
+    write_record(made.record, out / RESULT)
+    title = f"Sweep of {made.record['inputs']['scene']}"
+    return write(title, sections_of(made, _drawings(made.points)), made, out)
 
 
-def write_sweep(data: dict[str, Any], out: Path) -> Path:
-    """Write data, CSV files and the picture, on rank 0.
+def _drawings(points: Points) -> list[Drawing]:
+    """Pictures of a line; of a map that of growth, and of a few lines; of samples."""
+    if not points.counts:
+        return [samples_figure]
+    lines = np.arange(len(points.values)).reshape(points.counts[0], -1).T
+    chosen = np.unique(np.linspace(0, len(lines) - 1, _LINES).round().astype(int))
+    drawn: list[Drawing] = [] if len(lines) == 1 else [map_figure]
+    for number, line in enumerate(lines[chosen], 1):
+        figure = partial(line_figure, line=line)
+        figure.__name__ = "sweep" if len(lines) == 1 else f"line_{number}"  # type: ignore[attr-defined]
+        drawn.append(figure)
+    return drawn
 
-    Returns
-    -------
-    Path
-        The picture.
-    """
-    picture = out / "sweep.png"
-    if MPI.COMM_WORLD.rank == 0:
-        write_record(data, out / RESULT)
-        for table in (values_table(data), unstable_table(data), modes_table(data)):
-            table.write_csv(out)
-        save(sweep_figure(data), picture)
-    return picture
+
+def read_sweep(out: Path) -> Swept:
+    """A sweep that was written; refused where the folder holds none."""
+    data = read_result(out, COMMAND)
+    told = data.get("axes") or data["fields"]
+    names = tuple(each["name"] for each in told)
+    if "axes" in data:
+        grid = np.meshgrid(*(axis["values"] for axis in told), indexing="ij")
+        values = np.stack([each.ravel() for each in grid], axis=1)
+        points = Points(names, values, grid[0].shape, bool(data["inputs"]["fields"][0]["log"]))
+    else:
+        cut = tuple(field["cut"] for field in told)
+        points = Points(names, read_samples(names, out / FILE), cut=cut)
+    return Swept(data, points, read_netcdf(points, out / FILE), None)

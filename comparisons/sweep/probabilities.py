@@ -1,26 +1,70 @@
-"""How probable growth is by samples, with what the samples leave open: the record of a study.
+"""How probable growth is by samples, with what the samples leave open.
 
 Of n samples k surely grow and u more are undecided. The interval of 95 per cent reaches from the
 lower end of that of k to the upper end of that of k + u (E. B. Wilson, Probable inference, the law
 of succession, and statistical inference, J. Amer. Statist. Assoc. 22 (1927)).
 """
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cea.arrays import Floats
-from comparisons.sweep.filling import Filling
-from comparisons.sweep.map_record import lost_to_rounding, of_full_solves, of_rounding
-from comparisons.sweep.mapped import Mapped
-from comparisons.sweep.sampled import Flags, Sampled
+from cea.arrays import Floats, Ints
+from cea.eigen.classify import thresholds
+from cea.eigen.matching import assign
+from cea.reduced.spectrum import ReducedSpectrum
+from comparisons.sweep.spectra import UNSTABLE, Spectra
 
+Flags = NDArray[np.bool_]
 _STANDARD = 1.959963984540054
 """Standard deviations of an interval of 95 per cent."""
 _QUANTILES = (0.05, 0.5, 0.95)
-_NAMED = 100
-"""Samples without a certificate that are named."""
+_NEAR = 0.05
+"""Distance, relative to a speed, that counts as much as another vector."""
+_LIKE = 0.5
+"""Least squared cosine, less the distance, of modes that are one."""
+_FOLLOWED = 0.1
+"""Part of the samples whose growing modes may be unknown for single modes to have rows."""
+
+
+def continued(middle: ReducedSpectrum, found: ReducedSpectrum) -> Ints:
+    """Numbers of the modes of another spectrum that modes are by shape and eigenvalue, -1 of none.
+
+    Vectors of two that coalesce become one: the space of both is compared.
+    """
+    numbers = np.full(len(found), -1, dtype=np.int64)
+    if not (len(middle) and len(found)):
+        return numbers
+    one, other = (each.right / np.linalg.norm(each.right, axis=0) for each in (middle, found))
+    likeness = np.abs(one.conj().T @ other) ** 2
+    away = np.abs(middle.eigenvalues[:, None] - found.eigenvalues) / found.speeds
+    cost = 1 - likeness + np.minimum(away / _NEAR, 10.0)
+    for i, j in zip(*(each.tolist() for each in assign(cost, 1.0 + _LIKE)), strict=True):
+        numbers[j] = i
+    return numbers
+
+
+def growing(spectra: Spectra, threshold: float | None, *, damped: bool) -> tuple[Flags, Flags]:
+    """Which modes grow, surely and perhaps, shape (points, modes).
+
+    Of two that coalesced without damping, one growing as the other decays, both do.
+    """
+    values = spectra.growth + 2j * np.pi * spectra.frequency
+    there = spectra.there
+    grows = there & (spectra.verdict == UNSTABLE)
+    may_grow = np.zeros_like(grows)
+    limits = thresholds(np.where(there, values, 0.0).ravel(), threshold).reshape(grows.shape)
+    may_grow[there] = (spectra.growth + spectra.uncertainty > limits)[there]
+    for flags in () if damped else (grows, may_grow):
+        for point, mode in np.argwhere(flags & (np.abs(spectra.growth) > spectra.uncertainty)):
+            kappa = -(values[point] ** 2)
+            distance = np.abs(kappa - kappa[mode].conj())
+            distance[mode] = np.inf
+            partner = int(np.argmin(np.where(there[point], distance, np.inf)))
+            if spectra.frequency[point, mode] > 0 and np.isfinite(distance[partner]):
+                flags[point, partner] = True
+    return grows, may_grow
 
 
 def wilson(count: int, total: int) -> tuple[float, float]:
@@ -34,19 +78,10 @@ def wilson(count: int, total: int) -> tuple[float, float]:
 
 
 def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]:
-    """What samples say of growth.
-
-    Parameters
-    ----------
-    grows, may_grow
-        Whether there is growth in each sample, surely or perhaps, shape (n,).
-    growth
-        Its rate (1/s), shape (n,); not a number counts as none.
-    """
+    """What samples say of growth, sure or perhaps, with rates (1/s), each of shape (n,)."""
     n, sure = len(grows), int(grows.sum())
     undecided = int((may_grow & ~grows).sum())
-    share = sure / n
-    rates = growth[grows & np.isfinite(growth)]
+    share, rates = sure / n, growth[grows]
     spread = np.quantile(rates, _QUANTILES).tolist() if len(rates) else [None] * 3
     return {
         "grows": sure,
@@ -60,106 +95,32 @@ def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]
     }
 
 
-def record_of(
-    scene: Mapped, filling: Filling, found: Sampled, tolerance: float, seconds: Mapping[str, float]
-) -> dict[str, Any]:
-    """Record of a study.
-
-    Parameters
-    ----------
-    scene
-        What was sampled.
-    filling
-        The basis it rests on.
-    found
-        Modes of the samples.
-    tolerance
-        Error of lambda, relative to its speed, up to which a sample is certified.
-    seconds
-        Processor seconds of this rank.
-    """
-    open_ = np.flatnonzero(found.bound > tolerance)
-    largest = np.where(found.grows, found.growth, -np.inf).max(axis=1, initial=-np.inf)
-    basis = filling.basis
-    return {
-        "fields": [
-            {"name": each.name, "parameters": list(names), "ends": list(each.ends)}
-            for each, names in zip(scene.axes, scene.names, strict=True)
-        ],
-        "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
-        "max_frequency": scene.max_frequency,
-        "basis": basis.model.size,
-        "snapshots": [each.plain() for each in basis.snapshots],
-        "stored_before": filling.kept,
-        "failed": [{"point": dict(point), "reason": why} for point, why in basis.failed],
-        "samples": len(found.bound),
-        "certified": len(found.bound) - len(open_),
-        "lost_to_rounding": lost_to_rounding(found.bound, found.worst, tolerance),
-        "not_certified": open_[:_NAMED].tolist(),
-        "worst": float(found.bound.max()),
-        "any": probability(found.grows.any(axis=1), found.may_grow.any(axis=1), largest),
-        "modes": of_modes(found),
-        "processor_seconds": dict(seconds),
+def probabilities(spectra: Spectra, threshold: float | None, *, damped: bool) -> dict[str, Any]:
+    """What all samples say of growth, and of that of each mode where nearly all are followed."""
+    grows, may_grow = growing(spectra, threshold, damped=damped)
+    rates = np.abs(np.where(grows, spectra.growth, 0.0))
+    unknown = int((may_grow & (spectra.number < 0)).any(axis=1).sum())
+    told: dict[str, Any] = {
+        "any": probability(grows.any(axis=1), may_grow.any(axis=1), rates.max(axis=1, initial=0)),
+        "not_followed": unknown,
+        "modes": [],
     }
-
-
-def of_modes(found: Sampled) -> list[dict[str, Any]]:
-    """A record of each mode that may grow in any sample, by rising frequency.
-
-    Modes that continue none are together, as one without a number.
-    """
-    made = []
-    for number in np.unique(found.number[found.may_grow]).tolist():
-        own = (found.number == number) & np.isfinite(found.frequency)
-        grows, may_grow = (own & flags for flags in (found.grows, found.may_grow))
-        rate = np.abs(np.where(grows, found.growth, 0.0)).max(axis=1)
-        frequencies = found.frequency[own]
-        made.append(
+    if unknown >= _FOLLOWED * len(grows):
+        return told
+    for number in np.unique(spectra.number[may_grow & (spectra.number >= 0)]).tolist():
+        own = (spectra.number == number) & spectra.there
+        frequencies = spectra.frequency[own]
+        told["modes"].append(
             {
-                "mode": number if number >= 0 else None,
+                "mode": number,
                 "frequency": float(np.median(frequencies)),
-                "frequency_low": float(frequencies.min()),
-                "frequency_high": float(frequencies.max()),
                 "seen": int(own.any(axis=1).sum()),
-                **probability(grows.any(axis=1), may_grow.any(axis=1), rate),
+                **probability(
+                    (own & grows).any(axis=1),
+                    (own & may_grow).any(axis=1),
+                    np.where(own, rates, 0.0).max(axis=1),
+                ),
             }
         )
-    return sorted(made, key=lambda each: each["frequency"])
-
-
-def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any]]:
-    """What the samples must be read with."""
-    found: list[tuple[str, str]] = []
-    left = data["samples"] - data["certified"]
-    if left:
-        first = ", ".join(str(number) for number in data["not_certified"][:10])
-        found.append(
-            (
-                "not-certified",
-                f"{left} of {data['samples']} samples are not certified to {tolerance:g}, the "
-                f"first of them {first}: their bounds say how far they may be off"
-                f"{of_rounding(data['lost_to_rounding'])}",
-            )
-        )
-    if data["any"]["undecided"]:
-        found.append(
-            (
-                "undecided",
-                f"of {data['any']['undecided']} samples it is not decided whether they grow: "
-                "intervals reach as far as they would with and without these",
-            )
-        )
-    for mode in data["modes"]:
-        if mode["mode"] is None:
-            grow = mode["grows"] + mode["undecided"]
-            found.append(
-                (
-                    "not-followed",
-                    f"in {grow} of {data['samples']} samples a mode grows, or may, that could not "
-                    "be told to be one of the others: so much more probable may one of them be",
-                )
-            )
-    if data["failed"]:
-        found.append(("no-answer", f"{len(data['failed'])} full solves gave no answer"))
-    told = [{"kind": kind, "message": message, "data": {}} for kind, message in found]
-    return told + of_full_solves(data["snapshots"])
+    told["modes"].sort(key=lambda each: each["frequency"])
+    return told

@@ -1,258 +1,391 @@
-"""A sweep: the modes of a scene at some values of one field, and which of them belong together."""
+"""A sweep: modes of a scene at a table of points, by bases of few full solves or in full."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes
-from cea.eigen.matching import assign
+from cea.arrays import Ints
 from cea.errors import ConvergenceError, InputError
-from comparisons.kit.run_warnings import Run, merged_warnings
-from comparisons.kit.tables import Data
+from cea.petsc import MPI
+from cea.ranks import agreed
+from cea.reduced.crossings import Threshold
+from cea.reduced.following import Window
+from cea.reduced.full_solves import confirm
+from cea.reduced.greedy import TOLERANCE, Enrichment, full_solve
+from cea.reduced.model import ReducedModel
+from cea.reduced.small import ModelLine, SmallPencil
+from cea.reduced.snapshots import Snapshot
+from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.thresholds import Unresolved, thresholds_along
+from comparisons.sweep.boxes import Box, boxes_of
+from comparisons.sweep.points import Axis, Field, Points, plain_fields
+from comparisons.sweep.probabilities import continued, probabilities
+from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
+from comparisons.sweep.scene import InFull, Mapped, mapped
+from comparisons.sweep.spectra import Spectra
+from comparisons.sweep.store import Store, fingerprint
 from scenes import Result
 from scenes.results.record import record
-from scenes.running.assembled import AssembledScene
-from scenes.running.matrices import AssembledMatrices
-from scenes.running.swept import means_several, parameters_meant, stiffnesses_meant
-from scenes.spec.files import is_of_matrices
-from scenes.spec.matrices import load_matrices
-from scenes.spec.problems import SceneError
-from scenes.spec.reading import load_scene
 
 COMMAND = "sweep"
-_NEAR = 0.02
-"""Distance, relative to abs(lambda), up to which modes at neighbouring values are one curve."""
-_MOST = 1000
-"""Values of a sweep."""
-
-
-Assembled = AssembledScene | AssembledMatrices
-"""A scene that is solved at changed fields."""
-Result = Result
-"""What comes of it."""
+_AT_FIRST = 0.5
+"""Bound, relative to the tolerance, of a basis where it is made: elsewhere it is larger."""
+_ROUNDS = 4
+"""Times that full solves may find fault with a basis before it is given up."""
+_AT_ONCE = 64
+"""Points without a certificate, the worst, that a basis takes in before all are looked at again."""
+_MOST_SAMPLES = 1_000_000
 
 
 @dataclass(frozen=True)
-class Sweep:
-    """What is swept.
+class Asked:
+    """What is swept, and how well.
 
-    Parameters
-    ----------
-    scene
-        Name of a scene, or its file.
-    field
-        Path of the field that is changed, e.g. ``parameters.Omega``; or a short name, or one with
-        asterisks, of fields that change together (:func:`scenes.running.swept.parameters_meant`).
-    start, stop
-        Its first and its last value.
-    count
-        Number of values, evenly spaced.
-    overrides
-        Other fields, as ``--set`` takes them.
-    data
-        Folder of the files of a scene of matrices.
+    Axes, along whose first one thresholds are sought, or distributions with their number of samples
+    and seed; a point is certified up to ``tolerance``, an error of lambda relative to its speed; at
+    most so many full solves make a basis, ``checks`` at random points test them, and ``confirm``
+    thresholds are solved in full. Where there is a reason, each point is.
     """
 
     scene: str | Path
-    field: str
-    start: float
-    stop: float
-    count: int
+    fields: tuple[Field, ...]
     overrides: tuple[str, ...] = ()
     data: str | None = None
+    samples: int = 2000
+    seed: int = 0
+    tolerance: float = TOLERANCE
+    most: int = 150
+    checks: int = 2
+    confirm: int = 3
+    why_in_full: str = ""
 
     def __post_init__(self) -> None:
-        if not 2 <= self.count <= _MOST:
-            raise InputError("points", self.count, f"2 to {_MOST}")
-        for name, value in (("start", self.start), ("stop", self.stop)):
-            if not np.isfinite(value):
-                raise InputError(name, value, "a finite number")
-        if self.start == self.stop:
-            raise InputError("stop", self.stop, "another value than start")
+        if not self.fields:
+            raise InputError("axis", [], "one or more, e.g. mu=0:1:101 or mu~normal:0.4:0.05")
+        if not 1e-13 <= self.tolerance <= 1e-2:
+            raise InputError("tolerance", self.tolerance, "1e-13 to 1e-2")
+        if not 2 <= self.samples <= _MOST_SAMPLES:
+            raise InputError("samples", self.samples, f"2 to {_MOST_SAMPLES}")
+        if self.seed < 0:
+            raise InputError("seed", self.seed, "zero or more")
+        for name, least in (("most", 2), ("checks", 0), ("confirm", 0)):
+            count = getattr(self, name)
+            if count < least:
+                raise InputError("solves" if name == "most" else name, count, f"{least} or more")
 
     @property
-    def values(self) -> list[float]:
-        """The values of the field."""
-        return np.linspace(self.start, self.stop, self.count).tolist()
+    def grid(self) -> bool:
+        """Whether points are a grid of axes rather than samples."""
+        return isinstance(self.fields[0], Axis)
 
-    def assembled(self) -> Assembled:
-        """The scene, assembled as it is, or at the first value of a field that is no parameter."""
-        several = means_several(self.field)
-        at_first = [*self.overrides, *([] if several else [f"{self.field}={self.start!r}"])]
-        if is_of_matrices(self.scene):
-            return AssembledMatrices(load_matrices(self.scene, at_first, self.data))
-        if self.data is not None:
-            raise InputError("data", self.data, "left out: a scene of bodies reads no matrices")
-        try:
-            scene = load_scene(self.scene, self.overrides)
-        except SceneError:  # a field may be given by the sweep alone
-            scene = load_scene(self.scene, at_first)
-        stiffnesses_meant(scene.contacts, self.field)  # refuses p that is a field
-        assembled = AssembledScene(scene)
-        if several or self.field in assembled.driver.pencil.parameters:
-            return assembled
-        assembled.free()
-        return AssembledScene(scene.change(self.field, self.start))
-
-    def paths(self, assembled: Assembled) -> list[str]:
-        """Paths of the fields that change together."""
-        if not means_several(self.field):
-            return [self.field]
-        bonded: Sequence[str] = ()
-        if isinstance(assembled, AssembledScene):
-            p = stiffnesses_meant(assembled.scene.contacts, self.field)
-            if p:
-                return [f"contacts.{each}.p" for each in p]
-            bonded = assembled.bonded
-        pencil = assembled.driver.pencil
-        try:
-            return parameters_meant(pencil, self.field, bonded)
-        except InputError as error:
-            raise InputError(self.field, self.start, error.allowed) from error
+    def plain(self) -> dict[str, Any]:
+        """It as plain data."""
+        told: dict[str, Any] = {"scene": str(self.scene), "fields": plain_fields(self.fields)}
+        told |= {"set": list(self.overrides), "data": self.data, "full": bool(self.why_in_full)}
+        if not self.grid:
+            told |= {"samples": self.samples, "seed": self.seed}
+        names = ("tolerance", "checks", "confirm")
+        return told | {"solves": self.most} | {name: getattr(self, name) for name in names}
 
 
-def _solve(assembled: Assembled, paths: Sequence[str], value: float) -> Result:
-    """Modes at a value of fields; of parameters as maps take them, factors on expressions."""
-    values = dict.fromkeys(paths, value)
-    if isinstance(assembled, AssembledScene) and set(paths) <= set(
-        assembled.driver.pencil.parameters
-    ):
-        return assembled.modes_at(values)
-    return assembled.modes(values)
+@dataclass(frozen=True)
+class Swept:
+    """A sweep: its record, points, modes, and the store, to be discarded once it is written."""
+
+    record: dict[str, Any]
+    points: Points
+    spectra: Spectra
+    store: Store | None
 
 
-def run_sweep(
-    sweep: Sweep, progress: Callable[[str], None] = lambda _: None, why: str = ""
-) -> dict[str, Any]:
-    """Run a sweep; a value without an answer is kept beside the others, with the reason.
+def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: None) -> Swept:
+    """Make a sweep; what an interrupted one left beside ``out`` is used again.
 
-    Parameters
-    ----------
-    sweep
-        What is swept.
-    progress
-        Called with each value as it begins.
-    why
-        Why each value is solved in full.
-
-    Returns
-    -------
-    dict
-        The record: ``field``, ``growth_threshold`` (1/s, None where it is relative), ``why`` where
-        it was told, ``points`` with ``value``, ``failed`` (the reason, or "") and ``modes``, each
-        with ``curve``, a number that modes of one curve share, ``re``, ``im``, ``uncertainty`` and
-        ``verdict``; ``warnings`` are those of all values, merged
-        (:func:`comparisons.kit.run_warnings.merged_warnings`).
+    Raises InputError when the scene has no reduced model over these fields or refuses a value, and
+    ConvergenceError when full solves keep passing the bounds.
     """
     begun = perf_counter()
-    assembled = sweep.assembled()
-    paths = sweep.paths(assembled)
-    points: list[dict[str, Any]] = []
-    runs: list[Run] = []
-    curves = Curves()
-    threshold = None
-    for value in sweep.values:
-        progress(f"{sweep.field} = {value:g}")
-        try:
-            result = _solve(assembled, paths, value)
-        except ConvergenceError as error:
-            points.append({"value": value, "failed": str(error), "modes": [], "verdict": ""})
-            curves.interrupt()
-            continue
-        runs.append(({sweep.field: value}, [warning.plain() for warning in result.warnings]))
-        threshold = result.analysis.growth_threshold
-        points.append(_point(value, result, curves.follow(result.eigenvalues)))
-    assembled.free()
-    inputs = {
-        "scene": str(sweep.scene),
-        "field": sweep.field,
-        "start": sweep.start,
-        "stop": sweep.stop,
-        "points": sweep.count,
-        "set": list(sweep.overrides),
-        "data": sweep.data,
-    }
-    data = {"field": sweep.field, "growth_threshold": threshold, "points": points} | (
-        {"why": why} if why else {}
+    if asked.why_in_full:
+        return _run_in_full(asked, progress, begun)
+    scene = mapped(
+        asked.scene, asked.fields, asked.overrides, asked.data, (asked.samples, asked.seed)
     )
-    seconds = perf_counter() - begun
-    warnings = merged_warnings(runs, f"values of {sweep.field}")
-    return record(COMMAND, data, inputs=inputs, seconds=seconds, warnings=warnings)
+    store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
+    made = _Run(asked, scene, store, progress)
+    try:
+        spectra, intervals = made.parts()
+        data = record_of(scene, spectra, intervals, made.bases, asked.tolerance)
+        data["stored_before"] = store.stored
+        if not asked.grid:
+            damped = scene.pencil.damped
+            data |= probabilities(spectra, scene.growth_threshold, damped=damped)
+        made.confirm(data["thresholds"], asked.confirm)
+        if not spectra.there.any():
+            data["lowest"] = made.lowest()
+    finally:
+        scene.driver.free()
+    told = record(
+        COMMAND,
+        data,
+        inputs=asked.plain(),
+        seconds=perf_counter() - begun,
+        warnings=warnings_of(data, asked.tolerance),
+    )
+    return Swept(told, scene.points, spectra, store)
 
 
-def _point(value: float, result: Result, curves: Sequence[int]) -> dict[str, Any]:
-    modes = [
-        {
-            "curve": curve,
-            "re": float(eigenvalue.real),
-            "im": float(eigenvalue.imag),
-            "uncertainty": float(uncertainty),
-            "verdict": verdict,
+class _Run:
+    """One run: bases, tested, and the points solved on them."""
+
+    def __init__(
+        self, asked: Asked, scene: Mapped, store: Store, progress: Callable[[str], None]
+    ) -> None:
+        self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
+        self._generator = np.random.default_rng(asked.seed)
+        count = len(scene.points.values)
+        self._checked = self._generator.integers(count, size=asked.checks)
+        self.bases: list[dict[str, Any]] = []
+
+    def parts(self) -> tuple[Spectra, list[dict[str, Any]]]:
+        """Modes at all points, and what is known of thresholds, box by box."""
+        made: list[tuple[Ints, Spectra]] = []
+        intervals: list[dict[str, Any]] = []
+        for number, box in enumerate(boxes_of(self._scene.points)):
+            for part, (told, arrays) in zip(box.parts, self._box(number, box), strict=True):
+                made.append((part, Spectra(**arrays)))
+                intervals.append(told)
+        return Spectra.joined(made, len(self._scene.points.values)), intervals
+
+    def _box(self, number: int, box: Box) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+        """All parts of a box, those that were stored among them."""
+        names = [f"box-{number:03d}-part-{i:05d}" for i in range(len(box.parts))]
+        done = {i: kept for i, name in enumerate(names) if (kept := self._store.part(name))}
+        summary = self._store.part(f"box-{number:03d}")
+        if summary is not None and len(done) == len(names):
+            self.bases.append(summary[0])
+            return [done[i] for i in range(len(names))]
+        done = {i: kept for i, kept in done.items() if self._certified(kept)}
+        basis = self._basis(box)
+        try:
+            while True:
+                self._make(box, names, basis, done)
+                worst_first = self._open(box, done)
+                settings, size = basis.model.small.settings, basis.model.size
+                if not worst_first or len(basis.solves) >= self._asked.most:
+                    break
+                failed = [dict(point) for point, _ in basis.failed]
+                points = [self._point(each) for each in worst_first]
+                basis.cover([point for point in points if point not in failed])
+                if basis.model.size == size:
+                    break
+                if basis.model.small.settings != settings:
+                    done.clear()
+                done = {i: kept for i, kept in done.items() if self._certified(kept)}
+        finally:
+            basis.model.free()
+        self.bases.append(self._told(basis))
+        if MPI.COMM_WORLD.rank == 0:
+            self._store.keep_part(f"box-{number:03d}", self.bases[-1], {})
+        return [done[i] for i in range(len(names))]
+
+    def _told(self, basis: Enrichment) -> dict[str, Any]:
+        """A basis as plain data."""
+        solves = [{"tested": e.error_over_bound, **e.about} for e in basis.solves]
+        failed = [{"point": dict(point), "reason": why} for point, why in basis.failed]
+        return {"vectors": basis.model.size, "solves": solves, "failed": failed}
+
+    def _certified(self, part: tuple[Mapping[str, Any], Mapping[str, Any]]) -> bool:
+        return float(part[1]["worst"].max()) <= self._asked.tolerance
+
+    def _open(self, box: Box, done: Mapping[int, tuple[Any, Any]]) -> list[int]:
+        """Numbers of points that are not certified, the worst first."""
+        points = np.concatenate(box.parts)
+        worst = np.concatenate([done[i][1]["worst"] for i in range(len(box.parts))])
+        order = np.argsort(-worst, kind="stable")
+        return points[order[worst[order] > self._asked.tolerance]][:_AT_ONCE].tolist()
+
+    def _basis(self, box: Box) -> Enrichment:
+        """A basis whose bounds are small at the training points of a box, and full solves agree.
+
+        Raises ConvergenceError when full solves keep passing the bounds.
+        """
+        scene, asked = self._scene, self._asked
+        ends = {
+            name: (factor * low, factor * high)
+            for (low, high), names in zip(box.ends, scene.names, strict=True)
+            for name, factor in names.items()
         }
-        for curve, eigenvalue, uncertainty, verdict in zip(
-            curves,
-            result.eigenvalues,
-            result.modes.growth_uncertainties,
-            result.modes.verdicts(result.analysis.growth_threshold),
-            strict=True,
+        model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
+        basis = Enrichment(model, partial(self._full_solve, model), asked.tolerance, asked.most)
+        try:
+            for solve in self._store.solves():
+                at = solve.point
+                if all(low <= at[name] <= high for name, (low, high) in ends.items()):
+                    basis.take(solve)
+            own = np.concatenate(box.parts)
+            checked = self._checked[np.isin(self._checked, own)]
+            for _ in range(_ROUNDS):
+                basis.cover([self._point(i) for i in box.training], _AT_FIRST * asked.tolerance)
+                spent = len(basis.solves) >= asked.most
+                if spent or basis.stands([self._point(i) for i in checked]):
+                    return basis
+                checked = self._generator.choice(own, size=len(checked))
+        except BaseException:
+            model.free()
+            raise
+        model.free()
+        raise ConvergenceError(
+            f"full solves found modes or errors that the reduced model had not told of, "
+            f"{_ROUNDS} times; a lower max_frequency may help"
         )
-    ]
-    return {"value": value, "failed": "", "modes": modes, "verdict": result.verdict}
 
+    def _full_solve(self, model: ReducedModel, point: Mapping[str, float]) -> Snapshot:
+        """A full solve, stored."""
+        shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
+        self._progress(f"full solve: {shown}")
+        solve = full_solve(model, self._scene.driver, point, self._scene.warnings)
+        self._store.keep(solve)
+        return solve
 
-class Curves:
-    """Which modes at neighbouring values are one curve: the nearest to where it was going.
+    def _make(
+        self, box: Box, names: list[str], basis: Enrichment, done: dict[int, tuple[Any, Any]]
+    ) -> None:
+        """Parts that are not there yet, shared out among the ranks."""
+        comm, small = MPI.COMM_WORLD, basis.model.small
+        missing = [i for i in range(len(box.parts)) if i not in done]
+        made: dict[int, tuple[Any, Any]] = {}
+        middle = None
+        if not self._asked.grid:
+            values = self._scene.points.values
+            nearest = np.abs(values - np.median(values, axis=0)) / np.ptp(values, axis=0)
+            middle = small.at(self._values(int(nearest.max(axis=1).argmin())))
+        with agreed(comm):
+            for i in np.array_split(missing, comm.size)[comm.rank].tolist():
+                self._progress(f"{i + 1} of {len(box.parts)} parts of a box")
+                made[i] = self._part(box.parts[i], small, middle)
+                self._store.keep_part(names[i], *made[i])
+        for part in comm.allgather(made):
+            done.update(part)
 
-    Curves are for the eye. Where modes come nearer to each other than they move from one value to
-    the next, a curve may go on as another.
-    """
+    def _part(
+        self, numbers: Ints, small: SmallPencil, middle: ReducedSpectrum | None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Thresholds of a part as plain data, and its modes as arrays."""
+        scene = self._scene
+        at = [self._values(int(number)) for number in numbers]
+        spectra = [small.at(values) for values in at]
+        slopes = []
+        for values, found in zip(at, spectra, strict=True):
+            window = found.window
+            moved = [small.derivatives(window, values, names) for names in scene.names]
+            slopes.append(np.stack(moved, axis=1))
+        if middle is None:
+            of_modes = [np.full(len(found), -1, dtype=np.int64) for found in spectra]
+        else:
+            of_modes = [continued(middle, found) for found in spectra]
+        modes = Spectra.of_model(spectra, slopes, of_modes, scene.growth_threshold)
+        told = self._thresholds(numbers, small, spectra) if middle is None else {}
+        return told, modes.arrays()
 
-    def __init__(self) -> None:
-        self._last: Complexes = np.empty(0, dtype=complex)
-        self._before: Complexes = np.empty(0, dtype=complex)
-        self._numbers: list[int] = []
-        self._next = 0
-
-    def follow(self, eigenvalues: Complexes) -> list[int]:
-        """Numbers of the curves of eigenvalues at the next value, shape (n,)."""
-        foreseen = np.where(np.isnan(self._before), self._last, 2 * self._last - self._before)
-        numbers, before = [-1] * len(eigenvalues), np.full(len(eigenvalues), np.nan + 0j)
-        if len(foreseen) and len(eigenvalues):
-            sizes = np.maximum(np.abs(eigenvalues), np.abs(eigenvalues).max() * _NEAR)
-            cost = np.abs(foreseen[:, None] - eigenvalues) / sizes
-            for i, j in zip(*assign(cost, _NEAR), strict=True):
-                numbers[j], before[j] = self._numbers[i], self._last[i]
-        for j, number in enumerate(numbers):
-            if number < 0:
-                numbers[j] = self._next
-                self._next += 1
-        self._last, self._before, self._numbers = eigenvalues.copy(), before, numbers
-        return numbers
-
-    def interrupt(self) -> None:
-        """End all curves: there is no answer at the next value."""
-        self._last = self._before = np.empty(0, dtype=complex)
-        self._numbers = []
-
-
-def curves_of(data: Data) -> dict[int, dict[str, Any]]:
-    """Modes of each curve along the sweep: arrays of value, growth (1/s), frequency (Hz)."""
-    found: dict[int, list[tuple[float, float, float, str]]] = {}
-    for point in data["points"]:
-        for mode in point["modes"]:
-            frequency = mode["im"] / (2 * np.pi)
-            row = (point["value"], mode["re"], frequency, mode["verdict"])
-            found.setdefault(mode["curve"], []).append(row)
-    return {
-        number: {
-            "value": np.array([row[0] for row in rows]),
-            "growth": np.array([row[1] for row in rows]),
-            "frequency": np.array([row[2] for row in rows]),
-            "unstable": np.array([row[3] == "unstable" for row in rows]),
+    def _thresholds(
+        self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]
+    ) -> dict[str, Any]:
+        """Thresholds along a line, and what is not resolved; values in place of logarithms."""
+        scene, points = self._scene, self._scene.points
+        values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
+        line = ModelLine(
+            small,
+            lambda value: scene.pencil.values(scene.point((value, *others))),
+            scene.names[0],
+            scene.growth_threshold or 0.0,
+            points.logarithmic,
+        )
+        places = [line.place(value) for value in values]
+        line.known.update(zip(places, spectra, strict=True))
+        found = thresholds_along(line, places)
+        return {
+            "thresholds": [
+                self._plain(
+                    others,
+                    replace(
+                        each,
+                        value=line.value(each.value),
+                        error=each.error * line.speed(each.value),
+                        slope=each.slope / line.speed(each.value),
+                    ),
+                )
+                for each in found.thresholds
+            ],
+            "unresolved": [
+                self._plain(others, replace(e, low=line.value(e.low), high=line.value(e.high)))
+                for e in found.unresolved
+            ],
+            "resolution": found.resolution,
         }
-        for number, rows in found.items()
-    }
+
+    def _plain(self, others: list[float], found: Threshold | Unresolved) -> dict[str, Any]:
+        return dict(zip(self._scene.points.names[1:], others, strict=True)) | plain(found)
+
+    def confirm(self, thresholds: list[dict[str, Any]], most: int) -> None:
+        """Solve in full at some thresholds, far apart, and note by how much they differ."""
+        scene = self._scene
+        level = scene.growth_threshold or 0.0
+        window = Window(2 * np.pi * scene.max_frequency, scene.pencil.damped, level)
+        chosen = np.linspace(0, len(thresholds) - 1, min(most, len(thresholds))).round()
+        for number in np.unique(chosen).astype(int).tolist():
+            self._progress(f"threshold {number + 1} of {len(thresholds)}, solved in full")
+            told = thresholds[number]
+            others = [told[name] for name in scene.points.names[1:]]
+            at = partial(_along, scene, others)
+            found = confirm(scene.driver, at, threshold_of(told), window)
+            told["full_solve_differs"] = None if found is None else found[0] - told["value"]
+
+    def lowest(self) -> float | None:
+        """Frequency (Hz) of the lowest mode at the first point, where the window is empty."""
+        end = 2 * np.pi * self._scene.max_frequency
+        try:
+            modes = self._scene.driver.nearest(0.5 * end**2, 1, self._point(0))
+        except ConvergenceError:  # there may be no mode at all
+            return None
+        return min(modes.frequencies.tolist(), default=None)
+
+    def _point(self, number: int) -> dict[str, float]:
+        return self._scene.point(self._scene.points.values[number].tolist())
+
+    def _values(self, number: int) -> dict[str, float]:
+        """Values of all parameters at a point."""
+        return self._scene.pencil.values(self._point(number))
+
+
+def _along(scene: Mapped, others: list[float], value: float) -> dict[str, float]:
+    return scene.point((value, *others))
+
+
+def _run_in_full(asked: Asked, progress: Callable[[str], None], begun: float) -> Swept:
+    """Each point by a run of its own; one without an answer is kept with the reason."""
+    if not asked.grid:
+        raise InputError("full", True, "left out for samples: they are solved on a basis")
+    scene = InFull(asked.scene, asked.fields, asked.overrides, asked.data)
+    points, results = scene.points, list[Result | None]()
+    failed: list[dict[str, Any]] = []
+    try:
+        for values in points.values.tolist():
+            at = dict(zip(points.names, values, strict=True))
+            progress(", ".join(f"{name} = {value:g}" for name, value in at.items()))
+            try:
+                results.append(scene.run(values))
+            except ConvergenceError as error:
+                results.append(None)
+                failed.append({"point": at, "reason": str(error)})
+    finally:
+        scene.free()
+    spectra = Spectra.of_results(results, len(points.names))
+    data = record_of_full(points, spectra, results, failed, asked.why_in_full)
+    seconds, warnings = perf_counter() - begun, data.pop("warnings")
+    told = record(COMMAND, data, inputs=asked.plain(), seconds=seconds, warnings=warnings)
+    return Swept(told, points, spectra, None)

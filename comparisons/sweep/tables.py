@@ -1,107 +1,273 @@
-"""Tables of a sweep: what is unstable where, and every mode."""
+"""What a sweep says: its first lines, its tables, the sections of its page."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 
-from cea.eigen.classify import GROWING, threshold_text
-from comparisons.kit.numbers import shown
+from cea.eigen.classify import GROWING, WORDS, counted_words
+from comparisons.kit.numbers import counted, plain, shown
 from comparisons.kit.run_warnings import kinds_at
-from comparisons.kit.tables import Column, Data, Table
-from comparisons.sweep.study import curves_of
+from comparisons.kit.tables import Data
+from comparisons.study.columns import Column
+from comparisons.study.sections import Drawing, Section, Table
+from comparisons.sweep.spectra import UNSTABLE
+
+if TYPE_CHECKING:
+    from comparisons.sweep.study import Swept
+
+_ON_PAGE = 500
+"""Rows of a table up to which the page holds it; its file holds all."""
+_MODES = 200_000
+"""Modes up to which they are written as a table too."""
+_WHAT = {
+    "flutter": ("flutter begins", "flutter ends"),
+    "divergence": ("divergence begins", "divergence ends"),
+    "window": ("growing mode enters the window from above", "growing mode leaves the window"),
+    "count": ("more modes grow", "fewer modes grow"),
+}
+"""What happens where growing modes become more, and where they become fewer."""
 
 
-def values_table(data: Data) -> Table:
-    """A row for each value: how many modes grow, the fastest, what it warns of."""
-    rows: list[tuple[Any, ...]] = []
-    for point in data["points"]:
-        modes = point["modes"]
-        fastest = max(modes, key=lambda mode: mode["re"], default=None)
-        rows.append(
-            (
-                point["value"],
-                len(modes) if not point["failed"] else None,
-                *(sum(mode["verdict"] == word for mode in modes) for word in GROWING),
-                fastest["re"] if fastest else None,
-                fastest["im"] / (2 * np.pi) if fastest else None,
-                ", ".join(kinds_at(data["warnings"], {data["field"]: point["value"]})),
-                point["failed"] or point["verdict"],
-            )
+def headline(data: Data) -> str:
+    """What a sweep says first, in one sentence or two."""
+    if "fields" in data:
+        told = f"{data['any']['grows']} of {data['values']} samples grow"
+        undecided = data["any"]["undecided"]
+        return told + (f", {undecided} are undecided." if undecided else ".")
+    first, *others = data["axes"]
+    along = f"{first['name']} = {first['ends'][0]:g} to {first['ends'][1]:g}"
+    begun = [each for each in data["thresholds"] if each["change"] > 0]
+    level = f"growth_threshold {data['growth_threshold'] or 0:g} 1/s"
+    count, unresolved = len(data["thresholds"]), len(data["unresolved"])
+    if others:
+        told = f"{count} thresholds along {first['name']} ({level})."
+    elif begun:
+        one = min(begun, key=lambda each: each["value"])
+        told = (
+            f"Growth from {first['name']} = {one['value']:.4g} at {one['im'] / (2 * np.pi):.6g} Hz "
+            f"(first of {count} thresholds for {along}; {level})."
         )
-    return Table(
-        "sweep",
-        f"Modes along {data['field']}; {threshold_text(data.get('growth_threshold'))}.",
-        (
-            Column("value", data["field"], shown(6)),
-            Column("modes", "modes", shown(3)),
-            Column("unstable", "unstable", shown(3)),
-            Column("grows_slowly", "grow slowly", shown(3)),
-            Column("growth", "fastest growth", shown(4, sign=True), "1/s"),
-            Column("frequency", "its frequency", shown(5), "Hz"),
-            Column("warnings", "warnings"),
-            Column("verdict", "verdict"),
-        ),
-        rows,
-    )
+    else:
+        grows = "Nothing begins to grow" if data["growing_at_first"] else "No flutter"
+        sure = "" if unresolved or "why" in data else ", every interval resolved"
+        told = f"{grows} for {along}{sure} ({level})."
+    return told + (f" {unresolved} intervals unresolved." if unresolved else "")
 
 
-def unstable_table(data: Data) -> Table:
-    """A row for each curve that is unstable somewhere."""
-    rows = []
-    for curve in curves_of(data).values():
-        grows = curve["unstable"]
-        if grows.any():
-            fastest = int(np.argmax(curve["growth"]))
-            where = curve["value"][grows]
-            rows.append(
-                (
-                    float(curve["frequency"][fastest]),
-                    float(where.min()),
-                    float(where.max()),
-                    int(grows.sum()),
-                    float(curve["growth"][fastest]),
-                    float(curve["value"][fastest]),
-                )
-            )
-    return Table(
-        "unstable",
-        f"Modes that are unstable somewhere along {data['field']}.",
-        (
-            Column("frequency", "frequency", shown(5), "Hz"),
-            Column("first", "unstable from", shown(5)),
-            Column("last", "to", shown(5)),
-            Column("count", "at values", shown(3)),
-            Column("growth", "fastest growth", shown(4, sign=True), "1/s"),
-            Column("at", "at", shown(5)),
-        ),
-        sorted(rows),
-    )
+def words(made: "Swept") -> str:
+    """How many modes have which word at the point where a mode grows fastest."""
+    data, points, spectra = made.record, made.points, made.spectra
+    if not spectra.there.any():
+        lowest = data.get("lowest")
+        near = "" if lowest is None else f"; the lowest is near {lowest:.5g} Hz"
+        return f"No modes below {data['max_frequency']:g} Hz at any value{near}."
+    point = int(np.unravel_index(np.nanargmax(spectra.growth), spectra.growth.shape)[0])
+    there = spectra.there[point]
+    growth, verdicts = spectra.growth[point][there], spectra.verdict[point][there]
+    at = zip(points.names, points.values[point], strict=True)
+    told = ", ".join(f"{name} = {value:.6g}" for name, value in at)
+    counts = counted_words([WORDS[i] for i in verdicts], growth.tolist(), data["growth_threshold"])
+    return f"Most grows at {told}: {counted(len(growth), 'mode')}: {counts}."
 
 
-def modes_table(data: Data) -> Table:
-    """A row for each mode at each value."""
-    rows = [
-        (
-            point["value"],
-            mode["curve"],
-            mode["im"] / (2 * np.pi),
-            mode["re"],
-            mode["uncertainty"],
-            mode["verdict"],
-        )
-        for point in data["points"]
-        for mode in point["modes"]
+def sections_of(made: "Swept", drawings: list[Drawing]) -> list[Section]:
+    """The page of a sweep."""
+    data, few = made.record, len(made.points.values) <= _ON_PAGE
+    own = OWN | {name: Column(name, show=shown(6)) for name in made.points.names}
+    tables = [Table("summary", "The sweep.", summary, own)]
+    tables.append(Table("sweep", "All values.", values, own, shown=few))
+    if made.spectra.growth.size <= _MODES:
+        tables.append(Table("modes", "Every mode.", modes, own, shown=False))
+    basis = []
+    if "why" not in data:
+        caption = "What moves the growth rate of the fastest mode: its derivatives."
+        tables.append(Table("sensitivities", caption, sensitivities, own, shown=few))
+        caption = "Full solves that bases rest on; errors of the reduced model there before."
+        basis.append(Table("full_solves", caption, full_solves, own))
+    why = f"Solved in full at each value: {data['why']}" if "why" in data else ""
+    return [
+        Section("What grows where", why, lambda _: f"{headline(data)} {words(made)}", [], drawings),
+        Section("Warnings", tables=[Table("warnings", "", warnings)]),
+        Section(*_of_points(made, own)),
+        Section("Values", tables=tables),
+        Section("Full solves", tables=basis),
     ]
-    return Table(
-        "modes",
-        "Every mode; modes of one curve share its number.",
-        (
-            Column("value", data["field"], shown(6)),
-            Column("curve", "curve", shown(3)),
-            Column("frequency", "frequency", shown(6), "Hz"),
-            Column("growth", "growth rate", shown(5, sign=True), "1/s"),
-            Column("uncertainty", "algebraic error", shown(2), "1/s"),
-            Column("verdict", "verdict"),
-        ),
-        rows,
+
+
+def _of_points(made: "Swept", own: dict[Any, Column]) -> tuple[Any, ...]:
+    """Title, text, headline and tables of what a grid has and what samples have."""
+    if made.points.counts:
+        return "Thresholds", "", None, [thresholds_table(made, own)]
+    drawn = f"Fields that are spread, seed {made.record['inputs']['seed']}."
+    tables = [probability_table(made), Table("fields", drawn, fields, own)]
+    return "Probability of growth", "", None, tables
+
+
+def thresholds_table(made: "Swept", own: dict[Any, Column] | None = None) -> Table:
+    """Where the number of growing modes changes."""
+    data = made.record
+    told = f"{data['resolution']:.1e}" if data["resolution"] else "no interval by count alone"
+    if "why" in data:
+        told = "the step between values, each of which is solved in full"
+    caption = f"Where the number of growing modes changes along {made.points.names[0]}. "
+    shown_as = (own or OWN) | {made.points.names[0]: Column(made.points.names[0], show=shown(10))}
+    return Table("thresholds", f"{caption}Resolution: {told}.", thresholds, shown_as)
+
+
+def probability_table(made: "Swept") -> Table:
+    """How many samples grow."""
+    caption = f"Samples that grow, of {made.record['values']}; intervals of 95 per cent."
+    return Table("probability", caption, probability, OWN)
+
+
+def thresholds(made: "Swept") -> pd.DataFrame:
+    """A row for each threshold, and one for each interval that is unresolved."""
+    names, rows = made.points.names, list[dict[str, Any]]()
+    for each in made.record["thresholds"]:
+        rows.append(
+            {name: each[name] for name in names[1:]}
+            | {"value": each["value"], "bound": each["error"]}
+            | {"frequency": each["im"] / (2 * np.pi)}
+            | {"what": _WHAT[each["kind"]][each["change"] < 0]}
+            | {"full": each.get("full_solve_differs")}
+        )
+    for each in made.record["unresolved"]:
+        told = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
+        rows.append(
+            {name: each[name] for name in names[1:]}
+            | {"value": (each["low"] + each["high"]) / 2}
+            | {"bound": (each["high"] - each["low"]) / 2}
+            | {"frequency": None if each["im"] is None else each["im"] / (2 * np.pi)}
+            | {"what": told, "full": None}
+        )
+    columns = [*names[1:], "value", "bound", "frequency", "what", "full"]
+    return pd.DataFrame(rows, columns=columns).rename(columns={"value": names[0]})
+
+
+def full_solves(made: "Swept") -> pd.DataFrame:
+    """A row for each full solve."""
+    solves = made.record["snapshots"]
+    firsts = [group[0] for group in made.record["parameters"]]
+    return pd.DataFrame(
+        [
+            {name: each["point"][name] for name in firsts}
+            | {"error over its bound": each["tested"], "window complete": each["complete"]}
+            for each in solves
+        ]
     )
+
+
+def summary(made: "Swept") -> pd.DataFrame:
+    """What the sweep rests on, and how sure it is."""
+    data = made.record
+    told = {"values": data["values"]}
+    if "why" in data:
+        told |= {"values solved in full": data["certified"]}
+    else:
+        told |= {
+            "unknowns": data["unknowns"],
+            "bases": len(data["vectors"]),
+            "vectors of the largest basis": max(data["vectors"]),
+            "full solves": len(data["snapshots"]),
+            "values certified": data["certified"],
+            "worst bound, relative": float(f"{data['worst']:.3g}"),
+        }
+    told |= {"complete up to a growth of, 1/s": data["complete_to"]}
+    return pd.DataFrame(
+        {"what": list(told), "value": ["–" if v is None else plain(v) for v in told.values()]}
+    )
+
+
+def values(made: "Swept") -> pd.DataFrame:
+    """A row for each point: how many modes grow, the fastest, the bound, what it warns of."""
+    data, points, spectra = made.record, made.points, made.spectra
+    frame = pd.DataFrame(points.values, columns=[*points.names])
+    reasons = {tuple(each["point"].values()): each["reason"] for each in data["failed"]}
+    rates = np.where(spectra.there, spectra.growth, -np.inf)
+    rows = np.arange(len(rates))
+    top = rates.argmax(axis=1) if rates.shape[1] else None
+    nothing = np.full(len(rates), np.nan)
+    places = [dict(zip(points.names, each, strict=True)) for each in points.values.tolist()]
+    return frame.assign(
+        modes=spectra.there.sum(axis=1),
+        **{
+            word.replace(" ", "_"): (spectra.verdict == WORDS.index(word)).sum(axis=1)
+            for word in GROWING
+        },
+        growth=nothing if top is None else spectra.growth[rows, top],
+        frequency=nothing if top is None else spectra.frequency[rows, top],
+        bound=nothing if "why" in data else spectra.bound,
+        warnings=[", ".join(kinds_at(data.get("warnings", ()), at)) for at in places],
+        no_answer=[reasons.get(tuple(at.values()), "") for at in places],
+    )
+
+
+def modes(made: "Swept") -> pd.DataFrame:
+    """A row for each mode at each point."""
+    points, spectra = made.points, made.spectra
+    point, mode = np.nonzero(spectra.there)
+    names = ("frequency", "growth", "uncertainty", "mean_error")
+    return pd.DataFrame(points.values[point], columns=[*points.names]).assign(
+        **{name: getattr(spectra, name)[point, mode] for name in names},
+        verdict=np.array(WORDS)[spectra.verdict[point, mode]],
+    )
+
+
+def sensitivities(made: "Swept") -> pd.DataFrame:
+    """A row for the fastest growing mode of each point, where one grows."""
+    points, spectra = made.points, made.spectra
+    rows = np.flatnonzero(np.isfinite(spectra.largest))
+    unstable = np.where(spectra.verdict[rows] == UNSTABLE, spectra.growth[rows], -np.inf)
+    top = unstable.argmax(axis=1) if len(rows) else rows
+    frame = pd.DataFrame(points.values[rows], columns=[*points.names]).assign(
+        frequency=spectra.frequency[rows, top], growth=spectra.growth[rows, top]
+    )
+    for i, name in enumerate(points.names):
+        frame[f"d growth / d {name}"] = spectra.growth_slope[rows, top, i]
+        frame[f"d frequency / d {name}"] = spectra.frequency_slope[rows, top, i]
+    return frame
+
+
+def probability(made: "Swept") -> pd.DataFrame:
+    """A row for all modes together, and for each mode that may grow."""
+    data = made.record
+    together = {"mode": "any", "frequency": None, "seen": data["values"]} | data["any"]
+    return pd.DataFrame(
+        [
+            {"mode": str(each["mode"])}
+            | {name: value for name, value in each.items() if name not in ("mode", "growth")}
+            | {f"growth_{name}": value for name, value in each["growth"].items()}
+            for each in (together, *data["modes"])
+        ]
+    )
+
+
+def fields(made: "Swept") -> pd.DataFrame:
+    """A row for each field that is spread."""
+    both = zip(made.record["inputs"]["fields"], made.record["fields"], strict=True)
+    return pd.DataFrame([asked | {"ends": str(f["ends"]), "cut": f["cut"]} for asked, f in both])
+
+
+def warnings(made: "Swept") -> pd.DataFrame:
+    """A row for each warning."""
+    told = made.record["warnings"]
+    return pd.DataFrame([{"kind": each["kind"], "message": each["message"]} for each in told])
+
+
+OWN = {
+    "mode": Column("mode"),
+    "growth": Column("fastest growth", "1/s", shown(5, sign=True)),
+    "bound": Column("bound", show=shown(2)),
+    "full": Column("full solve differs by", show=shown(2, sign=True)),
+    "frequency": Column("frequency", "Hz", shown(7)),
+    "what": Column("what"),
+    "seen": Column("in the window", show=shown(7)),
+    "low": Column("from", show=shown(4)),
+    "high": Column("to", show=shown(4)),
+    "fastest": Column("fastest", "1/s", shown(4)),
+    "growth_low": Column("growth, 5 %", "1/s", shown(4)),
+    "growth_median": Column("median", "1/s", shown(4)),
+    "growth_high": Column("95 %", "1/s", shown(4)),
+}
+"""How columns of sweeps are shown."""

@@ -32,21 +32,7 @@ _WORDLESS = (TypeError, LookupError, AttributeError, AssertionError)
 
 
 def read_mesh_file(file: Path, merge: float | None = None) -> FileContent:
-    """Content of a mesh file.
-
-    Parameters
-    ----------
-    file
-        The file; its ending tells the format: .msh (gmsh), .inp (Abaqus, CalculiX), .cdb (Ansys),
-        .bdf, .nas (Nastran), .xdmf, .vtu.
-    merge
-        Distance, in the unit of the file, within which nodes are made one.
-
-    Raises
-    ------
-    InputError
-        Naming file, when it is not there, of another format, or not as its format has it.
-    """
+    """Content of a mesh file."""
     content = _content(*checked_state(file, "a mesh file", _LARGEST))
     return content if merge is None else _merged(content, merge)
 

@@ -8,11 +8,10 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body, Space
+from cea.contact.contact import Contact
 from cea.contact.friction import FrictionDirection, Reversed
-from cea.contact.half_pass import HalfPass
 from cea.contact.interface import Interface, default_reach, pair
-from cea.contact.laws import Friction, LinearLaw, NormalLaw
-from cea.contact.sliding import Sliding
+from cea.contact.laws import Friction, LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError
 from cea.expressions import Expression, evaluate
 from cea.petsc import MPI
@@ -20,8 +19,7 @@ from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure
 from cea.surface import Surface
 from cea.system.body_terms import Motion
-from cea.system.coupled import CoupledSystem
-from cea.system.coupling import couple
+from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
 from meshes.true_surfaces import true_surfaces
@@ -254,12 +252,12 @@ def _located(half: _Half, bodies: Mapping[str, Body]) -> Interface:
     )
 
 
-def build_half_passes(scene: Scene, interfaces: Mapping[str, Interface]) -> dict[str, HalfPass]:
-    """What happens at the contact points of a scene, by name of the half pass."""
-    return {half.name: _half_pass(half, interfaces[half.name]) for half in _halves(scene.contacts)}
+def build_contacts(scene: Scene, interfaces: Mapping[str, Interface]) -> list[Contact]:
+    """The half passes of a scene, without operators."""
+    return [_contact(half, interfaces[half.name]) for half in _halves(scene.contacts)]
 
 
-def _half_pass(half: _Half, interface: Interface) -> HalfPass:
+def _contact(half: _Half, interface: Interface) -> Contact:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, x = half.spec, interface.points.x
     with _of_contact(half.pair):
@@ -267,7 +265,10 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
         added_gap = _values("added_gap", spec.added_gap, x)
         direction = half.direction
         friction = Friction(_friction(spec.mu, x), direction) if direction is not None else None
-    return HalfPass(
+        sliding = _sliding(spec.sliding, x) if spec.sliding is not None else None
+    return Contact(
+        name=half.name,
+        pair=half.pair,
         a=half.sides[0][0],
         b=half.sides[1][0],
         interface=interface,
@@ -275,8 +276,8 @@ def _half_pass(half: _Half, interface: Interface) -> HalfPass:
         friction=friction,
         coupling=spec.formulation.coupling,
         form=spec.form,
-        pair=half.pair,
         added_gap=added_gap,
+        sliding=sliding,
     )
 
 
@@ -331,12 +332,12 @@ def build_system(
     leave_out: bool = True,
 ) -> CoupledSystem:
     """Coupled matrices of a scene: mass only for eigenvalues, loads only where they matter."""
-    halves = build_half_passes(scene, interfaces)
+    contacts = build_contacts(scene, interfaces)
     static = scene.analysis.kind == "static"
     with timer("assembly"):
         return couple(
             bodies,
-            halves,
+            contacts,
             with_mass=not static,
             with_load=static or scene.slides_steadily,
             leave_out=leave_out,
@@ -344,11 +345,6 @@ def build_system(
                 name: _motion(body)
                 for name, body in scene.bodies.items()
                 if not static or body.rotation is not None  # at rest nothing else moves
-            },
-            sliding={
-                half.name: _sliding(half, half.spec.sliding, interfaces[half.name])
-                for half in _halves(scene.contacts)
-                if half.spec.sliding is not None
             },
         )
 
@@ -360,13 +356,10 @@ def _motion(body: BodySpec) -> Motion:
     return Motion(body.damping.rayleigh(), body.rotation, body.damping.modal)
 
 
-def _sliding(half: _Half, spec: SlidingSpec, interface: Interface) -> Sliding:
+def _sliding(spec: SlidingSpec, x: Floats) -> Sliding:
     """How a half pass slides, at its points."""
-    x = interface.points.x
-    with _of_contact(half.pair):
-        return Sliding(
-            **{
-                name: _values(f"sliding.{name}", value, x) if value is not None else None
-                for name, value in spec.fields.items()
-            }
-        )
+    values = {
+        name: _values(f"sliding.{name}", value, x) if value is not None else None
+        for name, value in spec.fields.items()
+    }
+    return Sliding(**values)

@@ -6,12 +6,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cea.body import Body
-from cea.contact.half_pass import HalfPass
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.errors import InputError
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.building.build import build_bodies, build_half_passes, build_interfaces
+from scenes.building.build import build_bodies, build_contacts, build_interfaces
 from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import check_memory, estimated_memory
 from scenes.checking.steps import skipped_by
@@ -47,7 +46,7 @@ class Inspection:
     skipped: Mapping[str, str]
     warnings: tuple[ResultWarning, ...] = ()
     bodies: Mapping[str, Body] = field(default_factory=dict)
-    halves: Mapping[str, HalfPass] = field(default_factory=dict)
+    halves: Mapping[str, Contact] = field(default_factory=dict)
 
     @property
     def dofs(self) -> int:
@@ -68,7 +67,7 @@ def inspect_scene(scene: Scene) -> Inspection:
     """
     faults: list[InputError] = []
     bodies: Mapping[str, Body] = {}
-    halves: dict[str, HalfPass] = {}
+    halves: dict[str, Contact] = {}
     try:
         check_memory(scene)
         bodies = build_bodies(scene, StageTimer())
@@ -85,10 +84,11 @@ def inspect_scene(scene: Scene) -> Inspection:
     return Inspection(scene, tuple(faults), skipped_by(scene), warnings, bodies, halves)
 
 
-def _halves_of(scene: Scene, name: str, bodies: Mapping[str, Body]) -> dict[str, HalfPass]:
+def _halves_of(scene: Scene, name: str, bodies: Mapping[str, Body]) -> dict[str, Contact]:
     """Half passes of one contact, whose friction has a direction everywhere."""
     alone = replace(scene, contacts={name: scene.contacts[name]})
-    halves = build_half_passes(alone, build_interfaces(alone, bodies, StageTimer()))
+    contacts = build_contacts(alone, build_interfaces(alone, bodies, StageTimer()))
+    halves = {contact.name: contact for contact in contacts}
     for half in halves.values():
         if half.friction is not None:
             points = half.interface.points
@@ -101,17 +101,16 @@ def _halves_of(scene: Scene, name: str, bodies: Mapping[str, Body]) -> dict[str,
     return halves
 
 
-def _warnings(scene: Scene, halves: Mapping[str, HalfPass]) -> tuple[ResultWarning, ...]:
+def _warnings(scene: Scene, halves: Mapping[str, Contact]) -> tuple[ResultWarning, ...]:
     """Warnings of bodies and contacts; of the latter geometry and points are all that is needed."""
-    contacts = [Contact(name, half, None, None, 1.0) for name, half in halves.items()]
     return tuple(
         warning
-        for warning in scene_warnings(scene, contacts)
+        for warning in scene_warnings(scene, list(halves.values()))
         if warning.kind not in _OF_STIFFNESS or scene.contacts[warning.data["contact"]].c_n is None
     )
 
 
-def gaps(half: HalfPass) -> np.ndarray:
+def gaps(half: Contact) -> np.ndarray:
     """Distances (m) between the sides at all points, apart positive; collective."""
     interface = half.interface
     found = np.concatenate(interface.comm.allgather(interface.initial_gap))

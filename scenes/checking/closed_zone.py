@@ -25,10 +25,10 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
-from cea.system.sliding_state import ContactState
+from cea.system.steady_state import ContactState
 from cea.warned import ResultWarning
 from scenes.spec.body import BodySpec
 
@@ -104,7 +104,7 @@ def coarse_closed_zone(
     halves
         Half passes of the contact, each of which has its share of the stiffness.
     """
-    interface, half = contact.interface, contact.half
+    interface, half = contact.interface, contact
     zone = closed_zone(interface.points.x, state.closure)
     if zone is None:
         return

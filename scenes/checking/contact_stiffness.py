@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.expressions import Expression, evaluate
 from meshes.ventilated_disc import VentilatedDisc
 from scenes.spec.contact import ContactSpec

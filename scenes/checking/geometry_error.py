@@ -16,15 +16,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cea.contact.assembly import approach_along
+from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
-from cea.contact.operators import Contact
 from cea.ranks import agreed
 from cea.system.coupled import CoupledSystem
 from cea.warned import ResultWarning
 
 if TYPE_CHECKING:
-    from cea.system.sliding_state import ContactState, SteadySliding
+    from cea.system.steady_state import ContactState, SteadySliding
 
 _ALLOWED = 0.01
 """Relative error of pressures in the mean square that is told; peaks err by two or three times it.
@@ -63,13 +62,13 @@ def geometry_error(
     system: CoupledSystem, steady: "SteadySliding", contact: Contact, state: "ContactState"
 ) -> Iterator[ResultWarning]:
     """Closures that do not stand out from the errors of curved facets; collective."""
-    interface, law = contact.interface, contact.half.law
+    interface, law = contact.interface, contact.law
     assert isinstance(law, NormalCompliance)
     with agreed(interface.comm):
         tilt = interface.a.normal_error(interface.local_points.at)
         local = interface.geometry_error
-    seeming = approach_along(system.bodies, contact.half, tilt, steady.displacement)
-    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.reactions.met(seeming))
+    seeming = approach_along(system.bodies, contact, tilt, steady.displacement)
+    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.met(seeming))
     force = interface.points.weight * state.pressure
     if not force.any():
         return

@@ -6,7 +6,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.rotation import Rotation
 from cea.warned import ResultWarning
 from scenes.spec.reading import Scene
@@ -34,7 +34,7 @@ def centrifugal_stresses(scene: Scene) -> Iterator[ResultWarning]:
 def against_rotation(scene: Scene, contacts: Sequence[Contact]) -> Iterator[ResultWarning]:
     """Friction that pushes side a along its motion over side b, as bodies rotate."""
     for name, spec in scene.contacts.items():
-        half = next(contact.half for contact in contacts if contact.pair == name)
+        half = next(contact for contact in contacts if contact.pair == name)
         rotations = [scene.bodies[body].rotation for body in (half.a, half.b)]
         acts = spec.mu != 0 or spec.sliding is not None
         if half.friction is None or not acts or not any(rotations):

@@ -4,13 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from cea.contact.contact import Contact
 from cea.contact.laws import NormalCompliance
-from cea.contact.operators import Contact
 from cea.matrices import destroy
 from cea.petsc import Vec
 from cea.system.coupled import CoupledSystem
-from cea.system.equilibrium import LEFT_OVER
-from cea.system.sliding_state import ContactState, SteadySliding
+from cea.system.steady_equations import LEFT_OVER
+from cea.system.steady_state import ContactState, SteadySliding
 from cea.warned import ResultWarning
 from scenes.checking.closed_zone import coarse_closed_zone
 from scenes.checking.geometry_error import geometry_error
@@ -90,7 +90,7 @@ def _open(contact: Contact, state: ContactState) -> Iterator[ResultWarning]:
 
 def _undecided(contact: Contact, state: ContactState, noise: float) -> Iterator[ResultWarning]:
     """Points that rounding makes open or closed, where their stiffness jumps."""
-    law = contact.half.law
+    law = contact.law
     if not isinstance(law, NormalCompliance) or law.m > 1:
         return
     points = np.abs(state.closure) <= noise

@@ -12,7 +12,7 @@ import numpy as np
 
 from cea.arrays import Complexes
 from cea.body import Body
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
@@ -91,7 +91,7 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
         else:
             found += [warning for contact in halves for warning in gaps_as_zero(contact)]
         found += partly_uncovered(name, spec, halves)
-        if halves[0].half.coupling not in ("mortar", "bonded"):
+        if halves[0].coupling not in ("mortar", "bonded"):
             found += sampled(name, scene, halves)
             if scene.analysis.kind == "cea" and spec.mu:
                 found += point_rule(name, scene, halves)
@@ -158,8 +158,8 @@ def sampled(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[Resu
     counts = [sampling(contact.interface) for contact in halves]
     points = sum(count.points for count in counts)
     functions = {
-        halves[0].half.a: max([counts[0].functions_a, *(c.functions_b for c in counts[1:])]),
-        halves[0].half.b: max([counts[0].functions_b, *(c.functions_a for c in counts[1:])]),
+        halves[0].a: max([counts[0].functions_a, *(c.functions_b for c in counts[1:])]),
+        halves[0].b: max([counts[0].functions_b, *(c.functions_a for c in counts[1:])]),
     }
     data = {"contact": name, "points": points, "functions": functions}
     if points < max(functions.values()):

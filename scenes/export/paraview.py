@@ -9,10 +9,10 @@ from urllib.parse import quote
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.files import folder_whole
 from cea.matrices import destroy
-from cea.system.sliding_state import ContactState
+from cea.system.steady_state import ContactState
 from scenes.pictures.grids import cell_grid, in_space, point_grid, write_collection, write_grid
 from scenes.results.result import Result
 from scenes.results.shapes import displacements, gathered_displacements
@@ -200,7 +200,7 @@ def _gaps(result: Result, contact: Contact, modes: list[int]) -> Complexes:
         vectors, prescribed = result.modes.vectors[:, modes], 0.0
     else:
         vectors, prescribed = result.displacement.array[:, None].astype(complex), 1.0
-    sides = ((contact.half.a, interface.trace_a), (contact.half.b, interface.trace_b))
+    sides = ((contact.a, interface.trace_a), (contact.b, interface.trace_b))
     jump, opposite = (
         displacements(result.system, body, trace, vectors, prescribed=prescribed)
         for body, trace in sides
@@ -215,11 +215,11 @@ def _pressure(result: Result, contact: Contact, mode: int | None) -> dict[str, F
     if not contact.has_pressure:
         return {}
     if mode is None:
-        if not contact.half.law.linear:
+        if not contact.law.linear:
             return {}  # the contact pressure of the state stands there
         pressure = contact.pressure(result.displacement)
         if contact.prescribed is not None:
-            pressure = pressure + contact.half.stiffness * contact.prescribed
+            pressure = pressure + contact.slope * contact.prescribed
         return {"pressure": pressure}
     stiffness = result.relative_stiffness(contact.pair)
     if not np.isfinite(stiffness):

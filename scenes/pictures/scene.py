@@ -11,7 +11,7 @@ from PIL import Image
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.half_pass import HalfPass
+from cea.contact.contact import Contact
 from cea.files import write_whole
 from cea.petsc import MPI
 from cea.surface import Surface
@@ -117,7 +117,7 @@ def _add_supports(plotter: Any, inspection: Inspection, size: float) -> None:
             plotter.add_mesh(mesh, color=colour, opacity=0.75, line_width=9)
 
 
-def _surroundings(halves: Iterable[HalfPass], points: Floats) -> Floats:
+def _surroundings(halves: Iterable[Contact], points: Floats) -> Floats:
     """Corners of a box around the contact points (m), shape (n, 3); all points where none is."""
     touching = [in_space(half.interface.points.x) for half in halves]
     if not touching:
@@ -162,7 +162,7 @@ def _add_names(plotter: Any, bodies: Mapping[str, Body], view: Floats, size: flo
 
 
 def _add_contacts(
-    plotter: Any, halves: Mapping[str, HalfPass], distances: Mapping[str, Floats], seen: Floats
+    plotter: Any, halves: Mapping[str, Contact], distances: Mapping[str, Floats], seen: Floats
 ) -> None:
     """Contact points by their gap, normals and directions of friction."""
     size = float(np.linalg.norm(np.ptp(seen, axis=0)))

@@ -53,13 +53,10 @@ class Crowding:
         The singular edges, each by its coordinates along two directions.
     through
         Those inside the body at which pressure ends, and elements do too.
-    re_entrant
-        Whether one of the edges is re-entrant: stresses are most singular there.
     """
 
     edges: tuple[dict[str, float], ...] = ()
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
-    re_entrant: bool = False
 
     @property
     def towards(self) -> dict[str, tuple[float, ...]]:
@@ -96,16 +93,15 @@ def crowding(scene: SceneSpec, name: str) -> Crowding:
     body = scene.bodies[name]
     if not hasattr(body.geometry, "extent"):
         return Crowding()
-    re_entrant = list(_re_entrant(body.geometry))
     found = [
         *_clamped(body),
         *_contact_edges(scene, name),
-        *re_entrant,
+        *_re_entrant(body.geometry),
         *_boundaries_on(scene, name, stiff=True),
     ]
     inner = [place for _, place in _boundaries_on(scene, name, stiff=False)]
     edges = tuple(dict(edge) for edge in dict.fromkeys(found))
-    return Crowding(edges, _by_direction(inner), bool(re_entrant))
+    return Crowding(edges, _by_direction(inner))
 
 
 def _by_direction(places: list[Place]) -> dict[str, tuple[float, ...]]:

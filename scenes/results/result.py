@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
     from cea.system.contact_stresses import NormalStress
-    from cea.system.sliding_state import SteadySliding
+    from cea.system.steady_state import SteadySliding
     from scenes.pictures.drawing import Drawing
 
 

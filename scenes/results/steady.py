@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cea.system.sliding_state import ContactState, LoadStep, SteadySliding
+    from cea.system.steady_state import ContactState, LoadStep, SteadySliding
 
 
 def steady_data(steady: "SteadySliding") -> dict[str, Any]:

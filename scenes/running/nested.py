@@ -42,16 +42,16 @@ def estimate_errors(
     result: Result,
     richer: Scene | None = None,
     *,
-    steps: int = 1,
+    steps: int = 2,
     listener: Callable[[str], None] | None = None,
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a scene, estimated in a richer space; collective.
 
     Where the left vectors that this takes are missing, the scene is solved once more with them:
-    ``run_modes(scene, left=True)`` saves that. One factorisation of the richer scene, and a block
-    of solves for the right vectors and one for the left ones, two each with damping or rotation;
-    no eigenproblem (:mod:`cea.nested.estimate`). What the contact rule of the richer scene does
-    better is part of the error.
+    ``run_modes(scene, left=True)`` saves that. It takes one factorisation of the richer scene, and
+    in every step a block of solves for the right vectors and one for the left ones; no eigenproblem
+    (:mod:`cea.nested.estimate`). What the contact rule of the richer scene does better is part of
+    the error.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ def estimate_errors(
     richer
         A richer scene; by default the same with a degree more (:mod:`scenes.running.enrich`).
     steps
-        Block inverse steps; with damping or rotation there is one more.
+        Block inverse steps; after one nothing is known of what remains.
     listener
         Called with the name of each stage as it begins.
 

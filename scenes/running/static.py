@@ -7,7 +7,7 @@ import numpy as np
 from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.system.contact_stresses import NormalStress, contact_stresses
-from cea.system.held import support_reactions
+from cea.system.support_forces import support_reactions
 from scenes.checking.doubts import doubtful_motions
 from scenes.checking.steps import needed_by, skipped_by
 from scenes.results.describe import described_run

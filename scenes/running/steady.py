@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from cea.system.coupled import CoupledSystem
-from cea.system.held import support_reactions
-from cea.system.steady_sliding import steady_sliding
+from cea.system.steady_path import steady_sliding
+from cea.system.support_forces import support_reactions
 from cea.timing import StageTimer
 from scenes.spec.reading import Scene
 

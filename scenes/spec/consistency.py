@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from cea.checks import check_density
 from cea.errors import InputError
 from cea.suggestions import did_you_mean
 from meshes.breaks import breaks_of, check_breaks
@@ -28,7 +27,7 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
     for name, body in scene.bodies.items():
         yield from _body_checks(f"bodies.{name}", body)
         if scene.analysis.kind == "cea" or body.rotates_in_equilibrium:
-            yield from fault_of(check_density, body.material, f"bodies.{name}.material")
+            yield from fault_of(body.material.density, f"bodies.{name}.material")
     known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)
     yield from contact_checks(scene, known)
     for i, load in enumerate(scene.loads):

@@ -6,8 +6,7 @@ from typing import Annotated, Any, ClassVar, Union
 from pydantic import Discriminator, Field, GetCoreSchemaHandler, Tag
 from pydantic_core import CoreSchema
 
-from cea.contact.coupling import Form
-from cea.contact.formulations import Formulation, registered
+from cea.contact.formulations import Form, Formulation, registered
 from cea.contact.friction import AlongField, AlongVector, Circumferential
 from cea.contact.laws import NormalCompliance
 from cea.errors import InputError

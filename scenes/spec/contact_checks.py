@@ -3,10 +3,10 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
-from cea.checks import check_surface
 from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError
 from cea.expressions import Expression
+from cea.supports.boundary import check_surface
 from scenes.spec.body import Backend
 from scenes.spec.contact import ContactSpec
 from scenes.spec.scene import SceneSpec

@@ -46,58 +46,6 @@ def covered_once(backend, degree, around_a, around_b):
     assert np.diff(angle).min() > 1e-6
 
 
-@pytest.mark.parametrize(
-    ("degree", "elements"),
-    covering(
-        [2, 3],
-        [{"pad": [2, 16, 1], "disc": [3, 12, 1]}, {"pad": [2, 4, 1], "disc": [1, 20, 1]}],
-        strength=1,
-    ),
-)
-def test_segments_of_coarse_annuli_cover_side_a_once(degree, elements):
-    overrides = [
-        f"bodies.{body}.mesh.iga={{degree=[2, {degree}, 2], elements={numbers}}}"
-        for body, numbers in elements.items()
-    ]
-    a, b = sides("ring", overrides, "iga")
-    points = segment_points(a, b, None, 0.01)
-    assert points.weight.sum() == pytest.approx(a.area, rel=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("backend", "degree", "elements"),
-    [
-        ("iga", 2, [9, 4]),
-        ("iga", 3, [2, 12]),
-        ("fe", 1, [4, 8]),
-        pytest.param("fe", 2, [9, 8], marks=pytest.mark.slow),
-        ("fe", 4, [5, 8]),
-    ],
-)
-def test_points_of_a_ring_lie_in_their_own_cell_alone(backend, degree, elements):
-    """Among others in thin cells, which the tangent plane at the centre of a cell leaves."""
-    mesh = (
-        f"degree=[2, {degree}, 1]"
-        if backend == "iga"
-        else f"cell='hexahedron', degree=1, geometry_degree={degree}"
-    )
-    overrides = [f"bodies.pad.mesh.{backend}={{{mesh}, elements={[*elements, 1]}}}"]
-    surface, _ = sides("ring", overrides, backend)
-    cells, points = surface.cells(), surface.gauss_points(3)
-    count = len(cells.element)
-    everywhere = np.broadcast_to(points.x, (count, *points.x.shape))
-    xi = continued_coordinates(surface, cells.element, cells.corners, everywhere)
-    low, high = (np.expand_dims(f(axis=1), 1) for f in (cells.corners.min, cells.corners.max))
-    inside = ((low < xi) & (xi < high)).all(axis=2)
-    own = (points.at.element == cells.element[:, None]) & (
-        (low < points.at.xi) & (points.at.xi < high)
-    ).all(axis=2)
-    assert (inside == own).all()
-    assert own.sum() == len(points)
-    owner, point = np.nonzero(own)
-    assert np.abs(xi[owner, point] - points.at.xi[point]).max() < 1e-12
-
-
 @pytest.mark.parametrize("angle", [pytest.param(40, marks=pytest.mark.slow), 80, -80])
 def test_parameter_lines_go_on_straight_to_a_right_angle(angle):
     surface, _ = sides("ring", ["bodies.pad.mesh.iga={degree=[2,2,2],elements=[9,40,1]}"], "iga")

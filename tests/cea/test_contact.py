@@ -40,9 +40,9 @@ def test_friction_pushes_a_along_k_and_b_against_it(system):
     k = np.array([1.0, 0.5, 0.0]) / np.linalg.norm([1.0, 0.5])
     rotation = rotation_of(system)
     for body, sign in (("upper", 1), ("lower", -1)):
-        friction, scale = resultant(system, product(contact.friction, x), body)
+        friction, scale = resultant(system, product(contact.K_f, x), body)
         assert friction == pytest.approx(sign * MU * force * (rotation @ k), abs=1e-13 * scale)
-        pressure, scale = resultant(system, product(contact.stiffness, x), body)
+        pressure, scale = resultant(system, product(contact.K_n, x), body)
         assert -pressure == pytest.approx(-sign * force * normal, abs=1e-13 * scale)
 
 
@@ -59,7 +59,7 @@ def test_momentum_is_conserved(system):
     rng = np.random.default_rng(3)
     x = unknowns(system, dict.fromkeys(system.bodies, lambda X: rng.normal(size=X.shape)))
     contact = system.contacts[0]
-    for matrix in (contact.stiffness, contact.friction):
+    for matrix in (contact.K_n, contact.K_f):
         force = product(matrix, x)
         (total_a, scale), (total_b, _) = (resultant(system, force, b) for b in system.bodies)
         assert np.abs(total_a + total_b).max() <= 1e-13 * scale
@@ -80,11 +80,11 @@ def test_common_rigid_motion_closes_no_gap(system):
 
 @EVERY
 def test_normal_stiffness_is_exactly_symmetric(system):
-    stiffness = system.contacts[0].stiffness
+    stiffness = system.contacts[0].K_n
     difference = stiffness.copy()
     difference.axpy(-1.0, stiffness.copy().transpose())
     assert difference.norm() == 0.0
-    friction = system.contacts[0].friction
+    friction = system.contacts[0].K_f
     difference = friction.copy()
     difference.axpy(-1.0, friction.copy().transpose(), structure=False)
     assert difference.norm() > 0.1 * friction.norm()
@@ -99,7 +99,7 @@ def test_matrices_equal_a_loop_over_points(system):
     p = P / 0.3
     trace_a, trace_b = interface.trace_a.toarray(), interface.trace_b.toarray()
     touched = np.flatnonzero(np.abs(trace_a).sum(axis=0))
-    projected = contact.half.projected
+    projected = contact.is_projected
     rows = len(touched) if projected else 1
     K_n, K_f = np.zeros((2, offsets[-1], offsets[-1]))
     B, B_k = np.zeros((2, rows, offsets[-1]))
@@ -122,7 +122,7 @@ def test_matrices_equal_a_loop_over_points(system):
         multiplier = np.linalg.solve(M, B)
         K_n, K_f = B.T @ multiplier, B_k.T @ multiplier
     tolerance = 1e-11 if projected else 1e-13  # times the condition of M
-    for matrix, expected in ((contact.stiffness, K_n), (contact.friction, K_f)):
+    for matrix, expected in ((contact.K_n, K_n), (contact.K_f, K_f)):
         dense = matrix.copy().convert("dense").getDenseArray()
         assert np.abs(dense - expected).max() <= tolerance * np.abs(expected).max()
 

@@ -3,7 +3,7 @@
 import corners
 import numpy as np
 import pytest
-from bodies import lagrange_body, nurbs_body
+from bodies import lagrange_body
 from corners import KINDS, MATERIAL, block, rules, seat, system
 from motions import dense, product, unknowns
 from mpi import on_ranks
@@ -11,14 +11,10 @@ from mpi import on_ranks
 from cea.contact.formulations import Mortar, NodeToSurface
 from cea.contact.laws import NormalCompliance
 from cea.contact.sampling import sampling
-from cea.corners import connected, pairs_of_equal, smooth_parts, split_functions
-from cea.matrices import gather
-from cea.supports.boundary import Pressure, Support
 from fe_cea.corners import smooth_pairs
 from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Annulus, Disc, Ring
+from meshes.shapes import Annulus
 
 EVERY = [(kind, dim) for dim in KINDS for kind in KINDS[dim]]
 OF = {"fe": "triangle", "iga": "nurbs"}
@@ -27,7 +23,7 @@ OF = {"fe": "triangle", "iga": "nurbs"}
 
 def matrices(coupled):
     """K_n and K_f of all contacts together, dense."""
-    normal, friction = zip(*((c.stiffness, c.friction) for c in coupled.contacts), strict=True)
+    normal, friction = zip(*((c.K_n, c.K_f) for c in coupled.contacts), strict=True)
     return [sum(map(dense, parts)) for parts in (normal, friction)]
 
 
@@ -37,9 +33,7 @@ def test_rigid_block_in_a_corner_has_the_closed_form(kind, dim, name):
     coupled = system(kind, dim, rules(kind)[name])
     contact = coupled.contacts[0]
     motions = [unknowns(coupled, {"block": motion}) for motion in corners.rigid_motions(dim)]
-    for matrix, true in zip(
-        (contact.stiffness, contact.friction), corners.rigid_stiffness(dim), strict=True
-    ):
+    for matrix, true in zip((contact.K_n, contact.K_f), corners.rigid_stiffness(dim), strict=True):
         forces = [product(matrix, x) for x in motions]
         found = np.array([[x.dot(force) for force in forces] for x in motions])
         assert np.abs(found - true).max() <= 1e-12 * np.abs(true).max()
@@ -61,20 +55,6 @@ def test_one_contact_over_a_corner_is_one_for_each_face(kind, dim, reverse):
             assert error <= 1e-12, name
 
 
-@pytest.mark.grid
-@pytest.mark.parametrize("angle", [50.0, 160.0, 175.0])
-def test_one_contact_over_an_oblique_corner_is_two(backend, angle):
-    """Facets that are straight on both sides meet at a corner, however little they turn there."""
-    kind = OF[backend]
-    for name, rule in rules(kind).items():
-        one, two = (
-            matrices(system(kind, 2, rule, together=together, angle=angle))
-            for together in (True, False)
-        )
-        for found, expected in zip(one, two, strict=True):
-            assert np.abs(found - expected).max() <= 1e-12 * np.abs(expected).max(), name
-
-
 @pytest.mark.parametrize("p", [30.0, float("inf")])
 def test_modes_of_one_contact_over_a_corner_are_those_of_two(backend, p):
     one, two = (
@@ -84,17 +64,6 @@ def test_modes_of_one_contact_over_a_corner_are_those_of_two(backend, p):
     assert len(one) > 6
     assert np.abs(one.real).max() > 1e-3
     assert one == pytest.approx(two, rel=1e-9)
-
-
-def test_three_faces_may_be_tied_at_once(backend):
-    """At their common corner there are as many multipliers as displacements."""
-    kind = KINDS[3][{"fe": 1, "iga": 0}[backend]]
-    one, three = (
-        corners.modes(kind, Mortar(), 0.25, together=together, p=float("inf"), dim=3)
-        for together in (True, False)
-    )
-    assert len(one) > 6
-    assert one == pytest.approx(three, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["mortar", "segments"])
@@ -146,27 +115,6 @@ def test_numbers_of_a_corner_do_not_depend_on_the_ranks(ranks, kind):
         assert together[case]["rows"] == expected["rows"]
         for quantity in ("frequencies", "norms"):
             assert together[case][quantity] == pytest.approx(expected[quantity], rel=1e-9)
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize(("kind", "dim"), EVERY)
-@pytest.mark.parametrize("name", ["mortar", "segments"])
-def test_different_uniform_pressures_on_two_faces_of_a_corner(kind, dim, name):
-    """A block of uniform stress diag(-q_0, -q_1, 0) in a rigid seat: q_k on face k, exactly."""
-    q = np.array([3e-3, 1e-3, 0.0])[:dim]
-    held = [Support("corner")]
-    loads = [Pressure(f"back {k}", float(q[k])) for k in range(2)]
-    bodies = {
-        "block": block(kind, dim, 3, pressures=loads),
-        "seat": seat(kind, dim, 3, supports=held),
-    }
-    coupled = corners.coupled(bodies, rules(kind)[name], mu=0.0, with_load=True)
-    K = dense(coupled.stiffness) + dense(coupled.contacts[0].stiffness)
-    x = coupled.vector()
-    x.array[:] = np.linalg.solve(K, gather(coupled.load))
-    pressure = coupled.contacts[0].pressure(x)
-    expected = -coupled.contacts[0].interface.points.normal @ q
-    assert pressure == pytest.approx(expected, abs=1e-9 * q.max())
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -267,19 +215,6 @@ def test_a_square_of_one_facet_a_side_has_corners_and_an_octagon_none():
         assert len(corners_round(on_circle(360 * np.arange(sides) / sides))) == expected
 
 
-@pytest.mark.parametrize(("elements", "uneven"), [(8, []), (12, [20.0, 160.0]), (20, [80.0])])
-@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
-def test_straight_facets_of_a_ring_are_one_smooth_part(cell, elements, uneven):
-    breaks = breaks_of(Ring(0.5, 1.0), (1, elements), {"theta": uneven})
-    mesh = shape_mesh(Ring(0.5, 1.0), cell, 1, breaks=breaks)
-    for surface in lagrange_body("ring", mesh, degree=2, material=MATERIAL).surfaces.values():
-        nodes = surface.abscissae("nodes")
-        assert len(nodes) == 2 * elements
-        assert nodes.weight == pytest.approx(surface.area / len(nodes), rel=1e-14)
-        at = surface.gauss_points(2).at
-        assert (surface.split_trace(at) != surface.trace(at)).nnz == 0
-
-
 @pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
 def test_straight_facets_of_a_cylinder_are_one_smooth_part(cell):
     shape = Annulus(0.5, 1.0, 0.0, 0.6)
@@ -289,48 +224,6 @@ def test_straight_facets_of_a_cylinder_are_one_smooth_part(cell):
         assert (surface.split_trace(at) != surface.trace(at)).nnz == 0
 
 
-@pytest.mark.parametrize("shape", [Annulus(0.5, 1.0, 0.0, 0.3), Disc(1.0, 0.0, 0.2)])
-def test_patches_that_join_smoothly_are_one_smooth_part(shape):
-    data = nurbs_shape(shape, breaks_of(shape, (2, 8, 1)))
-    part = nurbs_body("part", data.patches, data.faces, (2, 2, 2), material=MATERIAL)
-    for surface in part.surfaces.values():
-        at = surface.gauss_points(2).at
-        assert (surface.split_trace(at) != surface.trace(at)).nnz == 0
-
-
-def bent_seat(kink):
-    """A seat of one patch: its contact surface turns the corner at a repeated knot."""
-    inner = np.array([[0.0, 1.5], [0.0, 0.0], [1.5, 0.0]])
-    outer = np.array([[-0.5, 1.5], [-0.5, -0.5], [1.5, -0.5]])
-    knots = np.array([0.0, 0.0, kink, 1.0, 1.0])
-    breaks = np.array([0.0, 0.5 * kink, kink, 0.6 + 0.4 * kink, 1.0])
-    patch = NurbsPatch(
-        (1, 1),
-        (knots, np.array([0.0, 0.0, 1.0, 1.0])),
-        np.stack([outer, inner], axis=1),
-        np.ones((3, 2)),
-        (breaks, np.array([0.0, 1.0])),
-    )
-    faces = {"corner": [(0, 1, 1)]}
-    return nurbs_body("seat", [patch], faces, (2, 2), material=MATERIAL)
-
-
-@pytest.mark.parametrize("kink", [0.5, 0.3])
-def test_a_face_of_one_patch_is_split_at_its_kink(kink):
-    """Rigid motions of the seat against a block that stands still, points on the seat."""
-    bodies = {"seat": bent_seat(kink), "block": block("nurbs", 2, 3)}
-    surface = bodies["seat"].surfaces["corner"]
-    tip = surface.abscissae("greville")
-    tip = tip[(np.abs(tip.x) < 1e-12).all(axis=1)]
-    assert np.sort(tip.normal, axis=0) == pytest.approx(np.array([[0.0, 0.0], [1.0, 1.0]]))
-    coupled = corners.coupled(bodies, Mortar(), a="seat", b="block")
-    motions = [unknowns(coupled, {"seat": motion}) for motion in corners.rigid_motions(2)]
-    forces = [product(coupled.contacts[0].stiffness, x) for x in motions]
-    found = np.array([[x.dot(force) for force in forces] for x in motions])
-    true = corners.rigid_stiffness(2)[0]
-    assert np.abs(found - true).max() <= 1e-12 * np.abs(true).max()
-
-
 @pytest.mark.parametrize("order", [1, -1])
 def test_points_at_a_corner_are_found_on_the_face_that_faces_them(order):
     """Both faces are met there: one squarely, one at its rim along the line."""
@@ -338,20 +231,3 @@ def test_points_at_a_corner_are_found_on_the_face_that_faces_them(order):
     surface = type(seat("nurbs", 2, 3).surfaces["corner"])("corner", parts[::order], 100)
     found = surface.locate(np.zeros((2, 2)), -np.eye(2), 0.5)
     assert surface.normal(found.at) == pytest.approx(np.eye(2), abs=1e-12)
-
-
-def test_functions_are_split_where_a_crease_begins_and_whole_where_it_ends():
-    """Two rows of two elements: the normal jumps between them in the first row alone."""
-    dofs = np.array([0, 1, 3, 4, 1, 2, 4, 5, 3, 4, 6, 7, 4, 5, 7, 8])
-    element = np.repeat(np.arange(4), 4)
-    normals = np.tile([0.0, 1.0], (16, 1))
-    normals[4:6] = [1.0, 0.0]  # the second element, at its nodes in the first row
-    pairs = pairs_of_equal(dofs)
-    joined = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1) > 0.9
-    groups = connected(pairs[joined], 16)
-    functions = split_functions(dofs, groups, 9)
-    assert sorted(set(functions)) == list(range(10))
-    assert functions[1] != functions[4]
-    assert {functions[1], functions[4]} == {1, 9}
-    assert len(set(functions[dofs == 4])) == 1
-    assert set(smooth_parts(element, functions, 4)) == {0}

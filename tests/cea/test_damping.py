@@ -62,21 +62,6 @@ def test_the_damping_matrix_is_that_of_the_body(backend):
     assert matrices.quadratic
 
 
-def test_damping_shares_the_matrices_of_its_body(backend):
-    terms = scene(backend, damping={"alpha": ALPHA, "beta": BETA}).pencil().terms
-    others = [id(term.matrix) for term in terms if term.role != "damping"]
-    assert [id(t.matrix) in others for t in terms if t.role == "damping"] == [True] * 3
-
-
-def test_a_body_without_damping_keeps_its_pencil(backend):
-    plain, nothing = scene(backend), scene(backend, damping={"alpha": 0.0})
-    assert not plain.pencil().at().quadratic
-    assert not nothing.pencil().at().quadratic
-    assert not any("damping" in name for name in plain.pencil().parameters)
-    same = [to_numpy(system.pencil().at().stiffness) for system in (plain, nothing)]
-    assert (same[0] == same[1]).all()
-
-
 @pytest.mark.parametrize(
     ("change", "options"),
     [

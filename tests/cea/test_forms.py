@@ -9,8 +9,7 @@ from covering import covering
 
 from cea.contact.interface import pair
 from cea.errors import InputError
-from scenes import run_modes, run_scene
-from scenes.running.assembled import assemble as assemble_scene
+from scenes import run_modes
 from scenes.spec.reading import read_scene
 
 GPTS = {"method": "gpts", "points": 3}
@@ -24,7 +23,7 @@ def contact_of(backend, P, formulation=GPTS, **fields):
 
 
 def forms(system):
-    return {contact.half.form for contact in system.contacts}
+    return {contact.form for contact in system.contacts}
 
 
 @pytest.mark.parametrize(
@@ -35,13 +34,6 @@ def test_saddle_where_a_penalty_costs_more_than_six_digits(backend, P, full_pass
     system = assemble(contact_of(backend, P, full_pass=full_pass))
     assert forms(system) == {form}
     assert not system.warnings
-
-
-@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
-def test_infinite_stiffness_needs_no_word_for_its_form(backend):
-    named = run_modes(read_scene(contact_of(backend, float("inf"), form="saddle")))
-    left_open = run_modes(read_scene(contact_of(backend, float("inf"))))
-    assert left_open.eigenvalues == pytest.approx(named.eigenvalues, rel=1e-12, abs=1e-12)
 
 
 @pytest.mark.parametrize("fields", [{"formulation": LUMPED}, {"form": "penalty"}])
@@ -75,19 +67,6 @@ def test_digits_at_other_moduli_are_those_of_a_scene_assembled_there(backend, mo
     assert found.data["digits"] == pytest.approx(fresh.data["digits"], abs=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["cea", "static"])
-def test_results_say_how_many_digits_a_penalty_costs(backend, kind):
-    data = contact_of(backend, 1e9, form="penalty")
-    if kind == "static":
-        data |= {"analysis": {"kind": "static", "samples": 3}}
-    told = [w for w in run_scene(read_scene(data)).warnings if w.kind == "penalty-rounding"]
-    assert [dict(w.data) for w in told] == [dict(w.data) for w in assemble(data).warnings]
-    assert len(told) == 1
-    data["contacts"]["interface"]["form"] = "saddle"
-    kinds = [w.kind for w in run_scene(read_scene(data)).warnings]
-    assert "penalty-rounding" not in kinds
-
-
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_the_warning_is_no_false_alarm(backend):
     """Digits of the penalty form beside the saddle form of the same contact."""
@@ -105,27 +84,6 @@ def test_projected_gaps_cost_no_digits(backend):
     system = assemble(contact_of(backend, 1e12, {"method": "mortar"}))
     assert forms(system) == {"penalty"}
     assert not system.warnings
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_a_sweep_takes_the_form_of_each_stiffness(backend):
-    assembled = assemble_scene(read_scene(contact_of(backend, 3.0)))
-    for P, form in ((30.0, "penalty"), (1e10, "saddle"), (float("inf"), "saddle")):
-        swept = assembled.modes({"contacts.interface.P": P})
-        assert forms(swept.system) == {form}
-        alone = run_modes(read_scene(contact_of(backend, P)))
-        assert swept.eigenvalues == pytest.approx(alone.eigenvalues, rel=1e-9, abs=1e-9)
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_matrices_of_a_form_left_open_are_those_of_the_penalty(backend):
-    penalty, chosen = (
-        run_modes(read_scene(contact_of(backend, 1e9, **fields))).matrices()
-        for fields in ({"form": "penalty"}, {})
-    )
-    for name in ("K_n", "K_f"):
-        difference = np.abs((penalty[name] - chosen[name]).toarray()).max()
-        assert difference <= 1e-13 * np.abs(penalty[name].toarray()).max()
 
 
 @pytest.mark.parametrize(

@@ -31,12 +31,12 @@ def precise(result):
     system = result.system
     contact = system.contacts[0]
     interface = contact.interface
-    points, p = interface.points, contact.half.stiffness
+    points, p = interface.points, contact.slope
     psi = interface.trace_a.toarray()
     psi = psi[:, np.abs(psi).max(axis=0) > 0]
-    k = contact.half.friction.direction.at(points.x, points.normal)
+    k = contact.friction.direction.at(points.x, points.normal)
     jumps = []
-    for direction in (points.normal, contact.half.friction.mu[:, None] * k):
+    for direction in (points.normal, contact.friction.mu[:, None] * k):
         parts = []
         for sign, trace, body in (
             (1, interface.trace_a, "upper"),

@@ -164,18 +164,6 @@ def test_points_along_normals(chart, n):
 
 
 @pytest.mark.parametrize("chart", CHARTS, ids=lambda chart: type(chart).__name__)
-def test_points_along_slanted_directions(chart):
-    """The foot is where the slanted line meets the surface, not the nearest point."""
-    _, x, normal, distance = cloud(chart, 10_000, margin=-0.5)
-    tilt = np.random.default_rng(5).normal(size=x.shape)
-    direction = unit(normal + 0.3 * unit(tilt))
-    found = locate_along(chart, x - distance[:, None] * direction, direction, reach=0.06)
-    assert not found.missed.any()
-    np.testing.assert_allclose(chart.tangents(found.at.element, found.at.xi)[0], x, atol=1e-8)
-    np.testing.assert_allclose(found.distance, distance, atol=1e-8)
-
-
-@pytest.mark.parametrize("chart", CHARTS, ids=lambda chart: type(chart).__name__)
 def test_shared_edges_and_corners_go_to_the_lowest_element(chart):
     """Whatever the order of points, and with rounding either way."""
     rng = np.random.default_rng(6)
@@ -209,60 +197,6 @@ def test_points_beyond_reach_are_missed(chart):
     found = locate_along(chart, x - distance[:, None] * normal, normal, reach=0.1)
     np.testing.assert_array_equal(found.missed, np.abs(distance) > 0.1)
     np.testing.assert_allclose(found.distance, distance, atol=1e-9)
-
-
-def test_outer_edges_count_and_what_lies_past_them_by_the_tolerance_too():
-    plane = CHARTS[0]
-    size = plane.step.max()
-    past = np.array([-1e-6, -2.0, 0.0, 0.5, 2.0, 1e6]) * TOLERANCE * size
-    x = np.column_stack([plane.high[0] + past, np.full(6, 1.03), np.full(6, 0.01)])
-    up = np.tile([0.0, 0.0, 1.0], (6, 1))
-    found = locate_along(plane, x, up, reach=0.1)
-    assert found.status.tolist() == [Status.EDGE] * 4 + [Status.MISSED] * 2
-    np.testing.assert_allclose(found.miss, np.maximum(past, 0), atol=1e-12)
-
-
-def test_a_point_far_from_every_element_has_no_candidate():
-    x, up = np.array([[50.0, 50.0, 0.0]]), np.array([[0.0, 0.0, 1.0]])
-    found = locate_along(CHARTS[0], x, up, reach=0.1)
-    assert found.status.tolist() == [Status.MISSED]
-    assert found.at.element.tolist() == [-1]
-    assert np.isnan(found.distance[0])
-    assert np.isinf(found.miss[0])
-
-
-def test_no_points_are_no_error():
-    found = locate_along(CHARTS[0], np.zeros((0, 3)), np.zeros((0, 3)), reach=0.1)
-    assert len(found.at) == len(found.status) == 0
-    assert found.at.xi.shape == (0, 2)
-
-
-class Recorder:
-    """A chart that keeps how far it was asked to look, and for how many points."""
-
-    def __init__(self, chart):
-        self._chart = chart
-        self.asked = []
-
-    def __getattr__(self, name):
-        return getattr(self._chart, name)
-
-    def candidates(self, x, direction, reach):
-        """As the chart, written down."""
-        self.asked.append((reach, len(x)))
-        return self._chart.candidates(x, direction, reach)
-
-
-def test_only_points_with_nothing_close_by_are_looked_for_farther_off():
-    chart = Recorder(CHARTS[0])
-    _, x, normal, _ = cloud(chart, 1000, margin=-0.5)
-    distance = np.where(np.arange(1000) < 900, 1e-4, 0.9)
-    found = locate_along(chart, x - distance[:, None] * normal, normal, reach=1.0)
-    (close, every), (reach, rest) = chart.asked
-    assert close < 0.1
-    assert reach == 1.0
-    assert (every, rest) == (1000, 100)
-    np.testing.assert_allclose(found.distance, distance, atol=1e-12)
 
 
 class Floors(Plane):

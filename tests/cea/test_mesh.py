@@ -1,7 +1,5 @@
 """Meshes as plain arrays: the order of nodes, facets in any order, refusals."""
 
-from itertools import permutations
-
 import numpy as np
 import pytest
 
@@ -18,15 +16,6 @@ PAIR = {
     "surfaces": {"bottom": [[0, 2], [2, 4]], "left": [[0, 1]]},
 }
 EVERY = [(cell, order) for cell in DIMENSION for order in (1, 2, 3, 4)]
-
-
-def test_lists_become_arrays():
-    mesh = Mesh(**PAIR)
-    assert mesh.points.dtype == np.float64
-    assert mesh.points.shape == (6, 2)
-    assert mesh.cells.dtype == np.int64
-    assert (mesh.dim, mesh.is_simplex) == (2, False)
-    assert {name: len(facets) for name, facets in mesh.surfaces.items()} == {"bottom": 2, "left": 1}
 
 
 @pytest.mark.parametrize(
@@ -59,13 +48,6 @@ def test_wrong_arrays_are_refused_by_name(change, field):
     with pytest.raises(InputError) as refused:
         Mesh(**PAIR | change)
     assert refused.value.field == field
-
-
-def test_refusals_of_facets_say_what_is_wrong():
-    for facet, words in (([1, 5], "a facet of a cell"), ([2, 3], "lies between two cells")):
-        with pytest.raises(InputError, match=words) as refused:
-            Mesh(**PAIR | {"surfaces": {"top": [[1, 3], facet]}})
-        assert refused.value.value == facet
 
 
 @pytest.mark.parametrize(("cell", "order"), EVERY)
@@ -103,22 +85,3 @@ def test_facets_of_reference_cells_are_flat_and_cover_the_boundary(cell, order):
 )
 def test_corners_that_go_around_are_put_in_order_as_documented(cell, around, documented):
     assert node_order(cell, 1, around).tolist() == documented
-
-
-def test_node_order_inverts_any_order():
-    nodes = reference_nodes("tetrahedron", 3)
-    shuffled = np.random.default_rng(0).permutation(len(nodes))
-    order = node_order("tetrahedron", 3, nodes[shuffled])
-    assert np.array_equal(nodes[shuffled][order], nodes)
-    for wrong in (nodes[:-1], nodes + 0.01, 2 * nodes - 1):
-        with pytest.raises(InputError, match=r"^nodes = "):
-            node_order("tetrahedron", 3, wrong)
-
-
-def test_the_first_of_two_wrong_surfaces_is_named():
-    """Facets are looked for together; the message finds its way back to the name."""
-    for names in permutations(("a", "b", "c")):
-        surfaces = dict(zip(names, ([[0, 2]], [[1, 5]], [[0, 5]]), strict=True))
-        with pytest.raises(InputError) as refused:
-            Mesh(**PAIR | {"surfaces": surfaces})
-        assert refused.value.field == f"surfaces[{names[1]!r}]"

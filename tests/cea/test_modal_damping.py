@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import assemble
 from covering import covering
 from petsc_matrices import to_numpy
 from scipy.linalg import eigh
@@ -12,7 +12,6 @@ from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.matching import assign
 from cea.errors import InputError
 
-GPTS = {"method": "gpts", "points": 3}
 TOP = 1.2
 
 
@@ -97,21 +96,6 @@ def test_the_piece_is_the_sum_over_the_modes(backend, kind):
     assert piece_of(system) == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
 
 
-def test_it_stands_beside_rayleigh_damping_and_keeps_to_its_body(backend):
-    data = two_blocks(backend, GPTS, held=True)
-    data["bodies"]["lower"]["damping"] = {"alpha": 0.3, "modal": KINDS["one ratio"]}
-    system = assemble(data)
-    matrices = system.pencil().at()
-    n = system.bodies["upper"].mass().getSize()[0]
-    piece = piece_of(system)
-    assert not piece[:n].any()
-    assert not piece[:, :n].any()
-    assert piece[n:, n:].any()
-    M = to_numpy(system.bodies["lower"].mass())
-    difference = np.abs(to_numpy(matrices.damping)[n:, n:] - 0.3 * M)
-    assert (difference <= 1e-14 * np.abs(0.3 * M)).all()
-
-
 def test_modes_of_one_frequency_are_damped_alike(backend):
     """Of a free square some come in pairs, of which any two may be found."""
     square = {"held": False, "size": (1.0, 1.0), "elements": (3, 3)}
@@ -144,13 +128,6 @@ def test_ends_far_from_all_modes(backend, held, top):
     system = assemble(one_block(backend, {"ratio": 0.1, "max_frequency": top}, held=held))
     damped = len(system.pencil().low_rank[0].piece.weights)
     assert damped == (0 if top < 1 else system.size - (0 if held else 3))
-
-
-def test_too_many_modes_are_refused(backend, monkeypatch):
-    monkeypatch.setattr("cea.system.modal_damping._MOST", 20)
-    for modal in ({"ratio": 0.1, "max_frequency": 1e3}, {"ratios": [0.1] * 20}):
-        with pytest.raises(InputError, match=r"bodies\.block\.damping\.modal.*at most 20 modes"):
-            assemble(one_block(backend, modal)).pencil()
 
 
 @pytest.mark.parametrize("change", [{"E": 5.0}, {"rho": 0.7}])
@@ -218,11 +195,3 @@ def test_what_is_no_damping_is_refused(fields, named):
     with pytest.raises(InputError) as told:
         ModalDamping(**fields)
     assert told.value.field == named
-
-
-def test_tables_end_and_begin_as_they_say():
-    damping = ModalDamping(ratios=(0.1, 0.3), frequencies=(10.0, 20.0))
-    found = damping.factors_at(np.array([1.0, 10.0, 15.0, 20.0, 20.1]))
-    assert found == pytest.approx([0.1, 0.1, 0.2, 0.3, 0.0])
-    assert damping.acts
-    assert not ModalDamping(ratios=(0.0, 0.0)).acts

@@ -78,7 +78,7 @@ def test_friction_that_varies_is_changed_by_a_factor(backend):
     parameter = system.pencil().parameter("contacts.interface.mu")
     assert parameter.value == 1.0
     twice = system.pencil().at({"contacts.interface.mu": 2.0}).unsymmetric
-    assert (to_numpy(twice) == -2 * to_numpy(system.contacts[0].friction)).all()
+    assert (to_numpy(twice) == -2 * to_numpy(system.contacts[0].K_f)).all()
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import ROTATED, two_blocks
+from blocks import two_blocks
 from covering import covering
 from pressed import pressed_blocks
 
@@ -78,23 +78,6 @@ def test_each_component_has_its_own_value(backend):
     assert solved(box(backend, [bottom, named]))[2] == pytest.approx(u, abs=1e-16)
 
 
-@pytest.mark.parametrize(
-    ("backend", "value"), covering(["fe", "iga"], [1e-12, 1e-3, 0.1], strength=1)
-)
-def test_rollers_press_along_oblique_normals(backend, value):
-    """A turned box between rollers: the displacement along its own axis is linear."""
-    rollers = [{"surface": f"{axis}_min", "components": ["normal"]} for axis in "xyz"]
-    pressed = {"surface": "x_max", "components": ["normal"], "value": value}
-    turned = box(backend, [*rollers, pressed], placement=ROTATED)
-    plain = box(backend, [*rollers, pressed])
-    _, x, u = solved(plain)
-    assert u == pytest.approx(value * x * [1.0, -NU, -NU], abs=1e-12 * value)
-    result, _, v = solved(turned)
-    assert np.linalg.norm(v, axis=1) == pytest.approx(np.linalg.norm(u, axis=1), abs=1e-11 * value)
-    force = result.reactions["box"].sum(axis=0)
-    assert np.abs(force).max() <= 1e-10 * E * value
-
-
 def ring(backend, elements, degree):
     """A ring in plane strain whose rims are moved along the radius, inwards and outwards."""
     rims = {"inner": -1e-3, "outer": 2e-3}
@@ -134,17 +117,6 @@ def test_rims_moved_along_the_radius_converge_to_lame(backend):
     coarse, fine = (ring_error(backend, [n, 6 * n], 3) for n in (2, 4))
     assert fine < 1e-4
     assert coarse / fine > 2**3
-
-
-def test_values_may_be_zero(backend):
-    """A value of zero is no value, to the last bit."""
-    loads = {"loads": [{"surface": "box.x_max", "force": [1e-3, 0.0, 0.0]}]}
-    supports = held(None)[:-1]
-    plain, _, u = solved(box(backend, supports) | loads)
-    zero = [support | {"value": 0.0} for support in supports]
-    result, _, v = solved(box(backend, zero) | loads)
-    assert np.array_equal(u, v)
-    assert np.array_equal(result.reactions["box"], plain.reactions["box"])
 
 
 @pytest.mark.parametrize(
@@ -261,10 +233,3 @@ def test_contacts_that_know_no_forces_at_points_refuse_values_that_reach_them(ba
     ]
     with pytest.raises(InputError, match=r"contacts\.interface"):
         run_scene(read_scene(data))
-
-
-def test_without_steady_sliding_values_mean_nothing_to_modes(backend):
-    data = two_blocks(backend, GPTS, held=True)
-    data["bodies"]["upper"]["supports"][0]["value"] = 1e-3
-    with pytest.raises(SceneError, match=r"bodies\.upper\.supports\.0\.value"):
-        read_scene(data)

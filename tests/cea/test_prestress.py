@@ -12,12 +12,10 @@ from scenes import assemble, read_scene, run_scene
 from scenes.building.build import build_body
 from scenes.checking.steps import skipped_by
 from scenes.spec.plain import as_data
-from scenes.spec.problems import SceneError
 
 STEEL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 MU = STEEL.lame[1]
 HEIGHT = 1.0
-ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0}
 GPTS = {"method": "gpts", "points": 3}
 BOTH_WAYS = [("x_min", "y"), ("x_max", "y"), ("y_min", "xy"), ("y_max", "xy")]
 
@@ -68,37 +66,6 @@ def test_thickness_shear_waves_of_a_stretched_slab(backend, dim, stress):
     exact = (MU + stress) * (np.pi / HEIGHT) ** 2 / STEEL.rho
     scale = MU * (np.pi / HEIGHT) ** 2 / STEEL.rho
     assert np.abs(found - exact).min() < 1e-5 * scale * abs(1 + stress / MU) + 1e-12 * scale
-
-
-def test_it_is_symmetric_and_turns_with_the_body(backend):
-    """To the last bit; the spectrum of a free body is that of the same body turned."""
-    spectra = []
-    for placement in (None, ROTATED):
-        body = slab(backend, 3, placement=placement)
-        turn = np.eye(3)
-        if placement is not None:
-            from meshes.placement import Placement
-
-            turn = Placement(tuple(placement["axis"]), placement["angle"]).rotation
-        K_geo = geometric(body, turn @ stretch(3, 0.2) @ turn.T)
-        assert np.array_equal(K_geo, K_geo.T)
-        spectra.append(eigh(K_geo + dense(body.stiffness()), dense(body.mass()), eigvals_only=True))
-    assert spectra[1] == pytest.approx(spectra[0], abs=1e-11 * spectra[0].max())
-
-
-def test_rigid_motions(backend):
-    """A rotation stresses nothing; one of a stressed body costs V W sigma W, a translation none."""
-    body = slab(backend, 3)
-    spin = np.array([[0.0, -0.3, 0.1], [0.3, 0.0, 0.2], [-0.1, -0.2, 0.0]])
-    size = np.abs(geometric(body, stretch(3, 0.2))).max()
-    as_large = np.abs(geometric(body, stretch(3, 0.3 * STEEL.E))).max()
-    assert np.abs(geometric(body, spin)).max() <= 1e-12 * as_large
-    K_geo, stress = geometric(body, stretch(3, 0.2)), np.diag([0.0, 0.2, 0.0])
-    x = control_points(body)
-    turned, moved = (x @ spin.T).ravel(), np.tile([1.0, -2.0, 0.5], len(x))
-    energy = 0.7 * HEIGHT * 0.5 * np.trace(spin @ stress @ spin.T)
-    assert turned @ K_geo @ turned == pytest.approx(energy, rel=1e-12)
-    assert np.abs(K_geo @ moved).max() <= 1e-13 * size
 
 
 def test_it_equals_a_sum_over_points(backend):
@@ -156,10 +123,3 @@ def test_off_it_changes_nothing_and_is_told(backend):
     stiffer = swept.matrices()["K"] - assembled.modes().matrices()["K"]
     assert abs(stiffer - stiffer.T).max() == 0.0
     assert abs(stiffer).max() > 0
-
-
-def test_without_a_steady_state_it_is_refused(backend):
-    data = pressed_blocks(backend, GPTS, p=10.0)
-    data["analysis"]["geometric_stiffness"] = True
-    with pytest.raises(SceneError, match=r"analysis\.geometric_stiffness = True: left out"):
-        read_scene(data)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from blocks import ROTATED
 from mpi import on_ranks
 from reaction_numbers import CONTACTS, INNER, MOVED, NU, OUTER, E, borne, pressed, sector
 from scipy.sparse import csr_array
@@ -11,7 +10,6 @@ from cea.contact import body_forces
 from cea.errors import ConvergenceError
 from cea.supports.directions import Directions
 from cea.supports.elimination import ProjectedConstraints, constrain
-from meshes.placement import Placement
 from scenes import read_scene, run_scene
 
 SIDES = ("x_min", "x_max", "y_min", "y_max")
@@ -61,15 +59,6 @@ def test_walls_bear_nothing_along_a_column(backend, nu):
     )
 
 
-def test_reactions_turn_with_the_scene(backend):
-    upright = column(backend, NORMAL, nu=0.3, top=["normal"])
-    turned = column(backend, NORMAL, nu=0.3, top=["normal"], placement=ROTATED)
-    rotation = Placement(tuple(ROTATED["axis"]), ROTATED["angle"]).rotation
-    expected = reactions_of(upright)["a"] @ rotation.T
-    largest = np.abs(expected).max()
-    assert reactions_of(turned)["a"] == pytest.approx(expected, abs=1e-10 * largest)
-
-
 @pytest.mark.parametrize(
     "sides", [("y", "x"), ("normal", "normal"), ("circumferential", "normal")], ids=" ".join
 )
@@ -85,39 +74,6 @@ def test_a_sector_bears_what_lame_says(backend, sides):
     assert forces == pytest.approx(expected, abs=1e-5 * pull)
     # No support bears anything across the directions that it holds.
     assert np.abs(forces[1:][expected[1:] == 0]).max() < 1e-13 * pull
-
-
-def test_a_solid_ring_between_rollers(backend):
-    """Rims moved along the radius, faces along the axis, in cylindrical components."""
-    about_z = {"axis": [0.0, 0.0, 1.0]}
-    supports = [
-        {"surface": "outer", "components": ["radial"], "value": MOVED} | about_z,
-        {"surface": "start", "components": ["circumferential"]} | about_z,
-        {"surface": "end", "components": ["circumferential"]} | about_z,
-        {"surface": "bottom", "components": ["axial"]} | about_z,
-        {"surface": "top", "components": ["normal"]},
-    ]
-    flat = sector(backend, ("y", "x"))
-    body = flat["bodies"]["ring"]
-    data = flat | {
-        "bodies": {
-            "ring": body
-            | {
-                "geometry": body["geometry"] | {"shape": "sector", "bottom": 0.0, "top": 0.2},
-                "supports": supports,
-                "mesh": {
-                    "fe": {"cell": "hexahedron", "degree": 3, "elements": [3, 6, 1]},
-                    "iga": {"degree": [3, 3, 3], "elements": [3, 6, 1]},
-                },
-            }
-        }
-    }
-    plane, forces = reactions_of(flat)["ring"], reactions_of(data)["ring"]
-    pull = np.abs(plane).max()
-    assert forces[:3, :2] == pytest.approx(0.2 * plane, abs=1e-9 * pull)
-    assert np.abs(forces[:3, 2]).max() < 1e-13 * pull
-    assert np.abs(forces[3:, :2]).max() < 1e-13 * pull
-    assert forces[3, 2] == pytest.approx(-forces[4, 2], rel=1e-9)
 
 
 def test_a_dof_is_shared_along_what_each_support_holds():
@@ -172,18 +128,6 @@ def test_projected_constraints_bear_the_forces_of_their_multipliers():
     assert np.abs(np.delete(expected, dofs, axis=1)).max() == 0
 
 
-@pytest.mark.parametrize("component", ["radial", "normal"])
-def test_two_supports_of_one_rim_share_it_evenly(backend, component):
-    data = sector(backend, ("y", "x"))
-    supports = data["bodies"]["ring"]["supports"]
-    supports[0]["components"] = [component]
-    whole = reactions_of(data)["ring"]
-    supports.insert(0, dict(supports[0]))
-    halves = reactions_of(data)["ring"]
-    assert halves[:2] == pytest.approx(np.tile(whole[0] / 2, (2, 1)), rel=1e-9)
-    assert halves[2:] == pytest.approx(whole[1:], abs=1e-10 * np.abs(whole).max())
-
-
 @pytest.mark.grid
 @pytest.mark.parametrize("contact", CONTACTS)
 @pytest.mark.parametrize("mu", [0.0, 0.3])
@@ -228,7 +172,7 @@ def test_forces_that_do_not_balance_end_the_run(backend, contact, monkeypatch):
         yield body_forces.SideForces(first.contact, first.body, 1.0001 * first.forces, first.sizes)
         yield from others
 
-    monkeypatch.setattr("cea.system.held.forces_on_bodies", wrong)
+    monkeypatch.setattr("cea.system.support_forces.forces_on_bodies", wrong)
     with pytest.raises(ConvergenceError, match="do not add up to zero") as raised:
         run_scene(read_scene(pressed(backend, contact)))
     assert set(raised.value.best) == {"upper", "lower"}
@@ -245,7 +189,7 @@ def test_moments_that_do_not_balance_end_the_run(backend, monkeypatch):
             forces[loaded] = forces[loaded].mean(axis=0)
             yield body_forces.SideForces(each.contact, each.body, forces, each.sizes)
 
-    monkeypatch.setattr("cea.system.held.forces_on_bodies", wrong)
+    monkeypatch.setattr("cea.system.support_forces.forces_on_bodies", wrong)
     with pytest.raises(ConvergenceError, match="do not add up to zero"):
         run_scene(read_scene(pressed(backend, "mortar")))
 

@@ -14,7 +14,6 @@ from reduced_cases import (
     map_numbers,
     model_line,
     random_pencil,
-    three_blocks_pencil,
 )
 from same_numbers import assert_same
 from scipy.optimize import brentq
@@ -23,10 +22,8 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.errors import InputError
-from cea.reduced.branches import Branches
-from cea.reduced.full_solves import first_threshold
 from cea.reduced.greedy import largest_ratio
-from cea.reduced.rows import along
+from cea.reduced.snapshots import Snapshot
 from cea.reduced.spectrum import MARGIN, upper_root
 from cea.reduced.thresholds import thresholds_along
 
@@ -56,36 +53,24 @@ def maps():
 @ON_NURBS
 def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
     built = maps(backend)
-    assert len(built.snapshots) < 12
+    assert len(built.solves) < 12
     full = EigenSolver(built.model.pencil)
     for mu, decade in zip(RNG.uniform(0, 1, 4), RNG.uniform(-1, 5, 4), strict=True):
         point = {MU: mu, P: 10**decade}
-        modes = full.solve(MARGIN * TOP, point)
+        modes = full.solve(MARGIN * TOP, point, left=True)
         found = built.at(point)
         assert errors_of_means(found, -(modes.eigenvalues**2)).max() < 1e-8
-        assert largest_ratio(found, modes) <= 1
+        assert largest_ratio(found, Snapshot.of(point, modes)) <= 1
         assert found.worst < 1e-7
 
 
 @ON_NURBS
 def test_every_full_solve_that_could_tell_agreed_with_the_bounds(maps, backend):
-    tested = [each.tested for each in maps(backend).snapshots if each.tested is not None]
+    tested = [
+        each.error_over_bound for each in maps(backend).solves if each.error_over_bound is not None
+    ]
     assert tested
     assert max(tested) <= 1
-
-
-@ON_NURBS
-def test_rows_on_a_local_basis_are_those_of_the_whole_basis(maps, backend):
-    small = maps(backend).model.small
-    pencil = maps(backend).model.pencil
-    line = [pencil.values({MU: mu, P: 40.0}) for mu in np.linspace(0.5, 0.6, 21)]
-    found_there = along(small, line, 1e-9, least=10)
-    spectra, basis = found_there.spectra, found_there.basis
-    assert basis.size < small.size
-    for values, found in zip(line[::4], spectra[::4], strict=True):
-        assert found.worst <= 1e-9
-        assert errors_of_means(found, small.at(values).kappa).max() < 2e-9
-        assert found.right.shape[0] == small.size
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -96,13 +81,13 @@ def test_no_bound_is_passed_wherever_the_basis_is_poor(seed):
     built = enrichment(pencil, {FRICTION: (0.0, 1.0)}, top)
     told = 0
     for solved in (0.8, 0.1, 0.45):
-        built.solve({FRICTION: solved}, np.inf)
+        built.solve({FRICTION: solved})
         for s in RNG.uniform(0, 1, 10):
             found, kappa = built.at({FRICTION: s}).window, dense(matrices, s)
-            rows, columns = assign(np.abs(found.kappa[:, None] - kappa))
-            difference = np.abs(found.kappa[rows] - kappa[columns])
-            certain = found.certificate.errors < 0.02 * found.speeds**2
-            assert (difference <= found.certificate.errors + 1e-11)[certain].all()
+            rows, columns = assign(np.abs(found.z[:, None] - kappa))
+            difference = np.abs(found.z[rows] - kappa[columns])
+            certain = found.errors < 0.02 * found.speeds**2
+            assert (difference <= found.errors + 1e-11)[certain].all()
             told += certain.sum()
     assert told > 45
 
@@ -112,7 +97,7 @@ def test_near_a_coalescence_members_and_means_keep_their_bounds(seed):
     pencil, matrices = random_pencil(seed)
     built = enrichment(pencil, {FRICTION: (0.0, 1.0)}, 5.0 / (2 * np.pi))
     for solved in (0.0, 0.5, 1.0):
-        built.solve({FRICTION: solved}, np.inf)
+        built.solve({FRICTION: solved})
 
     def pair(s, at=None):
         kappa = dense(matrices, s)
@@ -137,8 +122,8 @@ def test_near_a_coalescence_members_and_means_keep_their_bounds(seed):
     for distance in (1e-2, 1e-4, 1e-6, 1e-8):
         for s in (critical - distance, critical + distance):
             found, true = built.at({FRICTION: s}), pair(s, mean)
-            near = np.argsort(np.abs(found.kappa - true.mean()))[:2]
-            mine, bounds = found.kappa[near], found.certificate
+            near = np.argsort(np.abs(found.z - true.mean()))[:2]
+            mine, bounds = found.z[near], found
             assert abs(mine.mean() - true.mean()) <= bounds.means[near].max() + 1e-11
             rows, columns = assign(np.abs(mine[:, None] - true))
             assert (np.abs(mine[rows] - true[columns]) <= bounds.errors[near] + 1e-9).all()
@@ -151,39 +136,6 @@ def test_near_a_coalescence_members_and_means_keep_their_bounds(seed):
 
 
 @ON_NURBS
-def test_two_contacts_each_with_its_friction(backend):
-    pencil = three_blocks_pencil(backend)
-    names = [MU, "contacts.other.mu"]
-    built = enrichment(pencil, dict.fromkeys(names, (0.0, 0.9)), TOP)
-    axis = (0.0, 0.45, 0.9)
-    points = [
-        dict(zip(names, pair, strict=True))
-        for pair in np.array(np.meshgrid(axis, axis)).T.reshape(-1, 2).tolist()
-    ]
-    assert built.cover(points) <= built.tolerance
-    full = EigenSolver(pencil)
-    for one, other in RNG.uniform(0, 0.9, (3, 2)):
-        point = {names[0]: one, names[1]: other}
-        modes = full.solve(MARGIN * TOP, point)
-        assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
-        assert largest_ratio(built.at(point), modes) <= 1
-
-
-@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
-def test_forces_as_unknowns_are_eliminated(backend):
-    """The saddle form has the eigenvalues that it has in full."""
-    method = {"fe": "mortar", "iga": "gpts"}[backend]
-    pencil = blocks_pencil(backend, method=method, form="saddle")
-    assert pencil.forces
-    built = enrichment(pencil, {MU: (0.0, 0.8), P: (1.0, 1e6)}, TOP)
-    built.cover(grid(mu=[0.0, 0.4, 0.8], P=[1.0, 1e3, 1e6]))
-    full = EigenSolver(pencil)
-    for point in ({MU: 0.63, P: 7.0}, {MU: 0.2, P: 2.5e5}):
-        modes = full.solve(MARGIN * TOP, point)
-        assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
-
-
-@ON_NURBS
 def test_materials_are_parameters_too(backend):
     pencil = blocks_pencil(backend)
     E, rho = "bodies.upper.material.E", "bodies.lower.material.rho"
@@ -192,43 +144,6 @@ def test_materials_are_parameters_too(backend):
     point = {E: 1.37, rho: 1.81}
     modes = EigenSolver(pencil).solve(MARGIN * TOP, point)
     assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
-
-
-def test_a_threshold_of_flutter_is_that_of_full_solves(backend):
-    """The threshold of the blocks, sought on the reduced model and by full solves."""
-    from reduced_blocks import flutter_of_the_blocks
-
-    driver, name, bracket, top = flutter_of_the_blocks(backend)
-    expected = first_threshold(driver, name, *bracket, max_frequency=top)
-    built = enrichment(driver.pencil, {name: bracket}, top)
-    built.cover([{name: value} for value in np.linspace(*bracket, 5)])
-    found = thresholds_along(model_line(built, name), np.linspace(*bracket, 5).tolist())
-    first = found.thresholds[0]
-    assert first.begins
-    assert first.value == pytest.approx(expected.value, rel=1e-8)
-    assert first.eigenvalue == pytest.approx(expected.eigenvalue, rel=1e-8)
-    assert abs(first.value - expected.value) <= first.error + 1e-12
-    assert not found.unresolved
-
-
-@ON_NURBS
-def test_branches_go_straight_through_crossings(maps, backend):
-    """Along P without friction branches that cross keep their vectors."""
-    small, pencil = maps(backend).model.small, maps(backend).model.pencil
-    line = [pencil.values({MU: 0.0, P: p}) for p in np.geomspace(0.1, 1e5, 81)]
-    branches, last, overlaps = Branches(), None, []
-    for values in line:
-        found = small.at(values)
-        numbers = branches.follow(found)
-        if last is not None:
-            same, here, there = np.intersect1d(numbers, last[1], return_indices=True)
-            assert len(same) >= min(len(found), len(last[0])) - 2
-            before, after = last[0].right[:, there], found.right[:, here]
-            cosines = np.abs((before.conj() * after).sum(axis=0))
-            cosines /= np.linalg.norm(before, axis=0) * np.linalg.norm(after, axis=0)
-            overlaps.append(cosines.min())
-        last = (found, numbers)
-    assert np.mean(np.array(overlaps) > 0.7) > 0.9
 
 
 def test_what_has_no_reduced_model_is_refused():

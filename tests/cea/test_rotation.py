@@ -56,24 +56,6 @@ def matrices(part, rotation):
 
 
 @pytest.mark.parametrize(
-    ("backend", "held", "coriolis"),
-    covering(["fe", "iga"], ["free", "clamped", "roller"], [True, False]),
-)
-def test_y_is_skew_and_z_symmetric_to_the_last_bit(backend, coriolis, held):
-    supports = {
-        "free": [],
-        "clamped": [{"surface": "inner"}],
-        "roller": [{"surface": "inner", "components": ["radial"], "axis": [0.0, 0.0, 1.0]}],
-    }[held]
-    part = body(backend, SOLID, supports=supports)
-    _, _, Y, Z = matrices(part, Rotation(1.0, coriolis=coriolis))
-    assert Y.any()
-    assert (Y == -Y.T).all()
-    assert (Z == Z.T).all()
-    assert eigh(Z, eigvals_only=True).min() > -1e-13 * np.abs(Z).max()
-
-
-@pytest.mark.parametrize(
     ("backend", "coriolis", "placement"),
     covering(["iga", "fe"], [True, False], [None, TURNED]),
 )
@@ -108,15 +90,6 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
 def positions(part):
     """Nodes, or control points, of the scalar dofs: where linear fields are taken."""
     return part.dof_positions
-
-
-def test_translations_of_all_of_the_body_feel_no_rotation(backend):
-    """As far as quadrature of rational functions goes, by parts."""
-    part = body(backend, SOLID, fine=2)
-    _, M, Y, Z = matrices(part, Rotation(1.0))
-    shift = np.tile(np.eye(3), (len(M) // 3, 1))
-    assert np.abs(Y @ shift).max() < {"iga": 1e-6, "fe": 1e-5}[backend] * np.abs(Y).max()
-    assert np.abs(Z @ shift).max() < 1e-13 * np.abs(Z).max()
 
 
 def quadratic_eigenvalues(M, D, K):

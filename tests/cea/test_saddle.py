@@ -7,11 +7,9 @@ import pytest
 from blocks import FORMULATIONS, assemble, coarse, two_blocks
 from covering import covering
 from motions import dense
-from scipy.linalg import eigvals, null_space
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.shifted import count_below
-from cea.errors import InputError
 from scenes import run_scene
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene
@@ -93,20 +91,6 @@ def test_the_patch_test_passes_at_any_stiffness(backend, method, P):
     assert worst < 1e-8
 
 
-def test_a_full_pass_in_both_forms_is_the_same(backend):
-    both = [
-        modes_of(
-            with_form(
-                coarse(two_blocks(backend, {"method": "gpts", "points": 4}, held=True)),
-                form,
-                full_pass=True,
-            )
-        )
-        for form in ("penalty", "saddle")
-    ]
-    assert both[1].eigenvalues == pytest.approx(both[0].eigenvalues, rel=1e-9, abs=1e-9)
-
-
 @pytest.mark.parametrize(
     ("overrides", "field"),
     [
@@ -124,33 +108,6 @@ def test_a_full_pass_in_both_forms_is_the_same(backend):
 def test_what_has_no_such_form_is_refused(overrides, field):
     with pytest.raises(SceneError, match=rf"contacts\.interface\.{field} = "):
         load_scene(Path("patch_test"), overrides)
-
-
-def test_pressure_of_gaps_is_refused_where_none_opens(backend):
-    system = assemble(two_blocks(backend, {"method": "mortar"}, P=np.inf))
-    with pytest.raises(InputError, match="finite"):
-        system.contacts[0].pressure(system.vector())
-
-
-@pytest.mark.parametrize("mu", [0.0, 0.3])
-def test_ties_are_no_modes_where_the_whole_spectrum_is_asked_for(mu):
-    """At P = infinity each tie takes one eigenvalue away; the others are those of null spaces."""
-    data = with_form(two_blocks("iga", {"method": "mortar"}, mu=mu, held=True, P=np.inf), "saddle")
-    for body in data["bodies"].values():
-        body["mesh"]["iga"] |= {"elements": [2, 2, 2], "degree": [1, 1, 1]}
-    pencil = assemble(data).pencil()
-    matrices = pencil.at()
-    closure, reaction = dense(matrices.multipliers.closure), dense(matrices.multipliers.reaction)
-    Z, Y = null_space(closure), null_space(reaction)
-    K, M = dense(matrices.operator()), dense(matrices.mass)
-    exact = eigvals(Y.T @ K @ Z, Y.T @ M @ Z)
-    modes = solve_modes(pencil, 20.0, left=True)
-    found = -(modes.eigenvalues**2)
-    assert len(found) == len(exact) == matrices.size - matrices.tied
-    distance = np.abs(found[:, None] - exact) / np.abs(exact)
-    assert distance.min(axis=0).max() < 1e-6
-    assert distance.min(axis=1).max() < 1e-6
-    assert not [w for w in modes.warnings if w.kind == "residual"]
 
 
 @pytest.mark.parametrize("form", ["penalty", "saddle"])
@@ -179,13 +136,3 @@ def test_friction_that_varies_over_the_points_of_one_side_alone(form, leave_out,
             m = pencil.multipliers
             matrices.append(dense(m.reaction).T @ dense(m.closure))
     assert np.abs(matrices[0] - matrices[1]).max() <= 1e-10 * np.abs(matrices[1]).max()
-
-
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
-def test_a_bonded_joint_may_be_assembled_for_sweeps(form):
-    data = with_form(two_blocks("iga", {"method": "bonded"}, mu=0.0, held=True), form)
-    both = [
-        solve_modes(assemble(data, leave_out=leave_out).pencil(), 0.6).eigenvalues
-        for leave_out in (True, False)
-    ]
-    assert both[1] == pytest.approx(both[0], rel=1e-9)

@@ -99,16 +99,3 @@ def test_curved_outlines_leave_no_gap(pairing):
         lines = np.unique(np.concatenate([np.linspace(25, 65, 5), np.arange(30, 65, 10.0)]))
         rows = np.unique(np.round(theta, 6))
         assert len(rows) == len(lines) - 1
-
-
-@pytest.mark.parametrize("pairing", PAIRINGS)
-def test_overhang_holds_no_points(pairing):
-    data = two_blocks("iga", {"method": "grid", "points": 2})
-    data["bodies"]["upper"]["geometry"]["origin"][0] = 0.75
-    for name, backend in zip(("upper", "lower"), pairing, strict=True):
-        data["bodies"][name]["backend"] = backend
-    bodies = build_bodies(read_scene(data), StageTimer())
-    a, b = bodies["upper"].surfaces["z_min"], bodies["lower"].surfaces["z_max"]
-    points = segment_points(a, b, None, 0.1)
-    assert points.weight.sum() == pytest.approx(0.25 * 0.6, rel=1e-12)
-    assert points.x[:, 0].max() < 1.0

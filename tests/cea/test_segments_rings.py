@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import shapely
 from covering import covering
 
 from cea.contact.segments import segment_points
@@ -58,43 +57,6 @@ def ring_moments():
     return np.array([area, 0, 0, second, 0, second])
 
 
-def polygon_moments(shape):
-    """Moments of polygons by Green's theorem."""
-    total = np.zeros(6)
-    for polygon in shapely.get_parts(shapely.orient_polygons(shape)):
-        for ring in (polygon.exterior, *polygon.interiors):
-            x, y = np.array(ring.coords)[:-1].T / OUTER
-            u, v = np.array(ring.coords)[1:].T / OUTER
-            turn = (x * v - u * y) * OUTER**2
-            total += [
-                turn.sum() / 2,
-                turn @ (x + u) / 6,
-                turn @ (y + v) / 6,
-                turn @ (x * x + x * u + u * u) / 12,
-                turn @ (2 * x * y + x * v + u * y + 2 * u * v) / 24,
-                turn @ (y * y + y * v + v * v) / 12,
-            ]
-    return total
-
-
-def covered(surface, around, pieces=3072):
-    """Polygon of a meshed ring, its rims in so many pieces."""
-    cells = surface.cells()
-    t = np.arange(pieces // around)[:, None] / (pieces // around)
-    corners = cells.corners[0]
-    starts, ends = corners[:, None], np.roll(corners, -1, axis=0)[:, None]
-    xi = (starts + t * (ends - starts)).reshape(-1, 2)
-    shape = (len(cells.element), len(xi))
-    at = SurfaceCoordinates(np.repeat(cells.element, len(xi)), np.tile(xi, (shape[0], 1)))
-    edges = surface.position(at)[:, :2].reshape(-1, len(t), 2)
-    radius = np.hypot(*edges[:, [0, len(t) // 2]].T)
-    rings = []
-    for rim in (OUTER, INNER):
-        points = edges[(np.abs(radius - rim) < 0.05 * rim).all(axis=0)].reshape(-1, 2)
-        rings.append(points[np.argsort(np.arctan2(points[:, 1], points[:, 0]))])
-    return shapely.Polygon(rings[0], rings[1:])
-
-
 @pytest.mark.parametrize(
     ("degree", "rings"),
     [
@@ -131,21 +93,6 @@ def test_segments_of_elements_fill_rings_whose_rims_match(rings, degree):
     points = segment_points(a, b, 8, REACH)
     assert np.abs(moments(points) - moments(a.gauss_points(8))).max() <= 1e-12 * a.area
     assert not b.locate(points.x[::7], points.normal[::7], REACH).missed.any()
-
-
-@pytest.mark.parametrize(
-    ("rings", "degree"),
-    covering([((1, 12), (2, 16)), ((2, 24), (2, 12))], [4, 2, 1], strength=1),
-    ids=str,
-)
-def test_rims_that_miss_each_other_leave_what_both_cover(rings, degree):
-    a, b = sides("fe", 1, rings, degree)
-    points = segment_points(a, b, 4, REACH)
-    lost = shapely.difference(*(covered(s, n[1]) for s, n in zip((a, b), rings, strict=True)))
-    exact = moments(a.gauss_points(8)) - polygon_moments(lost)
-    # Polylines in sixteen pieces follow the rim of b to part of what the rims differ by.
-    assert np.abs(moments(points) - exact).max() <= min(1e-5 * a.area, 0.1 * lost.area)
-    assert not b.locate(points.x, points.normal, REACH).missed.any()
 
 
 @pytest.mark.parametrize("backend", ["fe", "iga"])

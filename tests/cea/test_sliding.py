@@ -6,7 +6,6 @@ from blocks import FORMULATIONS, PLACEMENTS, assemble, two_blocks
 from covering import covering
 from petsc_matrices import to_numpy
 
-from cea.errors import InputError
 from meshes.placement import Placement
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
@@ -83,29 +82,6 @@ def test_it_is_the_derivative_of_the_friction_force(backend):
     assert shift.T @ C @ shift == pytest.approx(-np.transpose(slopes), rel=1e-8, abs=1e-8)
 
 
-FIELDS = {"pressure": "3 + x", "speed": "0.5 + y", "mu_slope": "0.1*sin(7*x)"}
-
-
-def test_fields_are_taken_at_the_points(backend):
-    """Slopes of either sign too: C is the sum over the points, dense."""
-    formulation = {"method": "gpts", "points": 3}
-    C, _, _ = damping(scene(backend, formulation, FIELDS))
-    system = assemble(scene(backend, formulation, FIELDS))
-    interface = system.contacts[0].interface
-    points, x = interface.points, interface.points.x
-    n = system.bodies["upper"].num_scalar_dofs
-    traces = np.hstack([interface.trace_a.toarray(), -interface.trace_b.toarray()])
-    assert traces.shape[1] == system.size // 3
-    assert n == system.bodies["upper"].stiffness().getSize()[0] // 3
-    k = np.array([1.0, 0.5, 0.0]) / np.hypot(1.0, 0.5)
-    t = np.cross(points.normal[0], k)
-    load = points.weight * (3 + x[:, 0])
-    along = traces.T @ ((load * 0.1 * np.sin(7 * x[:, 0]))[:, None] * traces)
-    across = traces.T @ ((load * MU / (0.5 + x[:, 1]))[:, None] * traces)
-    expected = np.kron(along, np.outer(k, k)) + np.kron(across, np.outer(t, t))
-    np.testing.assert_allclose(C, expected, rtol=1e-11, atol=1e-13 * np.abs(expected).max())
-
-
 CHANGES = [
     {"sliding.pressure": 7.0},
     {"sliding.pressure": 0.0},
@@ -165,11 +141,3 @@ def test_bad_sliding_is_refused_before_work_begins(backend, change, named):
     data["contacts"]["interface"] |= change
     with pytest.raises(SceneError, match=f"contacts.interface.{named}"):
         read_scene(data)
-
-
-@pytest.mark.parametrize("field", ["pressure", "speed"])
-def test_fields_below_zero_somewhere_are_refused(backend, field):
-    sliding = {"pressure": 1.0, "speed": 1.0} | {field: "x - 0.4"}
-    data = scene(backend, {"method": "gpts", "points": 2}, sliding)
-    with pytest.raises(InputError, match=f"sliding.{field}"):
-        assemble(data)

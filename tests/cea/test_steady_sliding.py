@@ -9,11 +9,10 @@ from pressed import AREA, PRESSURE, SOFT, coupled_blocks
 
 from cea.contact.laws import NormalCompliance
 from cea.errors import ConvergenceError, InputError
-from cea.system.sliding_problem import SlidingProblem
-from cea.system.steady_sliding import steady_sliding
+from cea.system.steady_equations import SteadyEquations
+from cea.system.steady_path import steady_sliding
 
 GPTS = {"method": "gpts", "points": 3}
-MORTAR = {"method": "mortar"}
 EACH = pytest.mark.parametrize(
     ("backend", "formulation"),
     covering(["iga", "fe"], FORMULATIONS, strength=1),
@@ -50,7 +49,7 @@ def test_a_linear_law_closed_everywhere_takes_one_step(backend):
 )
 def test_the_tangent_is_the_derivative_of_the_forces(backend, formulation, m):
     """Where some points are open and others closed; a law of m = 1 has a kink that is kept off."""
-    problem = SlidingProblem(coupled_blocks(backend, formulation, c_n=SOFT, m_n=m, mu=0.4))
+    problem = SteadyEquations(coupled_blocks(backend, formulation, c_n=SOFT, m_n=m, mu=0.4))
     x, f = problem.zero()
     x = 1e-3 * RNG.standard_normal(x.shape)
     direction = RNG.standard_normal(x.shape)
@@ -63,21 +62,6 @@ def test_the_tangent_is_the_derivative_of_the_forces(backend, formulation, m):
     exact = (dense(tangent.stiffness) + dense(tangent.unsymmetric)) @ direction
     without = dense(problem.matrices.stiffness) @ direction
     assert np.abs(difference - exact).max() <= 1e-6 * np.abs(exact - without).max()
-
-
-def test_forces_equal_a_loop_over_points(backend):
-    system = coupled_blocks(backend, GPTS, c_n=SOFT, m_n=2.5, mu=0.4)
-    problem = SlidingProblem(system)
-    x = 1e-3 * RNG.standard_normal(problem.rows)
-    state = problem.state(x, problem.zero()[1], 0.7)
-    contact = system.contacts[0]
-    G, S = dense(contact.gap), dense(contact.slip)
-    force = dense(problem.matrices.stiffness) @ x - 0.7 * system.load.array
-    law = NormalCompliance(SOFT, 2.5)
-    for i, weight in enumerate(contact.interface.points.weight):
-        closure = G[i] @ x - contact.interface.initial_gap[i]
-        force += weight * law.pressure(np.array(closure)) * (G[i] - S[i])
-    assert state.residual == pytest.approx(force, abs=1e-13 * np.abs(force).max())
 
 
 @pytest.mark.parametrize(
@@ -106,23 +90,10 @@ def test_forces_on_both_sides_cancel(backend, formulation):
     del contact["P"]
     contact |= {"c_n": 3.0, "m_n": 2.0}
     system = assemble(data | {"loads": [{"surface": "upper.z_max", "pressure": 0.0}]})
-    reactions = system.contacts[0].reactions
     points = len(system.contacts[0].interface.points)
-    force = reactions.forces(np.maximum(RNG.standard_normal(points), 0.0), friction=True)
+    force = system.contacts[0].force(np.maximum(RNG.standard_normal(points), 0.0), friction=True)
     (on_a, scale), (on_b, _) = (resultant(system, force, body) for body in system.bodies)
     assert np.abs(on_a + on_b).max() <= 1e-13 * scale
-
-
-@pytest.mark.parametrize(("backend", "rule"), covering(["fe", "iga"], [GPTS, MORTAR], strength=1))
-def test_an_added_gap_moves_the_state_and_changes_no_pressure(backend, rule):
-    """A block that nothing holds along the normal sinks as far as it is lifted."""
-    options = {"c_n": SOFT, "m_n": 2.0, "reach": 0.1}
-    near = steady_sliding(coupled_blocks(backend, rule, **options))
-    far = steady_sliding(coupled_blocks(backend, rule, added_gap=0.05, **options))
-    pressures = [steady.contacts["interface"].pressure for steady in (near, far)]
-    assert pressures[1] == pytest.approx(pressures[0], rel=1e-8)
-    closures = [steady.contacts["interface"].closure for steady in (near, far)]
-    assert closures[1] == pytest.approx(closures[0], rel=1e-8)
 
 
 @EACH

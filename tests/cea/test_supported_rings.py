@@ -1,26 +1,16 @@
 """Rings between rollers: rigid motions left free, exact waves, Lame's ring, both backends alike."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from blocks import ROTATED
-from bodies import nurbs_body
 from covering import covering
 from lagrange_bodies import csr
-from scipy.optimize import brentq
-from scipy.special import jv, jvp, yv, yvp
 from supported import ABOUT_PLACED, ABOUT_Z, MATERIAL, PLACED, QUARTER, RING, build, eigenvalues, on
 
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.matrices import gather
-from cea.supports.boundary import Support
-from cea.supports.frames import Cylindrical, SurfaceNormal
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
-from meshes.shapes import Annulus
 from scenes import run_scene
 from scenes.spec.reading import read_scene
 
@@ -54,65 +44,7 @@ def test_ring_between_rollers_turns_and_slides_freely(backend, held):
         assert np.abs(K @ v).max() < 1e-12 * abs(K).max()
 
 
-def plane_strain_determinant(omega, m):
-    """Zero where waves of order m have u_r = 0 and no shear at both rims of the ring."""
-    lam, mu = MATERIAL.lame
-    alpha = omega * np.sqrt(MATERIAL.rho / (lam + 2 * mu))
-    beta = omega * np.sqrt(MATERIAL.rho / mu)
-    rows = []
-    for r in (RING["inner_radius"], RING["outer_radius"]):
-        waves = ((jv, jvp), (yv, yvp))
-        radial = [alpha * df(m, alpha * r) for _, df in waves]
-        radial += [m / r * f(m, beta * r) for f, _ in waves]
-        shear = [
-            2 * m / r * (f(m, alpha * r) / r - alpha * df(m, alpha * r)) for f, df in waves
-        ] + [
-            beta / r * df(m, beta * r)
-            - (m / r) ** 2 * f(m, beta * r)
-            - beta**2 * df(m, beta * r, 2)
-            for f, df in waves
-        ]
-        rows += [radial, shear]
-    return np.linalg.det(rows)
-
-
-def exact_frequencies(m, upper):
-    """Angular frequencies of order m below an upper end, rising."""
-    grid = np.linspace(0.05, upper, 400)
-    values = [plane_strain_determinant(omega, m) for omega in grid]
-    return np.array(
-        [
-            brentq(plane_strain_determinant, a, b, args=(m,), xtol=1e-14, rtol=1e-14)
-            for (a, f), (b, g) in pairwise(zip(grid, values, strict=True))
-            if f * g < 0
-        ]
-    )
-
-
 PLANE = on(("bottom", "top"), "axial", **ABOUT_Z)
-
-
-@pytest.mark.convergence
-@pytest.mark.parametrize("degree", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_projection_keeps_the_order_of_nurbs(degree):
-    """Rims with u_r = 0 in plane strain: one u_r-dominated and two sheared modes, m = 0, 1."""
-    exact = np.sort([*exact_frequencies(1, 3.2), *exact_frequencies(0, 3.2)])
-    assert len(exact) == 3
-    counts, errors = np.array([6, 8, 10]), []
-    supports = [Support(name, None, SurfaceNormal()) for name in ("inner", "outer")]
-    supports += [Support(name, (2,)) for name in ("bottom", "top")]
-    shape = Annulus(0.8, 1.6, 0.0, 0.1)
-    for n in counts:
-        data = nurbs_shape(shape, breaks_of(shape, (n, 4 * n, 1)))
-        part = nurbs_body(
-            "ring", data.patches, data.faces, (degree, degree, 1),
-            material=MATERIAL, supports=supports,
-        )  # fmt: skip
-        omega = np.sqrt(eigenvalues(part, 3.2 / (2 * np.pi)))
-        errors.append([np.abs(omega / value - 1).min() for value in exact])
-    rates = np.polyfit(np.log(1 / counts), np.log(errors), 1)[0]
-    assert rates == pytest.approx(2 * degree, abs=0.2)
-    assert np.max(errors[-1]) < {2: 3e-5, 3: 1e-7}[degree]
 
 
 def ring_on_disc(backend):
@@ -172,19 +104,6 @@ def test_ring_on_disc_between_rollers_flutters_as_its_waves_do(backend):
             assert np.abs(found - twin).min() < 5e-5 * abs(value)
 
 
-@pytest.mark.slow
-def test_both_backends_agree_on_a_ring_between_rollers():
-    supports = on(("inner", "outer"), "radial", **ABOUT_Z) + on(["bottom"])
-    meshes = {"fe": ([3, 24, 1], 3), "iga": ([5, 24, 2], 3)}
-    kappa = {
-        backend: eigenvalues(build(backend, RING, supports, elements, degree=q), 0.45)
-        for backend, (elements, q) in meshes.items()
-    }
-    assert len(kappa["fe"]) == len(kappa["iga"]) > 4
-    assert kappa["fe"][0] == pytest.approx(0, abs=1e-10)
-    assert kappa["fe"][1:] == pytest.approx(kappa["iga"][1:], rel=1e-4)
-
-
 @pytest.mark.parametrize(
     ("backend", "held"),
     covering(["iga", "fe"], [(RING, ("inner", "outer")), (QUARTER, ("start", "end"))], strength=1),
@@ -209,27 +128,3 @@ def test_ring_under_pressure_is_lame_s(backend, held):
     expected = np.zeros_like(u)
     expected[:, :2] = sample.points[:, :2] * (radial / r)[:, None]
     assert np.abs(u - expected).max() < 1e-4 * radial.max()
-
-
-def test_rollers_and_point_frames_in_the_plane():
-    """A NURBS ring in two dimensions turns freely, and no more."""
-    shape = Annulus(0.8, 1.6, 0.0, 1.0)
-    data = nurbs_shape(shape, breaks_of(shape, (2, 12, 1)))
-    patches = [
-        NurbsPatch(
-            p.degrees[:2], p.knots[:2], p.control_points[:, :, 0, :2] + [0.3, -0.1],
-            p.weights[:, :, 0], p.breaks[:2],
-        )
-        for p in data.patches
-    ]  # fmt: skip
-    faces = {name: data.faces[name] for name in ("inner", "outer")}
-    found = []
-    for frame in (SurfaceNormal(), Cylindrical(origin=(0.3, -0.1))):
-        part = nurbs_body(
-            "ring", patches, faces, (2, 2), material=MATERIAL,
-            supports=[Support(name, (0,), frame) for name in faces],
-        )  # fmt: skip
-        found.append(eigenvalues(part, 0.5))
-    assert np.abs(found[0][0]) < 1e-10
-    assert found[0][1] == pytest.approx(exact_frequencies(1, 1.2)[0] ** 2, rel=0.02)
-    assert found[0][1:] == pytest.approx(found[1][1:], rel=1e-10)

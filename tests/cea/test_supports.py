@@ -10,10 +10,8 @@ from scipy.sparse import csr_array
 from supported import ABOUT_PLACED, ABOUT_Z, BOX, QUARTER, RING, build, eigenvalues, on
 
 from cea.errors import InputError
-from cea.supports.boundary import Support
-from cea.supports.directions import Directions, merged
+from cea.supports.directions import Directions
 from cea.supports.elimination import ProjectedConstraints, constrain
-from cea.supports.frames import Cartesian, Cylindrical, SurfaceNormal
 from scenes.spec.problems import SceneError
 
 
@@ -91,30 +89,6 @@ def test_rows_that_cannot_be_solved_for_their_anchors_are_refused():
             )
 
 
-def test_entries_of_one_dof_merge_by_direction():
-    x, y = np.eye(3)[:2]
-    near = np.array([np.cos(0.1), np.sin(0.1), 0.0])
-    entries = Directions(np.array([4, 4, 2, 4, 2]), np.array([x, y, x, near, near]))
-    label = merged(entries, np.cos(0.2))
-    assert len(set(label)) == 3
-    assert label[0] == label[3]
-    assert label[2] == label[4]
-    assert len(set(merged(entries, np.cos(0.05)))) == 5
-
-
-def test_normal_of_an_upright_box_is_a_plain_component(backend):
-    """The same matrices to the last bit, and the path that picks them agrees with the product."""
-    names, axes = ("x_min", "y_max", "z_min"), "xyz"
-    plain = [{"surface": n, "components": [a]} for n, a in zip(names, axes, strict=True)]
-    parts = [build(backend, BOX, supports, [4, 3, 2]) for supports in (plain, on(names))]
-    free = build(backend, BOX, [], [4, 3, 2])
-    for matrices in zip(*[(p.expansion, p.stiffness(), p.mass()) for p in parts], strict=True):
-        first, second = (csr(m) for m in matrices)
-        assert (first != second).nnz == 0
-    Z = csr(parts[1].expansion)
-    assert abs(Z.T @ csr(free.stiffness()) @ Z - csr(parts[1].stiffness())).max() == 0
-
-
 def test_rollers_on_a_turned_box_leave_its_frequencies(backend):
     """Faces held in every direction, edges and a corner where rollers meet at right angles."""
     names = ("x_min", "y_max", "z_min")
@@ -159,15 +133,6 @@ def test_straight_sides_of_a_turned_sector(backend, component):
     assert eigenvalues(turned, 0.6) == pytest.approx(expected, rel=1e-9)
 
 
-def test_every_component_about_an_axis_is_every_component(backend):
-    everything = [
-        {"surface": "inner", "components": ["radial", "circumferential", "axial"], **ABOUT_Z}
-    ]
-    plain = csr(build(backend, RING, [{"surface": "inner"}], [2, 8, 1]).expansion)
-    about = csr(build(backend, RING, everything, [2, 8, 1]).expansion)
-    assert (plain != about).nnz == 0
-
-
 @pytest.mark.parametrize(
     ("support", "field", "allowed"),
     [
@@ -201,17 +166,3 @@ def test_frames_that_do_not_fit_the_body_are_refused(backend, supports, field, a
     (fault,) = getattr(caught.value, "faults", [caught.value])
     assert fault.field.endswith(field)
     assert allowed in fault.allowed
-
-
-@pytest.mark.parametrize(
-    ("frame", "components", "dim"),
-    [
-        (Cartesian(), (2,), 2),
-        (Cylindrical(), (2,), 2),
-        (SurfaceNormal(), (1,), 3),
-        (Cylindrical(axis=(0.0, 0.0, 1.0)), (0,), 2),
-    ],
-)
-def test_supports_of_another_dimension_are_refused(frame, components, dim):
-    with pytest.raises(InputError, match="support"):
-        Support("rim", components, frame).check(dim, "supports[0]")

@@ -10,7 +10,7 @@ from lagrange_bodies import csr
 from scipy.sparse import csr_array, random_array
 from supported import ABOUT_Z, BOX, RING, build, on
 
-from cea.body.unknowns import free_operator, system_operator
+from cea.body.unknowns import free_operator
 from cea.contact.interface import along, jump_along
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, build_interfaces
@@ -42,33 +42,6 @@ def operator_on(body, rows, density=0.02):
     size = body.dim * body.num_scalar_dofs
     rng = np.random.default_rng(size)
     return csr_array(random_array((rows, size), density=density, format="csr", rng=rng))
-
-
-@pytest.mark.parametrize("density", [0.0, 0.02, 0.5])
-@pytest.mark.parametrize("name", SUPPORTS)
-def test_operators_are_restricted_to_free_dofs(bodies, name, density):
-    operator = operator_on(bodies[name], 30, density)
-    found = csr(free_operator(operator, bodies[name]))
-    expected = operator @ csr(bodies[name].expansion)
-    assert found.shape == expected.shape
-    assert abs(found - expected).max() < 1e-14
-    assert all(np.all(np.diff(row) > 0) for row in np.split(found.indices, found.indptr[1:-1]))
-
-
-@pytest.mark.parametrize(
-    "touched", [("free", "oblique"), ("oblique", "held"), ("held",)], ids="-".join
-)
-def test_bodies_follow_each_other_among_the_unknowns(bodies, touched):
-    """Bodies that are not touched, between others or at the ends, have columns of zeros."""
-    parts = {name: operator_on(bodies[name], 20) for name in touched}
-    found = csr(system_operator(bodies, parts, 20))
-    blocks = [
-        (parts[name] @ csr(body.expansion)).toarray()
-        if name in parts
-        else np.zeros((20, body.expansion.getSize()[1]))
-        for name, body in bodies.items()
-    ]
-    np.testing.assert_allclose(found.toarray(), np.hstack(blocks), rtol=0, atol=1e-14)
 
 
 def test_matrices_outlive_the_bodies_they_are_made_for(backend):

@@ -8,9 +8,8 @@ from scipy.interpolate import BSpline
 from scipy.optimize import minimize_scalar
 
 from cea.body import Body
-from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from iga_cea.splines import botella, greville, knots_with_breaks
+from iga_cea.splines import botella, knots_with_breaks
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
@@ -80,12 +79,6 @@ def test_botella_points_are_the_maxima(knots):
         assert spline(found) >= max(-best.fun, spline(samples[top])) * (1 - 1e-14)
 
 
-def test_botella_and_greville_points_agree_on_uniform_splines_only():
-    uniform = np.concatenate([[0.0] * 4, np.arange(1, 10) / 10, [1.0] * 4])
-    np.testing.assert_allclose(botella(uniform, 3)[4:-4], greville(uniform, 3)[4:-4], rtol=1e-15)
-    assert np.abs(botella(uniform, 3) - greville(uniform, 3)).max() > 5e-3
-
-
 @pytest.mark.parametrize(
     ("meshed", "kind", "order"),
     covering(SPACE + PLANE, ["greville", "botella"], [(2, None), (3, 1)]),
@@ -153,32 +146,3 @@ def test_integrals_of_quadratic_triangle_corners_are_no_weights():
     own = surface.trace(nodes.at).toarray().argmax(axis=1)
     assert (np.abs(integrals[own]) < 1e-15).any()
     assert nodes.weight.min() > 0.1 * nodes.weight.mean()
-
-
-@pytest.mark.parametrize("points_of", ["greville", "hexahedron", "tetrahedron"])
-def test_linear_fields_are_integrated_exactly_on_flat_faces(points_of):
-    """Equal weights do not: functions at the boundary have less area than those inside."""
-    if points_of == "greville":
-        body, kind, shared = nurbs(BOX, (3, 2, 1), 3), "greville", "area"
-    else:
-        body, kind, shared = lagrange(BOX, points_of, (3, 2, 1), 2), "nodes", "tributary"
-    surface = body.surfaces["x_max"]
-    fine = surface.gauss_points(3)
-    exact = fine.weight @ fine.x
-    points, even = surface.abscissae(kind, shared), surface.abscissae(kind)
-    np.testing.assert_allclose(points.weight @ points.x, exact, rtol=1e-13)
-    square = ((points.x - fine.x.mean(axis=0)) ** 2).sum(axis=1)
-    exact_square = fine.weight @ ((fine.x - fine.x.mean(axis=0)) ** 2).sum(axis=1)
-    errors = [abs(w @ square - exact_square) for w in (points.weight, even.weight)]
-    assert errors[0] < 0.8 * errors[1]
-
-
-def test_other_kinds_are_refused():
-    spline = nurbs(BOX, (2, 2, 1), 2).surfaces["z_max"]
-    nodes = lagrange(BOX, "hexahedron", (2, 2, 1), 2).surfaces["z_max"]
-    with pytest.raises(InputError, match=r"abscissae = 'nodes'.*greville, botella"):
-        spline.abscissae("nodes")
-    with pytest.raises(InputError, match=r"weights = 'tributary'.*equal, area"):
-        spline.abscissae("botella", "tributary")
-    with pytest.raises(InputError, match=r"weights = 'area'.*equal, tributary"):
-        nodes.abscissae("nodes", "area")

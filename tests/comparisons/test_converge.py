@@ -16,7 +16,7 @@ from cea.eigen.matching import assign
 from cea.errors import InputError
 from comparisons.cli.app import app
 from comparisons.converge import ladder
-from comparisons.converge.bars import CONVERGING, FACTOR, Estimated, bar_of, pair, single
+from comparisons.converge.bars import CONVERGING, FACTOR, Estimated, bar_of, pair
 from comparisons.converge.combine import Mode, widened
 from comparisons.converge.ladder import RATIO, Ladder
 from comparisons.converge.page import read_converge, write_converge
@@ -106,12 +106,6 @@ def test_bars_of_a_pair_hold_its_members_through_a_coalescence(splitting, damped
         if not damped:
             assert own.is_open == (splitting == 0)
             assert own.still == (splitting > 0)
-
-
-def test_without_damping_a_mode_alone_is_still():
-    values = np.array([1.1j, 1.01j, 1.001j])
-    assert single(values, None, 3, 0.0, damped=False).still
-    assert not single(values, None, 3, 0.0, damped=True).still
 
 
 @pytest.mark.parametrize("apart", [0.5, 3.0])
@@ -266,18 +260,12 @@ def test_modes_that_grow_just_above_the_window_are_hinted_at_as_a_run_does():
     assert max(mode["frequency"] for mode in data["modes"]) < 0.46
 
 
-def test_doubts_about_input_are_told_once(tmp_path):
-    soft = ["bodies.disc.material.E=2e2", "analysis.max_frequency=0.05", "units='SI'"]
-    options = [part for each in soft for part in ("--set", each)]
-    done = run("disc", "--digits", "1", "--backend", "iga", *options, out=tmp_path / "x")
-    assert done.output.count("doubtful-units") == 1
-    assert done.output.count("no solid has E below") == 1
-
-
-def test_the_command_prints_modes_and_names_its_page(tmp_path):
-    done = run("blocks", "--digits", "2", "--backend", "iga", out=tmp_path / "x")
+def test_the_command_prints_modes_and_doubts_once_and_names_its_page(tmp_path):
+    soft = ["--set", "bodies.upper.material.E=2e2", "--set", "units='SI'"]
+    done = run("blocks", "--digits", "1", "--backend", "iga", *soft, out=tmp_path / "x")
     assert done.exit_code == 0, done.output
-    assert "± " in done.output
+    assert " ".join(done.output.split()).count("no solid has E below") == 2  # upper and lower
+    assert "± bar" in done.output
     assert str(tmp_path / "x" / "report.html") in done.output.replace("\n", "")
     again = run("blocks", "--redraw", out=tmp_path / "x")
     assert again.exit_code == 0, again.output

@@ -15,14 +15,16 @@ from scipy.io import mmwrite
 from scipy.linalg import eig
 from scipy.sparse import csr_array
 
-from cea.errors import ConvergenceError, InputError
+from cea.errors import InputError
 from comparisons.bench import matrices
 from comparisons.cli.app import main
 from comparisons.study.run import run
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.page import read_sweep, write_sweep
-from comparisons.sweep.study import Curves, Sweep, curves_of, run_sweep
-from comparisons.sweep.tables import unstable_table, values_table
+from comparisons.sweep.points import read_axis
+from comparisons.sweep.spectra import UNSTABLE
+from comparisons.sweep.study import Asked
+from comparisons.sweep.study import run as run_sweep
 from scenes.spec.problems import SceneError
 
 STORED = Path(sweep_page.__file__).with_name("results")
@@ -58,10 +60,21 @@ def toml_of(data):
     return "\n".join(lines)
 
 
+def in_full(toml, axis, data):
+    """A sweep that is solved in full at each value."""
+    return run_sweep(Asked(toml, (read_axis(axis),), data=data, why_in_full="--full"), Path(data))
+
+
+def at(swept, i):
+    """Eigenvalues at a value of a sweep."""
+    there, spectra = swept.spectra.there[i], swept.spectra
+    return spectra.growth[i][there] + 2j * np.pi * spectra.frequency[i][there]
+
+
 @pytest.fixture(scope="module")
 def swept(folder):
     toml = folder / "elsewhere" / "speed.toml"
-    return run_sweep(Sweep(toml, "parameters.v", 1.0, 3.0, 5, data=str(folder)))
+    return in_full(toml, "parameters.v=1:3:5", str(folder))
 
 
 def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
@@ -129,36 +142,31 @@ def test_faults_are_told_in_a_line(arguments, field, told, tmp_path, monkeypatch
 
 
 def test_a_sweep_finds_at_each_value_what_lapack_finds(swept):
-    assert [point["value"] for point in swept["points"]] == SPEEDS
-    for point in swept["points"]:
-        found = [mode["re"] + 1j * mode["im"] for mode in point["modes"]]
-        np.testing.assert_allclose(found, inside(dense(pieces(), point["value"])), rtol=1e-9)
-        assert point["failed"] == ""
-    assert swept["command"] == "sweep"
+    assert swept.points.values[:, 0].tolist() == SPEEDS
+    for i, speed in enumerate(SPEEDS):
+        np.testing.assert_allclose(at(swept, i), inside(dense(pieces(), speed)), rtol=1e-9)
+    assert swept.record["failed"] == []
+    assert swept.record["command"] == "sweep"
 
 
 def test_what_a_sweep_leaves_behind_is_drawn_anew(swept, tmp_path, monkeypatch, capsys):
-    picture = write_sweep(swept, tmp_path)
-    assert picture.read_bytes().startswith(b"\x89PNG")
-    assert read_sweep(tmp_path)["points"] == swept["points"]
+    page = write_sweep(swept, tmp_path)
+    np.testing.assert_array_equal(read_sweep(tmp_path).spectra.growth, swept.spectra.growth)
     with (tmp_path / "modes.csv").open() as stream:
-        rows = list(csv.DictReader(stream))
-    assert len(rows) == sum(len(point["modes"]) for point in swept["points"])
-    picture.unlink()
-    given = swept["inputs"]
-    axis = "{field}={start}:{stop}:{points}".format(**given)
-    asked = [given["scene"], axis]
+        assert len(list(csv.DictReader(stream))) == swept.spectra.there.sum()
+    page.unlink()
+    scene, axis = swept.record["inputs"]["scene"], "parameters.v=1:3:5"
     options = ["--redraw", "--out", str(tmp_path)]
-    monkeypatch.setattr(sys, "argv", ["cea", "sweep", *asked, *options])
+    monkeypatch.setattr(sys, "argv", ["cea", "sweep", scene, axis, *options])
     with pytest.raises(SystemExit) as end:
         main()
     assert not end.value.code
-    assert picture.exists()
+    assert page.exists()
     capsys.readouterr()
     for arguments, field in (
-        ([asked[0], axis.replace("parameters.v", "parameters.mu")], "field"),
-        ([asked[0], axis.replace(":3.0:", ":17.5:")], "stop"),
-        ([*asked, "--data", "x"], "data"),
+        ([scene, "parameters.mu=1:3:5"], "fields"),
+        ([scene, "parameters.v=1:17.5:5"], "fields"),
+        ([scene, axis, "--data", "x"], "data"),
     ):
         monkeypatch.setattr(sys, "argv", ["cea", "sweep", *arguments, *options])
         with pytest.raises(SystemExit):
@@ -180,98 +188,12 @@ def test_terminals_without_letters_for_marks_end_no_run(tmp_path):
     assert done.stdout.startswith(b"? solve: 2 modes up to 1 Hz: 1 unstable")
 
 
-def test_unstable_curves_are_told_with_where_they_are(swept):
-    rows = unstable_table(swept).rows
-    assert rows
-    for frequency, first, last, count, growth, at in rows:
-        near = [
-            mode["re"]
-            for point in swept["points"]
-            if point["value"] == at
-            for mode in point["modes"]
-            if mode["im"] == pytest.approx(2 * np.pi * frequency)
-        ]
-        assert near == [growth]
-        assert 1.0 <= first <= last <= 3.0
-        assert count <= 5
-    table = values_table(swept)
-    fastest = [row[[column.name for column in table.columns].index("growth")] for row in table.rows]
-    assert max(fastest) == max(row[4] for row in rows)
-
-
-def test_curves_cross_without_changing_places():
-    curves, t = Curves(), np.linspace(0, 1, 21)
-    crossing = np.stack([1j * (1 + 0.3 * t), 1j * (1.3 - 0.3 * t)], axis=1)
-    for i, values in enumerate(crossing):
-        order = np.argsort(values.imag)
-        numbers = curves.follow(values[order])
-        if i != 10:  # they meet
-            assert [numbers[k] for k in np.argsort(order)] == [0, 1]
-
-
-def test_a_mode_that_enters_is_a_new_curve_and_one_that_leaves_ends():
-    curves = Curves()
-    assert curves.follow(np.array([1j, 2j])) == [0, 1]
-    assert curves.follow(np.array([1.001j, 1.5j, 2.001j])) == [0, 2, 1]
-    assert curves.follow(np.array([1.502j])) == [2]
-    assert curves.follow(np.array([1.002j, 1.503j])) == [3, 2]
-    curves.interrupt()
-    assert curves.follow(np.array([1.503j])) == [4]
-    assert curves.follow(np.array([], dtype=complex)) == []
-    assert curves.follow(np.array([1j])) == [5]
-
-
-def test_a_value_without_an_answer_is_told(folder, monkeypatch, tmp_path):
-    asked = Sweep(
-        folder / "elsewhere" / "speed.toml", "parameters.v", 1.0, 3.0, 3, data=str(folder)
-    )
-    assembled = asked.assembled()
-    modes = assembled.modes
-
-    def failing(changes):
-        if changes["parameters.v"] == 2.0:
-            raise ConvergenceError("no more digits")
-        return modes(changes)
-
-    monkeypatch.setattr(assembled, "modes", failing)
-    monkeypatch.setattr(Sweep, "assembled", lambda _: assembled)
-    data = run_sweep(asked)
-    assert [point["failed"] for point in data["points"]] == ["", "no more digits", ""]
-    before, after = ({m["curve"] for m in data["points"][i]["modes"]} for i in (0, 2))
-    assert before
-    assert not before & after
-    assert values_table(data).rows[1][-1] == "no more digits"
-    assert write_sweep(data, tmp_path).exists()
-
-
-def test_scenes_of_bodies_are_swept_too():
-    window = ("analysis.max_frequency=0.3",)
-    data = run_sweep(Sweep("blocks", "contacts.interface.p", 1.0, 2.0, 2, window))
-    low, high = (point["modes"][0]["im"] for point in data["points"])
-    assert low < high
-    assert set(curves_of(data)) == {mode["curve"] for mode in data["points"][0]["modes"]}
-
-
-@pytest.mark.parametrize(
-    ("changes", "field"),
-    [
-        ({"count": 1}, "points"),
-        ({"count": 10**6}, "points"),
-        ({"stop": 1.0}, "stop"),
-        ({"start": np.nan}, "start"),
-    ],
-)
-def test_sweeps_that_are_none_are_refused(changes, field):
-    with pytest.raises(InputError, match=field):
-        Sweep(**{"scene": "x", "field": "y", "start": 1.0, "stop": 2.0, "count": 3} | changes)
-
-
 def test_a_field_that_is_none_is_refused(folder):
     toml = folder / "elsewhere" / "speed.toml"
     with pytest.raises(SceneError, match=r"files\.w"):
-        run_sweep(Sweep(toml, "files.w", 1.0, 2.0, 2, data=str(folder)))
+        in_full(toml, "files.w=1:2:2", str(folder))
     with pytest.raises(SceneError, match="no such field"):
-        run_sweep(Sweep(toml, "speed", 1.0, 2.0, 2, data=str(folder)))
+        in_full(toml, "speed=1:2:2", str(folder))
 
 
 def test_a_race_is_one_of_the_same_eigenvalues(folder):
@@ -312,28 +234,23 @@ def test_the_brake_is_faster_than_five_runs_of_scipy(tmp_path):
 
 def test_the_stored_sweep_of_the_brake_passes_through_what_is_published():
     """At 2 turns a second, the ninth of 25 values from 1 to 4."""
-    data = read_sweep(STORED)
-    assert data["inputs"]["data"] == "tu_berlin_brake"
-    assert not any(point["failed"] for point in data["points"])
-    values = [point["value"] for point in data["points"]]
-    np.testing.assert_allclose(values, np.linspace(2, 8, 25) * np.pi, rtol=1e-15)
-    growths = sorted(f"{mode['re']:.3e}" for mode in data["points"][8]["modes"])
+    made = read_sweep(STORED)
+    assert made.record["inputs"]["data"] == "tu_berlin_brake"
+    assert not made.record["failed"]
+    np.testing.assert_allclose(made.points.axis(0), np.linspace(2, 8, 25) * np.pi, rtol=1e-15)
+    growths = sorted(f"{growth:.3e}" for growth in at(made, 8).real)
     assert growths == sorted(f"{float(growth):.3e}" for growth in PUBLISHED.split())
-    assert [row[2] for row in values_table(data).rows] == [4, *[5] * 8, *[6] * 10, *[7] * 6]
-    assert len(unstable_table(data).rows) == 7
+    unstable = (made.spectra.verdict == UNSTABLE).sum(axis=1)
+    assert unstable.tolist() == [4, *[5] * 8, *[6] * 10, *[7] * 6]
+    assert len(made.record["thresholds"]) == 3
 
 
 @pytest.mark.slow
 def test_the_stored_sweep_of_the_brake_is_what_is_computed():
-    data = str(external("tu_berlin_brake"))
-    swept = run_sweep(Sweep("tu_berlin", "parameters.Omega", 2 * np.pi, 8 * np.pi, 4, data=data))
-    for point, stored in zip(swept["points"], read_sweep(STORED)["points"][::8], strict=True):
-        assert point["value"] == pytest.approx(stored["value"])
-        found, true = (
-            np.array([mode["re"] + 1j * mode["im"] for mode in each["modes"]])
-            for each in (point, stored)
-        )
-        np.testing.assert_allclose(found, true, rtol=1e-11)
+    data, ends = str(external("tu_berlin_brake")), f"{2 * np.pi!r}:{8 * np.pi!r}"
+    made, stored = in_full("tu_berlin", f"parameters.Omega={ends}:4", data), read_sweep(STORED)
+    for i in range(4):
+        np.testing.assert_allclose(at(made, i), at(stored, 8 * i), rtol=1e-11)
 
 
 @pytest.mark.parametrize("option", ["--symmetric", "--no-symmetric"])

@@ -6,7 +6,7 @@ import pytest
 from browser import complaints, foreign_addresses, open_page, programs, started, until
 from small_study import STUDY, Options
 
-from comparisons.run_report.page import write_run_report
+from comparisons.run_report import write_run_report
 from comparisons.study.page import write_study
 from comparisons.study.run import run
 from scenes import load_scene, run_modes, save_result

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray
 from mpi import on_ranks
 from reduced_blocks import MESHES, flutter_of_the_blocks
 from reference_data import plane_meshes, stored
@@ -17,13 +16,12 @@ from cea.eigen.matching import assign
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from comparisons.cli.app import main
-from comparisons.sweep.cells import cells_of
-from comparisons.sweep.distributions import Distribution, draw, read_distribution
-from comparisons.sweep.mapped import mapped
-from comparisons.sweep.probabilities import of_modes, warnings_of, wilson
-from comparisons.sweep.sample_page import read_samples, write_samples
-from comparisons.sweep.sample_study import AskedSamples, run_samples
-from comparisons.sweep.sampled import Sampled
+from comparisons.sweep.page import read_sweep, write_sweep
+from comparisons.sweep.points import Distribution, read_distribution, read_fields, table_of
+from comparisons.sweep.probabilities import growing, probabilities, wilson
+from comparisons.sweep.scene import mapped
+from comparisons.sweep.spectra import Spectra
+from comparisons.sweep.study import Asked, run
 
 MU, P = "contacts.interface.mu", "contacts.interface.P"
 
@@ -43,8 +41,8 @@ def overrides(backend):
 
 
 def asked(backend, *distributions, count=400, **options):
-    spread = tuple(map(read_distribution, distributions))
-    return AskedSamples("blocks", spread, count, overrides=overrides(backend), **options)
+    spread = read_fields(distributions)
+    return Asked("blocks", spread, overrides(backend), samples=count, **options)
 
 
 MU_C = float(stored("blocks_sine_mu_thresholds")[0]["mu_c"])
@@ -59,86 +57,79 @@ def made(tmp_path_factory):
         if backend not in known:
             folder = tmp_path_factory.mktemp("samples") / "out"
             wanted = asked(backend, f"mu~uniform:{0.93 * MU_C}:{1.08 * MU_C}", count=800, seed=5)
-            data, drawn, found, store = run_samples(wanted, folder)
-            write_samples(data, drawn, found, folder)
-            store.discard()
-            known[backend] = data, drawn, found, folder
+            swept = run(wanted, folder)
+            write_sweep(swept, folder)
+            swept.store.discard()
+            known[backend] = swept, folder
         return known[backend]
 
     return of
 
 
+def grows_in(swept):
+    """Which modes of samples surely grow."""
+    return growing(swept.spectra, swept.record["growth_threshold"], damped=False)[0]
+
+
 @pytest.mark.grid(quick=1)
 def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backend):
     """Only mu varies: what grows is what was drawn above mu_c, sample by sample."""
-    data, drawn, found, _ = made(backend)
+    swept, _ = made(backend)
+    data, values = swept.record, swept.points.values[:, 0]
     driver, name, bracket, top = flutter_of_the_blocks(backend)
     threshold = first_threshold(driver, name, *bracket, max_frequency=top).value
     driver.free()
-    values = np.array(drawn[0].values)
     far = np.abs(values - threshold) > 1e-6 * threshold
-    np.testing.assert_array_equal(found.grows.any(axis=1)[far], (values > threshold)[far])
+    np.testing.assert_array_equal(grows_in(swept).any(axis=1)[far], (values > threshold)[far])
     exact = (1.08 * MU_C - threshold) / (0.15 * MU_C)
     assert data["any"]["low"] <= exact <= data["any"]["high"]
     assert abs(data["any"]["probability"] - exact) < 4 * data["any"]["standard_error"]
-    assert data["certified"] == data["samples"] == 800
-
-
-@pytest.mark.slow
-def test_the_probability_is_that_of_the_exact_threshold_on_a_fine_mesh(tmp_path):
-    """The blocks' own threshold of their exact solution, on cubic elements: off by 1.4e-4."""
-    fine = plane_meshes("fe", 3, {"upper": [16, 4], "lower": [12, 6]})
-    wanted = asked("fe", f"mu~uniform:{0.95 * MU_C}:{1.08 * MU_C}", count=900, seed=2)
-    chosen = tuple(each for each in wanted.overrides if ".mesh." not in each)
-    wanted = replace(wanted, overrides=(*chosen, *fine), checks=0)
-    data, _, _, store = run_samples(wanted, tmp_path / "out")
-    store.discard()
-    exact, error = 0.08 / 0.13, data["any"]["standard_error"]
-    assert error < 0.017
-    assert abs(data["any"]["probability"] - exact) < 3 * error + 2e-4 / 0.13
+    assert data["certified"] == data["values"] == 800
 
 
 @pytest.mark.grid(quick=1)
 def test_both_modes_that_coalesce_are_named_and_no_other(made, backend):
-    data, _, found, _ = made(backend)
+    swept, _ = made(backend)
+    data, found = swept.record, grows_in(swept)
+    assert data["not_followed"] == 0
     assert len(data["modes"]) == 2
     for mode in data["modes"]:
         assert mode["grows"] == data["any"]["grows"]
         assert mode["seen"] == 800
-    grows = found.grows.any(axis=1)
-    assert (found.grows[grows].sum(axis=1) == 2).all()
-    assert data["any"]["fastest"] == pytest.approx(found.growth[grows].max())
-    ordered = np.sort(found.growth[grows].max(axis=1))
-    assert data["any"]["growth"]["median"] == pytest.approx(np.median(ordered))
+    grows = found.any(axis=1)
+    assert (found[grows].sum(axis=1) == 2).all()
+    growth = swept.spectra.largest[grows]
+    assert data["any"]["fastest"] == pytest.approx(growth.max())
+    assert data["any"]["growth"]["median"] == pytest.approx(np.median(growth))
 
 
-def test_modes_that_continue_none_are_told_apart_from_those_that_are_not_there():
-    nan = np.nan
-    yes, no = True, False
-    found = Sampled(
-        growth=np.array([[5.0, 7.0], [-1.0, nan], [6.0, nan]]),
-        frequency=np.array([[100.0, 130.0], [90.0, nan], [110.0, nan]]),
-        uncertainty=np.array([[0.1, 0.1], [0.1, nan], [0.1, nan]]),
-        number=np.array([[0, -1], [-1, -1], [0, -1]]),
-        grows=np.array([[yes, yes], [no, no], [yes, no]]),
-        may_grow=np.array([[yes, yes], [no, no], [yes, no]]),
-        worst=np.zeros(3),
-        bound=np.zeros(3),
-    )
-    followed, others = of_modes(found)
-    assert (followed["mode"], followed["seen"], followed["grows"]) == (0, 2, 2)
-    assert (others["mode"], others["seen"], others["grows"]) == (None, 2, 1)
-    assert (others["frequency_low"], others["frequency_high"]) == (90.0, 130.0)
-    assert others["fastest"] == 7.0
-    told = {
-        "samples": 3,
-        "certified": 3,
-        "any": {"undecided": 0},
-        "modes": [followed, others],
-        "failed": [],
-        "snapshots": [],
-    }
-    assert [each["kind"] for each in warnings_of(told, 1e-8)] == ["not-followed"]
+def test_single_modes_have_rows_where_nearly_all_are_followed():
+    rng, n = np.random.default_rng(3), 100
+    grows = rng.random(n) < 0.3
+
+    def spectra(unknown):
+        number = np.stack([np.where(np.arange(n) < unknown, -1, 0), np.ones(n, int)], axis=1)
+        nothing = np.zeros((n, 2))
+        return Spectra(
+            growth=np.stack([np.where(grows, 5.0, -5.0), np.full(n, -1.0)], axis=1),
+            frequency=np.tile([100.0, 130.0], (n, 1)),
+            uncertainty=nothing + 0.1,
+            mean_error=nothing,
+            verdict=np.stack([grows, np.zeros(n)], axis=1).astype(np.int8),
+            worst=np.zeros(n),
+            growth_slope=nothing[..., None],
+            frequency_slope=nothing[..., None],
+            above_growth=np.full(n, np.nan),
+            above_frequency=np.full(n, np.nan),
+            number=number,
+        )
+
+    told = probabilities(spectra(5), 0.0, damped=True)
+    assert told["any"]["grows"] == grows.sum()
+    assert told["not_followed"] == grows[:5].sum()
+    (mode,) = told["modes"]
+    assert (mode["mode"], mode["grows"], mode["seen"]) == (0, grows[5:].sum(), 95)
+    assert not probabilities(spectra(50), 0.0, damped=True)["modes"]
 
 
 def test_samples_are_those_of_full_solves(backend, tmp_path):
@@ -150,33 +141,32 @@ def test_samples_are_those_of_full_solves(backend, tmp_path):
         "bodies.lower.material.rho~uniform:0.9:1.1",
     )
     wanted = asked(backend, *spread, count=60, seed=1)
-    data, drawn, found, store = run_samples(wanted, tmp_path / "out")
-    store.discard()
-    assert data["certified"] == 60
-    scene = mapped("blocks", drawn, wanted.overrides, None)
+    swept = run(wanted, tmp_path / "out")
+    swept.store.discard()
+    spectra, points, grows = swept.spectra, swept.points, grows_in(swept)
+    assert swept.record["certified"] == 60
+    scene = mapped("blocks", wanted.fields, wanted.overrides, samples=(60, 1))
+    np.testing.assert_array_equal(scene.points.values, points.values)
     for i in (0, 17, 59):
-        modes = scene.driver.solve(
-            1.02 * scene.max_frequency, scene.point([each.values[i] for each in drawn])
-        )
-        there = np.isfinite(found.growth[i])
-        values = found.growth[i][there] + 2j * np.pi * found.frequency[i][there]
+        modes = scene.driver.solve(1.02 * scene.max_frequency, scene.point(points.values[i]))
+        there = spectra.there[i]
+        values = spectra.growth[i][there] + 2j * np.pi * spectra.frequency[i][there]
         rows, columns = assign(np.abs(values[:, None] - modes.eigenvalues))
         assert len(rows) == len(values)
         off = np.abs(values[rows] - modes.eigenvalues[columns])
-        allowed = found.uncertainty[i][there][rows] + modes.growth_uncertainties[columns]
+        allowed = spectra.uncertainty[i][there][rows] + modes.growth_uncertainties[columns]
         assert (off <= allowed).all()
-        limit = scene.growth_threshold
         inside = modes.eigenvalues.imag <= 2 * np.pi * scene.max_frequency
-        assert found.grows[i].any() == (modes.eigenvalues.real > limit)[inside].any()
+        unstable = (modes.eigenvalues.real > scene.growth_threshold)[inside]
+        assert grows[i].any() == unstable.any()
     scene.driver.free()
 
 
 def test_samples_that_are_not_certified_are_counted_and_named(tmp_path):
     wanted = asked("iga", "mu~uniform:0:0.2", "P~lognormal:1:2", most=2, checks=0, count=50)
-    data, _, found, store = run_samples(wanted, tmp_path / "out")
-    store.discard()
-    left = np.flatnonzero(found.bound > 1e-8)
-    assert 0 < len(left) == data["samples"] - data["certified"]
+    swept = run(wanted, tmp_path / "out")
+    data, left = swept.record, np.flatnonzero(swept.spectra.bound > 1e-8)
+    assert 0 < len(left) == data["values"] - data["certified"]
     assert data["not_certified"] == left.tolist()
     told = next(each for each in data["warnings"] if each["kind"] == "not-certified")
     assert str(left[0]) in told["message"]
@@ -184,16 +174,12 @@ def test_samples_that_are_not_certified_are_counted_and_named(tmp_path):
 
 @pytest.mark.slow
 def test_samples_leave_a_page_and_are_drawn_anew(made, backend, monkeypatch, capsys):
-    data, drawn, found, folder = made(backend)
-    names = {"samples.nc", "probability.csv", "samples.csv", "report.html", "samples.png"}
+    swept, folder = made(backend)
+    names = {"sweep.nc", "probability.csv", "sweep.csv", "report.html", "sweep.png"}
     assert names <= {file.name for file in folder.iterdir()}
-    again, modes = read_samples(data, folder / "samples.nc")
-    assert again[0].values == drawn[0].values
-    np.testing.assert_array_equal(modes.growth, found.growth)
-    np.testing.assert_array_equal(modes.grows, found.grows)
-    with xarray.open_dataset(folder / "samples.nc", engine="h5netcdf") as opened:
-        assert opened.attrs["seed"] == 5
-        assert opened.growth.attrs["units"] == "1/s"
+    again = read_sweep(folder)
+    np.testing.assert_array_equal(again.points.values, swept.points.values)
+    np.testing.assert_array_equal(again.spectra.growth, swept.spectra.growth)
     (folder / "report.html").unlink()
     text = f"mu~uniform:{0.93 * MU_C}:{1.08 * MU_C}"
     command = ["cea", "sweep", "blocks", text, "--redraw", "--out", str(folder)]
@@ -202,7 +188,7 @@ def test_samples_leave_a_page_and_are_drawn_anew(made, backend, monkeypatch, cap
         main()
     assert not end.value.code, capsys.readouterr().err
     page = (folder / "report.html").read_text()
-    assert f"{data['any']['grows']} of 800 samples grow" in page
+    assert f"{swept.record['any']['grows']} of 800 samples grow" in page
 
 
 @pytest.mark.slow
@@ -219,7 +205,7 @@ def test_the_command_records_its_seed_and_draws_the_same_again(tmp_path, monkeyp
         assert not end.value.code, capsys.readouterr().err
         data = json.loads((out / "result.json").read_text())
         assert data["inputs"]["seed"] == 7
-        found.append((out / "samples.csv").read_text())
+        found.append((out / "sweep.csv").read_text())
     assert found[0] == found[1]
 
 
@@ -233,28 +219,31 @@ def test_the_command_records_its_seed_and_draws_the_same_again(tmp_path, monkeyp
 )
 def test_samples_follow_their_distribution(text, law):
     """Kolmogorov and Smirnov, whose statistic is no chance at this seed."""
-    values = draw([read_distribution(text)], 5000, 11)[0].values
+    values = drawn(text)[:, 0]
     assert kstest(values, law.cdf).pvalue > 0.01
     shifted = replace(read_distribution(text), first=1.3 * read_distribution(text).first)
-    assert kstest(draw([shifted], 5000, 11)[0].values, law.cdf).pvalue < 1e-6
+    assert kstest(table_of([shifted], [0.0], 5000, 11).values[:, 0], law.cdf).pvalue < 1e-6
+
+
+def drawn(*texts, seed=11):
+    return table_of(read_fields(texts), [0.0] * len(texts), 5000, seed).values
 
 
 def test_fields_are_drawn_independently_and_by_their_seed():
-    both = [read_distribution("mu~uniform:0:1"), read_distribution("P~uniform:2:3")]
-    one, other = draw(both, 4000, 0)
-    assert abs(np.corrcoef(one.values, other.values)[0, 1]) < 0.05
-    assert min(other.values) >= 2
-    assert draw(both, 4000, 0)[0].values == one.values
-    assert draw(both, 4000, 1)[0].values != one.values
+    both = ("mu~uniform:0:1", "P~uniform:2:3")
+    values = drawn(*both)
+    assert abs(np.corrcoef(values.T)[0, 1]) < 0.05
+    assert values[:, 1].min() >= 2
+    np.testing.assert_array_equal(drawn(*both), values)
+    assert (drawn(*both, seed=1) != values).any()
 
 
-def test_cells_hold_every_sample_once_and_begin_in_the_middle():
-    spread = np.random.default_rng(2).random((2, 1000))
-    cells = cells_of(spread)
-    assert sorted(np.concatenate([cell.samples for cell in cells])) == list(range(1000))
-    assert max(len(cell.samples) for cell in cells) <= 128
-    assert all(cell.middle in cell.samples for cell in cells)
-    assert np.abs(spread[:, cells[0].middle] - 0.5).max() < 0.3
+def test_what_a_field_may_not_have_is_cut_off_and_told():
+    """A sixth of a normal distribution lies more than one deviation below its mean."""
+    points = table_of(read_fields(["mu~normal:0.1:0.1", "P~uniform:-1:3"]), [0.0, 0.0], 5000, 2)
+    assert points.cut == pytest.approx((norm.cdf(-1), 0.25))
+    assert points.values.min() >= 0
+    assert kstest(points.values[:, 0], truncnorm(-1, np.inf, 0.1, 0.1).cdf).pvalue > 0.01
 
 
 def test_intervals_of_wilson():
@@ -307,7 +296,7 @@ def test_distributions_that_are_none_are_refused(arguments, told):
         (["mu~normal:0.4:0.05", "--seed", "-1"], "zero or more"),
         (["mu=0:1:3", "--samples", "5"], "distributions"),
         (["mu=0:1:3", "--seed", "5"], "distributions"),
-        (["mu~normal:0:1"], "zero or positive"),
+        (["mu~normal:-1:0.001"], "ends with values between them"),
     ],
 )
 def test_commands_that_ask_for_no_samples_are_refused(words, told, monkeypatch, capsys, tmp_path):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from cea.eigen.matching import assign
-from comparisons.sweep.axes import read_axis
-from comparisons.sweep.map_study import AskedMap, run_map
+from comparisons.sweep.points import read_axis
+from comparisons.sweep.study import Asked, run
 from scenes import run_modes
 from scenes.spec.reading import load_scene
 
@@ -16,13 +16,11 @@ TIED = "contacts.tie.P=inf"
 
 
 def swept(backend, axis, out, *overrides):
-    """The row and the record of a sweep, and the scene."""
+    """Modes and the record of a sweep, and the scene."""
     bodies = (f"bodies.{name}.backend='{backend}'" for name in ("base", "mid", "cap"))
     overrides = (*bodies, *overrides)
-    asked = AskedMap(SCENE, (read_axis(axis),), overrides, checks=1, confirm=9)
-    record, rows, store = run_map(asked, out / "out")
-    store.discard()
-    return rows[0], record, load_scene(SCENE, overrides)
+    made = run(Asked(SCENE, (read_axis(axis),), overrides, checks=1, confirm=9), out / "out")
+    return made.spectra, made.record, load_scene(SCENE, overrides)
 
 
 @pytest.mark.parametrize(

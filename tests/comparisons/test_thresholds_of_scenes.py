@@ -11,10 +11,11 @@ from scipy.sparse import csr_array, save_npz
 
 from comparisons.cli.app import main
 from comparisons.cli.sweep import IN_PART
-from comparisons.sweep.axes import read_axis
-from comparisons.sweep.map_study import AskedMap, run_map
-from comparisons.sweep.map_tables import headline, thresholds_table
-from comparisons.sweep.mapped import mapped
+from comparisons.sweep.page import read_sweep
+from comparisons.sweep.points import read_axis
+from comparisons.sweep.scene import mapped
+from comparisons.sweep.study import Asked, run
+from comparisons.sweep.tables import headline, thresholds
 
 DATA = Path(__file__).parent.parent / "data" / "thresholds"
 BLOCKS = """
@@ -73,10 +74,10 @@ max_frequency = 5000.0
 
 def found_in(scene, axis, out, data=None):
     """The record of a map of one axis."""
-    asked = AskedMap(scene, (read_axis(axis),), data=data, checks=1, confirm=9)
-    record, _, store = run_map(asked, out / "out")
-    store.discard()
-    return record
+    asked = Asked(scene, (read_axis(axis),), data=data, checks=1, confirm=9)
+    made = run(asked, out / "out")
+    made.store.discard()
+    return made.record
 
 
 def values_of(record):
@@ -148,7 +149,7 @@ def test_what_is_not_resolved_is_told_and_ends_in_part(tmp_path, single, monkeyp
     assert end.value.code == IN_PART
     record = json.loads((tmp_path / "out" / "result.json").read_text())
     assert record["unresolved"]
-    assert len(thresholds_table(record).rows) == len(record["unresolved"])
+    assert len(thresholds(read_sweep(tmp_path / "out"))) == len(record["unresolved"])
     assert f"{len(record['unresolved'])} intervals unresolved" in capsys.readouterr().out
     assert "unresolved" in [each["kind"] for each in record["warnings"]]
 
@@ -171,11 +172,10 @@ def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, 
         "analysis.growth_threshold=0.0",
         *(f"bodies.{name}.backend='{backend}'" for name in bodies),
     )
-    asked = AskedMap(scene, (read_axis("mu=0:1:21"),), overrides, checks=1, confirm=0)
-    record, _, store = run_map(asked, tmp_path / "out")
-    store.discard()
+    asked = Asked(scene, (read_axis("mu=0:1:21"),), overrides, checks=1, confirm=0)
+    record = run(asked, tmp_path / "out").record
     full = mapped(scene, (read_axis("mu=0:1:201"),), overrides, None)
-    values, numbers = np.array(full.axes[0].values), []
+    values, numbers = full.points.axis(0), []
     for value in values:
         modes = full.driver.solve(full.max_frequency, full.point((float(value),)))
         grows = modes.growth_rates > modes.growth_uncertainties

@@ -13,8 +13,7 @@ from wrong_scenes import coarse
 from cea.errors import InputError, printable
 from cea.files import check_writable, regular
 from comparisons.cli.app import main
-from comparisons.sweep.axes import read_axis
-from comparisons.sweep.distributions import read_distribution
+from comparisons.sweep.points import read_axis, read_distribution
 from meshes.files.reading import read_mesh_file
 from scenes import run_modes
 from scenes.results.record import read_record

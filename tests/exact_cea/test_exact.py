@@ -12,11 +12,10 @@ from typer.testing import CliRunner
 from cea.errors import InputError
 from comparisons.cli.exact import app
 from exact_cea import entries, galerkin_problems, lumped
-from exact_cea.blocks import Blocks
+from exact_cea.blocks import Blocks, layer_response
 from exact_cea.drum import Drum
 from exact_cea.galerkin import lowest
 from exact_cea.galerkin_problems import Ring
-from exact_cea.layer import layer_response
 from exact_cea.material import SOFT, Material
 from exact_cea.numbers import Exact
 from exact_cea.roots import Box, RootFinder

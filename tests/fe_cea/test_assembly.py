@@ -121,29 +121,3 @@ def test_held_dofs_and_springs_change_them_as_they_would_afterwards(cell, held):
     compared(made, references)
     full = local_part(made.full_stiffness()).toarray()
     np.testing.assert_allclose(full, references[0], atol=1e-13 * np.abs(full).max())
-
-
-@pytest.mark.parametrize("supports", [(), HELD["one component"]], ids=["free", "held"])
-def test_pairs_of_nodes_that_share_no_cell_have_no_entries(supports):
-    mesh = distorted("hexahedron", order=1)
-    made = body(mesh, 3, supports=supports)
-    V = dolfinx.fem.functionspace(mesh, ("Lagrange", 3, (3,)))
-    cells, n = V.dofmap.list, V.dofmap.index_map.size_local
-    shared = np.zeros((n, n), dtype=bool)
-    for cell in cells:
-        shared[np.ix_(cell, cell)] = True
-    kept = np.flatnonzero(np.diff(local_part(made.expansion).indptr))
-    assert (len(kept) < 3 * n) == bool(supports)
-    for matrix, blocks in ((made.stiffness(), np.ones((3, 3))), (made.mass(), np.eye(3))):
-        expected = np.kron(shared, blocks)[np.ix_(kept, kept)]
-        found = local_part(matrix)
-        assert found.has_canonical_format
-        found.data[:] = 1.0
-        np.testing.assert_array_equal(found.toarray(), expected)
-
-
-@pytest.mark.parametrize("order", [1, 2, 3, 4])
-@pytest.mark.parametrize("cell", CELLS)
-def test_roots_of_weights_of_the_stiffness_are_real(cell, order):
-    degree = 2 * (order - 1) if cell in ("triangle", "tetrahedron") else 2 * order
-    assert basix.make_quadrature(basix.CellType[cell], degree)[1].min() > 0

@@ -3,15 +3,12 @@
 import dolfinx
 import numpy as np
 import pytest
-import scipy.sparse as sp
 from bodies import dolfinx_body, lagrange_body
 from fe_shapes import (
     ANNULUS,
     BOX,
     ELEMENTS,
     MATERIAL,
-    PLACEMENT,
-    annulus,
     body_of,
     box,
     coordinates,
@@ -19,14 +16,12 @@ from fe_shapes import (
 )
 from lagrange_bodies import csr
 from mpi4py import MPI
-from scipy.sparse.linalg import spsolve
 
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.mesh import reference_nodes
 from cea.supports.boundary import Pressure, Spring, Support
 from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Sector
 
 every_element = pytest.mark.parametrize(("cell", "degree"), ELEMENTS)
 
@@ -86,61 +81,6 @@ def test_volume_and_areas_of_a_ring_converge_with_the_order_of_its_geometry(cell
             np.testing.assert_allclose(np.log2(np.divide(*errors)), rate, atol=0.1)
 
 
-def test_a_sector_has_its_volume_and_areas():
-    shape = Sector(0.5, 1.0, -20.0, 70.0, 0.1, 0.4)
-    body = body_of(shape, "hexahedron", 2, elements=((2, 8, 1),))
-    areas = {name: surface.area for name, surface in body.surfaces.items()}
-    quarter = {name: area / 4 for name, area in exact_measures(shape).items()}
-    assert csr(body.mass()).sum() == pytest.approx(3 * MATERIAL.rho * quarter.pop("volume"), 1e-5)
-    assert areas == pytest.approx(quarter | {"start": 0.15, "end": 0.15}, rel=1e-5)
-
-
-@every_element
-def test_a_rotated_body_has_rotated_matrices(cell, degree):
-    here, there = annulus(cell, degree), annulus(cell, degree, placement=PLACEMENT)
-    turn = sp.kron(sp.eye_array(here.num_scalar_dofs), PLACEMENT.rotation).tocsr()
-    for a, b in ((here.stiffness(), there.stiffness()), (here.mass(), there.mass())):
-        a, b = csr(a), csr(b)
-        assert abs(turn @ a @ turn.T - b).max() < 1e-12 * abs(a).max()
-
-
-def test_linear_tetrahedra_agree_with_assembly_by_hand():
-    body = body_of(BOX, "tetrahedron", 1, size=0.7, placement=PLACEMENT)
-    x, cells = coordinates(body, 1), body.volume_sample(1)
-    dofs = np.rint(cells.values @ np.arange(body.num_scalar_dofs)).astype(int)[cells.cells]
-    lam, mu = MATERIAL.lame
-    n = 3 * body.num_scalar_dofs
-    K, M = np.zeros((n, n)), np.zeros((n, n))
-    for dof in dofs:
-        corner = np.column_stack([np.ones(4), x[dof]])
-        volume = abs(np.linalg.det(corner)) / 6
-        gradient = np.linalg.inv(corner)[1:]
-        for i, a in enumerate(dof):
-            for j, b in enumerate(dof):
-                gi, gj = gradient[:, i], gradient[:, j]
-                block = lam * np.outer(gi, gj) + mu * (np.outer(gj, gi) + gi @ gj * np.eye(3))
-                K[3 * a : 3 * a + 3, 3 * b : 3 * b + 3] += volume * block
-                mass = MATERIAL.rho * volume * (1 + (i == j)) / 20
-                M[3 * a : 3 * a + 3, 3 * b : 3 * b + 3] += mass * np.eye(3)
-    np.testing.assert_allclose(csr(body.stiffness()).toarray(), K, atol=1e-13)
-    np.testing.assert_allclose(csr(body.mass()).toarray(), M, atol=1e-15)
-
-
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_energies_of_a_quadratic_field_are_exact(cell):
-    """With u = (y z, 0, 0): two shears z, y of strain energy, and kinetic energy of y z."""
-    body = box(cell, 2)
-    x, y, z = coordinates(body, 2).T
-    u = np.column_stack([y * z, 0 * x, 0 * x]).ravel()
-    lx = BOX.size[0]
-    _, (y0, y1), (z0, z1) = BOX.extent
-    y2, z2 = (y1**3 - y0**3) / 3, (z1**3 - z0**3) / 3
-    _, mu = MATERIAL.lame
-    shear = mu * lx * ((y1 - y0) * z2 + (z1 - z0) * y2)
-    assert u @ (csr(body.stiffness()) @ u) == pytest.approx(shear, rel=1e-12)
-    assert u @ (csr(body.mass()) @ u) == pytest.approx(MATERIAL.rho * lx * y2 * z2, rel=1e-12)
-
-
 @every_element
 def test_volume_sample_fills_the_body(cell, degree):
     body = box(cell, degree)
@@ -159,38 +99,6 @@ def test_volume_sample_fills_the_body(cell, degree):
         whole = volume.sum() / (1 if cell == "hexahedron" else 6)
         assert whole == pytest.approx(np.prod(BOX.size), rel=1e-12)
         assert len(sample.cells) == n**3 * len(body.volume_sample(1).cells)
-
-
-@pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
-def test_two_dimensions(cell):
-    """Plane strain patch test of a body in the plane."""
-    mesh = dolfinx.mesh.create_rectangle(
-        MPI.COMM_WORLD, [[0.0, 0.0], [2.0, 1.0]], [3, 2], dolfinx.mesh.CellType[cell]
-    )
-    mesh.topology.create_connectivity(1, 2)
-    facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
-    x = dolfinx.mesh.compute_midpoints(mesh, 1, facets)
-    values = np.select([x[:, 0] < 1e-9, x[:, 1] < 1e-9, x[:, 1] > 1 - 1e-9], [1, 2, 3], 4)
-    tags = dolfinx.mesh.meshtags(mesh, 1, facets, values.astype(np.int32))
-    body = dolfinx_body(
-        "plate",
-        mesh,
-        tags,
-        {"left": 1, "bottom": 2, "top": 3},
-        degree=2,
-        material=MATERIAL,
-        supports=[Support("left", (0,)), Support("bottom", (1,))],
-        pressures=[Pressure("top", 0.1)],
-    )
-    u = csr(body.expansion) @ spsolve(csr(body.stiffness()).tocsc(), body.load().getArray())
-    sample = body.volume_sample(1)
-    E, nu = MATERIAL.E / (1 - MATERIAL.nu**2), MATERIAL.nu / (1 - MATERIAL.nu)
-    exact = 0.1 / E * sample.points * [nu, -1.0]
-    np.testing.assert_allclose(sample.values @ u.reshape(-1, 2), exact, atol=1e-13)
-    corners = sample.points[sample.cells]
-    last = 2 if cell == "triangle" else 3
-    areas = np.linalg.det(corners[:, [1, last]] - corners[:, :1])
-    assert areas.min() > 0
 
 
 @pytest.mark.parametrize(

@@ -9,14 +9,12 @@ from bodies import lagrange_body
 from lagrange_bodies import MATERIAL, csr
 from mpi4py import MPI
 from scipy.sparse import csr_array
-from scipy.sparse.linalg import eigsh, spsolve
+from scipy.sparse.linalg import spsolve
 
 import cea.body.body
 from cea.body import Body
 from cea.errors import InputError
-from cea.material import IsotropicMaterial
-from cea.mesh import Mesh, node_order, reference_nodes
-from cea.supports.boundary import Support
+from cea.mesh import Mesh
 from meshes.unstructured import gmsh_session, read_gmsh
 
 CORNERS = {
@@ -70,11 +68,6 @@ def bent(points):
     """Points moved smoothly, so that cells of order 2 are curved."""
     x = np.array(points, dtype=float)
     return x + 0.05 * np.sin(2 * np.roll(x, 1, axis=1))
-
-
-def straight(points):
-    """Points where they are: stiffness is integrated exactly on simplices, however they lie."""
-    return np.array(points, dtype=float)
 
 
 def by_hand(cell, order, place=bent):
@@ -144,29 +137,6 @@ def test_two_cells_by_hand_have_the_matrices_of_those_of_gmsh(cell, order, degre
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-13 * np.abs(b).max())
 
 
-@pytest.mark.parametrize("cell", ORDERED)
-def test_the_first_index_may_run_fastest_instead(cell):
-    """The same cells, seen with their axes in reverse."""
-    mesh = by_hand(cell, 2, straight)
-    reference = reference_nodes(cell, 2)
-    reverse = node_order(cell, 2, reference[:, ::-1])
-    assert not np.array_equal(reverse, np.arange(len(reverse)))
-    mirrored = Mesh(cell, 2, mesh.points, mesh.cells[:, reverse], mesh.surfaces)
-    for a, b in zip(matrices(mirrored, 2), matrices(mesh, 2), strict=True):
-        np.testing.assert_allclose(a, b, rtol=0, atol=1e-13 * np.abs(b).max())
-
-
-@pytest.mark.parametrize("order", [1, 2])
-@pytest.mark.parametrize("cell", ORDERED)
-def test_cells_that_a_body_gives_out_can_be_taken_in_again(cell, order):
-    mesh = by_hand(cell, order, straight)
-    given = lagrange_body("pair", mesh, degree=order, material=MATERIAL).volume_cells()
-    again = Mesh(cell, given.degree, given.points, given.cells, {})
-    bodies = [lagrange_body("pair", m, degree=2, material=MATERIAL) for m in (mesh, again)]
-    first, second = (np.linalg.eigvalsh(csr(body.stiffness()).toarray()) for body in bodies)
-    np.testing.assert_allclose(second, first, rtol=0, atol=1e-13 * first.max())
-
-
 def test_models_that_are_no_mesh_of_one_kind_are_refused():
     with gmsh_session():
         gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
@@ -180,29 +150,6 @@ def test_models_that_are_no_mesh_of_one_kind_are_refused():
         gmsh.model.mesh.addElementsByType(1, quadrangle, [], nodes)
         with pytest.raises(InputError, match=r"of one kind.*Quadrilateral 4, Triangle 3"):
             read_gmsh(gmsh.model)
-
-
-def test_a_bar_of_cells_from_elsewhere_has_its_frequency():
-    """As readers of files give them: corners of cells and facets go around."""
-    square = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]]
-    points = [[x, y, z] for x in (0.0, 0.25, 0.5, 0.75, 1.0) for y, z in square]
-    around = np.arange(16).reshape(4, 4)
-    cells = np.hstack([around, around + 4])
-    walls = [[4 * i + j, 4 * i + k, 4 * i + k + 4, 4 * i + j + 4]
-             for i in range(4) for j, k in ((0, 1), (1, 2), (2, 3), (3, 0))]  # fmt: skip
-
-    corners = [[0, *c] for c in ((0, 0), (1, 0), (1, 1), (0, 1))]
-    corners += [[1, *c] for _, *c in corners]
-    ordered = cells[:, node_order("hexahedron", 1, corners)]
-    mesh = Mesh("hexahedron", 1, points, ordered, {"root": [[0, 1, 2, 3]], "walls": walls})
-    steel = IsotropicMaterial(E=2.1e11, nu=0.0, rho=7800.0)
-    held = [Support("root"), Support("walls", (1, 2))]
-    bar = lagrange_body("bar", mesh, degree=4, material=steel, supports=held)
-    K, M = csr(bar.stiffness()), csr(bar.mass())
-
-    lowest = eigsh(K.tocsc(), k=1, M=M.tocsc(), sigma=0, return_eigenvectors=False)
-    quarter_wave = np.sqrt(steel.E / 7800.0) * np.pi / 2
-    assert np.sqrt(lowest) == pytest.approx([quarter_wave], rel=1e-9)
 
 
 def test_the_example_of_the_docstring_runs():

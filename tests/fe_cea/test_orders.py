@@ -13,16 +13,10 @@ from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body
 from mpi4py import MPI
 from scipy.sparse.linalg import spsolve
 
-from cea.errors import InputError
 from cea.location import locate_along
-from cea.supports.boundary import Pressure, Support
-from cea.surface_points import Status, SurfaceCoordinates
+from cea.surface_points import SurfaceCoordinates
 
 every_element = pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
-every_cell = pytest.mark.parametrize(
-    ("cell", "degree"), covering(tuple(DIMENSION), (1, 2, 3, 4), strength=1)
-)
-"""And every degree, not all together: each has forms of its own, which take long to compile."""
 
 
 def interpolate(body, degree, field):
@@ -112,19 +106,6 @@ def test_cells_that_number_a_shared_facet_differently_agree_on_it(dim, degree):
         np.testing.assert_allclose(within.values @ u, value(within.points), atol=1e-12)
 
 
-@every_cell
-def test_pressure_all_around_has_no_resultant(cell, degree):
-    """Exact quadrature of the normal: the boundary of a curved body is closed to rounding."""
-    pressures = [Pressure(name, 0.7) for name in ROUND[DIMENSION[cell]].surfaces]
-    body = body_of(ROUND, cell, degree, pressures=pressures)
-    force = body.load().getArray().reshape(-1, body.dim)
-    np.testing.assert_allclose(force.sum(axis=0), 0, atol=1e-13)
-    x = interpolate(body, degree, lambda x: x)
-    volume = csr(body.mass()).sum() / body.dim / MATERIAL.rho
-    accuracy = 1e-12 if degree == 1 else 1e-4
-    assert -(force * x).sum() == pytest.approx(0.7 * body.dim * volume, rel=accuracy)
-
-
 class EveryPair:
     """Chart that tries every facet for every point."""
 
@@ -171,26 +152,3 @@ def test_location_agrees_with_brute_force_on_curved_surfaces(cell, name, count):
     assert np.array_equal(found.status, status)
     hit = ~found.missed
     np.testing.assert_allclose(found.distance[hit], distance[hit], atol=1e-8)
-
-
-@pytest.mark.parametrize(("cell", "degree"), [("quadrilateral", 3), ("triangle", 4)])
-def test_rules_of_curves_measure_circles(cell, degree):
-    for name, surface in body_of(ROUND, cell, degree).surfaces.items():
-        length = 2 * np.pi * getattr(ROUND[2], f"{name}_radius")
-        assert surface.area == pytest.approx(length, rel=1e-5)
-        assert surface.gauss_points(6).weight.sum() == pytest.approx(length, rel=1e-5)
-        nodes = surface.abscissae("nodes")
-        assert len(nodes) == degree * surface.num_elements
-        assert len(surface.grid(4)) == 3 * surface.num_elements
-        centre = nodes.x - PLANE.translation[:2]
-        radial = centre / np.linalg.norm(centre, axis=1, keepdims=True)
-        side = 1 if name == "outer" else -1
-        assert (side * nodes.normal * radial).sum(axis=1).min() > 0.999
-        found = surface.locate(nodes.x + 0.01 * nodes.normal, nodes.normal, 0.02)
-        assert (found.status != Status.MISSED).all()
-        np.testing.assert_allclose(found.distance, -0.01, atol=1e-10)
-
-
-def test_spaceless_components_are_refused_in_the_plane():
-    with pytest.raises(InputError, match=r"supports\[0\]"):
-        body_of(ROUND, "triangle", 1, supports=[Support("inner", (2,))])

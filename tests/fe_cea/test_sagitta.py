@@ -8,7 +8,6 @@ from bodies import lagrange_body
 
 from cea.material import IsotropicMaterial
 from meshes.breaks import breaks_of
-from meshes.crowned import Crowned
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Ring
 from meshes.true_surfaces import true_surfaces
@@ -49,13 +48,6 @@ def test_of_a_cylinder_it_does_not_depend_on_the_length_of_its_elements(cell):
     np.testing.assert_allclose(found, 0.08 * (1 - np.cos(np.pi / 24)), rtol=5e-3)
 
 
-def test_of_a_face_that_is_curved_in_two_directions_both_count():
-    """h^2 / 8 (1 / R_1 + 1 / R_2) in the middle of squares."""
-    shape = Crowned(BOX, "z_max", {"x": 2.0, "y": 3.0})
-    found = estimate(meshed(shape, "hexahedron", 1, (8, 8, 1)), "z_max")
-    np.testing.assert_allclose(found, 0.025**2 / 8 * (1 / 2 + 1 / 3), rtol=0.02)
-
-
 @pytest.mark.parametrize("order", [2, 3, 4])
 def test_of_curved_facets_it_bounds_their_distance(order):
     ring = Ring(0.05, 0.08)
@@ -69,15 +61,6 @@ def test_of_curved_facets_it_bounds_their_distance(order):
     assert (known.geometry_error(points.at) == 0).all()
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_it_falls_as_the_distance_does(order):
-    ring = Ring(0.05, 0.08)
-    found = [
-        estimate(meshed(ring, "quadrilateral", order, (1, n)), "outer").max() for n in (16, 32)
-    ]
-    assert np.log2(found[0] / found[1]) == pytest.approx(2 * order, abs=0.1)
-
-
 @pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
 @pytest.mark.parametrize("order", [1, 2])
 def test_of_flat_faces_and_at_edges_of_bodies_it_is_zero(cell, order):
@@ -86,14 +69,3 @@ def test_of_flat_faces_and_at_edges_of_bodies_it_is_zero(cell, order):
     both = np.concatenate([mesh.surfaces["x_max"], mesh.surfaces["z_max"]])
     found = estimate(replace(mesh, surfaces={"both": both}), "both")
     assert found.max() < 1e-15
-
-
-def test_elements_of_unequal_sizes_have_errors_of_their_own():
-    """Of a parabola y = x^2 / 2 R, chords of the length h leave it by h^2 / 8 R."""
-    shape = Crowned(Box((0.2, 0.1, 0.1)), "z_max", {"x": 2.0})
-    lines = np.array([0.0, 0.01, 0.03, 0.06, 0.1, 0.13, 0.15, 0.17, 0.2])
-    breaks = (lines, np.array([0.0, 0.1]), np.array([0.0, 0.1]))
-    surface = surface_of(shape_mesh(shape, "hexahedron", 1, breaks=breaks), "z_max")
-    points = surface.gauss_points(1)
-    h = np.diff(lines)[np.searchsorted(lines, points.x[:, 0]) - 1]
-    np.testing.assert_allclose(surface.geometry_error(points.at), h**2 / 16, rtol=0.02)

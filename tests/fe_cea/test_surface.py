@@ -1,8 +1,5 @@
 """Lagrange surfaces: rules, trace, gradient, and location of points against brute force."""
 
-from dataclasses import replace
-from itertools import product
-
 import numpy as np
 import pytest
 from bodies import lagrange_body
@@ -94,46 +91,6 @@ def test_every_rule_measures_the_area(kind, cell, degree):
 
 
 @every_element
-def test_gauss_points_integrate_polynomials(cell, degree):
-    """N per direction integrate degree 2n - 1 over a flat face exactly."""
-    surface = make("box", cell, degree).surfaces["z_max"]
-    (x0, x1), (y0, y1), _ = BOX.extent
-    for n in (1, 2, 3):
-        points = surface.gauss_points(n)
-        x, y, _ = native(points.x).T
-        assert len(points) == n**2 * surface.num_elements
-        for p, q in product(range(2 * n), repeat=2):
-            if p + q > 2 * n - 1:
-                continue
-            exact = (x1 ** (p + 1) - x0 ** (p + 1)) * (y1 ** (q + 1) - y0 ** (q + 1))
-            exact /= (p + 1) * (q + 1)
-            assert points.weight @ (x**p * y**q) == pytest.approx(exact, rel=1e-12, abs=1e-13)
-
-
-@every_element
-def test_gradient_of_a_linear_field_is_exact_on_curved_cells(cell, degree):
-    body = make("annulus", cell, degree)
-    A = np.array([[1.0, 2.0, -1.0], [0.5, -3.0, 1.0], [2.0, 0.3, 0.7]])
-    u = coordinates(body, degree) @ A.T
-    for surface in body.surfaces.values():
-        at = scattered(surface, 50)
-        gradient = np.stack([derivative @ u for derivative in surface.gradient(at)], axis=2)
-        np.testing.assert_allclose(gradient, np.broadcast_to(A, gradient.shape), atol=1e-11)
-
-
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_gradient_of_a_quadratic_field_is_exact(cell):
-    body = make("box", cell, 2)
-    A = np.array([[1.0, 2.0, -1.0], [2.0, -3.0, 1.0], [-1.0, 1.0, 0.7]])
-    x = coordinates(body, 2)
-    u = np.einsum("ni,ij,nj->n", x, A, x)
-    for surface in body.surfaces.values():
-        at = scattered(surface, 50)
-        gradient = np.column_stack([derivative @ u for derivative in surface.gradient(at)])
-        np.testing.assert_allclose(gradient, 2 * surface.position(at) @ A, atol=1e-12)
-
-
-@every_element
 def test_abscissae_are_the_nodes_of_the_surface(cell, degree):
     body = make("annulus", cell, degree)
     for surface in body.surfaces.values():
@@ -164,40 +121,6 @@ def test_grid_has_shared_points_once(kind, cell, degree):
 
 
 @every_element
-@pytest.mark.parametrize(("kind", "name"), [("box", "x_max"), ("annulus", "outer")])
-@pytest.mark.parametrize("side", [-1.0, 1.0])
-def test_points_off_the_surface_are_found_where_they_came_from(kind, name, side, cell, degree):
-    surface = make(kind, cell, degree).surfaces[name]
-    at = scattered(surface, 500)
-    x, normal = surface.position(at), surface.normal(at)
-    height = side * np.random.default_rng(2).uniform(0.001, 0.05, len(x))
-    found = surface.locate(x + height[:, None] * normal, normal, reach=0.06)
-    assert (found.status == Status.INSIDE).all()
-    assert np.array_equal(found.at.element, at.element)
-    np.testing.assert_allclose(found.at.xi, at.xi, atol=1e-7)
-    np.testing.assert_allclose(found.distance, -height, atol=1e-9)
-    np.testing.assert_allclose(surface.position(found.at), x, atol=1e-8)
-
-
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_location_on_a_cylinder_agrees_with_the_circle(cell):
-    """Points outside, looking radially inward, and aslant in z."""
-    surface = make("annulus", cell, 2).surfaces["outer"]
-    rng = np.random.default_rng(3)
-    theta, z = rng.uniform(0, 2 * np.pi, 400), rng.uniform(0.05, 0.25, 400)
-    radial = np.column_stack([np.cos(theta), np.sin(theta), 0 * theta])
-    for tilt in (0.0, 0.3):
-        direction = -radial + [0, 0, tilt]
-        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        x = 1.1 * radial + [[0, 0, h] for h in z - 0.1 * tilt]
-        found = surface.locate(PLACEMENT.apply(x), direction @ PLACEMENT.rotation.T, reach=0.2)
-        assert not found.missed.any()
-        np.testing.assert_allclose(found.distance, 0.1 * np.hypot(1, tilt), atol=2e-4)
-        hit = native(surface.position(found.at))
-        np.testing.assert_allclose(hit[:, 2], z, atol=1e-4)
-
-
-@every_element
 def test_points_beyond_the_rim_or_reach_are_missed(cell, degree):
     body = make("box", cell, degree, Placement())
     surface = body.surfaces["z_max"]
@@ -223,20 +146,6 @@ def test_points_beyond_the_rim_or_reach_are_missed(cell, degree):
     assert (found.miss[:2] < (1.5 if cell == "tetrahedron" else 1 + 1e-6) * nearest).all()
     assert np.isinf(found.miss[2])
     assert found.at.element[2] == -1
-
-
-@every_element
-@pytest.mark.parametrize(("kind", "name"), [("box", "z_min"), ("annulus", "inner")])
-def test_points_on_facet_edges_are_on_an_edge(kind, name, cell, degree):
-    surface = make(kind, cell, degree).surfaces[name]
-    n = surface.num_elements
-    far = [[0.6, 0.4], [0.3, 0.7]] if cell == "tetrahedron" else [[1.0, 0.4], [0.3, 1.0]]
-    edge = np.array([[0.0, 0.4], [0.7, 0.0], *far])
-    at = SurfaceCoordinates(np.repeat(np.arange(n), 4), np.tile(edge, (n, 1)))
-    x, normal = surface.position(at), surface.normal(at)
-    found = surface.locate(x + 0.01 * normal, normal, reach=0.05)
-    assert (found.status == Status.EDGE).all()
-    np.testing.assert_allclose(surface.position(found.at), x, atol=1e-8)
 
 
 @pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
@@ -303,17 +212,6 @@ def test_candidates_agree_with_brute_force(kind, name, cell):
     assert np.abs(same).max() < 1e-8
 
 
-def test_clamp_finds_the_nearest_point_of_the_reference_triangle():
-    surface = make("box", "tetrahedron", 1).surfaces["x_min"]
-    xi = np.random.default_rng(7).uniform(-1.5, 2.5, (300, 2))
-    lattice = np.array([(a, b) for a, b in product(np.linspace(0, 1, 201), repeat=2) if a + b <= 1])
-    nearest = np.linalg.norm(xi[:, None] - lattice, axis=2).min(axis=1)
-    clamped = surface.clamp(np.zeros(300, dtype=int), xi)
-    assert clamped.min() >= 0
-    assert clamped.sum(axis=1).max() <= 1 + 1e-15
-    np.testing.assert_allclose(np.linalg.norm(xi - clamped, axis=1), nearest, atol=4e-3)
-
-
 def test_wrong_requests_are_refused():
     surface = make("box", "hexahedron", 1).surfaces["x_min"]
     with pytest.raises(InputError, match="greville"):
@@ -326,19 +224,3 @@ def test_wrong_requests_are_refused():
     for evaluate in (surface.position, surface.normal, surface.trace, surface.gradient):
         with pytest.raises(InputError, match=r"at\.element"):
             evaluate(lost)
-
-
-@pytest.mark.parametrize(("cell", "degree"), [("tetrahedron", 1), ("hexahedron", 2)])
-def test_facets_that_are_affine_are_evaluated_as_any_other(cell, degree):
-    """Flat sides of a turned box, as what they are and by their polynomials, and no curved one."""
-    layer = make("box", cell, degree).surfaces["y_max"]._layer
-    bent = replace(layer)
-    bent.__dict__["_affine"] = None
-    rng = np.random.default_rng(2)
-    element, xi = rng.integers(0, len(layer), 200), rng.uniform(0, 0.5, (200, 2))
-    assert layer._affine is not None
-    for found, expected in zip(
-        layer.tangents(element, xi), bent.tangents(element, xi), strict=True
-    ):
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)
-    assert make("annulus", cell, 2).surfaces["outer"]._layer._affine is None

@@ -10,6 +10,7 @@ import numpy as np
 from bodies import lagrange_body, nurbs_body
 from scipy.special import roots_legendre
 
+from cea.contact.contact import Contact
 from cea.contact.formulations import (
     Botella,
     GaussPointToSurface,
@@ -20,14 +21,13 @@ from cea.contact.formulations import (
     Segments,
 )
 from cea.contact.friction import AlongVector
-from cea.contact.half_pass import HalfPass
 from cea.contact.interface import default_reach, pair
 from cea.contact.laws import Friction, LinearLaw
 from cea.eigen.driver import solve_modes
 from cea.material import IsotropicMaterial
 from cea.mesh import Mesh, facet_nodes
 from cea.supports.boundary import Support
-from cea.system.coupling import couple
+from cea.system.coupled import couple
 from meshes.nurbs_shapes import NurbsPatch
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Box, Rectangle
@@ -218,7 +218,7 @@ def coupled(bodies, rule, *, a="block", b="seat", p=STIFFNESS, mu=MU, penetratio
     options
         Those of couple.
     """
-    contacts = {}
+    contacts = []
     names = [name for name in bodies[a].surfaces if name.startswith(("corner", "face"))]
     for name in names:
         sides = bodies[a].surfaces[name], bodies[b].surfaces[name]
@@ -230,15 +230,19 @@ def coupled(bodies, rule, *, a="block", b="seat", p=STIFFNESS, mu=MU, penetratio
         elif isinstance(p, float):
             law, form = LinearLaw(np.full(len(points), p)), "saddle" if p == np.inf else None
         push = (1.0 if a == "block" else -1.0,) * bodies[a].dim
-        contacts[name] = HalfPass(
-            a,
-            b,
-            interface,
-            law,
-            Friction(mu, AlongVector(push)),
-            coupling=rule.coupling,
-            form=form,
-            penetration=None if penetration is None else np.full(len(points), penetration),
+        contacts.append(
+            Contact(
+                name,
+                name,
+                a,
+                b,
+                interface,
+                law,
+                Friction(mu, AlongVector(push)),
+                coupling=rule.coupling,
+                form=form,
+                closure=None if penetration is None else np.full(len(points), penetration),
+            )
         )
     return couple(bodies, contacts, **options)
 
@@ -290,7 +294,7 @@ def numbers(kind):
         (contact,) = assembled.contacts
         found[rule.method] = {
             "frequencies": solve_modes(assembled.pencil(), 0.3).frequencies.tolist(),
-            "norms": [contact.stiffness.norm(), contact.friction.norm()],
+            "norms": [contact.K_n.norm(), contact.K_f.norm()],
             "rows": contact.gap.getSize()[0],
         }
     return found

@@ -1,9 +1,10 @@
-"""Scenes whose eigenvalues are known, on meshes that are too coarse, and their estimated errors."""
+"""Scenes on meshes that are too coarse, dense eigenvalues of richer spaces, estimated errors."""
 
 from pathlib import Path
 
 import numpy as np
 from reference_data import plane_meshes
+from scipy.linalg import eigvals
 
 from cea.eigen.matching import assign
 from cea.matrices import gather
@@ -33,6 +34,31 @@ def paired(values, others):
     return others[assign(np.abs(values[:, None] - others))[1]]
 
 
+def dense_eigenvalues(scene):
+    """All lambda of lambda^2 M + lambda D + K, and what rounding does to lambda^2."""
+    parts = {name: m.toarray() for name, m in run_modes(scene).matrices().items()}
+    M, K = parts["M"], parts["K"] + parts["K_n"] - parts["K_f"]
+    none = np.zeros_like(K)
+    K = K + parts.get("K_c", none)
+    if "L" in parts:
+        K += parts["L"] @ np.linalg.solve(parts["N"], parts["J"])
+    D = parts.get("C", none) + parts.get("Y", none)
+    if "W" in parts:
+        D = D + parts["W"] @ parts["W"].T
+    K, D = np.linalg.solve(M, K), np.linalg.solve(M, D)
+    size = np.sqrt(np.abs(K).max())
+    one = np.eye(len(K))
+    companion = np.block([[0 * one, one], [-K / size**2, -D / size]])
+    return size * eigvals(companion), 1e-14 * size**2
+
+
+def apart_from_richer(estimate, coarse, by="degree"):
+    """Distances of corrected eigenvalues from those of the richer space, less dense rounding."""
+    values, rounding = dense_eigenvalues(richer_scene(coarse.scene, by))
+    apart = np.abs(estimate.corrected - paired(estimate.corrected, values))
+    return np.maximum(apart - rounding / np.abs(estimate.corrected), 0.0)
+
+
 def parallel_numbers(name, backend, by):
     """What must not depend on the number of ranks: P by its image, estimates."""
     elements = {"fe": {"upper": [5, 2], "lower": [4, 2]}, "iga": {"upper": [4, 2], "lower": [3, 2]}}
@@ -50,15 +76,4 @@ def parallel_numbers(name, backend, by):
         "defect": step.defect,
         "corrected": [[v.real, v.imag] for v in estimate.corrected.tolist()],
         "verdicts": estimate.verdicts,
-    }
-
-
-def parallel_remaining(backend):
-    """Corrected eigenvalues of damped blocks and what remains of them."""
-    changes = ["bodies.upper.damping={alpha=0.02,beta=0.01}", "bodies.lower.damping={beta=0.02}"]
-    elements = {"upper": [4, 2], "lower": [3, 2]}
-    estimate = estimate_errors(coarse_modes("blocks", backend, 2, 2.9, changes, elements))
-    return {
-        "corrected": [[v.real, v.imag] for v in estimate.corrected.tolist()],
-        "remaining": estimate.remaining.tolist(),
     }

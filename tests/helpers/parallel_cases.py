@@ -207,7 +207,7 @@ def facts(scene):
             for matrix in (
                 system.pencil().at().stiffness,
                 *(body.stiffness() for body in system.bodies.values()),
-                *(contact.stiffness for contact in system.contacts),
+                *(contact.K_n for contact in system.contacts),
                 *([] if system.mass is None else [system.mass]),
             )
         ],

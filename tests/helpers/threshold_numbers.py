@@ -7,8 +7,8 @@ import numpy as np
 from reference_data import plane_meshes
 
 from cea.petsc import MPI
-from comparisons.sweep.axes import read_axis
-from comparisons.sweep.map_study import AskedMap, run_map
+from comparisons.sweep.points import read_fields
+from comparisons.sweep.study import Asked, run
 from scenes import assemble, load_scene
 
 MESHES = {"upper": [6, 2], "lower": [4, 2]}
@@ -17,11 +17,11 @@ MESHES = {"upper": [6, 2], "lower": [4, 2]}
 def numbers(backend):
     """Thresholds in mu, of a map and of the assembled scene."""
     overrides = ("analysis.max_frequency=0.5", *plane_meshes(backend, 2, MESHES))
-    axes = (read_axis("mu=0:2:9"), read_axis("P=1:3:2"))
+    axes = read_fields(("mu=0:2:9", "P=1:3:2"))
     name = f"thresholds_{MPI.COMM_WORLD.bcast(np.random.default_rng().integers(2**31))}"
-    asked = AskedMap("blocks", axes, overrides, checks=0, confirm=0)
-    record, _, store = run_map(asked, Path(gettempdir()) / name)
-    store.discard()
+    made = run(Asked("blocks", axes, overrides, checks=0, confirm=0), Path(gettempdir()) / name)
+    made.store.discard()
+    record = made.record
     scene = load_scene("blocks", overrides=list(overrides), backend=backend)
     first = assemble(scene).threshold("contacts.interface.mu", real=0.0, flutter=2.0)
     return {

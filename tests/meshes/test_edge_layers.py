@@ -57,12 +57,6 @@ def test_cells_fit_and_fill_the_shape(case, order, layers):
         assert after.max() <= before.max() * (1 + 1e-12)
 
 
-def test_neighbours_of_the_cells_at_edges_stay_as_they_were():
-    whole, parts = (made("both edges at one cell", 3, layers) for layers in (0, 4))
-    nodes, same = ({each.tobytes() for each in m.points[m.cells]} for m in (whole, parts))
-    assert len(nodes & same) == 6  # of two times six: those outside
-
-
 def checked(breaks, edges):
     check_edges(ANNULUS, edges, "mesh.fe")
     check_room(ANNULUS, breaks, edges, "mesh.fe")
@@ -94,9 +88,3 @@ def test_edges_inside_a_disc_are_refused(edge):
     breaks = breaks_of(disc, (4, 8, 2))
     with pytest.raises(InputError, match="r of the rim, and z"):
         shape_mesh(disc, "hexahedron", 1, breaks=breaks, edges=[edge], layers=1)
-
-
-def test_edges_off_the_breaks_are_refused():
-    breaks = breaks_of(ANNULUS, (2, 4, 1))
-    with pytest.raises(InputError, match="element boundaries along r"):
-        shape_mesh(ANNULUS, "hexahedron", 1, breaks=breaks, edges=[{"r": 0.6, "z": 0.0}], layers=1)

@@ -100,16 +100,3 @@ def test_what_is_refused(tmp_path, name, content, changes, words):
         (tmp_path / name).write_text(content)
     with pytest.raises(InputError, match=words):
         NurbsFile(**{"file": str(tmp_path / name), "unit": "m", **changes})
-
-
-def test_faces_that_are_not_there_and_patches_in_space_are_refused(tmp_path):
-    file = written(tmp_path, ".json", 2)
-    with pytest.raises(InputError, match="patch below 4"):
-        NurbsFile(file, "m", {"outer": ((4, 0, 1),)})
-    bent = splines(2)
-    bent = [splinepy.NURBS(s.degrees, s.knot_vectors,
-                           np.column_stack([s.control_points, s.control_points[:, 0]]), s.weights)
-            for s in bent]  # fmt: skip
-    splinepy.io.json.export(file, bent)
-    with pytest.raises(InputError, match="in z = 0"):
-        NurbsFile(file, "m")

@@ -66,17 +66,6 @@ def test_hub(hub: Hub, layers: int) -> None:
     assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
-@pytest.mark.parametrize(
-    ("shape", "axis", "name"), [(HUB, 0, "r"), (HUB, 2, "z"), (Ring(0.5, 1.0), 1, "theta")]
-)
-def test_breaks_without_the_joints_are_refused(shape, axis: int, name: str) -> None:
-    elements = (4, 8, 5)[: len(shape.directions)]
-    breaks = list(breaks_of(shape, elements))
-    breaks[axis] = np.linspace(*shape.extent[axis], 4)
-    with pytest.raises(InputError, match=f"breaks of {name}"):
-        nurbs_shape(shape, tuple(breaks))
-
-
 def given(patch: NurbsPatch) -> GivenPatch:
     """A patch as the plain numbers of a scene."""
     return GivenPatch(

@@ -11,7 +11,6 @@ from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
-from meshes.unstructured import gmsh_session
 
 BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
 ANNULUS = Annulus(0.06, 0.15, -0.002, 0.01)
@@ -103,15 +102,6 @@ def test_wrong_input_is_refused_by_name(field, arguments, keywords):
         shape_mesh(*arguments, **keywords)
     assert refused.value.field == field
     assert not gmsh.isInitialized()
-
-
-def test_gmsh_that_is_in_use_is_left_alone():
-    """Structured meshes need none."""
-    with gmsh_session():
-        with pytest.raises(RuntimeError, match="in use"):
-            shape_mesh(BOX, "tetrahedron", 1, size=0.1)
-        assert gmsh.isInitialized()
-        assert len(shape_mesh(BOX, "hexahedron", 1, breaks=BREAKS).points) == 8
 
 
 def hub_areas(hub):
@@ -215,16 +205,3 @@ def test_arcs_are_exact_at_lobatto_points(order):
                 kind = model.mesh.getElementTypes(1, entity)[0]
                 points = model.mesh.getJacobians(kind, xi.ravel(), entity)[2].reshape(-1, 3)
                 np.testing.assert_allclose(np.hypot(points[:, 0], points[:, 1]), radius, rtol=1e-13)
-
-
-def test_a_disc_of_hexahedra_follows_uneven_quarters():
-    """Five blocks: a square within half the radius, rings around; opposite quarters may differ."""
-    angles = np.array([0.0, 30.0, 90.0, 120.0, 160.0, 180.0, 250.0, 270.0, 290.0, 330.0, 360.0])
-    breaks = (np.array([0.0, 0.45, 0.8, 1.0]), angles, np.array([0.1, 0.3]))
-    with gmsh_model(shape_mesh(DISC, "hexahedron", 3, breaks=breaks)) as model:
-        (cells,) = model.mesh.getElements(3)[1]
-        assert len(cells) == 2 * 3 + 2 * 10
-        assert model.mesh.getElementQualities(cells, "minSJ").min() > 0
-    uneven = (breaks[0], angles[[0, 2, 3, 5, 7, 10]], breaks[2])
-    with pytest.raises(InputError, match=r"^breaks of theta"):
-        shape_mesh(DISC, "hexahedron", 1, breaks=uneven)

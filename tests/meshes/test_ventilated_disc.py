@@ -3,7 +3,6 @@
 from dataclasses import replace
 from math import asin, pi
 
-import numpy as np
 import pytest
 from gmsh_models import measures
 
@@ -47,21 +46,6 @@ def test_volume_and_areas_are_those_in_closed_form(disc):
     assert found.sum() == pytest.approx(disc.volume, rel=1e-5)
     # Twelve arcs of second order round a hole are too short by (2 pi / 12)^4 / 1440.
     assert areas == pytest.approx(areas_of(disc), rel=6e-5)
-
-
-@pytest.mark.slow
-def test_the_upper_ring_is_held_by_the_vanes_alone():
-    """One solid; between the rings there is nothing but vanes inside the rings' radii."""
-    mesh = shape_mesh(DISC, "tetrahedron", 1, size=ROUGH)
-    middle = mesh.points[mesh.cells].mean(axis=1)
-    radius, angle = np.hypot(*middle[:, :2].T), np.arctan2(middle[:, 1], middle[:, 0])
-    gap = (middle[:, 2] > 0.0101) & (middle[:, 2] < 0.0249) & (radius > 0.113)
-    turn = 2 * pi / DISC.vanes
-    across = (angle[gap] - np.radians(DISC.vane_start) + turn / 2) % turn - turn / 2
-    assert (radius[gap] * np.abs(np.sin(across)) < DISC.vane_width / 2).all()
-    assert (
-        len(np.unique(np.round((angle[gap] - np.radians(DISC.vane_start) - across) / turn))) >= 21
-    )
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,8 @@ from same_numbers import assert_same
 from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
 from comparisons.kit.progress import Progress
-from comparisons.sweep.study import Sweep, run_sweep
+from comparisons.sweep.points import read_axis
+from comparisons.sweep.study import Asked, run
 from scenes import run_scene
 from scenes.checking.check import inspect_scene
 from scenes.checking.doubts import doubtful_numbers
@@ -138,7 +139,8 @@ def test_scenes_of_the_project_raise_no_doubt(name):
 
 def test_a_sweep_tells_doubts(tmp_path):
     scene = written(tmp_path, bar("fe", **TONNES, analysis={"kind": "cea", "max_frequency": 2e6}))
-    found = run_sweep(Sweep(scene, "bodies.bar.material.nu", 0.0, 0.1, 2), lambda name: None)
+    axis = read_axis("bodies.bar.material.nu=0:0.1:2")
+    found = run(Asked(scene, (axis,), why_in_full="--full"), tmp_path).record
     assert [w["kind"] for w in found["warnings"]] == ["doubtful-units"]
 
 

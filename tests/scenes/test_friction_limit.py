@@ -7,9 +7,10 @@ and the tangent is singular where friction is cot 60.
 import numpy as np
 import pytest
 
+from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
-from cea.system.sliding_problem import SlidingProblem, free_tangent
-from cea.system.uniqueness import uniqueness_at
+from cea.system.steady_equations import SteadyEquations, free_tangent
+from cea.system.steady_state import uniqueness_at
 from cea.timing import StageTimer
 from comparisons.stability.parts.scenes import sprag
 from scenes import read_scene, run_scene
@@ -32,11 +33,11 @@ def tangent_parity(backend, mu):
     scene, timer = pressed_sprag(backend, mu), StageTimer()
     bodies = build_bodies(scene, timer)
     system = build_system(scene, bodies, build_interfaces(scene, bodies, timer), timer)
-    problem = SlidingProblem(system)
+    problem = SteadyEquations(system)
     tangent = problem.tangent(
         problem.slopes([np.full_like(gap, 0.1) for gap in problem.gaps_at(1.0)])
     )
-    found, _ = uniqueness_at(tangent, *problem.zero(), {1.0: None}, unstable=False)
+    found = uniqueness_at(tangent, Shifted(tangent), {1.0: None}, unstable=False)
     free_tangent(tangent)
     problem.free()
     return found

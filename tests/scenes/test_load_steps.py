@@ -11,8 +11,8 @@ from pressed import AREA, PRESSURE, pressed_blocks
 from same_numbers import assert_same
 
 from cea.errors import ConvergenceError
-from cea.system.sliding_newton import Iteration, SlidingNewton
-from cea.system.steady_sliding import check_steps
+from cea.system.steady_newton import Iteration, SteadyNewton
+from cea.system.steady_path import check_steps
 from comparisons.kit.contact_pictures import draw_contacts
 from scenes import assemble, open_result, read_scene, run_scene, save_result
 from scenes.checking.steps import skipped_by
@@ -48,14 +48,14 @@ def colours(image):
 
 def refuse(monkeypatch, refused):
     """Let Newton's method fail at parts of the load."""
-    whole = SlidingNewton.solve
+    whole = SteadyNewton.solve
 
     def solve(self, x, f, factor):
         if refused(factor):
-            return Iteration(self._problem.state(x, f, factor))
+            return Iteration(self._equations.state(x, f, factor))
         return whole(self, x, f, factor)
 
-    monkeypatch.setattr(SlidingNewton, "solve", solve)
+    monkeypatch.setattr(SteadyNewton, "solve", solve)
 
 
 def test_the_history_is_kept(backend, result):

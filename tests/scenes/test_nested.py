@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from covering import covering
 from mpi import on_ranks
-from nested_scenes import coarse_modes, paired
+from nested_scenes import apart_from_richer, coarse_modes, paired
 from reference_data import exact, stored, whole_ring
-from richer_truth import apart_from_richer
 
 from cea.errors import InputError
 from exact_cea.reference import exact_eigenvalues
@@ -19,7 +18,7 @@ from scenes.checking.memory import estimated_memory
 from scenes.running import nested
 from scenes.running.enrich import richer_scene
 from scenes.running.nested import estimate_errors
-from scenes.spec.reading import load_scene
+from scenes.spec.reading import load_scene, read_scene
 
 BACKENDS = ("iga", "fe")
 HIGHEST = {"drum": 2.0, "blocks": 2.9}
@@ -62,17 +61,6 @@ def test_an_estimate_for_which_memory_would_not_do_is_refused(backend, monkeypat
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["drum", "blocks"])
-def test_estimates_at_degree_four(backend, name):
-    coarse = coarse_modes(name, backend, 4, HIGHEST[name])
-    estimate = estimate_errors(coarse, richer_scene(coarse.scene, "bisection"))
-    values = paired(coarse.eigenvalues, exact(name, HIGHEST[name]))
-    inside = values.imag < HIGHEST[name]
-    effectivity = (estimate.errors / np.abs(coarse.eigenvalues - values))[inside]
-    assert np.abs(effectivity - 1).max() < 0.03  # some errors are 4e-12
-
-
-@pytest.mark.slow
 def test_estimates_of_a_solid_ring(backend):
     """Clamped edges and rollers on curved rims, which no space holds as another does."""
     mesh = {"fe": 'cell="hexahedron", degree=2', "iga": "degree=[2, 2, 2]"}[backend]
@@ -89,23 +77,6 @@ def test_estimates_of_a_solid_ring(backend):
     effectivity = (estimate.errors / np.abs(coarse.eigenvalues - values))[inside]
     assert np.median(effectivity) == pytest.approx(1, abs=0.03)
     assert np.abs(effectivity - 1).max() < 0.12
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(8))
-def test_estimates_of_random_blocks_and_drums(backend, seed):
-    rng = np.random.default_rng([9, seed])
-    name = ("drum", "blocks")[seed % 2]
-    p, mu = float(10 ** rng.uniform(-1, 2)), float(rng.uniform(0.05, 0.6))
-    friction = repr(mu) if name == "drum" else f'"{mu!r}*sin(pi*x/2)"'
-    contact = [f"contacts.interface.p={p!r}", f"contacts.interface.mu={friction}"]
-    coarse = coarse_modes(name, backend, 2, HIGHEST[name], contact)
-    estimate = estimate_errors(coarse)
-    values = paired(coarse.eigenvalues, exact(name, HIGHEST[name], p=p, mu=mu))
-    inside = values.imag < HIGHEST[name]
-    effectivity = (estimate.errors / np.abs(coarse.eigenvalues - values))[inside]
-    assert np.abs(np.median(effectivity) - 1) < 0.01
-    assert np.abs(effectivity - 1).max() < 0.05
 
 
 @pytest.mark.parametrize(
@@ -129,17 +100,7 @@ VERDICTS = {0.98: "stable", 1.0: None, 1.02: "unstable"}
 """By friction relative to that of the coalescence."""
 
 
-@pytest.mark.parametrize(
-    ("backend", "factor"),
-    [
-        ("fe", 1.0),
-        ("iga", 1.02),
-        *(
-            pytest.param(*row, marks=pytest.mark.slow)
-            for row in (("fe", 0.98), ("fe", 1.02), ("iga", 0.98), ("iga", 1.0))
-        ),
-    ],
-)
+@pytest.mark.parametrize(("backend", "factor"), [("fe", 1.0), ("iga", 1.02), ("fe", 0.98)])
 def test_a_pair_near_its_coalescence_is_judged_by_mean_and_splitting(backend, factor):
     verdict = VERDICTS[factor]
     mu = factor * CRITICAL
@@ -180,6 +141,16 @@ def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes)
     assert (apart <= estimate.remaining + 1e-12).all()
 
 
+def test_one_mode_alone_is_corrected_too(backend):
+    """The shift amid the modes is its own eigenvalue then."""
+    elements = {"upper": [6, 2], "lower": [5, 3]}
+    coarse = coarse_modes("blocks", backend, 2, 1.4, elements=elements)
+    assert len(coarse.modes) == 1
+    estimate = estimate_errors(coarse, steps=1)
+    assert (apart_from_richer(estimate, coarse) <= 0.05 * estimate.errors).all()
+    assert (estimate.errors > 0).all()
+
+
 def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
     """With what they hold: estimates in a space richer in one body are the same."""
     coarse = coarse_modes("blocks", backend, 2, 2.9, elements={"upper": [6, 2], "lower": [5, 3]})
@@ -201,31 +172,63 @@ def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
         assert np.abs(found - anew).max() < 1e-11 * np.abs(anew).max()
 
 
-@pytest.mark.parametrize("changes", [[], DAMPED])
-def test_more_steps_come_nearer_to_dense_eigenvalues_of_the_richer_space(backend, changes):
-    """What remains bounds the distance always, on a mesh so coarse that it is seen."""
+def mu_of(value):
+    return [f'contacts.interface.mu="{value!r}*sin(pi*x/2)"']
+
+
+def mass_damping(alpha):
+    return [f"bodies.{body}.damping={{alpha={alpha}}}" for body in ("upper", "lower")]
+
+
+@pytest.mark.parametrize(
+    ("backend", "changes"),
+    covering(
+        BACKENDS,
+        (
+            [],
+            DAMPED,
+            mu_of(0.6),
+            mu_of(0.0) + mass_damping(1.0),
+            mu_of(0.98 * CRITICAL) + mass_damping(1e-3),
+            mu_of(CRITICAL),
+            mu_of(1.02 * CRITICAL) + mass_damping(0.1),
+        ),
+        strength=1,
+    ),
+)
+def test_what_remains_is_less_than_what_the_last_step_changed(backend, changes):
+    """Distances from dense eigenvalues of the richer space, on a mesh so coarse that it is seen."""
+    window = ["analysis.min_growth=-5.8"] if "damping" in str(changes) else []
     elements = {"upper": [4, 1], "lower": [3, 2]}
-    coarse = coarse_modes("blocks", backend, 2, 2.9, changes, elements)
-    one, two = (estimate_errors(coarse, steps=steps) for steps in (1, 2))
+    coarse = coarse_modes("blocks", backend, 2, 2.9, changes + window, elements)
+    one, two = (estimate_errors(coarse, steps=steps) for steps in (2, 3))
     before, after = (apart_from_richer(each, coarse) for each in (one, two))
-    assert (before <= one.remaining).all()
-    assert (after <= two.remaining).all()
-    assert after.max() < 0.2 * before.max()
-    assert (before <= (0.03 if changes else 0.2) * one.errors).all()
-    assert (after <= 0.02 * two.errors).all()
+    assert (before <= one.remaining + one.uncertainties).all()
+    assert (after <= two.remaining + two.uncertainties).all()
+    assert after.max() < 0.2 * before.max() + two.uncertainties.max()
+    assert (before <= 0.2 * one.errors).all()
 
 
-@pytest.mark.slow
-def test_a_smoother_space_of_few_unknowns_takes_two_steps():
-    coarse = coarse_modes("drum", "iga", 3, 2.0)
-    richer = richer_scene(coarse.scene, "smooth")
-    one, two = (estimate_errors(coarse, richer, steps=steps) for steps in (1, 2))
-    assert one.dofs < 1.25 * coarse.dofs
-    assert (two.remaining < one.remaining).all()
-    values = paired(coarse.eigenvalues, exact("drum", 2.0))
-    inside = values.imag < 2.0
-    effectivity = (two.errors / np.abs(coarse.eigenvalues - values))[inside]
-    assert np.abs(effectivity - 1).max() < 0.1
+def test_what_remains_where_a_ring_rotates(backend):
+    """With gyroscopic forces, and damping that rotates."""
+    ring = {
+        "backend": backend,
+        "geometry": {"shape": "ring", "inner_radius": 0.08, "outer_radius": 0.1},
+        "material": {"E": 2e11, "nu": 0.3, "rho": 7800.0},
+        "damping": {"beta": 1e-6},
+        "rotation": {"rate": 2000.0, "convective_stiffness": True, "coriolis": True},
+        "mesh": {
+            "fe": {"cell": "quadrilateral", "degree": 2, "elements": [1, 10]},
+            "iga": {"degree": [2, 2], "elements": [1, 12]},
+        },
+    }
+    window = {"kind": "cea", "max_frequency": 5000.0, "min_growth": -20000.0}
+    data = {"name": "ring", "bodies": {"ring": ring}, "contacts": {}, "analysis": window}
+    coarse = run_modes(read_scene(data), left=True)
+    estimate = estimate_errors(coarse)
+    waves = np.abs(estimate.corrected) > 10.0
+    assert waves.sum() >= 4
+    assert (apart_from_richer(estimate, coarse) <= estimate.remaining)[waves].all()
 
 
 def test_the_richer_scene_keeps_all_but_the_spaces():

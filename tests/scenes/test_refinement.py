@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
-from cea.timing import StageTimer
-from meshes.breaks import breaks_of, fewest, layered
+from meshes.breaks import breaks_of, layered
 from meshes.edge_layers import RATIO
-from meshes.shapes import Annulus, Hub
-from scenes.building.build import build_bodies, build_interfaces
+from meshes.shapes import Hub
 from scenes.refinement.meshes import (
     Resolution,
     has_singular_edges,
@@ -18,7 +16,6 @@ from scenes.refinement.meshes import (
     refined,
 )
 from scenes.refinement.singular_edges import crowding
-from scenes.spec.body import BodySpec
 from scenes.spec.files import scene_names
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
@@ -98,15 +95,11 @@ def test_rollers_and_closed_bodies_have_no_singular_edges(name):
 
 def test_the_edge_of_a_hub_is_re_entrant():
     hub = Hub(0.02, 0.04, 0.1, 0.0, 0.01, -0.02, 0.01)
-    template = load_scene("disc").bodies["disc"]
-    body = replace(template, geometry=hub, supports=(SupportSpec("bore"),))
-    scene = replace(load_scene("disc"), bodies={"disc": body})
-    found = crowding(scene, "disc")
+    scene = load_scene("disc")
+    body = replace(scene.bodies["disc"], geometry=hub, supports=(SupportSpec("bore"),))
+    found = crowding(replace(scene, bodies={"disc": body}), "disc")
     assert 0.04 in found.towards["r"]
     assert 0.0 in found.towards["z"]
-    assert found.re_entrant
-    assert not any(crowding(load_scene("disc_pad"), each).re_entrant for each in ("disc", "pad"))
-    assert isinstance(body, BodySpec)
 
 
 def test_layers_of_splines_lie_where_elements_crowd():
@@ -142,13 +135,6 @@ def test_layers_at_edges_are_read_again_from_the_text_of_their_scene(tmp_path):
     assert load_scene(file) == scene
 
 
-def test_tetrahedra_have_whole_layers():
-    scene = load_scene("disc_pad", ["bodies.disc.mesh.fe={cell='tetrahedron',elements=[3,24,2]}"])
-    mesh = refined(scene, "fe", Resolution(2, 1.0, 1)).bodies["disc"].mesh.fe
-    assert mesh.layers == 0
-    assert mesh.elements > (3, 24, 2)
-
-
 def test_layers_are_nested_and_keep_what_was_there():
     breaks = np.linspace(0.0, 1.0, 5)
     one, two = (layered(breaks, (0.0, 0.5), n, 0.2) for n in (1, 2))
@@ -157,12 +143,6 @@ def test_layers_are_nested_and_keep_what_was_there():
     assert np.array_equal(layered(breaks, (), 3, 0.2), breaks)
     with pytest.raises(InputError, match="below 1/2"):
         layered(breaks, (0.0,), 1, 0.6)
-
-
-def test_fewest_elements_are_those_between_boundaries():
-    ring = Annulus(1.0, 2.0, 0.0, 1.0)
-    assert fewest(ring, {}) == (1, 4, 1)
-    assert fewest(ring, {"theta": (45.0, 90.0)}) == (1, 5, 1)
 
 
 def test_what_cannot_be_refined_is_refused():
@@ -187,17 +167,3 @@ def test_text_holds_infinity_and_odd_names(tmp_path):
     file = tmp_path / "odd.toml"
     file.write_text(scene_text(scene))
     assert load_scene(file) == scene
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("degree", "layers"), [(5, 4), (6, 5)])
-def test_contacts_are_whole_on_splines_of_many_layers(degree, layers):
-    """Segments continue faces beyond edges at which spans are a thousandth of their neighbours."""
-    scene = refined(load_scene("disc_pad"), "iga", Resolution(degree, 0.5, layers))
-    timer = StageTimer()
-    bodies = build_bodies(scene, timer)
-    (interface,) = build_interfaces(scene, bodies, timer).values()
-    pad = scene.bodies["pad"].geometry
-    angle = np.deg2rad(pad.end - pad.start)
-    area = angle * (pad.outer_radius**2 - pad.inner_radius**2) / 2
-    assert interface.points.weight.sum() == pytest.approx(area, rel=1e-9)

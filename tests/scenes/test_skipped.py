@@ -37,7 +37,7 @@ def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, taken
     }
     assert taken == [True, False]
     assert results[0.0].system.contacts[0].slip is None
-    assert results[0.0].system.contacts[0].friction is None
+    assert results[0.0].system.contacts[0].K_f is None
     assert results[0.4].system.contacts[0].slip is not None
     assert "friction" in results[0.0].skipped
     assert "friction" not in results[0.4].skipped
@@ -140,8 +140,8 @@ def test_what_is_given_without_use_is_told_with_its_path(backend, changes, unuse
 
 UNUSED = (
     *("meshes.files.reading", "meshes.files.part", "scenes.matrices", "scenes.spec.matrices"),
-    *("cea.eigen.static", "cea.system.steady_sliding"),
-    *("cea.system.sliding_newton", "cea.system.modal_damping", "cea.system.rotating_damping"),
+    *("cea.eigen.static", "cea.system.steady_path"),
+    *("cea.system.steady_newton", "cea.system.modal_damping"),
     *("scenes.running.static", "scenes.running.steady", "scenes.checking.steady", "scenes.export"),
     *("scenes.pictures", "scenes.refinement", "scenes.results.opened", "gmsh", "pyvista"),
 )

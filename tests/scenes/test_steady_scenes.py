@@ -61,10 +61,10 @@ def test_open_points_stay_points(backend):
     (contact,) = result.system.contacts
     state = result.steady.contacts["interface"]
     assert 0 < state.closed_fraction < 1
-    assert len(contact.half.stiffness) == len(contact.interface.points)
-    assert contact.half.stiffness == pytest.approx(state.stiffness)
-    assert (contact.half.stiffness[state.closure <= 0] == 0).all()
-    assert contact.half.pressure == pytest.approx(state.pressure)
+    assert len(contact.slope) == len(contact.interface.points)
+    assert contact.slope == pytest.approx(state.stiffness)
+    assert (contact.slope[state.closure <= 0] == 0).all()
+    assert contact.law.pressure(contact.closure) == pytest.approx(state.pressure)
 
 
 def test_friction_is_a_parameter_and_stiffness_is_none(backend):
@@ -108,7 +108,7 @@ def test_matrices_are_those_of_the_state(backend, rule):
     matrices = result.matrices()
     (contact,) = result.system.contacts
     assert abs(matrices["K_n"]).max() == pytest.approx(
-        max(abs(contact.stiffness.getValuesCSR()[2])), rel=1e-14
+        max(abs(contact.K_n.getValuesCSR()[2])), rel=1e-14
     )
     assert abs(matrices["K_f"]).max() > 0
 

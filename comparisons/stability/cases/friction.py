@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from functools import partial
-from itertools import product
 from math import inf
 from typing import Any
 
@@ -22,7 +21,7 @@ from comparisons.stability.parts.case import (
     refused,
 )
 from comparisons.stability.parts.dense import lambdas
-from comparisons.stability.parts.problems import OfMap, OfMatrices, OfParts
+from comparisons.stability.parts.problems import OfMap, OfMatrices
 from comparisons.stability.parts.references import benign, copies, formula
 from comparisons.stability.parts.scenes import (
     ABOUT_Z,
@@ -230,19 +229,6 @@ def _multiplicities() -> Iterator[Run]:
             )
 
 
-def _near_contacts() -> dict[str, Scene]:
-    """A pad on a base most of which lies far from the contact."""
-    scenes = {
-        f"p = {p:g} N/m³, μ = {mu:g}": pad(0.3, 0.4, base_elements=(14, 6), p=p, mu=mu)
-        for p, mu in product((1e-3, 1.0, 1e4, 1e9), (0.3, 3.0))
-    }
-    for factor in (1e-4, 1e4):
-        data = pad(0.3, 0.4, base_elements=(14, 6), p=1.0, mu=1.0)
-        changes = {"bodies.pad.material.E": 0.5 * factor, "bodies.pad.material.rho": factor}
-        scenes[f"pad {factor:g} times as stiff and heavy"] = changed(data, changes)
-    return scenes
-
-
 def _map(P: float, mu: float, ends: tuple[float, float], ways: Any, **options: Any) -> Rows:
     """A value of a map of mu and P, between the full solves that it rests on."""
     axes = {
@@ -359,15 +345,6 @@ CASES = {
         ),
     ),
     "multiplicities": Case("Eigenvalues 2 to 30 times in given matrices", _multiplicities),
-    "near_contacts": Case(
-        "Friction bounded by the part of the bodies near it",
-        Rows(
-            _near_contacts(),
-            chosen(WAYS, "GPTS, penalty", "GPTS, saddle", "mortar, saddle", backend="fe"),
-            problem=OfParts,
-            expected=WARNED,
-        ),
-    ),
     "slow": Case(
         "Systems with frequencies of 1e-6 to 1e6 Hz",
         *(_slowed(factor) for factor in (1e-6, 1e-3, 1e3, 1e6)),

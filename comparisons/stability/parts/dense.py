@@ -20,8 +20,8 @@ from scipy.linalg import block_diag, eigh, eigvals, svd
 from scipy.sparse import csr_array, diags_array
 
 from cea.arrays import Complexes, Floats
+from cea.contact.contact import Contact
 from cea.contact.interface import along
-from cea.contact.operators import Contact
 from cea.system.coupled import CoupledSystem
 from scenes.running.system import coupled
 from scenes.spec.reading import read_scene
@@ -60,11 +60,11 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
     stiffness, mass = array(system.stiffness), array(system.mass)
     compliant, stiff = [], []
     for contact in system.contacts:
-        if contact.half.coupling == "lumped":
-            stiffness = stiffness + array(contact.stiffness)
-            if contact.friction is not None:
-                stiffness -= array(contact.friction)
-        elif np.isinf(contact.half.stiffness).any():
+        if contact.coupling == "lumped":
+            stiffness = stiffness + array(contact.K_n)
+            if contact.K_f is not None:
+                stiffness -= array(contact.K_f)
+        elif np.isinf(contact.slope).any():
             stiff.append(constraint(system, contact))
         else:
             compliant.append(constraint(system, contact))
@@ -144,11 +144,11 @@ def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
 
     Where it is tied, C is that of a stiffness of 1 N/m over the whole interface.
     """
-    half, points = contact.half, contact.half.interface.points
-    tied = np.isinf(half.stiffness).any()
-    closed = half.stiffness > 0  # points that have lifted off bear no force
+    half, points = contact, contact.interface.points
+    tied = np.isinf(half.slope).any()
+    closed = half.slope > 0  # points that have lifted off bear no force
     compliance = np.zeros(len(points))
-    compliance[closed] = points.weight.sum() if tied else 1 / half.stiffness[closed]
+    compliance[closed] = points.weight.sum() if tied else 1 / half.slope[closed]
     normal, copies = points.normal, 1
     if half.coupling == "bonded":
         copies = normal.shape[1]
@@ -211,15 +211,15 @@ def _tied(parts: list[Constraint]) -> Constraint:
 
 def jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
     """Jump along a direction at every point, on the unknowns of the system, shape (points, n)."""
-    interface, start = contact.half.interface, 0
+    interface, start = contact.interface, 0
     columns = {}
     for name, body in system.bodies.items():
         columns[name] = slice(start, start + body.expansion.getSizes()[1][1])
         start = columns[name].stop
     jumps = np.zeros((len(direction), system.size))
     for name, trace, sign in (
-        (contact.half.a, interface.trace_a, 1.0),
-        (contact.half.b, interface.trace_b, -1.0),
+        (contact.a, interface.trace_a, 1.0),
+        (contact.b, interface.trace_b, -1.0),
     ):
         full = diags_array(np.full(len(direction), sign)) @ along(trace, direction)
         jumps[:, columns[name]] += (full @ _sparse(system.bodies[name].expansion)).toarray()

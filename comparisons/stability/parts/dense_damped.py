@@ -24,7 +24,7 @@ import numpy as np
 from scipy.linalg import eigh, eigvals
 
 from cea.arrays import Complexes, Floats
-from cea.contact.operators import Contact
+from cea.contact.contact import Contact
 from cea.expressions import Expression, evaluate
 from cea.system.coupled import CoupledSystem
 from comparisons.stability.parts.dense import array, constraint, jump
@@ -114,7 +114,7 @@ def _of_body(spec: DampingSpec, M: Floats, K: Floats, springs: Floats) -> Floats
 
 def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floats:
     """What a half pass that slides adds to the damping."""
-    points, friction = contact.half.interface.points, contact.half.friction
+    points, friction = contact.interface.points, contact.K_f
     assert friction is not None
     x, n = points.x, points.normal
     share = 1 / sum(other.pair == contact.pair for other in system.contacts)

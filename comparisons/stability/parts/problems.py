@@ -18,7 +18,6 @@ from cea.matrices import distributed
 from cea.petsc import MPI
 from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
-from cea.reduced.words import words_of
 from cea.warned import ResultWarning
 from scenes import run_scene
 from scenes.results.record import as_json
@@ -191,22 +190,6 @@ class OfMatrices:
 
 
 @dataclass(frozen=True)
-class OfParts:
-    """A scene whose friction is bounded by the part of its bodies near the contacts."""
-
-    data: Mapping[str, Any]
-
-    def solve(self, max_frequency: float | None) -> Answer:
-        """Modes of a window that rests on the part."""
-        scene = _read(self.data, max_frequency)
-        system, _, _ = coupled(scene)
-        pencil = system.pencil(parted_from=0)
-        assert pencil.near_contact is not None
-        modes = solve_modes(pencil, _end(scene))
-        return answer_of(modes, (*system.warnings, *modes.warnings), None, system.size)
-
-
-@dataclass(frozen=True)
 class OfMap:
     """A scene as one value of a map: a reduced model answers.
 
@@ -229,12 +212,12 @@ class OfMap:
         pencil, top = system.pencil(leave_out=False), _end(scene)
         box = {name: (float(min(each)), float(max(each))) for name, each in self.axes.items()}
         model = ReducedModel(pencil, box, top, self.data["analysis"].get("min_growth"))
-        built = Enrichment(model, EigenSolver(pencil), top)
+        built = Enrichment.of(model, EigenSolver(pencil))
         points = product(*self.axes.values())
         built.cover([dict(zip(self.axes, values, strict=True)) for values in points])
         found = built.at({}).window
-        words = words_of(found, None)
-        complete = all(each.complete for each in built.snapshots)
+        words = found.words(None)
+        complete = all(each.about["complete"] for each in built.solves)
         return ModesAnswer(
             eigenvalues=found.eigenvalues,
             verdicts=tuple(words),
@@ -244,7 +227,7 @@ class OfMap:
             complete=complete,
             max_frequency=top,
             residual=found.bound,
-            condition=float(found.certificate.conditions.max(initial=1.0)),
+            condition=float(found.conditions.max(initial=1.0)),
             warnings=() if found.bound <= TOLERANCE else ("not-certified",),
             dofs=system.size,
         )

@@ -1,0 +1,361 @@
+"""A contact: points of one side on the other, what happens there, and the matrices it makes.
+
+    points:   K_n = G^T D G,      K_f = T^T diag(mu) D G,    D = diag(w p)
+    mortar:   K_n = B^T M^-1 B,   K_f = B_k^T M^-1 B         (:mod:`cea.contact.mortar`)
+
+A law that is not linear meets the closure g = G x - g_n: with its pressure sigma(g), and p its
+slope, the forces against the motion are (G - mu T)^T w sigma, and K_n - K_f their derivative.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.body import Body
+from cea.body.unknowns import system_operator
+from cea.contact.formulations import Coupling, Form
+from cea.contact.interface import Interface, jump_along
+from cea.contact.laws import Friction, NormalLaw, Sliding
+from cea.contact.lumping import lumped_matrices
+from cea.contact.mortar import MortarProjection, ProjectedLaw, eliminated, repeated
+from cea.errors import InputError
+from cea.matrices import destroy, gather, one_below_the_other, product, symmetric_product
+from cea.ranks import agreed
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """A half pass: points of side a on side b, what happens there, and its operators.
+
+    Parameters
+    ----------
+    name
+        Its name.
+    pair
+        Name of the contact it belongs to: a full pass has two halves.
+    a, b
+        Names of the bodies on its two sides.
+    interface
+        Its points, which lie on a.
+    law
+        What penetrations meet.
+    friction
+        Friction of steady sliding; None without.
+    coupling
+        What becomes of the gaps at the points.
+    form
+        Penalty or saddle form; None leaves the choice to :func:`cea.contact.forms.with_forms`.
+    added_gap
+        What is added to the distance of the sides (m), at all points, shape (n,), or one number; a
+        linear law takes the sides to touch.
+    sliding
+        What small velocities feel of the sliding; None where they feel none.
+    closure
+        Closures at all points in the state that is linearised about (m), shape (n,); a linear law
+        needs none.
+    gap, slip
+        G and diag(mu) T, PETSc AIJ (points x unknowns); projected, B and B_k (multipliers x
+        unknowns). No slip without friction. They and what follows are None before
+        :func:`assembled`.
+    projection
+        Projection on the traces of side a; None where points stand for themselves.
+    lumped
+        K_n and K_f of lumped contact; None of others.
+    prescribed
+        What displacements that supports prescribe close of the gap at all points (m), shape (n,);
+        None where they close nothing.
+
+    Raises
+    ------
+    InputError
+        When law, friction, coupling and form do not go together.
+    """
+
+    name: str
+    pair: str
+    a: str
+    b: str
+    interface: Interface
+    law: NormalLaw
+    friction: Friction | None = None
+    coupling: Coupling = "pointwise"
+    form: Form | None = None
+    added_gap: Floats | float = 0.0
+    sliding: Sliding | None = None
+    closure: Floats | None = None
+    gap: Any = None
+    slip: Any | None = None
+    projection: MortarProjection | None = None
+    lumped: tuple[Any, Any | None] | None = None
+    prescribed: Floats | None = None
+
+    def __post_init__(self) -> None:
+        if self.tied and (self.form == "penalty" or self.coupling == "lumped"):
+            allowed = "finite; or, in the saddle form, infinite everywhere"
+            raise InputError("p", float("inf"), allowed)
+        if self.coupling == "bonded" and self.friction is not None and self.friction.acts:
+            mu = float(np.max(self.friction.mu))
+            raise InputError("mu", mu, "0 where both sides are bonded")
+        if self.coupling == "lumped" and self.form == "saddle":
+            allowed = "penalty: lumped contact is not of the form G^T D G"
+            raise InputError("form", self.form, allowed)
+        if not self.law.linear and self.coupling in ("lumped", "bonded"):
+            allowed = "pointwise or mortar for a law of the gap: here no gap at the points decides"
+            raise InputError("coupling", self.coupling, allowed)
+        if not self.law.linear and self.is_projected and self.form == "saddle":
+            allowed = "penalty where a law meets projected gaps: open parts have no compliance"
+            raise InputError("form", self.form, allowed)
+
+    @cached_property
+    def slope(self) -> Floats:
+        """Contact stiffness p at all points (N/m^3), shape (n,)."""
+        points = len(self.interface.points)
+        return self.law.slope(np.zeros(points) if self.closure is None else self.closure)
+
+    @property
+    def P(self) -> float:
+        """Global contact stiffness, the integral of p (N/m)."""
+        return float(self.interface.points.weight @ self.slope)
+
+    @property
+    def tied(self) -> bool:
+        """Whether its stiffness is infinite."""
+        return bool(np.isinf(self.slope).any())
+
+    @property
+    def awaits_state(self) -> bool:
+        """Whether its stiffness is not known before a state of steady sliding is."""
+        return not self.law.linear and self.closure is None
+
+    @property
+    def is_projected(self) -> bool:
+        """Whether gaps are projected on the traces of side a."""
+        return self.coupling in ("mortar", "bonded")
+
+    @property
+    def penalty_only(self) -> bool:
+        """Whether its forces cannot be unknowns: lumped, or a law of projected gaps."""
+        return self.coupling == "lumped" or (self.is_projected and not self.law.linear)
+
+    @property
+    def has_multipliers(self) -> bool:
+        """Whether its forces are unknowns of what is solved."""
+        return not self.penalty_only and (self.is_projected or self.form == "saddle")
+
+    @property
+    def has_pressure(self) -> bool:
+        """Whether gaps tell the contact pressure: the sides are neither tied nor bonded."""
+        return self.coupling != "bonded" and not self.tied
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether there is any friction."""
+        return self.friction is not None and self.friction.acts
+
+    @property
+    def _mu(self) -> Floats:
+        """Friction coefficient, at all points or one for all; 1 where it is zero everywhere."""
+        mu = np.asarray(self.friction.mu if self.friction is not None else 0.0, dtype=float)
+        return mu if mu.any() else np.ones_like(mu)
+
+    @property
+    def mu(self) -> float:
+        """Friction coefficient that the slip operator is made with; 1 where it varies."""
+        return 1.0 if np.ptp(self._mu) else float(self._mu.flat[0])
+
+    @property
+    def mu_at_points(self) -> Floats:
+        """Friction coefficient at the points of this rank; 1 where it is zero everywhere."""
+        interface = self.interface
+        return np.broadcast_to(self._mu, len(interface.points))[interface.rows]
+
+    def friction_direction(self) -> Floats:
+        """Direction k at the points of this rank, shape (n_local, dim); collective."""
+        assert self.friction is not None
+        points = self.interface.local_points
+        with agreed(self.interface.comm):
+            return self.friction.direction.at(points.x, points.normal)
+
+    @property
+    def K_n(self) -> Any:
+        """PETSc AIJ, symmetric positive semidefinite (N/m); full where gaps are projected."""
+        return self._matrices[0]
+
+    @property
+    def K_f(self) -> Any | None:
+        """PETSc AIJ, unsymmetric (N/m); None without friction."""
+        return self._matrices[1]
+
+    @cached_property
+    def _matrices(self) -> tuple[Any, Any | None]:
+        return self.tangent(self.slope) if self.lumped is None else self.lumped
+
+    def tangent(self, p: Floats) -> tuple[Any, Any | None]:
+        """K_n and K_f of a stiffness p at all points (N/m^3), but for lumped contact."""
+        if self.projection is not None and not self.law.linear:
+            return self._projected.tangent(p)
+        if self.projection is not None:
+            compliance = self.compliance(p)
+            matrices = eliminated(compliance, self.gap, self.slip)
+            destroy(compliance)
+            return matrices
+        weight = self.weight(p)
+        normal = symmetric_product(self.gap, weight)
+        friction = product(self.slip, self.gap, weight) if self.slip is not None else None
+        destroy(weight)
+        return normal, friction
+
+    def closing(self, x: Any) -> Floats:
+        """What a motion x closes of the gap at all points (m), as the law meets it, (n,)."""
+        if self.projection is not None:
+            return self._projected.closing(x)
+        closed = self.gap.createVecLeft()
+        self.gap.mult(x, closed)
+        values = gather(closed)
+        destroy(closed)
+        return values
+
+    def met(self, gap: Floats) -> Floats:
+        """A gap given at all points (m) as the law meets it: itself, or projected."""
+        return gap if self.projection is None else self._projected.met(gap)
+
+    def force(self, pressure: Floats, *, friction: bool) -> Any:
+        """Forces (N), PETSc vector, that a pressure at all points puts against the motion."""
+        if self.projection is not None:
+            return self._projected.force(pressure, friction=friction)
+        weighted = self.weight(pressure)
+        force = self.gap.createVecRight()
+        self.gap.multTranspose(weighted, force)
+        if friction and self.slip is not None:
+            of_friction = self.gap.createVecRight()
+            self.slip.multTranspose(weighted, of_friction)
+            force.axpy(-1.0, of_friction)
+            destroy(of_friction)
+        destroy(weighted)
+        return force
+
+    def pressure(self, x: Any) -> Floats:
+        """Contact pressure (N/m^2) at every point, on every rank, for unknowns x.
+
+        It is made of gaps, which hold the fewer digits the stiffer the contact. Of a law that is
+        not linear it is the change of pressure that small motions x make.
+
+        Raises
+        ------
+        InputError
+            Where the sides are tied, and no gap tells the pressure, or bonded.
+        """
+        if not self.has_pressure:
+            raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
+        if self.projection is None or not self.law.linear:
+            return self.slope * self.closing(x)
+        closed = self.gap.createVecLeft()
+        self.gap.mult(x, closed)
+        pressure = self.projection.pressure(self.slope, closed)
+        destroy(closed)
+        return pressure
+
+    @cached_property
+    def _projected(self) -> ProjectedLaw:
+        assert self.projection is not None
+        return ProjectedLaw(self.projection, self.gap, self.slip)
+
+    def weight(self, values: Floats) -> Any:
+        """Area weights times values at all points, PETSc vector: of p the diagonal of D (N/m)."""
+        weight = self.gap.createVecLeft()
+        weight.array[:] = self.interface.local_points.weight * values[self.interface.rows]
+        return weight
+
+    def compliance(self, p: Floats) -> Any:
+        """M where gaps are projected, PETSc AIJ, of a stiffness p at all points (N/m^3)."""
+        assert self.projection is not None
+        one = self.projection.compliance(p)
+        if self.coupling != "bonded":
+            return one
+        every = repeated(one, self.interface.a.dim)
+        destroy(one)
+        return every
+
+
+def assembled(bodies: Mapping[str, Body], contact: Contact, *, leave_out: bool = True) -> Contact:
+    """A contact with its operators on the unknowns of all bodies; collective."""
+    interface, points = contact.interface, contact.interface.local_points
+    bonded = contact.coupling == "bonded"
+    projection = None
+    if contact.is_projected:
+        # Of a linear law, open points have no part in the projection: their compliance is infinite.
+        bearing = contact.slope > 0 if contact.law.linear else None
+        # Bonded sides close the jump along fixed axes: no normal splits their traces.
+        traces = interface.trace_a if bonded else interface.a.split_trace(points.at)
+        projection = MortarProjection.of(interface, traces, bearing)
+
+    def operator(direction: Floats) -> Any:
+        jump = jump_operator(bodies, contact, direction)
+        if projection is None:
+            return jump
+        integrals = projection.integrals(jump)
+        destroy(jump)
+        return integrals
+
+    if bonded:
+        axes = [operator(np.tile(axis, (len(points), 1))) for axis in np.eye(interface.a.dim)]
+        gap = one_below_the_other(axes)
+        destroy(*axes)
+    else:
+        gap = operator(points.normal)
+    slip = direction = lumped = None
+    keeps = contact.friction is not None and not leave_out and not bonded
+    if contact.has_friction or keeps:
+        direction = contact.friction_direction()
+        slip = operator(contact.mu_at_points[:, None] * direction)
+    if contact.coupling == "lumped":
+        weight = points.weight * contact.slope[interface.rows]
+        sides = (contact.a, contact.b)
+        lumped = lumped_matrices(bodies, sides, interface, weight, direction, contact.mu_at_points)
+    closed = _closed_by_supports(bodies, contact, points.normal)
+    return replace(
+        contact,
+        gap=gap,
+        slip=slip,
+        projection=projection,
+        lumped=lumped,
+        prescribed=closed if closed is not None and closed.any() else None,
+    )
+
+
+def jump_operator(bodies: Mapping[str, Body], contact: Contact, direction: Floats) -> Any:
+    """Jump along directions at the points of this rank, PETSc AIJ (points x unknowns)."""
+    parts = zip((contact.a, contact.b), jump_along(contact.interface, direction), strict=True)
+    return system_operator(bodies, dict(parts), len(direction))
+
+
+def approach_along(
+    bodies: Mapping[str, Body], contact: Contact, direction: Floats, x: Any
+) -> Floats:
+    """What unknowns x, and what supports prescribe, close along directions at all points (m)."""
+    jump = jump_operator(bodies, contact, direction)
+    approach = jump.createVecLeft()
+    jump.mult(x, approach)
+    values = gather(approach)
+    destroy(jump, approach)
+    closed = _closed_by_supports(bodies, contact, direction)
+    return values if closed is None else values + closed
+
+
+def _closed_by_supports(
+    bodies: Mapping[str, Body], contact: Contact, direction: Floats
+) -> Floats | None:
+    """What prescribed displacements close along directions, at all points (m); None without any."""
+    if all(bodies[name].prescribed is None for name in (contact.a, contact.b)):
+        return None
+    closed = np.zeros(len(direction))
+    jumps = jump_along(contact.interface, direction)
+    for name, jump in zip((contact.a, contact.b), jumps, strict=True):
+        prescribed = bodies[name].prescribed
+        if prescribed is not None:
+            closed += jump @ gather(prescribed)
+    return np.concatenate(contact.interface.comm.allgather(closed))

@@ -1,0 +1,315 @@
+"""Forces on sliding bodies at any state, and the tangent there: what Newton's method works on.
+
+With K and K_f of what is linear (bodies with all that their rotation makes of displacements at rest
+in space, contacts of known stiffness, their forces f where these are unknowns), the load F and the
+contacts whose pressure obeys a law of their closure,
+
+    R(x) = K x + L^T f + sum (G - mu T)^T w sigma(g) - t F,     g = G x - g_n
+
+vanishes in steady sliding at the load factor t (Mohanasundaram et al., 2023, eqs. 5 and 16).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.contact.contact import Contact
+from cea.contact.laws import NormalCompliance
+from cea.eigen.pencil import Matrices, release
+from cea.eigen.residuals import Sizes, internal_forces
+from cea.eigen.shifted import Shifted, count_below
+from cea.eigen.static import rounding_uncertainty
+from cea.errors import ConvergenceError
+from cea.matrices import destroy, scaled_total
+from cea.petsc import MPI, Vec
+from cea.system.coupled import CoupledSystem
+
+OPENS = "the load opens the contact: no point is closed"
+LEFT_OVER = 1e-8
+"""Part of the load up to which forces may be left over, whatever the reason."""
+LOST = 0.1
+"""Rounding, relative to the largest displacement, at which a tangent counts as singular."""
+_OVERLAP = 1e-9
+"""Overlap of the sides, relative to the mesh size, that rounding and facets may make."""
+_RESOLVED = 1e-6
+"""Rounding of displacements, in parts of the pressure it makes, up to which states are found."""
+
+type Slopes = Sequence[Floats]
+"""Slope p at all points (N/m^3) of each contact with a law, shape (n,) each."""
+
+
+@dataclass(frozen=True)
+class State:
+    """A state of the bodies and what it meets."""
+
+    x: Floats  # displacements, the rows of this rank (m)
+    f: Floats  # contact forces that are unknowns, the rows of this rank (N)
+    # closures u_n - g_n at all points of each contact with a law (m), on every rank
+    closures: tuple[Floats, ...]
+    residual: Floats  # R, the rows of this rank (N)
+    norm: float  # its norm over all ranks (N)
+    scale: float  # size of the forces that it is the sum of (N)
+    noise: float  # what rounding of the closures makes of it (N)
+
+    @property
+    def relative(self) -> float:
+        """Residual relative to the forces it is the sum of."""
+        return self.norm / self.scale if self.scale else 0.0
+
+    @property
+    def closed_points(self) -> int:
+        """Number of points that are closed."""
+        return sum(int(np.count_nonzero(closure > 0)) for closure in self.closures)
+
+
+class SteadyEquations:
+    """The equations of steady sliding of a coupled system.
+
+    Parameters
+    ----------
+    system
+        The system, with loads; some contact has a law that is not linear.
+    friction
+        Whether with the friction of contacts that have such a law.
+
+    Attributes
+    ----------
+    softness
+        What pressures and slopes of the laws are divided by; 1 but on the way to a solution.
+    """
+
+    def __init__(self, system: CoupledSystem, *, friction: bool = True) -> None:
+        assert system.load is not None
+        self.system, self._load, self.softness = system, system.load, 1.0
+        self.comm = system.template.comm.tompi4py()
+        self.contacts = tuple(c for c in system.contacts if not c.law.linear)
+        self.frictional = tuple(friction and c.has_friction for c in self.contacts)
+        self.matrices = self._linear()
+        self._gaps = tuple(contact.met(initial_gap(contact)) for contact in self.contacts)
+        self._prescribed = tuple(
+            np.zeros(len(gap)) if contact.prescribed is None else contact.met(contact.prescribed)
+            for contact, gap in zip(self.contacts, self._gaps, strict=True)
+        )
+        self._x = system.vector()
+
+    def _linear(self) -> Matrices:
+        """The pencil at rest without contacts that have a law; to be released."""
+        linear = (replace(c, sliding=None) for c in self.system.contacts if c.law.linear)
+        return replace(self.system, contacts=tuple(linear)).pencil().at_rest().at()
+
+    @cached_property
+    def unstable(self) -> bool:
+        """Whether the stiffness of bodies as they rotate, without these contacts, is indefinite.
+
+        That is so where the rate of a rotation with convective stiffness is beyond a critical
+        one; without friction there may then be several equilibria or none.
+        """
+        return self.system.softens and count_below(self.matrices, 0.0) > 0
+
+    def gaps_at(self, factor: float) -> tuple[Floats, ...]:
+        """Gaps at all points of each contact with a law (m) where free dofs do not move.
+
+        Supports then prescribe a part of their displacements, that of the load.
+        """
+        pairs = zip(self._gaps, self._prescribed, strict=True)
+        return tuple(gap - factor * closed for gap, closed in pairs)
+
+    @property
+    def rows(self) -> int:
+        """Displacements of this rank."""
+        return int(self._x.getLocalSize())
+
+    def zero(self) -> tuple[Floats, Floats]:
+        """Displacements and contact forces of bodies at rest."""
+        multipliers = self.matrices.multipliers
+        forces = 0 if multipliers is None else multipliers.closure.getLocalSize()[0]
+        return np.zeros(self.rows), np.zeros(forces)
+
+    def state(self, x: Floats, f: Floats, factor: float) -> State:
+        """The state of displacements (m) and contact forces (N) under a part of the load."""
+        self._x.array[:] = x
+        elastic = internal_forces(self.matrices, x[:, None], f[:, None])[:, 0]
+        closings = [each.closing(self._x) for each in self.contacts]
+        gaps = self.gaps_at(factor)
+        closures = tuple(u - gap for u, gap in zip(closings, gaps, strict=True))
+        contact = self.contact_forces(closures)
+        rounding = self._forces(
+            [
+                slope * np.finfo(float).eps * np.maximum(np.abs(u), np.abs(gap))
+                for slope, u, gap in zip(self.slopes(closures), closings, gaps, strict=True)
+            ],
+            self.frictional,
+        )
+        load = self.load_at(factor)
+        residual = elastic + contact - load
+        norm, noise, *sizes = self.norms(residual, rounding, load, contact, elastic)
+        return State(x, f, closures, residual, float(norm), float(max(sizes)), float(noise))
+
+    def contact_forces(self, closures: Sequence[Floats]) -> Floats:
+        """Forces of the contacts with a law at some closures (N), the rows of this rank."""
+        pairs = zip(self.contacts, closures, strict=True)
+        pressures = [c.law.pressure(g) / self.softness for c, g in pairs]
+        return self._forces(pressures, self.frictional)
+
+    def _forces(self, pressures: Sequence[Floats], frictional: Sequence[bool]) -> Floats:
+        """Forces of pressures at all points of each contact, the rows of this rank."""
+        total = np.zeros(self.rows)
+        for contact, pressure, friction in zip(self.contacts, pressures, frictional, strict=True):
+            force = contact.force(pressure, friction=friction)
+            total += force.array_r
+            destroy(force)
+        return total
+
+    def norms(self, *vectors: Floats) -> Floats:
+        """Norms over all ranks of vectors given by the rows of this rank."""
+        squares = np.array([float(v @ v) for v in vectors])
+        return np.sqrt(self.comm.allreduce(squares, MPI.SUM))
+
+    def slopes(self, closures: Sequence[Floats]) -> tuple[Floats, ...]:
+        """Slopes of the laws at given closures."""
+        laws = (contact.law for contact in self.contacts)
+        return tuple(law.slope(g) / self.softness for law, g in zip(laws, closures, strict=True))
+
+    def tangent(self, slopes: Slopes, *, friction: bool = True) -> Matrices:
+        """Derivative of R at given slopes; free it with :func:`free_tangent`."""
+        symmetric: list[tuple[float, Any]] = [(1.0, self.matrices.stiffness)]
+        rest: list[tuple[float, Any]] = []
+        made: list[Any] = []
+        if self.matrices.unsymmetric is not None:
+            rest.append((1.0, self.matrices.unsymmetric))
+        for contact, slope, frictional in zip(self.contacts, slopes, self.frictional, strict=True):
+            K_n, K_f = contact.tangent(slope)
+            made += [K_n] if K_f is None else [K_n, K_f]
+            symmetric.append((1.0, K_n))
+            if K_f is not None and frictional and friction:
+                rest.append((-1.0, K_f))
+        stiffness = scaled_total(symmetric)
+        stiffness.setOption(stiffness.Option.SYMMETRIC, True)
+        unsymmetric = scaled_total(rest) if rest else None
+        destroy(*made)
+        return replace(self.matrices, stiffness=stiffness, unsymmetric=unsymmetric)
+
+    def load_at(self, factor: float) -> Floats:
+        """A part of the load (N), the rows of this rank."""
+        return factor * self._load.array_r
+
+    def springs(self, factor: float) -> list[Floats]:
+        """Secant slope of each contact where a part of the load presses evenly (N/m^3)."""
+        slopes = []
+        for contact, gap in zip(self.contacts, self._gaps, strict=True):
+            law, interface, nearest = _law(contact), contact.interface, float(gap.min())
+            size = min(interface.a.mesh_size, interface.b.mesh_size)
+            overlap = -nearest if -nearest > _OVERLAP * size else 0.0
+            closure = max(law.closure(self._even_pressure(contact, factor)), overlap)
+            if not closure > 0:
+                raise ConvergenceError(f"{OPENS}; nothing presses the sides together", best=None)
+            pressure = float(law.pressure(np.array(closure)))
+            slopes.append(np.full(len(interface.points), pressure / closure))
+        return slopes
+
+    def _even_pressure(self, contact: Contact, factor: float) -> float:
+        """Pressure (N/m^2) where a part of the load presses all of a contact evenly."""
+        return factor * float(self._load.norm(1)) / float(contact.interface.points.weight.sum())
+
+    def _spring_lengths(self, factor: float) -> list[Floats]:
+        """What closes the least initial gap at all points of each contact with a law (m)."""
+        pairs = zip(self._gaps, self._prescribed, strict=True)
+        return [float(gap.min()) - factor * closed for gap, closed in pairs]
+
+    def spring_forces(self, slopes: Slopes, factor: float) -> Floats:
+        """Forces (N) of springs at all points, at rest where the least gap is closed."""
+        pairs = zip(slopes, self._spring_lengths(factor), strict=True)
+        return self._forces([p * rest for p, rest in pairs], [False] * len(self.contacts))
+
+    def spring_resultant(self, slopes: Slopes, x: Floats, factor: float) -> float:
+        """Sum of the normal forces (N) of such springs in a state, positive where they push."""
+        self._x.array[:] = x
+        return sum(
+            float(contact.interface.points.weight @ (p * (contact.closing(self._x) - rest)))
+            for contact, p, rest in zip(
+                self.contacts, slopes, self._spring_lengths(factor), strict=True
+            )
+        )
+
+    def too_stiff(self, factor: float, x: Floats) -> str | None:
+        """Whether rounding of displacements as large as x comes to too much of a pressure."""
+        largest = self.comm.allreduce(float(np.abs(x).max(initial=0.0)), MPI.MAX)
+        for contact in self.contacts:
+            law, pressure = _law(contact), self._even_pressure(contact, factor)
+            slope = float(law.slope(np.array(law.closure(pressure))))
+            part = slope * np.finfo(float).eps * largest / pressure
+            if part > _RESOLVED:
+                allowed = law.c * (_RESOLVED / part) ** law.m
+                return (
+                    f"contacts.{contact.pair} is so stiff that rounding of displacements comes to "
+                    f"{part:.1e} of its pressure: c_n = {law.c:.3g}, about {allowed:.1g} or less "
+                    "is allowed; or P or p in its place, in the saddle form up to infinity"
+                )
+        return None
+
+    def checked_residual(self, state: State, tangent: Matrices) -> float:
+        """Forces left over in a state under the whole load, relative to the load; collective.
+
+        They are measured with the pieces of the pencil that is linearised about it.
+        """
+        own, x, f = self._linear(), state.x[:, None], state.f[:, None]
+        contact, load = self.contact_forces(state.closures), self.load_at(1.0)
+        left = internal_forces(own, x, f)[:, 0] + contact - load
+        release(own)
+        norm, of_load, of_contact = self.norms(left, load, contact)
+        size = of_load or of_contact or 1.0
+        if norm > LEFT_OVER * size:
+            sizes = Sizes(tangent)
+            (rounding,) = self.norms(np.finfo(float).eps * sizes.forces(x, f)[:, 0])
+            sizes.free()
+            if norm > rounding:
+                raise ConvergenceError(
+                    f"the state of steady sliding is no equilibrium: {norm / size:.1e} of the load "
+                    f"is left over, where rounding comes to {rounding / size:.1e}",
+                    best=state,
+                )
+        return float(norm / size)
+
+    def vector(self, x: Floats) -> Vec:
+        """Displacements as a new PETSc vector."""
+        vector = self.system.vector()
+        vector.array[:] = x
+        return vector
+
+    def free(self) -> None:
+        """Free what was made for the equations."""
+        release(self.matrices)
+        destroy(self._x)
+
+
+def free_tangent(tangent: Matrices) -> None:
+    """Free a tangent, not the multipliers it shares."""
+    destroy(*(m for m in (tangent.stiffness, tangent.unsymmetric) if m))
+
+
+def initial_gap(contact: Contact) -> Floats:
+    """Initial gap g_n at all points (m), of the geometry with what is added to it, shape (n,)."""
+    interface = contact.interface
+    distance = np.concatenate(interface.comm.allgather(interface.initial_gap))
+    return distance + contact.added_gap
+
+
+def solved_regularly(matrices: Matrices, b: Floats) -> tuple[Floats, Floats] | None:
+    """Displacements and contact forces for forces b (N); None where all of it is rounding."""
+    try:
+        factors = Shifted(matrices)
+    except ConvergenceError:
+        return None
+    x, f = factors.solve_with_forces(b[:, None])
+    uncertainty = rounding_uncertainty(matrices, factors, x, f)
+    factors.free()
+    return (x[:, 0], f[:, 0]) if uncertainty < LOST else None
+
+
+def _law(contact: Contact) -> NormalCompliance:
+    assert isinstance(contact.law, NormalCompliance)
+    return contact.law

@@ -1,0 +1,181 @@
+"""Newton's method for steady sliding, with the consistent unsymmetric tangent.
+
+A step is taken in full where it halves the residual. Otherwise it is shortened until the next
+correction by the same tangent is shorter than it (Deuflhard, Newton Methods for Nonlinear Problems,
+natural monotonicity): unlike the residual that does not care how stiff each part is. Where no step
+of the tangent helps, as where open points leave the bodies free, slopes of a part of those of a
+closed contact are added to it. The active set is that of the closures at each state.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.eigen.shifted import Shifted
+from cea.errors import ConvergenceError
+from cea.system.steady_equations import State, SteadyEquations, free_tangent, solved_regularly
+from cea.system.steady_state import parity_of
+from cea.timing import StageTimer
+
+_MOST = 60
+"""Steps."""
+_PATIENCE = 16
+"""Steps in which the residual is halved at least."""
+_SOLVED = 1e-14
+"""Residual, relative to the forces, at which there is nothing left to gain."""
+_ROUNDING = 1e-7
+"""Residual, relative to the forces, from which what does not get smaller may be rounding."""
+_NOISE = 10.0
+"""The same in parts of what rounding of the closures makes of it."""
+_STALLS = 0.3
+"""Ratio of residuals that is no convergence of Newton's method."""
+_SHORTEST = 2.0**-12
+"""Shortest part of a step."""
+_HELP = (0.0, 1e-3, 1e-1, 1.0, 10.0)
+"""Parts of the slopes of a closed contact that are added, in turn, where no step helps."""
+
+
+@dataclass
+class Iteration:
+    """How Newton's method went."""
+
+    state: State  # the last state
+    # residual of each state, relative to the forces it is the sum of
+    residuals: list[float] = field(default_factory=list)
+    lengths: list[float] = field(default_factory=list)  # part of each step that was taken
+    closed: list[int] = field(default_factory=list)  # points that were closed in each state
+    # whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
+    # None where that is not known
+    parity: int | None = None
+    converged: bool = False  # whether the residual is as small as rounding lets it be
+
+    def note(self, state: State) -> None:
+        """Go on to the next state."""
+        self.state = state
+        self.residuals.append(state.relative)
+        self.closed.append(state.closed_points)
+
+    @property
+    def stagnates(self) -> bool:
+        """Whether the residual has not been halved for many steps."""
+        late = self.residuals[-_PATIENCE:]
+        return len(self.residuals) > _PATIENCE and min(late) > 0.5 * min(
+            self.residuals[:-_PATIENCE]
+        )
+
+
+class SteadyNewton:
+    """Newton's method on the equations of steady sliding.
+
+    Parameters
+    ----------
+    equations
+        The equations.
+    springs
+        Slopes of a closed contact at all points (N/m^3), by contact.
+    timer
+        Counts assembly and factorisation.
+    """
+
+    def __init__(
+        self, equations: SteadyEquations, springs: Sequence[Floats], timer: StageTimer
+    ) -> None:
+        self._equations, self._springs, self._timer = equations, tuple(springs), timer
+
+    def solve(self, x: Floats, f: Floats, factor: float) -> Iteration:
+        """Solve from displacements and contact forces under a part of the load."""
+        state = self._equations.state(x, f, factor)
+        run = Iteration(state)
+        run.note(state)
+        for _ in range(_MOST):
+            if state.relative <= _SOLVED:
+                run.converged = True
+                break
+            step = self._step(state, factor, run)
+            if step is None:
+                run.converged = _is_small(state)
+                break
+            new, length = step
+            if _is_small(state) and new.norm > _STALLS * state.norm:
+                run.state = state if state.norm < new.norm else new
+                run.converged = True
+                break
+            state = new
+            run.note(state)
+            run.lengths.append(length)
+            if run.stagnates:
+                break
+        return run
+
+    def _step(self, state: State, factor: float, run: Iteration) -> tuple[State, float] | None:
+        """The next state and the part of the step that was taken; None where none helps."""
+        run.parity = None
+        for part in _HELP:
+            pairs = zip(self._equations.slopes(state.closures), self._springs, strict=True)
+            slopes = [slope + part * spring for slope, spring in pairs]
+            with self._timer("assembly"):
+                tangent = self._equations.tangent(slopes)
+            try:
+                with self._timer("factorisation"):
+                    factors = Shifted(tangent)
+            except ConvergenceError:
+                free_tangent(tangent)
+                continue
+            if part == 0:
+                unstable = self._equations.unstable
+                run.parity = parity_of(tangent, factors, unstable=unstable)
+            with self._timer("factorisation"):
+                found = self._searched(factors, state, factor)
+            factors.free()
+            free_tangent(tangent)
+            if found is not None:
+                return found
+        return None
+
+    def _searched(
+        self, factors: Shifted, state: State, factor: float
+    ) -> tuple[State, float] | None:
+        """The longest part of a step that makes things better."""
+        dx, df = _solved(factors, -state.residual)
+        (size,) = self._equations.norms(dx)
+        if not np.isfinite(size):
+            return None
+        length = 1.0
+        while length >= _SHORTEST:
+            new = self._equations.state(state.x + length * dx, state.f + length * df, factor)
+            if self._is_better(factors, state, new, float(size), length):
+                return new, length
+            length *= 0.5
+        return None
+
+    def _is_better(
+        self, factors: Shifted, state: State, new: State, size: float, length: float
+    ) -> bool:
+        if not np.isfinite(new.norm):
+            return False
+        if state.closed_points and not new.closed_points and not self.is_held:
+            return False
+        if new.norm <= 0.5 * state.norm:
+            return True
+        (next_,) = self._equations.norms(_solved(factors, -new.residual)[0])
+        return bool(next_ <= (1 - 0.25 * length) * size)
+
+    @cached_property
+    def is_held(self) -> bool:
+        """Whether the bodies are held without the contacts that have a law; collective."""
+        generator = np.random.default_rng(self._equations.comm.rank)
+        load = generator.standard_normal(self._equations.rows)
+        return solved_regularly(self._equations.matrices, load) is not None
+
+
+def _is_small(state: State) -> bool:
+    """Whether what is left may be rounding."""
+    return state.norm <= max(_ROUNDING * state.scale, _NOISE * state.noise)
+
+
+def _solved(factors: Shifted, b: Floats) -> tuple[Floats, Floats]:
+    dx, df = factors.solve_with_forces(b[:, None])
+    return dx[:, 0], df[:, 0]

@@ -1,0 +1,299 @@
+"""Steady sliding: the equilibrium of bodies pressed together whose contacts slide.
+
+Contacts whose pressure obeys a law of their closure, -sigma_n = c_n (u_n - g_n)_+^m_n, with Coulomb
+friction along a known direction (Mohanasundaram et al., 2023, eqs. 5, 8 and 16). Small motions
+about the state meet the contact stiffness p = m_n c_n (u_n - g_n)_+^(m_n - 1).
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from cea.arrays import Floats
+from cea.eigen.pencil import Matrices
+from cea.eigen.shifted import Shifted
+from cea.eigen.static import rounding_uncertainty
+from cea.errors import ConvergenceError, InputError
+from cea.system.coupled import CoupledSystem
+from cea.system.steady_equations import (
+    LOST,
+    OPENS,
+    State,
+    SteadyEquations,
+    free_tangent,
+    solved_regularly,
+)
+from cea.system.steady_newton import Iteration, SteadyNewton
+from cea.system.steady_state import (
+    ContactState,
+    LoadStep,
+    SteadySliding,
+    StepState,
+    contact_state,
+    uniqueness_at,
+)
+from cea.timing import StageTimer
+
+_SHORTEST = 1 / 64
+"""Least part of a step that was asked for to which it is cut."""
+_FIRST = 1 / 2
+"""The same before any equilibrium was found."""
+_GROWS = 2.0
+"""By how much a step is longer than the one before."""
+_SOFTNESSES = tuple(10.0**power for power in range(12, -1, -2))
+"""By what laws are divided in turn where the law itself does not converge."""
+_TOGETHER = 1e-9
+"""Parts of the load, in those of a step, that are taken with the step."""
+_FREE = (
+    "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
+    "bodies"
+)
+_LEAVE_FREE = "the points that are closed leave a rigid motion free: the tangent is singular"
+
+
+def steady_sliding(
+    system: CoupledSystem,
+    timer: StageTimer | None = None,
+    *,
+    steps: int | Sequence[float] = 1,
+    history: bool = False,
+) -> SteadySliding:
+    """Equilibrium of steady sliding.
+
+    Parameters
+    ----------
+    system
+        Bodies with their loads, and contacts of which some have a law that is not linear; those of
+        a linear law are closed, and their gaps none.
+    timer
+        Counts assembly and factorisation.
+    steps
+        Number of equal steps in which the load is put on, or the part of it at the end of each,
+        rising to 1. Steps are cut where no equilibrium is found.
+    history
+        Whether the equilibrium at each of them is kept.
+
+    Raises
+    ------
+    InputError
+        When the system has no load, no such contact, or steps do not rise to 1.
+    ConvergenceError
+        When the load opens the contact, a rigid motion is free, or no equilibrium is found; the
+        last :class:`cea.system.steady_equations.State` is attached.
+    """
+    if system.load is None:
+        raise InputError("load", None, "forces: the system was coupled without")
+    if all(contact.law.linear for contact in system.contacts):
+        raise InputError("contacts", list(system.bodies), "one with a law of its closure")
+    targets = check_steps(steps, "steps")
+    equations = SteadyEquations(system)
+    try:
+        return _Path(equations, timer or StageTimer(), targets, history=history).solve()
+    finally:
+        equations.free()
+
+
+def check_steps(steps: int | Sequence[float], field: str) -> tuple[float, ...]:
+    """Parts of the load at the ends of steps, which rise from above 0 to 1; others are refused."""
+    if isinstance(steps, int):
+        if steps < 1:
+            raise InputError(field, steps, "1 or more")
+        return tuple(number / steps for number in range(1, steps + 1))
+    parts = tuple(float(part) for part in steps)
+    if not parts or not all(a < b for a, b in pairwise((0.0, *parts))) or parts[-1] != 1.0:
+        raise InputError(field, list(parts), "parts of the load that rise from above 0 to 1")
+    return parts
+
+
+class _Path:
+    """The way from no load to the whole of it, in steps to given parts."""
+
+    def __init__(
+        self,
+        equations: SteadyEquations,
+        timer: StageTimer,
+        targets: Sequence[float],
+        *,
+        history: bool,
+    ) -> None:
+        self._equations, self._timer = equations, timer
+        self._targets, self._history = targets, history
+        self._set_springs(targets[0])
+
+    def _set_springs(self, factor: float) -> None:
+        """Take springs as stiff as closed contacts under a part of the load."""
+        self._springs = self._equations.springs(factor)
+        self._newton = SteadyNewton(self._equations, self._springs, self._timer)
+        self._starts: dict[float, tuple[Floats, Floats]] = {}
+
+    def solve(self) -> SteadySliding:
+        """Put the load on in steps, or in more where it takes them."""
+        first = self._targets[0]
+        if self._pulls(first) and not self._newton.is_held:
+            start = self._equations.state(*self._start(first), first)
+            raise ConvergenceError(OPENS, best=start)
+        path: list[LoadStep] = []
+        state: State | None = None
+        for begin, end in pairwise((0.0, *self._targets)):
+            if begin:
+                self._set_springs(end)
+            state = self._step(state, begin, end, path)
+        assert state is not None
+        return self._result(state, path)
+
+    def _step(self, state: State | None, begin: float, end: float, path: list[LoadStep]) -> State:
+        """One of the steps that were asked for, cut where no equilibrium is found."""
+        whole = part = end - begin
+        done = begin
+        while state is None or done < end:
+            factor = done + part if done + part < end - _TOGETHER * whole else end
+            run = self._at(state, factor)
+            if run.converged and run.state.closed_points:
+                done, state = factor, run.state
+                part = min(_GROWS * part, whole)
+                path.append(self._load_step(factor, run))
+                continue
+            part *= 0.5
+            least = (_SHORTEST if state is not None else _FIRST) * whole
+            if part < least or (state is None and self._pulls(factor)):
+                raise ConvergenceError(self._reason(run, factor), best=run.state)
+        return state
+
+    def _at(self, state: State | None, factor: float) -> Iteration:
+        """Equilibrium under a part of the load, from that under a smaller one or from none."""
+        if state is not None:
+            run = self._newton.solve(state.x, state.f, factor)
+            if run.converged:
+                return run
+        run = self._newton.solve(*self._start(factor), factor)
+        if run.converged or self._pulls(factor):
+            return run
+        return self._stiffened(factor)
+
+    def _stiffened(self, factor: float) -> Iteration:
+        """Equilibrium under a part of the load by way of softer laws, each from the one before."""
+        x, f = self._start(factor)
+        found = False
+        try:
+            for softness in _SOFTNESSES:
+                self._equations.softness = softness
+                run = self._newton.solve(x, f, factor)
+                if run.converged:
+                    x, f, found = run.state.x, run.state.f, True
+                elif found:
+                    break
+        finally:
+            self._equations.softness = 1.0
+        return run
+
+    def _start(self, factor: float) -> tuple[Floats, Floats]:
+        """Displacements where springs at all points hold the sides together where they are nearest.
+
+        Springs push and pull: the state is that of a contact that is closed everywhere.
+        """
+        if factor not in self._starts:
+            equations = self._equations
+            tension = equations.spring_forces(self._springs, factor)
+            tangent = equations.tangent(self._springs, friction=False)
+            with self._timer("factorisation"):
+                found = solved_regularly(tangent, equations.load_at(factor) + tension)
+            free_tangent(tangent)
+            if found is None:
+                raise ConvergenceError(_FREE, best=equations.state(*equations.zero(), factor))
+            self._starts[factor] = found
+        return self._starts[factor]
+
+    def _result(self, state: State, path: Sequence[LoadStep]) -> SteadySliding:
+        equations = self._equations
+        tangent = equations.tangent(equations.slopes(state.closures))
+        try:
+            with self._timer("factorisation"):
+                factors = _factorised(tangent, state)
+                uncertainty = rounding_uncertainty(
+                    tangent, factors, state.x[:, None], state.f[:, None]
+                )
+                parities = {step.factor: step.parity for step in path}
+                unstable = equations.unstable
+                uniqueness = uniqueness_at(tangent, factors, parities, unstable=unstable)
+                factors.free()
+            if not uncertainty < LOST:
+                raise ConvergenceError(_LEAVE_FREE, best=state)
+            residual = equations.checked_residual(state, tangent)
+        finally:
+            free_tangent(tangent)
+        return SteadySliding(
+            displacement=equations.vector(state.x),
+            forces=state.f,
+            uncertainty=uncertainty,
+            residual=residual,
+            contacts=self._contact_states(state),
+            path=tuple(path),
+            uniqueness=uniqueness,
+        )
+
+    def _load_step(self, factor: float, run: Iteration) -> LoadStep:
+        how = (tuple(run.residuals), tuple(run.lengths), tuple(run.closed), run.parity)
+        return LoadStep(factor, *how, self._step_state(run.state) if self._history else None)
+
+    def _step_state(self, state: State) -> StepState:
+        """The equilibrium under a part of the load, and how far it is from another one."""
+        equations, margin = self._equations, None
+        tangent = equations.tangent(equations.slopes(state.closures))
+        try:
+            with self._timer("factorisation"):
+                factors = _factorised(tangent, state)
+                unique = uniqueness_at(tangent, factors, {}, unstable=equations.unstable)
+                factors.free()
+            margin = unique.margin if unique is not None else None
+        except ConvergenceError:  # a later step may hold the bodies
+            pass
+        free_tangent(tangent)
+        return StepState(equations.vector(state.x), self._contact_states(state), margin)
+
+    def _contact_states(self, state: State) -> dict[str, ContactState]:
+        return {
+            contact.name: contact_state(contact, closure)
+            for contact, closure in zip(self._equations.contacts, state.closures, strict=True)
+        }
+
+    def _reason(self, run: Iteration, factor: float) -> str:
+        """Why there is no equilibrium."""
+        if self._equations.unstable:
+            return (
+                f"no state of steady sliding was found at {factor:.3g} of the load: bodies rotate "
+                "beyond a critical rate, at which their convective stiffness exceeds their own; "
+                "there need not be any"
+            )
+        if not run.state.closed_points or self._pulls(factor):
+            return OPENS
+        reason = (
+            f"no state of steady sliding was found at {factor:.3g} of the load: the residual is "
+            f"{run.state.relative:.1e} of the forces"
+        )
+        stiff = self._equations.too_stiff(factor, self._start(factor)[0])
+        if stiff is not None:
+            return f"{reason}; {stiff}"
+        if any(self._equations.frictional):
+            smooth = SteadyEquations(self._equations.system, friction=False)
+            without = SteadyNewton(smooth, self._springs, self._timer)
+            if without.solve(*self._start(factor), factor).converged:
+                reason += "; without friction there is one: friction is too large"
+            smooth.free()
+        return reason
+
+    def _pulls(self, factor: float) -> bool:
+        """Whether springs that hold the sides together are in tension, taken together.
+
+        Where bodies are not stable without contacts that says nothing of other states.
+        """
+        if self._equations.unstable:
+            return False
+        x = self._start(factor)[0]
+        return self._equations.spring_resultant(self._springs, x, factor) <= 0
+
+
+def _factorised(tangent: Matrices, state: State) -> Shifted:
+    """Factors of the tangent in a state."""
+    try:
+        return Shifted(tangent)
+    except ConvergenceError:
+        raise ConvergenceError(_LEAVE_FREE, best=state) from None

@@ -1,0 +1,242 @@
+"""States of steady sliding: what contacts carry, how they were found, whether they are alone.
+
+The law of the pressure is monotone: without friction the tangent is symmetric positive definite and
+there is one equilibrium. With friction it may become singular, where branches of equilibria meet,
+and beyond it an odd number of its real eigenvalues is negative: the sign of its determinant tells.
+Where bodies rotate beyond a critical rate the symmetric part has negative eigenvalues of its own:
+it is those beyond them that count.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.contact.contact import Contact
+from cea.eigen.pencil import Matrices
+from cea.eigen.shifted import Shifted, count_below
+from cea.matrices import destroy
+from cea.petsc import Vec
+from cea.warned import ResultWarning
+
+_NEAR = 1e-2
+"""Least eigenvalue, of the tangent relative to its symmetric part, that is not nearly zero."""
+_STEPS = 12
+"""Inverse iterations."""
+
+
+@dataclass(frozen=True)
+class ContactState:
+    """One half pass in steady sliding.
+
+    Parameters
+    ----------
+    closure
+        u_n - g_n at all points (m), positive where the contact is closed, shape (n,).
+    pressure
+        -sigma_n there (N/m^2), shape (n,).
+    stiffness
+        p there (N/m^3), that small motions meet, shape (n,).
+    normal_force
+        Integral of the pressure (N).
+    friction_force
+        Integral of mu times the pressure (N).
+    force_on_a
+        Resultant of both on side a (N), shape (dim,).
+    closed_area
+        Area that is closed (m^2).
+    area
+        Area of the contact (m^2).
+    """
+
+    closure: Floats
+    pressure: Floats
+    stiffness: Floats
+    normal_force: float
+    friction_force: float
+    force_on_a: Floats
+    closed_area: float
+    area: float
+
+    @property
+    def closed_fraction(self) -> float:
+        """Part of the area that is closed."""
+        return self.closed_area / self.area
+
+
+@dataclass(frozen=True)
+class StepState:
+    """The equilibrium under a part of the load."""
+
+    displacement: Vec  # free displacements (m), PETSc vector
+    contacts: Mapping[str, ContactState]  # state of each half pass with a law, by its name
+    # that of :class:`Uniqueness`; None where the tangent is symmetric or singular
+    margin: float | None
+
+
+@dataclass(frozen=True)
+class LoadStep:
+    """A part of the load at which the equilibrium was found."""
+
+    factor: float  # the part
+    # residual of each state of Newton's method, relative to the forces it is the sum of
+    residuals: tuple[float, ...]
+    lengths: tuple[float, ...]  # part of each of its steps that was taken
+    closed: tuple[int, ...]  # points that were closed in each state
+    # whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
+    # where it is symmetric, or that is not known
+    parity: int | None
+    state: StepState | None = None  # the equilibrium; None where the history was not asked for
+
+
+@dataclass(frozen=True)
+class Uniqueness:
+    """What the tangent of a state says of others near it."""
+
+    # whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
+    # where that is not known
+    parity: int | None
+    parities: Mapping[float, int | None]  # the same on the way, by part of the load
+    # estimate of the least absolute eigenvalue of the tangent relative to its symmetric part: 1
+    # without friction, 0 where branches meet
+    margin: float
+
+    @property
+    def lost(self) -> bool:
+        """Whether the determinant has, here or on the way, another sign than without friction."""
+        return 1 in (self.parity, *self.parities.values())
+
+    @property
+    def near(self) -> bool:
+        """Whether the tangent is nearly singular."""
+        return self.margin < _NEAR
+
+    def warnings(self) -> tuple[ResultWarning, ...]:
+        """What a reader must know of it."""
+        if self.lost:
+            kind = "not-unique"
+            message = (
+                "the determinant of the tangent has another sign than without friction: the "
+                "equilibrium is unstable or there are others"
+            )
+        elif self.near:
+            kind = "nearly-not-unique"
+            message = (
+                f"the tangent is nearly singular ({self.margin:.1e} of that without friction): "
+                "other equilibria are near"
+            )
+        else:
+            return ()
+        parities = [[factor, parity] for factor, parity in self.parities.items()]
+        data = {"parity": self.parity, "parities": parities, "margin": self.margin}
+        return (ResultWarning(kind, message, data),)
+
+
+@dataclass(frozen=True)
+class SteadySliding:
+    """A state of steady sliding.
+
+    Parameters
+    ----------
+    displacement
+        Free displacements (m), PETSc vector.
+    forces
+        Forces of contacts of a linear law that are unknowns (N), the rows of this rank.
+    uncertainty
+        What rounding the tangent makes of them, relative to the largest.
+    residual
+        Forces left over by the pencil that is linearised about it, relative to the load.
+    contacts
+        State of each half pass with a law, by its name.
+    path
+        Parts of the load on the way.
+    uniqueness
+        Whether another equilibrium may be near; None where the tangent is symmetric.
+    reactions
+        Forces (N) of each support on its body, by body, shape (supports, dim).
+    """
+
+    displacement: Vec
+    forces: Floats
+    uncertainty: float
+    residual: float
+    contacts: Mapping[str, ContactState]
+    path: tuple[LoadStep, ...]
+    uniqueness: Uniqueness | None
+    reactions: Mapping[str, Floats] = field(default_factory=dict)
+
+    @property
+    def iterations(self) -> int:
+        """Steps of Newton's method, over all parts of the load."""
+        return sum(len(step.lengths) for step in self.path)
+
+
+def contact_state(contact: Contact, closure: Floats) -> ContactState:
+    """What a half pass carries at closures of all its points (m), shape (n,)."""
+    points, friction_law = contact.interface.points, contact.friction
+    pressure = contact.law.pressure(closure)
+    weighted = points.weight * pressure
+    force = -(weighted @ points.normal)
+    friction = 0.0
+    if friction_law is not None and friction_law.acts:
+        tangential = weighted * friction_law.mu
+        friction = float(tangential.sum())
+        force = force + tangential @ friction_law.direction.at(points.x, points.normal)
+    return ContactState(
+        closure=closure,
+        pressure=pressure,
+        stiffness=contact.law.slope(closure),
+        normal_force=float(weighted.sum()),
+        friction_force=friction,
+        force_on_a=force,
+        closed_area=float(points.weight[closure > 0].sum()),
+        area=float(points.weight.sum()),
+    )
+
+
+def uniqueness_at(
+    tangent: Matrices,
+    factors: Shifted,
+    parities: Mapping[float, int | None],
+    *,
+    unstable: bool,
+) -> Uniqueness | None:
+    """What a tangent says of other equilibria; None of a symmetric one."""
+    if tangent.symmetric:
+        return None
+    parity = parity_of(tangent, factors, unstable=unstable)
+    return Uniqueness(parity, parities, _margin(tangent, factors))
+
+
+def parity_of(tangent: Matrices, factors: Shifted, *, unstable: bool) -> int | None:
+    """Whether a tangent has an odd (1) or even (0) number of negative real eigenvalues.
+
+    More than its symmetric part has, where that may have some; None where it is not known.
+    """
+    parity = factors.parity()
+    if parity is None or not unstable:
+        return parity
+    return (parity + count_below(tangent, 0.0)) % 2
+
+
+def _margin(tangent: Matrices, factors: Shifted) -> float:
+    """Inverse of the growth of A^-1 S, S the symmetric part of A that contact and bodies make."""
+    S = tangent.stiffness
+    x, y = S.createVecRight(), S.createVecLeft()
+    x.array[:] = np.random.default_rng(S.comm.rank).standard_normal(x.getLocalSize())
+    growths = []
+    for _ in range(_STEPS):
+        S.mult(x, y)
+        before = _norm(x)
+        factors.solve(y, x)
+        growths.append(_norm(x) / before)
+        x.scale(1 / _norm(x))
+    destroy(x, y)
+    late = np.array(growths[_STEPS // 2 :])
+    return float(1 / np.exp(np.log(late).mean()))
+
+
+def _norm(x: Any) -> float:
+    return float(x.norm())

@@ -1,0 +1,237 @@
+"""What ``cea doctor`` looks at: whether this installation works, and what mends it where not."""
+
+import ctypes
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from scenes.spec.body import Backend
+
+_PROJECT = "friction-cea"
+_OLDEST = (3, 12)
+"""Python."""
+_RANKS = 2
+_PATIENCE = 60.0
+"""Seconds that a program may take."""
+_COUNT = "import sys; from cea.petsc import MPI; sys.stdout.write(f'of {MPI.COMM_WORLD.size};')"
+_LITTLE = 2e9
+"""Bytes of memory below which even the scenes of the project do not all run."""
+LIBRARIES = {"libGL.so.1": "libgl1", "libEGL.so.1": "libegl1", "libGLU.so.1": "libglu1-mesa"}
+"""Shared libraries that meshing with gmsh and pictures need, and their packages on Debian."""
+_SCENE = "blocks"
+_COARSE = {
+    f"bodies.{body}.mesh": {
+        "fe": {"cell": "quadrilateral", "degree": 3, "elements": elements},
+        "iga": {"degree": [3, 3], "elements": elements},
+    }
+    for body, elements in (("upper", [8, 3]), ("lower", [7, 4]))
+}
+_EXACT = (1.374601231794j, 1.767482480613j, 1.825025163132j, 1.953583329521j, 2.024977609479j)
+"""The first five, by ``cea exact blocks --count 5``."""
+_TOLERANCE = 1e-4
+"""Relative error of eigenvalues on such meshes."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at.
+
+    Parameters
+    ----------
+    name
+        What it is.
+    told
+        What was found.
+    mend
+        The command, or what else is to be done, where it is a fault; None where all is well.
+    """
+
+    name: str
+    told: str
+    mend: str | None = None
+
+
+def examine(*, launched: bool) -> Iterator[Finding]:
+    """Look at everything, cheap things first: each finding as soon as it is known.
+
+    Parameters
+    ----------
+    launched
+        Whether a launcher of MPI began this process.
+    """
+    yield python()
+    installed = list(packages())
+    yield from installed
+    yield compiler()
+    yield python_header()
+    yield from libraries()
+    if any(finding.mend for finding in installed):
+        return  # what follows would fail for what is told already
+    yield launcher(launched=launched)  # before MPI begins here: no launcher starts inside of it
+    yield mpi()
+    yield memory()
+    yield solve("fe")
+    yield solve("iga")
+
+
+def python() -> Finding:
+    """The running Python."""
+    needed = ".".join(map(str, _OLDEST))
+    fits = sys.version_info[:2] >= _OLDEST
+    mend = None if fits else f"install Python {needed} or newer, then: make setup"
+    return Finding("python", ".".join(map(str, sys.version_info[:3])), mend)
+
+
+def packages() -> Iterator[Finding]:
+    """Every package that the project needs, and those of its extras that are installed."""
+    try:
+        required = requires(_PROJECT) or []
+    except PackageNotFoundError:
+        mend = "in the folder of the project: make setup"
+        yield Finding(_PROJECT, "not installed: runs from its folder, or not at all", mend)
+        return
+    yield Finding(_PROJECT, version(_PROJECT))
+    for requirement in required:
+        if "extra == 'dev'" not in requirement.replace('"', "'"):
+            yield package(requirement)
+
+
+def package(requirement: str) -> Finding:
+    """One package, as ``pyvista>=0.44; extra == 'pictures'``; without an extra the rest runs."""
+    from packaging.requirements import Requirement
+
+    wanted = Requirement(requirement)
+    extra = str(wanted.marker).partition("extra == ")[2].strip("\"'") if wanted.marker else ""
+    label = f"{wanted.name} (extra {extra})" if extra else wanted.name
+    try:
+        found = version(wanted.name)
+    except PackageNotFoundError:
+        if extra:
+            told = f"not installed, may be: python -m pip install '{_PROJECT}[{extra}]'"
+            return Finding(label, told)
+        return Finding(label, "not installed", f"python -m pip install '{_PROJECT}'")
+    if not wanted.specifier.contains(found, prereleases=True):
+        mend = f"python -m pip install '{wanted.name}{wanted.specifier}'"
+        return Finding(label, f"{found}, not {wanted.specifier}", mend)
+    return Finding(label, found)
+
+
+def compiler() -> Finding:
+    """The C compiler, which forms of finite elements are compiled with when first used."""
+    command = shlex.split(os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc")
+    mend = "sudo apt-get install gcc libc6-dev"
+    if shutil.which(command[0]) is None:
+        return Finding("C compiler", f"no {command[0]}", mend)
+    trial = [*command, "-fsyntax-only", "-x", "c", "-"]
+    if _run(trial, "#include <math.h>\n") is None:
+        return Finding("C compiler", f"{command[0]} compiles nothing: no headers of C", mend)
+    told = _run([command[0], "--version"]) or command[0]
+    return Finding("C compiler", told.splitlines()[0])
+
+
+def python_header() -> Finding:
+    """The header that compiled forms include."""
+    header = Path(sysconfig.get_path("include"), "Python.h")
+    if header.is_file():
+        return Finding("Python.h", str(header))
+    name = f"python{sys.version_info.major}.{sys.version_info.minor}-dev"
+    return Finding("Python.h", "not there", f"sudo apt-get install {name}")
+
+
+def libraries() -> Iterator[Finding]:
+    """Shared libraries that no Python package brings."""
+    for library, package in LIBRARIES.items():
+        try:
+            ctypes.CDLL(library)
+        except OSError:
+            yield Finding(library, "does not load", f"sudo apt-get install {package}")
+        else:
+            yield Finding(library, "loads")
+
+
+def launcher(*, launched: bool) -> Finding:
+    """The mpiexec of the MPI that the packages use, tried on two ranks.
+
+    Parameters
+    ----------
+    launched
+        Whether a launcher began this process: it then works, and would not begin another inside.
+    """
+    right = Path(sys.executable).with_name("mpiexec")
+    mend = "python -m pip install --force-reinstall mpich"
+    if launched:
+        return Finding("mpiexec", "began this program")
+    if not right.is_file():
+        return Finding("mpiexec", f"no {right}", mend)
+    told = _run([str(right), "-n", str(_RANKS), sys.executable, "-c", _COUNT]) or ""
+    if told.count(f"of {_RANKS};") != _RANKS:
+        mend = f"{mend}; then try: {right} -n 2 hostname"
+        return Finding("mpiexec", f"{right} does not start {_RANKS} ranks of one program", mend)
+    other = shutil.which("mpiexec")
+    beside = "" if other is None or Path(other).samefile(right) else f"; {other} is another, not it"
+    return Finding("mpiexec", f"{right} starts {_RANKS} ranks{beside}")
+
+
+def mpi() -> Finding:
+    """The MPI library that PETSc and its Python packages share."""
+    try:
+        from cea.petsc import MPI
+    except Exception as fault:  # a library that does not load says so in many ways
+        return Finding("MPI", f"{fault}".splitlines()[0], "make distclean setup")
+    return Finding("MPI", " ".join(MPI.Get_library_version().partition("\n")[0].split()))
+
+
+def memory() -> Finding:
+    """Memory that a run may have."""
+    from scenes.checking.memory import available_memory
+
+    available = available_memory()
+    mend = "raise the limit: ulimit -v unlimited, or that of the group"
+    return Finding("memory", f"{available / 1e9:.1f} GB", mend if available < _LITTLE else None)
+
+
+def solve(backend: "Backend") -> Finding:
+    """Modes of two blocks in contact, beside exact eigenvalues."""
+    name, start = f"solve on {backend}", perf_counter()
+    try:
+        error = worst_error(backend)
+    except Exception as fault:  # whatever it is, it is what the doctor is asked for
+        told = f"{type(fault).__name__}: {fault}".splitlines()[0]
+        return Finding(name, told, "make distclean setup; should it stay, tell what this says")
+    told = f"{perf_counter() - start:.1f} s, error {error:.0e}"
+    if error > _TOLERANCE:
+        return Finding(name, f"{told}: wrong eigenvalues", "make distclean setup")
+    return Finding(name, told)
+
+
+def worst_error(backend: "Backend") -> float:
+    """Largest relative error of the eigenvalues of the two blocks."""
+    import numpy as np
+
+    from scenes import run_modes
+    from scenes.spec.reading import load_scene
+
+    found = run_modes(load_scene(_SCENE, backend=backend).change(_COARSE)).eigenvalues
+    exact = np.array(_EXACT)
+    return float((np.abs(found[None] - exact[:, None]).min(axis=1) / np.abs(exact)).max())
+
+
+def _run(command: list[str], text: str = "") -> str | None:
+    """What a program prints; None where it fails or does not end."""
+    try:
+        done = subprocess.run(
+            command, input=text, capture_output=True, text=True, timeout=_PATIENCE, check=True
+        )
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout

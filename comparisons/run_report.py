@@ -1,0 +1,273 @@
+"""The report of one run, `cea run --report`: its record and the shapes of its modes on a page."""
+
+from collections.abc import Mapping
+from math import hypot, tau
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from cea.petsc import MPI
+from comparisons.kit.interactive import VERDICT_MARKS, sign
+from comparisons.kit.numbers import growth, number, plain, shown
+from comparisons.kit.page import REPORT
+from comparisons.kit.shapes import Shapes, by_importance
+from comparisons.study.closing import machine, parameters
+from comparisons.study.columns import Column
+from comparisons.study.page import write
+from comparisons.study.sections import Plot, Section, Table
+from scenes import Result
+from scenes.results.record import read_record
+from scenes.spec.names import backend_name
+
+Data = Mapping[str, Any]
+_KEY = "run"
+"""Name of the modes on the page."""
+
+
+def write_run_report(result: Result, record: Path) -> Path:
+    """Write the page of a run beside its record; collective, rank 0 writes.
+
+    Parameters
+    ----------
+    result
+        The run.
+    record
+        Its ``result.json``, as :func:`scenes.save_result` wrote it.
+
+    Returns
+    -------
+    Path
+        ``report.html``: one file that needs no other. It shows every mode on the diagram, and
+        the shapes of as many as the page has room for, unstable ones first.
+    """
+    shapes = Shapes()
+    if result.spectrum is not None and result.coupled is not None:
+        shapes.add(_KEY, result, by_importance(result))
+    elif result.coupled is not None:
+        shapes.add_bodies(_KEY, result)
+    if result.comm.rank == 0:
+        data = read_record(record)
+        text = data["scene"].get("description") or ""
+        write(
+            data["scene"]["name"],
+            SECTIONS,
+            data,
+            record.parent,
+            shapes=shapes,
+            text=text,
+            files=False,
+        )
+    MPI.COMM_WORLD.Barrier()
+    return record.with_name(REPORT)
+
+
+def modes(data: Data) -> pd.DataFrame:
+    """Every mode with its verdict and errors."""
+    return pd.DataFrame(
+        [
+            {
+                "mode": i,
+                "verdict": value["verdict"],
+                "frequency": value["im"] / tau,
+                "growth": value["re"],
+                "damping_ratio": damping_ratio(value),
+                "uncertainty": value["uncertainty"],
+                "residual": value["residual"],
+                "condition": value["condition"],
+                "shape": f"{_KEY}/{i}",
+            }
+            for i, value in enumerate(data.get("eigenvalues", ()), 1)
+        ]
+    )
+
+
+def by_verdict(data: Data) -> pd.DataFrame:
+    """The same, those that grow first."""
+    frame = modes(data)
+    if frame.empty:
+        return frame
+    return frame.sort_values("verdict", key=lambda v: v.map([*VERDICT_MARKS].index), kind="stable")
+
+
+def signed_modes(data: Data) -> pd.DataFrame:
+    """The same, each verdict with its sign."""
+    frame = modes(data)
+    return frame if frame.empty else frame.assign(verdict=frame["verdict"].map(sign))
+
+
+def damping_ratio(value: Data) -> float | None:
+    """Minus the growth rate over abs(lambda); None of a mode that stands still."""
+    size = hypot(value["re"], value["im"])
+    return 0.0 - value["re"] / size if size else None
+
+
+def stresses(data: Data) -> pd.DataFrame:
+    """Normal stress along a line over each side of each contact of a static analysis."""
+    return pd.DataFrame(
+        [
+            {"contact": name, "side": f"side {side}", "arc": arc, "stress": stress}
+            for name, sides in data.get("stresses", {}).items()
+            for side, sampled in sides.items()
+            for arc, stress in zip(sampled["arc"], sampled["sigma_n_along"], strict=True)
+        ]
+    )
+
+
+def bodies(data: Data) -> pd.DataFrame:
+    """Bodies: how they are discretised, of what they are made, what holds them."""
+    rows = []
+    for name, body in data["scene"].get("bodies", {}).items():
+        mesh = (body.get("mesh") or {}).get(body["backend"]) or {}
+        fields = ("cell", "degree", "elements", "size")
+        told = (f"{f} {plain(mesh[f])}" for f in fields if mesh.get(f) is not None)
+        supports = ", ".join(support["surface"] for support in body.get("supports") or ())
+        rows.append(
+            {
+                "body": name,
+                "discretised_by": backend_name(body["backend"]),
+                "mesh": ", ".join(told),
+                "dofs": data["dofs"]["bodies"][name],
+                **{field: body["material"].get(field) for field in ("E", "nu", "rho")},
+                "supported_at": supports or "none",
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def contacts(data: Data) -> pd.DataFrame:
+    """Contact points as they were found on the other side, and what was asked of the contact."""
+    specs, rows = data["scene"].get("contacts", {}), []
+    for name, found in data.get("contacts", {}).items():
+        spec = specs.get(name) or specs.get(name.rpartition(".")[0]) or {}
+        stiffness = (f"{k} = {plain(spec[k])}" for k in ("P", "p", "c_n") if spec.get(k))
+        rows.append(
+            {
+                "contact": name,
+                "sides": f"{spec['a']} on {spec['b']}" if spec else "",
+                "formulation": (spec.get("formulation") or {}).get("method", ""),
+                "stiffness": next(stiffness, ""),
+                "friction": plain(spec.get("mu", "")),
+                "points": found["points"],
+                "missed": found["status"].get("missed", 0),
+                "area": found["area"],
+                "largest_distance": found["largest_distance"],
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def stages(data: Data) -> pd.DataFrame:
+    """Seconds of each stage."""
+    taken = [(stage, seconds) for stage, seconds in data["timings"].items() if seconds > 0]
+    return pd.DataFrame(taken, columns=["stage", "seconds"])
+
+
+def warned(data: Data) -> pd.DataFrame:
+    """What the result must be read with."""
+    hints = [{"warning": "hint", "message": hint} for hint in data.get("hints", ())]
+    rows = [{"warning": w["kind"], "message": w["message"]} for w in data["warnings"]]
+    return pd.DataFrame(hints + rows)
+
+
+def left_out(data: Data) -> pd.DataFrame:
+    """What the scene did not need."""
+    return pd.DataFrame(list(data["skipped"].items()), columns=["left_out", "reason"])
+
+
+def summary(data: Data) -> str | None:
+    """How many modes grow, and why they are all."""
+    if "eigenvalues" not in data:
+        return None
+    mark = sign(data["verdict"]).removesuffix(data["verdict"])
+    return f"{mark}{data['summary']}. Window: {data['window']['evidence']}."
+
+
+def steady(data: Data) -> str | None:
+    """What steady sliding found."""
+    from scenes.results.steady import steady_lines
+
+    return " ".join(steady_lines(data["steady_sliding"])) if "steady_sliding" in data else None
+
+
+def size(data: Data) -> str:
+    """Unknowns and run time."""
+    return f"{number(data['dofs']['free'])} dofs took {number(data['seconds'], 3)} s."
+
+
+COLUMNS = {
+    "damping_ratio": Column("damping ratio", show=shown(3, sign=True)),
+    "uncertainty": Column("algebraic error", "1/s", shown(2)),
+    "growth": Column("growth rate", "1/s", growth),
+    "arc": Column("along the surface", "m"),
+    "stress": Column("σₙ", "N/m²"),
+    "seconds": Column("wall-clock time", "s", shown(3)),
+    "E": Column("E", "N/m²", shown(3)),
+    "nu": Column("ν", show=shown(3)),
+    "rho": Column("ρ", "kg/m³", shown(4)),
+    "area": Column("area of side a", "m²", shown(4)),
+    "largest_distance": Column("largest gap", "m", shown(2)),
+}
+SECTIONS = [
+    Section("Warnings", tables=[Table("warnings", "To be read with the result.", warned)]),
+    Section(
+        "Modes",
+        "A click on a point of the diagram, or on a number in the table, shows the mode; drag it "
+        "to turn it, and move the phase or press play to see it vibrate.",
+        summary,
+        modes=True,
+        plots=[
+            Plot(
+                "stability",
+                "What lies above zero grows. Marks tell verdicts apart as colours do.",
+                *(by_verdict, "frequency", "growth", ("verdict",)),
+                own=COLUMNS,
+                style="markers",
+            )
+        ],
+        tables=[
+            Table(
+                "modes",
+                "Every mode of the window. Damping ratio: minus the growth rate over abs(λ). "
+                "Algebraic error: what residual and rounding, times the condition, can make of the "
+                "growth rate; errors of the mesh are told by cea converge.",
+                *(signed_modes, COLUMNS),
+            )
+        ],
+    ),
+    Section("Steady sliding", headline=steady),
+    Section(
+        "Stresses",
+        plots=[
+            Plot(
+                "stress",
+                "Normal stress along a line over the contact, both sides.",
+                *(stresses, "arc", "stress", ("side",), "contact"),
+                own=COLUMNS,
+            )
+        ],
+    ),
+    Section(
+        "Geometry and mesh",
+        geometry=True,
+        tables=[
+            Table("bodies", "Dofs are those that supports leave free.", bodies, COLUMNS),
+            Table("contacts", "Points as found on the other side.", contacts, COLUMNS),
+        ],
+    ),
+    Section(
+        "Run time",
+        headline=size,
+        plots=[
+            Plot("stages", "", stages, "stage", "seconds", own=COLUMNS, style="bars"),
+        ],
+    ),
+    Section("Left out", tables=[Table("skipped", "Not needed by the scene.", left_out)]),
+    Section(
+        "Machine, versions, scene as run",
+        tables=[
+            Table("machine", "", machine),
+            Table("parameters", "", lambda data: parameters([data])),
+        ],
+    ),
+]

@@ -1,0 +1,214 @@
+"""Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal, get_args
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.errors import InputError
+from scenes.spec.limits import LARGEST, SMALLEST
+
+_MOST = 10_000
+"""Values of an axis."""
+_AXIS = "name=first:last:count, or name=first:last:log:count"
+Kind = Literal["normal", "uniform", "lognormal"]
+_DISTRIBUTION = (
+    "name~normal:mean:deviation, name~lognormal:median:deviation of the logarithm, with :low:high "
+    "behind them to cut them off, or name~uniform:low:high"
+)
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Values of one field, named as it was given: evenly spaced, or in their logarithm."""
+
+    name: str
+    first: float
+    last: float
+    count: int
+    logarithmic: bool = False
+
+    def __post_init__(self) -> None:
+        for end in (self.first, self.last):
+            _check_end(self.name, end, positive=self.logarithmic)
+        if self.first == self.last:
+            raise InputError(self.name, self.last, "another last value than the first")
+        if not 2 <= self.count <= _MOST:
+            raise InputError(self.name, self.count, f"2 to {_MOST} values")
+
+    @property
+    def values(self) -> list[float]:
+        """The values."""
+        spaced = np.geomspace if self.logarithmic else np.linspace
+        return spaced(self.first, self.last, self.count).tolist()
+
+    def plain(self) -> dict[str, Any]:
+        """It as plain data."""
+        told = {"name": self.name, "first": self.first, "last": self.last, "count": self.count}
+        return told | {"log": self.logarithmic}
+
+
+@dataclass(frozen=True)
+class Distribution:
+    """How a field is spread, cut off at ``low`` and ``high``.
+
+    ``first`` and ``second`` are mean and standard deviation; least and greatest value of a uniform
+    one; median, and standard deviation of the logarithm.
+    """
+
+    name: str
+    kind: Kind
+    first: float
+    second: float
+    low: float = -np.inf
+    high: float = np.inf
+
+    def __post_init__(self) -> None:
+        _check_end(self.name, self.first, positive=self.kind == "lognormal")
+        _check_end(self.name, self.second, positive=False)
+        if self.kind == "uniform":
+            if not self.first < self.second:
+                raise InputError(self.name, self.second, f"greater than {self.first:g}")
+        elif self.second <= 0:
+            raise InputError(self.name, self.second, "a positive deviation")
+        if not self.low < self.high:
+            raise InputError(self.name, self.high, f"greater than {self.low:g}")
+        if not np.ptp(self._ends):
+            raise InputError(self.name, [self.low, self.high], "ends with values between them")
+
+    @property
+    def _law(self) -> Any:
+        from scipy.stats import lognorm, norm, uniform
+
+        if self.kind == "normal":
+            return norm(self.first, self.second)
+        if self.kind == "lognormal":
+            return lognorm(self.second, scale=self.first)
+        return uniform(self.first, self.second - self.first)
+
+    @property
+    def _ends(self) -> Floats:
+        """Probabilities below both ends."""
+        ends: Floats = self._law.cdf([self.low, self.high])
+        return ends
+
+    def above(self, least: float) -> "tuple[Distribution, float]":
+        """It cut off below what its field may have, and the share that was cut."""
+        if self.low >= least:
+            return self, 0.0
+        before, cut = self._ends, replace(self, low=least)
+        return cut, float((cut._ends[0] - before[0]) / (before[1] - before[0]))
+
+    def at(self, probability: Floats) -> Floats:
+        """Values below which the probability is given, shape (n,)."""
+        least, most = self._ends
+        values = self._law.ppf(least + (most - least) * probability)
+        return np.clip(values, self.low, self.high)
+
+    def plain(self) -> dict[str, Any]:
+        """It as plain data; ends that cut nothing off are left out."""
+        told = {"name": self.name, "kind": self.kind, "first": self.first, "second": self.second}
+        ends = {"low": self.low, "high": self.high}
+        return told | {name: value for name, value in ends.items() if np.isfinite(value)}
+
+
+Field = Axis | Distribution
+"""A field that varies."""
+
+
+@dataclass(frozen=True)
+class Points:
+    """A table of points, of shape (points, fields).
+
+    ``counts`` are numbers of values of the axes, whose last is the fastest, empty of samples;
+    whether the first axis is evenly spaced in its logarithm; the share of each distribution that
+    was cut off.
+    """
+
+    names: tuple[str, ...]
+    values: Floats
+    counts: tuple[int, ...] = ()
+    logarithmic: bool = False
+    cut: tuple[float, ...] = ()
+
+    @property
+    def ends(self) -> list[tuple[float, float]]:
+        """Least and greatest value of each field."""
+        lows, highs = self.values.min(axis=0).tolist(), self.values.max(axis=0).tolist()
+        return list(zip(lows, highs, strict=True))
+
+    def axis(self, number: int) -> Floats:
+        """Values of an axis, in their order."""
+        shaped = self.values[:, number].reshape(self.counts)
+        return np.moveaxis(shaped, number, 0).reshape(self.counts[number], -1)[:, 0]
+
+
+def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: int) -> Points:
+    """All points of a grid of axes, or samples drawn independently of each other.
+
+    ``least`` is the least value that each field may have; equal seeds (PCG64) draw equal samples.
+    """
+    names = tuple(each.name for each in fields)
+    axes = [each for each in fields if isinstance(each, Axis)]
+    if axes:
+        grid = np.meshgrid(*(each.values for each in axes), indexing="ij")
+        values = np.stack([each.ravel() for each in grid], axis=1)
+        return Points(names, values, grid[0].shape, axes[0].logarithmic)
+    spread = [each for each in fields if isinstance(each, Distribution)]
+    cut = [each.above(low) for each, low in zip(spread, least, strict=True)]
+    probabilities = np.random.default_rng(seed).random((len(fields), count))
+    drawn = [each.at(own) for (each, _), own in zip(cut, probabilities, strict=True)]
+    return Points(names, np.stack(drawn, axis=1), cut=tuple(share for _, share in cut))
+
+
+def read_axis(text: str) -> Axis:
+    """An axis from its text; InputError when it is none."""
+    name, equals, rest = text.partition("=")
+    parts = rest.split(":")
+    logarithmic = len(parts) == 4 and parts[2] == "log"
+    if not (name and equals) or len(parts) != (4 if logarithmic else 3):
+        raise InputError("axis", text, _AXIS)
+    try:
+        first, last, count = float(parts[0]), float(parts[1]), int(parts[-1])
+    except ValueError:
+        raise InputError("axis", text, _AXIS) from None
+    return Axis(name, first, last, count, logarithmic)
+
+
+def read_distribution(text: str) -> Distribution:
+    """A distribution from its text; InputError when it is none."""
+    name, tilde, rest = text.partition("~")
+    kind, *parts = rest.split(":")
+    counts = (2,) if kind == "uniform" else (2, 4)
+    if not (name and tilde) or kind not in get_args(Kind) or len(parts) not in counts:
+        raise InputError("distribution", text, _DISTRIBUTION)
+    try:
+        numbers = [float(part) for part in parts]
+    except ValueError:
+        raise InputError("distribution", text, _DISTRIBUTION) from None
+    return Distribution(name, kind, *numbers)  # type: ignore[arg-type]
+
+
+def read_fields(texts: Sequence[str]) -> tuple[Field, ...]:
+    """Axes or distributions from their texts; InputError when there are both."""
+    spread = ["~" in text and "=" not in text.partition("~")[0] for text in texts]
+    if any(spread) and not all(spread):
+        other = texts[spread.index(False)]
+        raise InputError("axis", other, "a distribution, as the others are: name~normal:0.4:0.05")
+    read: Any = read_distribution if any(spread) else read_axis
+    return tuple(map(read, texts))
+
+
+def plain_fields(fields: Sequence[Field]) -> list[Mapping[str, Any]]:
+    """Fields as plain data."""
+    return [each.plain() for each in fields]
+
+
+def _check_end(name: str, value: float, *, positive: bool) -> None:
+    """Refuse an end of what varies that no field of a scene may have."""
+    if not abs(value) <= LARGEST:
+        raise InputError(name, value, f"a finite number of at most {LARGEST:g}")
+    if positive and value < SMALLEST:
+        raise InputError(name, value, f"positive, at least {SMALLEST:g}")

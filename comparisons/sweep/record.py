@@ -1,0 +1,201 @@
+"""The record of a sweep: what it came to and how sure it is, without its modes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from cea.reduced.crossings import Threshold
+from cea.reduced.thresholds import Unresolved
+from comparisons.kit.run_warnings import merged_warnings
+from comparisons.sweep.points import Points
+from comparisons.sweep.scene import Mapped
+from comparisons.sweep.spectra import UNSTABLE, Spectra
+from scenes import Result
+
+_NAMED = 100
+"""Points without a certificate that are named."""
+
+
+def record_of(
+    scene: Mapped,
+    spectra: Spectra,
+    parts: Sequence[Mapping[str, Any]],
+    bases: Sequence[Mapping[str, Any]],
+    tolerance: float,
+) -> dict[str, Any]:
+    """Record of a sweep on bases, its thresholds not yet confirmed."""
+    bound, solves = spectra.bound, [each for basis in bases for each in basis["solves"]]
+    left = np.flatnonzero(bound > tolerance)
+    growths = [each["max_growth"] for each in solves if each["max_growth"] is not None]
+    lines = [part for part in parts if part]
+    return _common(scene.points, spectra) | {
+        "parameters": [list(each) for each in scene.names],
+        "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
+        "max_frequency": scene.max_frequency,
+        "growth_threshold": scene.growth_threshold,
+        "vectors": [basis["vectors"] for basis in bases],
+        "snapshots": solves,
+        "failed": [each for basis in bases for each in basis["failed"]],
+        "complete_to": min(growths, default=None),
+        "certified": len(bound) - len(left),
+        "not_certified": left[:_NAMED].tolist(),
+        "lost_to_rounding": int(((bound > tolerance) & (spectra.worst <= tolerance)).sum()),
+        "worst": float(bound.max()),
+        "thresholds": [each for part in lines for each in part["thresholds"]],
+        "unresolved": [each for part in lines for each in part["unresolved"]],
+        "resolution": max((part["resolution"] for part in lines), default=0.0),
+    }
+
+
+def record_of_full(
+    points: Points,
+    spectra: Spectra,
+    results: Sequence[Result | None],
+    failed: list[dict[str, Any]],
+    why: str,
+) -> dict[str, Any]:
+    """Record of a sweep that was solved in full at each point, with its warnings."""
+    solved = [result for result in results if result is not None]
+    runs = [
+        (dict(zip(points.names, at, strict=True)), [w.plain() for w in result.warnings])
+        for at, result in zip(points.values.tolist(), results, strict=True)
+        if result is not None
+    ]
+    analysis = solved[0].analysis if solved else None
+    growths = [each.modes.window.max_growth for each in solved]
+    return _common(points, spectra) | {
+        "max_frequency": None if analysis is None else analysis.max_frequency,
+        "growth_threshold": None if analysis is None else analysis.growth_threshold,
+        "why": why,
+        "snapshots": [],
+        "failed": failed,
+        "complete_to": min((each for each in growths if np.isfinite(each)), default=None),
+        "certified": len(solved),
+        "thresholds": _between_points(points, spectra),
+        "unresolved": [],
+        "resolution": 0.0,
+        "warnings": merged_warnings(runs, f"values of {', '.join(points.names)}")
+        + [_told("no-answer", f"{len(failed)} full solves gave no answer")] * bool(failed),
+    }
+
+
+def _common(points: Points, spectra: Spectra) -> dict[str, Any]:
+    """What the points are, and what grows at the first of them and above the window."""
+    above = np.flatnonzero(np.isfinite(spectra.above_growth))
+    fields = [
+        {"name": name, "ends": list(ends)}
+        | ({"values": points.axis(i).tolist()} if points.counts else {"cut": points.cut[i]})
+        for i, (name, ends) in enumerate(zip(points.names, points.ends, strict=True))
+    ]
+    told: dict[str, Any] = {
+        "axes" if points.counts else "fields": fields,
+        "values": len(points.values),
+        "growing_at_first": bool((spectra.growth[0] > spectra.uncertainty[0]).any()),
+        "above": None,
+    }
+    if len(above):
+        first = int(above[0])
+        told["above"] = {
+            "point": dict(zip(points.names, points.values[first].tolist(), strict=True)),
+            "growth": float(spectra.above_growth[first]),
+            "frequency": float(spectra.above_frequency[first]),
+        }
+    return told
+
+
+def _between_points(points: Points, spectra: Spectra) -> list[dict[str, Any]]:
+    """Thresholds between points solved in full: only numbers of unstable modes are known."""
+    found = []
+    lines = np.arange(len(points.values)).reshape(points.counts[0], -1).T
+    unstable = (spectra.verdict == UNSTABLE).sum(axis=1)
+    for line in lines:
+        others = dict(zip(points.names[1:], points.values[line[0], 1:].tolist(), strict=True))
+        answered = line[np.isfinite(spectra.worst[line])]
+        for low, high in pairwise(answered[np.argsort(points.values[answered, 0])].tolist()):
+            change = 2 * int(unstable[high] - unstable[low])
+            if not change:
+                continue
+            more = high if change > 0 else low
+            rates = np.where(spectra.verdict[more] == UNSTABLE, spectra.growth[more], np.inf)
+            mode, ends = int(rates.argmin()), points.values[[low, high], 0]
+            root = complex(rates[mode], 2 * np.pi * spectra.frequency[more, mode])
+            middle, half = float(ends.mean()), float(np.ptp(ends) / 2)
+            found.append(others | plain(Threshold(middle, half, root, 0.0, change, "count")))
+    return found
+
+
+def plain(found: Threshold | Unresolved) -> dict[str, Any]:
+    """A threshold or an unresolved interval as plain data; lambda as re and im (1/s)."""
+    told = asdict(found)
+    root = told.pop("eigenvalue")
+    both = (None, None) if root is None else (float(root.real), float(root.imag))
+    return told | dict(zip(("re", "im"), both, strict=True))
+
+
+def threshold_of(told: Mapping[str, Any]) -> Threshold:
+    """A threshold from plain data."""
+    root = complex(told["re"], told["im"])
+    names = ("value", "error", "slope", "change", "kind")
+    return Threshold(eigenvalue=root, **{name: told[name] for name in names})
+
+
+def _told(kind: str, message: str) -> dict[str, Any]:
+    return {"kind": kind, "message": message, "data": {}}
+
+
+def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any]]:
+    """What a sweep on bases must be read with."""
+    found, count = [], data["values"]
+    left = count - data["certified"]
+    if left:
+        message = (
+            f"{left} of {count} values are not certified to {tolerance:g}, the first of them "
+            f"numbers {', '.join(map(str, data['not_certified'][:10]))}: their bounds say how far "
+            "they may be off"
+        )
+        if data["lost_to_rounding"]:
+            message += (
+                f"; {data['lost_to_rounding']} by rounding of the reduced matrices, as where a "
+                "contact is stiff, against which no larger basis helps: full solves are not "
+                "subject to it"
+            )
+        found.append(_told("not-certified", message))
+    if data["failed"]:
+        found.append(_told("no-answer", f"{len(data['failed'])} full solves gave no answer"))
+    if data["unresolved"]:
+        number = len(data["unresolved"])
+        message = f"{number} intervals are unresolved: thresholds may be missing there"
+        found.append(_told("unresolved", message))
+    if (above := data["above"]) is not None:
+        at = ", ".join(f"{name} = {value:.5g}" for name, value in above["point"].items())
+        message = (
+            f"a mode at {above['frequency']:.6g} Hz grows by {above['growth']:.5g} 1/s at {at}: "
+            f"above max_frequency = {data['max_frequency']:g} Hz; raise it"
+        )
+        found.append(_told("above-window", message))
+    found += [
+        _told(
+            "cut-off",
+            f"{100 * each['cut']:.3g} % of the distribution of {each['name']} are values that it "
+            "may not have: they are cut off",
+        )
+        for each in data.get("fields", ())
+        if each["cut"]
+    ]
+    if data.get("any", {}).get("undecided"):
+        message = (
+            f"of {data['any']['undecided']} samples it is not decided whether they grow: "
+            "intervals reach as far as they would with and without these"
+        )
+        found.append(_told("undecided", message))
+    if data.get("not_followed"):
+        message = (
+            f"modes of {data['not_followed']} samples that grow, or may, could not be told to be "
+            "one of those in the middle: single modes have no rows where these are a tenth or more"
+        )
+        found.append(_told("not-followed", message))
+    solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
+    return found + merged_warnings(solves, "full solves")

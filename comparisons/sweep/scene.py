@@ -1,0 +1,289 @@
+"""What is swept: a scene whose pencil is solved at points, or that is run in full at each."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cea.eigen.driver import EigenSolver
+from cea.eigen.modes import Modes
+from cea.eigen.pencil import Pencil, release
+from cea.eigen.shifted import count_below
+from cea.errors import InputError
+from cea.reduced.norm import shift_of
+from cea.reduced.pieces import check_pencil
+from cea.warned import ResultWarning
+from comparisons.sweep.points import Field, Points, table_of
+from scenes import Result
+from scenes.running.assembled import AssembledScene
+from scenes.running.matrices import AssembledMatrices
+from scenes.running.swept import (
+    means_several,
+    no_two_alike,
+    parameters_meant,
+    stiffnesses_meant,
+)
+from scenes.spec.analysis import ComplexEigenvalueAnalysis
+from scenes.spec.contact import ContactSpec
+from scenes.spec.files import is_of_matrices
+from scenes.spec.matrices import load_matrices
+from scenes.spec.plain import as_data
+from scenes.spec.problems import SceneError
+from scenes.spec.reading import load_scene
+
+Assembled = AssembledScene | AssembledMatrices
+"""A scene that is solved at changed fields."""
+Warnings = Callable[[Modes, Mapping[str, float]], tuple[ResultWarning, ...]]
+"""What modes must be read with at some parameters."""
+
+
+class NoMapError(InputError):
+    """A scene without a reduced model over some fields; it may be solved in full at each point."""
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """A scene whose pencil is solved at points.
+
+    ``names`` are the parameters of the pencil that each field means, and the factor of each on its
+    values: P of a contact has one where the field is p. The scene as plain data, its window (Hz,
+    1/s) and limit of growth (1/s); what modes must be read with at some parameters.
+    """
+
+    driver: EigenSolver
+    points: Points
+    names: tuple[Mapping[str, float], ...]
+    scene: Mapping[str, Any]
+    max_frequency: float
+    growth_threshold: float | None
+    min_growth: float | None
+    warnings: Warnings
+
+    @property
+    def pencil(self) -> Pencil:
+        """The pencil."""
+        return self.driver.pencil
+
+    def point(self, values: Sequence[float]) -> dict[str, float]:
+        """Parameters at a value of each field."""
+        pairs = zip(values, self.names, strict=True)
+        return {
+            name: factor * float(value) for value, names in pairs for name, factor in names.items()
+        }
+
+
+def mapped(
+    scene: str | Path,
+    fields: Sequence[Field],
+    overrides: Sequence[str] = (),
+    data: str | None = None,
+    samples: tuple[int, int] = (0, 0),
+) -> Mapped:
+    """Assemble a scene; where a contact becomes too stiff for a penalty its forces are unknowns.
+
+    ``samples`` are the number of samples of distributions and their seed. NoMapError is raised when
+    a field is no parameter of the pencil, or the pencil is not that of all points, or has no
+    reduced model; InputError when the scene is refused, or a value.
+    """
+    if is_of_matrices(scene):
+        matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
+        names = _names(matrices.driver.pencil, fields, {}, ())
+        points = _points(matrices.driver.pencil, fields, names, samples)
+        window = matrices.scene.window
+        _check_definite(matrices.driver.pencil, _ends(points, names), window.max_frequency)
+        return Mapped(
+            matrices.driver,
+            points,
+            names,
+            as_data(matrices.scene),
+            window.max_frequency,
+            window.growth_threshold,
+            window.min_growth,
+            lambda modes, _: matrices.warnings(modes),
+        )
+    _refuse_data(data)
+    read = load_scene(scene, list(overrides))
+    first = AssembledScene(read)
+    names = _names(first.driver.pencil, fields, read.contacts, first.bonded)
+    points = _points(first.driver.pencil, fields, names, samples)
+    moved = [name for each in names for name in each if first.depends_on_state([name])]
+    if moved:
+        first.free()
+        allowed = "no parameter that moves a state of steady sliding"
+        raise NoMapError("axis", moved[0], allowed)
+    least, most = _ends(points, names)
+    assembled = first.with_forms_at(
+        {name: most[name] if name.endswith(".P") else least[name] for name in least}
+    )
+    if assembled is not first:
+        first.free()
+    analysis = assembled.scene.analysis
+    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    _check_definite(assembled.driver.pencil, (least, most), analysis.max_frequency)
+    return Mapped(
+        assembled.driver,
+        points,
+        names,
+        as_data(assembled.scene),
+        analysis.max_frequency,
+        analysis.growth_threshold,
+        analysis.min_growth,
+        lambda modes, values: assembled.warnings(modes, analysis.max_frequency, values),
+    )
+
+
+def _refuse_data(data: str | None) -> None:
+    if data is not None:
+        raise InputError("data", data, "left out: a scene of bodies reads no matrices")
+
+
+def _names(
+    pencil: Pencil,
+    fields: Sequence[Field],
+    contacts: Mapping[str, ContactSpec],
+    bonded: Sequence[str],
+) -> tuple[Mapping[str, float], ...]:
+    """Parameters that fields mean; P of contacts for each unit of p that they have in the scene."""
+    found: list[Mapping[str, float]] = []
+    p = [stiffnesses_meant(contacts, field.name) for field in fields]
+    try:
+        for field, own in zip(fields, p, strict=True):
+            paths = {f"contacts.{contact}.P": value for contact, value in own.items()}
+            of_p = {path: pencil.parameter(path).value / value for path, value in paths.items()}
+            meant = of_p or dict.fromkeys(parameters_meant(pencil, field.name, bonded), 1.0)
+            found.append(meant)
+        check_pencil(pencil, [name for each in found for name in each])
+    except InputError as error:
+        raise _no_map(error) from error
+    no_two_alike(found, [field.name for field in fields])
+    return tuple(found)
+
+
+def _points(
+    pencil: Pencil,
+    fields: Sequence[Field],
+    names: Sequence[Mapping[str, float]],
+    samples: tuple[int, int],
+) -> Points:
+    """The points, all of whose values are allowed."""
+    least = []
+    for each in names:
+        meant = [pencil.parameter(name) for name in each]
+        signed, positive = all(p.signed for p in meant), any(p.positive for p in meant)
+        least.append(-np.inf if signed else np.finfo(float).tiny if positive else 0.0)
+    points = table_of(fields, least, *samples)
+    for values in _ends(points, names):
+        for name, value in values.items():
+            pencil.parameter(name).check(value)
+    return points
+
+
+def _ends(points: Points, names: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
+    """All parameters at their least and at their greatest values."""
+    return [
+        {
+            name: factor * ends[end]
+            for ends, each in zip(points.ends, names, strict=True)
+            for name, factor in each.items()
+        }
+        for end in (0, 1)
+    ]
+
+
+def _check_definite(
+    pencil: Pencil, ends: Sequence[Mapping[str, float]], max_frequency: float
+) -> None:
+    """Refuse a damped pencil whose stiffness makes no norm where parameters are least.
+
+    That of bodies at rest does; with rotation or in matrices from elsewhere it may not.
+    """
+    if not pencil.damped:
+        return
+    try:
+        for each in ends:  # modes that are damped one by one may be others there
+            pencil.check(each)
+    except InputError as error:
+        raise _no_map(error) from error
+    matrices = pencil.at(ends[0])
+    try:
+        negative = count_below(matrices, -shift_of(max_frequency))
+    finally:
+        release(matrices)
+    if negative:
+        told = f"{negative} negative eigenvalues of its symmetric part"
+        raise NoMapError("stiffness", told, "none, for a map, where parameters are least")
+
+
+def _no_map(error: InputError) -> NoMapError:
+    return NoMapError(error.field, error.value, error.allowed)
+
+
+class InFull:
+    """A scene that is run at each point of some axes, its state of steady sliding sought anew."""
+
+    def __init__(
+        self, scene: str | Path, fields: Sequence[Field], overrides: Sequence[str], data: str | None
+    ) -> None:
+        self.points = table_of(fields, [-np.inf] * len(fields), 0, 0)
+        first = dict(zip(self.points.names, self.points.values[0].tolist(), strict=True))
+        self._assembled = _assembled(scene, first, overrides, data)
+        self._paths = [self._meant(name, value) for name, value in first.items()]
+        no_two_alike(self._paths, self.points.names)
+
+    def run(self, values: Sequence[float]) -> Result:
+        """Modes at a value of each field; of parameters as maps take them."""
+        changed = {
+            path: float(value)
+            for value, paths in zip(values, self._paths, strict=True)
+            for path in paths
+        }
+        assembled = self._assembled
+        if isinstance(assembled, AssembledScene) and set(changed) <= set(
+            assembled.driver.pencil.parameters
+        ):
+            return assembled.modes_at(changed)
+        return assembled.modes(changed)
+
+    def _meant(self, name: str, value: float) -> list[str]:
+        """Paths of the fields that change together."""
+        if not means_several(name):
+            return [name]
+        bonded: Sequence[str] = ()
+        if isinstance(self._assembled, AssembledScene):
+            p = stiffnesses_meant(self._assembled.scene.contacts, name)
+            if p:
+                return [f"contacts.{each}.p" for each in p]
+            bonded = self._assembled.bonded
+        try:
+            return parameters_meant(self._assembled.driver.pencil, name, bonded)
+        except InputError as error:
+            raise InputError(name, value, error.allowed) from error
+
+    def free(self) -> None:
+        """Free factors."""
+        self._assembled.free()
+
+
+def _assembled(
+    scene: str | Path, first: Mapping[str, float], overrides: Sequence[str], data: str | None
+) -> Assembled:
+    """A scene as it is, or at the first values of fields that are no parameters."""
+    single = {name: value for name, value in first.items() if not means_several(name)}
+    at_first = [*overrides, *(f"{name}={value!r}" for name, value in single.items())]
+    if is_of_matrices(scene):
+        return AssembledMatrices(load_matrices(scene, at_first, data))
+    _refuse_data(data)
+    try:
+        read = load_scene(scene, list(overrides))
+    except SceneError:  # a field may be given by the sweep alone
+        read = load_scene(scene, at_first)
+    for name in first:
+        stiffnesses_meant(read.contacts, name)  # refuses p that is a field
+    assembled = AssembledScene(read)
+    others = {n: v for n, v in single.items() if n not in assembled.driver.pencil.parameters}
+    if not others:
+        return assembled
+    assembled.free()
+    return AssembledScene(read.change(others))

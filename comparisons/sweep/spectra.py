@@ -1,0 +1,238 @@
+"""Modes at all points of a sweep: arrays, and the netCDF file that holds them."""
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.classify import GROWING, WORDS, Word
+from cea.reduced.spectrum import ReducedSpectrum
+from comparisons.sweep.points import Points
+from scenes import Result
+
+UNSTABLE = WORDS.index("unstable")
+"""The word as a number: its place in :data:`cea.eigen.classify.WORDS`."""
+HINT = 1.05
+"""Frequency, relative to the window's end, up to which growing modes above it are told."""
+ENGINE = "h5netcdf"
+"""What reads and writes netCDF files."""
+_ABOUT = {
+    "growth": ("1/s", "growth rate"),
+    "frequency": ("Hz", "frequency"),
+    "uncertainty": ("1/s", "bound on the error of lambda"),
+    "mean_error": ("1", "bound on the error of the mean where modes coalesce, relative"),
+    "verdict": ("1", "verdict"),
+    "worst": ("1", "worst error that the basis makes, relative"),
+    "growth_slope": ("1/s", "derivative of the growth rate in each field, in its unit"),
+    "frequency_slope": ("Hz", "derivative of the frequency in each field, in its unit"),
+    "above_growth": ("1/s", "fastest growth just above the window's end"),
+    "above_frequency": ("Hz", "frequency of that mode"),
+    "number": ("1", "modes of one number continue each other"),
+}
+"""Unit and meaning of what is stored."""
+
+
+@dataclass(frozen=True)
+class Spectra:
+    """Modes at points, by rising frequency; NaN and -1 where there are fewer.
+
+    Of each mode, shape (points, modes): growth rate (1/s), frequency (Hz), bound on the error of
+    lambda (1/s), that of the mean where modes coalesce relative to its speed, verdict (0 stable, 1
+    unstable, 2 undecided, 3 grows slowly, 4 rigid); of samples, modes of one number continue each
+    other. Derivatives have one more axis, of the fields. Of each point: what the basis makes of the
+    worst mean, zero where the pencil itself was solved and NaN where that gave no answer; growth
+    and frequency of the fastest mode that surely grows just above the window's end, NaN where none
+    does.
+    """
+
+    growth: Floats
+    frequency: Floats
+    uncertainty: Floats
+    mean_error: Floats
+    verdict: NDArray[np.int8]
+    worst: Floats
+    growth_slope: Floats
+    frequency_slope: Floats
+    above_growth: Floats
+    above_frequency: Floats
+    number: Ints
+
+    @property
+    def there(self) -> NDArray[np.bool_]:
+        """Where there are modes, shape (points, modes)."""
+        return np.isfinite(self.growth)
+
+    @property
+    def bound(self) -> Floats:
+        """Bound on the worst mean, with what rounding makes, relative to its speed."""
+        return np.fmax.reduce(np.column_stack([self.worst, self.mean_error]), axis=1)
+
+    @property
+    def largest(self) -> Floats:
+        """Largest growth rate of an unstable mode at each point (1/s); NaN where none is."""
+        growing = np.where(self.verdict == UNSTABLE, self.growth, -np.inf)
+        growth = growing.max(axis=1, initial=-np.inf)
+        return np.where(np.isfinite(growth), growth, np.nan)
+
+    @classmethod
+    def of_model(
+        cls,
+        spectra: Sequence[ReducedSpectrum],
+        slopes: Sequence[Complexes],
+        numbers: Sequence[Ints],
+        threshold: float | None,
+    ) -> "Spectra":
+        """Of a reduced model at points, derivatives of shape (modes, fields) in the window."""
+        rows = []
+        for found, slope, number in zip(spectra, slopes, numbers, strict=True):
+            words, window, end = found.words(threshold), found.window, found.settings.end
+            above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
+            above &= np.isin(words, GROWING)
+            inside = np.flatnonzero(found.inside)
+            errors, own = (window.uncertainties, window.mean_errors), [words[i] for i in inside]
+            row = _row(window.eigenvalues, *errors, own, slope)
+            fastest = _fastest(found.eigenvalues[above])
+            rows.append(row | _about(found.worst, fastest, number[inside]))
+        return cls._stacked(rows)
+
+    @classmethod
+    def of_results(cls, results: Sequence[Result | None], count: int) -> "Spectra":
+        """Of full solves, None where one gave no answer, over so many fields."""
+        rows = []
+        for result in results:
+            values, errors = np.empty(0, dtype=complex), np.empty(0)
+            words, above, worst = list[Word](), np.empty((0, 2)), np.nan
+            if result is not None:
+                values, errors, worst = result.eigenvalues, result.modes.growth_uncertainties, 0.0
+                words = list(result.modes.verdicts(result.analysis.growth_threshold))
+                above = np.reshape(result.modes.window.growing_above, (-1, 2))
+            n, fastest = len(values), _fastest(above[:, 1] + 2j * np.pi * above[:, 0])
+            nothing, slopes = np.full(n, np.nan), np.full((n, count), np.nan + 0j)
+            number = np.full(n, -1, dtype=np.int64)
+            row = _row(values, errors, nothing, words, slopes)
+            rows.append(row | _about(worst, fastest, number))
+        return cls._stacked(rows)
+
+    @classmethod
+    def _stacked(cls, rows: Sequence[Mapping[str, Any]]) -> "Spectra":
+        width = max(len(row["growth"]) for row in rows)
+        return cls(
+            **{
+                name: np.stack([_widened(np.asarray(row[name])[None], width)[0] for row in rows])
+                for name in rows[0]
+            }
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[tuple[Ints, "Spectra"]], count: int) -> "Spectra":
+        """Of so many points, from parts with the numbers of their points."""
+        width = max(part.growth.shape[1] for _, part in parts)
+        whole = {}
+        for each in fields(cls):
+            arrays = [_widened(getattr(part, each.name), width) for _, part in parts]
+            whole[each.name] = np.empty((count, *arrays[0].shape[1:]), arrays[0].dtype)
+            for (points, _), array in zip(parts, arrays, strict=True):
+                whole[each.name][points] = array
+        return cls(**whole)
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """It as arrays by their names."""
+        return {each.name: getattr(self, each.name) for each in fields(self)}
+
+
+def _fastest(values: Complexes) -> complex:
+    """The eigenvalue that grows fastest, not a number where there is none."""
+    return complex(values[values.real.argmax()]) if len(values) else complex(np.nan, np.nan)
+
+
+def _row(
+    values: Complexes,
+    uncertainty: Floats,
+    mean_error: Floats,
+    words: Sequence[Word],
+    slopes: Complexes,
+) -> dict[str, Any]:
+    """What is known of the modes at one point."""
+    return {
+        "growth": values.real,
+        "frequency": values.imag / (2 * np.pi),
+        "uncertainty": uncertainty,
+        "mean_error": mean_error,
+        "verdict": np.array([WORDS.index(word) for word in words], dtype=np.int8),
+        "growth_slope": slopes.real,
+        "frequency_slope": slopes.imag / (2 * np.pi),
+    }
+
+
+def _about(worst: float, fastest: complex, number: Ints) -> dict[str, Any]:
+    """The worst bound, the fastest mode above the window, the numbers of modes."""
+    above = {"above_growth": fastest.real, "above_frequency": fastest.imag / (2 * np.pi)}
+    return {"worst": worst, "number": number} | above
+
+
+def _widened(array: NDArray[Any], width: int) -> NDArray[Any]:
+    """An array of points with gaps for modes that are not there."""
+    if array.ndim == 1:
+        return array
+    gone = np.nan if array.dtype.kind == "f" else -1
+    wider = ((0, 0), (0, width - array.shape[1]), *[(0, 0)] * (array.ndim - 2))
+    return np.pad(array, wider, constant_values=gone)
+
+
+def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
+    """All modes as one netCDF file, whole or not at all.
+
+    Axes are dimensions; of samples there is one of that name, and fields are variables.
+    """
+    import xarray
+
+    grid = points.counts or (len(points.values),)
+    names = [*points.names] if points.counts else ["sample"]
+    data: dict[str, Any] = {}
+    coordinates: dict[str, Any] = {"field": list(points.names)}
+    for name, (unit, about) in _ABOUT.items():
+        array = getattr(spectra, name)
+        if name == "number" and points.counts:
+            continue
+        dims = [*names, "mode", "field"][: len(names) + array.ndim - 1]
+        shaped = array.reshape(*grid, *array.shape[1:])
+        data[name] = (dims, shaped, {"units": unit, "long_name": about})
+    data["verdict"][2].update(
+        flag_values=np.arange(len(WORDS), dtype=np.int8),
+        flag_meanings=" ".join(word.replace(" ", "_") for word in WORDS),
+    )
+    for i, name in enumerate(points.names):
+        if points.counts:
+            coordinates[name] = points.axis(i)
+        else:
+            data[name] = (("sample",), points.values[:, i], {"long_name": "drawn"})
+    part = file.with_suffix(f".{os.getpid()}.part")
+    xarray.Dataset(data, coordinates).to_netcdf(part, engine=ENGINE)
+    part.replace(file)
+
+
+def read_samples(names: Sequence[str], file: Path) -> Floats:
+    """What was drawn of fields, shape (samples, fields)."""
+    import xarray
+
+    with xarray.open_dataset(file, engine=ENGINE) as opened:
+        return np.stack([np.array(opened[name]) for name in names], axis=1)
+
+
+def read_netcdf(points: Points, file: Path) -> Spectra:
+    """Modes that were written."""
+    import xarray
+
+    with xarray.open_dataset(file, engine=ENGINE) as opened:
+        get = {name: np.array(opened[name]) for name in _ABOUT if name in opened}
+    lead = len(points.counts) or 1
+    flat: dict[str, Any] = {
+        name: each.reshape(len(points.values), *each.shape[lead:]) for name, each in get.items()
+    }
+    flat.setdefault("number", np.full(flat["growth"].shape, -1, dtype=np.int64))
+    return Spectra(**flat)

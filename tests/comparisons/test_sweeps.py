@@ -1,0 +1,370 @@
+"""Sweeps and maps: values, thresholds and slopes of full solves, files, and interruptions."""
+
+import json
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic, sleep
+
+import numpy as np
+import pytest
+import xarray
+from reference_data import plane_meshes
+
+from cea.eigen.driver import EigenSolver
+from cea.eigen.matching import assign
+from cea.eigen.pencil import Pencil
+from cea.errors import InputError
+from cea.reduced.full_solves import first_threshold
+from comparisons.cli.app import main
+from comparisons.sweep.boxes import boxes_of
+from comparisons.sweep.page import read_sweep, write_sweep
+from comparisons.sweep.points import Axis, read_axis, read_fields, table_of
+from comparisons.sweep.scene import NoMapError, mapped
+from comparisons.sweep.store import fingerprint
+from comparisons.sweep.study import Asked, run
+from comparisons.sweep.tables import modes, sensitivities, thresholds, values
+from scenes.spec.files import scene_file
+
+MESHES = {
+    "fe": {"upper": [8, 2], "lower": [5, 3]},
+    "iga": {"upper": [10, 2], "lower": [7, 3]},
+}
+MU, P = "contacts.interface.mu", "contacts.interface.P"
+WAY = "contacts.interface.friction_direction_on_a"
+RNG = np.random.default_rng(5)
+
+
+def overrides(backend):
+    """The blocks with friction that flutters at mu0 below one, on coarse meshes."""
+    return (
+        "contacts.interface.mu='sin(pi*x/2)'",
+        "analysis.max_frequency=0.4",
+        "analysis.growth_threshold=0.0",
+        *(f"bodies.{name}.backend='{backend}'" for name in ("upper", "lower")),
+        *plane_meshes(backend, 2, MESHES[backend]),
+    )
+
+
+def asked(backend, *axes, **options):
+    return Asked("blocks", read_fields(axes), overrides(backend), **options)
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """A map of two boxes for each backend, made once, and its scene."""
+    known = {}
+
+    def of(backend):
+        if backend not in known:
+            folder = tmp_path_factory.mktemp("map") / "out"
+            wanted = asked(backend, "mu=0:2:21", "P=0.5:500:log:4")
+            swept = run(wanted, folder)
+            write_sweep(swept, folder)
+            swept.store.discard()
+            known[backend] = swept, mapped("blocks", wanted.fields, wanted.overrides), folder
+        return known[backend]
+
+    return of
+
+
+@pytest.mark.grid(quick=1)
+def test_values_and_slopes_are_those_of_full_solves(made, backend):
+    swept, scene, folder = made(backend)
+    data, points, spectra = swept.record, swept.points, swept.spectra
+    assert data["certified"] == data["values"] == 84
+    assert len(data["vectors"]) == 2
+    assert len(data["snapshots"]) < 14
+    with xarray.open_dataset(folder / "sweep.nc", engine="h5netcdf") as stored:
+        assert dict(stored.sizes)["mu"] == 21
+        assert stored.growth.attrs["units"] == "1/s"
+        at = stored.isel(mu=3, P=2).growth.values
+        np.testing.assert_array_equal(at, spectra.growth[3 * 4 + 2])
+    for i in (13 * 4 + 1, *RNG.integers(0, 84, 4)):
+        there = spectra.there[i]
+        found = spectra.growth[i][there] + 2j * np.pi * spectra.frequency[i][there]
+        modes = scene.driver.solve(0.42, scene.point(points.values[i]), left=True)
+        rows, columns = assign(np.abs(found[:, None] - modes.eigenvalues))
+        assert len(rows) == len(found)
+        off = np.abs(found[rows] - modes.eigenvalues[columns])
+        assert (off <= spectra.uncertainty[i][there] + modes.growth_uncertainties[columns]).all()
+        assert (spectra.mean_error[i][there] < 1e-8).all()
+        if i != 13 * 4 + 1:  # where none coalesce
+            continue
+        for field, name in enumerate((MU, P)):
+            slope = spectra.growth_slope[i][there, field]
+            slope = slope + 2j * np.pi * spectra.frequency_slope[i][there, field]
+            expected = modes.sensitivity(name)
+            off = np.abs(slope[rows] - expected[columns])
+            bound = 1e-4 * np.abs(expected[columns]) + 1e-7 * np.abs(expected).max()
+            assert (off < bound).all()
+    assert len(sensitivities(swept)) == np.isfinite(spectra.largest).sum() > 0
+
+
+@pytest.mark.grid(quick=1)
+def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
+    swept, scene, _ = made(backend)
+    data = swept.record
+    begun = [e for e in data["thresholds"] if e["kind"] == "flutter" and e["change"] > 0]
+    assert len(thresholds(swept)) == len(data["thresholds"])
+    assert not data["unresolved"]
+    differ = [e["full_solve_differs"] for e in data["thresholds"] if "full_solve_differs" in e]
+    assert differ
+    assert np.abs(differ).max() < 1e-8
+    chosen = begun[len(begun) // 2]
+    pencil = scene.pencil
+    parameters = [
+        replace(each, value=chosen["P"]) if each.name == P else each
+        for each in pencil.parameters.values()
+    ]
+    driver = EigenSolver(Pencil(pencil.terms, parameters, pencil.forces, leave_out=False))
+    near = (0.999 * chosen["value"], 1.001 * chosen["value"])
+    frequency = chosen["im"] / (2 * np.pi)
+    expected = first_threshold(driver, MU, *near, max_frequency=0.4, frequency=frequency)
+    assert chosen["value"] == pytest.approx(expected.value, rel=1e-8)
+    assert abs(chosen["value"] - expected.value) <= chosen["error"] + 1e-11
+    driver.free()
+
+
+def test_one_axis_in_two_boxes_has_the_thresholds_of_one(tmp_path):
+    """Along P over three decades, cut in the middle."""
+    found = []
+    for axis in ("P=0.3:300:log:13", "P=0.3:30:log:9", "P=30:300:log:5"):
+        swept = run(asked("iga", axis, checks=0, confirm=0), tmp_path / axis)
+        assert not swept.record["unresolved"]
+        assert swept.record["certified"] == swept.record["values"]
+        found.append((len(swept.record["vectors"]), swept.record["thresholds"]))
+    (boxes, whole), (_, low), (_, high) = found
+    assert boxes == 2
+    values = [each["value"] for each in (*low, *high)]
+    assert [each["value"] for each in whole] == pytest.approx(values, rel=1e-7)
+
+
+def test_boxes_hold_every_point_once_but_for_shared_borders():
+    points = table_of(read_fields(("P=1:1e6:log:13", "E=1:1e3:log:4", "mu=0:1:3")), [0] * 3, 0, 0)
+    boxes = boxes_of(points)
+    assert len(boxes) == 3 * 2
+    held = np.concatenate([part for box in boxes for part in box.parts])
+    assert set(held) == set(range(len(points.values)))
+    assert len(held) == len(points.values) + 2 * 4 * 3  # two borders of lines along P
+    for box in boxes:
+        low, high = np.array(box.ends).T
+        for part in (*box.parts, box.training):
+            assert ((points.values[part] >= low) & (points.values[part] <= high)).all()
+        assert (high[:2] <= 100.0001 * low[:2]).all()
+
+
+@pytest.mark.slow
+def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, monkeypatch, capsys):
+    swept, _, folder = made(backend)
+    names = {"sweep.nc", "sweep.csv", "thresholds.csv", "full_solves.csv", "modes.csv", "map.png"}
+    assert names <= {file.name for file in folder.iterdir()}
+    again = read_sweep(folder)
+    np.testing.assert_array_equal(again.spectra.growth, swept.spectra.growth)
+    np.testing.assert_array_equal(again.points.values, swept.points.values)
+    assert again.record["thresholds"] == swept.record["thresholds"]
+    assert len(values(again)) == 84
+    assert len(modes(again)) == swept.spectra.there.sum()
+    (folder / "map.png").unlink()
+    axes = ["mu=0:2:21", "P=0.5:500:log:4"]
+    command = ["cea", "sweep", "blocks", *axes, "--redraw", "--out", str(folder)]
+    monkeypatch.setattr(sys, "argv", command)
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert not end.value.code, capsys.readouterr().err
+    assert (folder / "map.png").exists()
+
+
+@pytest.mark.slow
+def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
+    """SIGKILL once three full solves are stored: all of them serve again."""
+    out = tmp_path / "out"
+    settings = [part for each in overrides("iga") for part in ("--set", each)]
+    command = [
+        Path(sys.executable).with_name("cea"),
+        *("sweep", "blocks", "mu=0:2:21", "P=0.01:5e4:log:9", "--checks", "1", "--confirm", "0"),
+        *settings,
+        *("--out", out),
+    ]
+    running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    third = tmp_path / "out.unfinished" / "solve-0002.json"
+    begun = monotonic()
+    while not third.exists() and running.poll() is None and monotonic() - begun < 120:
+        sleep(0.005)
+    running.send_signal(signal.SIGKILL)
+    running.wait()
+    assert third.exists()
+    assert not (out / "result.json").exists()
+    stored = len(list(third.parent.glob("solve-*.json")))
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    data = json.loads((out / "result.json").read_text())
+    assert data["stored_before"] == stored
+    assert data["certified"] == data["values"]
+    assert not third.parent.exists()
+
+
+def test_what_was_solved_before_an_interruption_is_not_solved_again(tmp_path):
+    """All but the last line was done; full solves that tested the map serve too."""
+    wanted = asked("iga", "mu=0:2:7", "P=0.5:50:log:3", checks=3, confirm=0)
+    first = run(wanted, tmp_path / "out")
+    (first.store.folder / "box-000-part-00002.npz").unlink()
+    again = run(wanted, tmp_path / "out")
+    again.store.discard()
+    assert again.record["stored_before"] == len(first.record["snapshots"]) > 3
+    assert again.record["snapshots"] == first.record["snapshots"]
+    np.testing.assert_array_equal(again.spectra.growth, first.spectra.growth)
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize(
+    "change",
+    [
+        "bodies.lower.material.E=1.5",
+        f"{WAY}={{vector=[-1.0,0.0]}}",
+        "contacts.interface.formulation={method='gpts',points=3}",
+        "analysis.growth_threshold=0.01",
+        "loads=[{surface='upper.y_max',pressure=1.0}]",
+    ],
+)
+def test_the_fingerprint_of_a_changed_scene_is_another(backend, change):
+    marks = []
+    for more in ((), (), (change,)):
+        scene = mapped("blocks", [read_axis("mu=0:1:3")], (*overrides(backend), *more))
+        marks.append(fingerprint(scene))
+        scene.driver.free()
+    assert marks[0] == marks[1] != marks[2]
+
+
+def test_a_scene_turned_round_while_its_sweep_was_interrupted_begins_anew(backend, tmp_path):
+    """Neither size nor norm of any matrix tells which way a side slides."""
+    scene, way = tmp_path / "scene.toml", "vector = [1.0, 0.0]"
+    text = scene_file("blocks").read_text()
+    about = replace(asked(backend, "mu=0:1:3", checks=0, confirm=0), scene=scene)
+    kept = []
+    for written in (text, text, text.replace(way, "vector = [-1.0, 0.0]")):
+        scene.write_text(written)
+        kept.append(bool(run(about, tmp_path / "out").record["stored_before"]))
+    assert kept == [False, True, False]
+
+
+def test_what_is_left_uncertified_is_told(tmp_path):
+    few = asked("iga", "mu=0:2:5", "P=0.01:5e4:log:5", most=2, checks=0, confirm=0)
+    swept = run(few, tmp_path / "out")
+    data = swept.record
+    assert len(data["snapshots"]) == 2 * len(data["vectors"])
+    assert data["certified"] < data["values"]
+    assert "not-certified" in [each["kind"] for each in data["warnings"]]
+    assert swept.spectra.bound.max() == data["worst"] > 1e-8
+
+
+def test_doublets_begin_to_flutter_with_friction_itself(tmp_path):
+    coarse = [
+        f"bodies.{name}.mesh.iga={{degree=[2,2],elements=[2,12]}}" for name in ("outer", "inner")
+    ]
+    words = (*coarse, "analysis.max_frequency=0.3", "analysis.growth_threshold=0.0")
+    wanted = Asked("drum", (read_axis("mu=0:0.5:3"),), words, confirm=9)
+    data = run(wanted, tmp_path / "out").record
+    assert not data["unresolved"]
+    at_once = [each for each in data["thresholds"] if each["value"] == 0]
+    assert at_once
+    for each in at_once:
+        assert each["change"] > 0
+        assert 0 < each["error"] < 1e-6
+        assert abs(each["full_solve_differs"]) < each["error"]
+
+
+def test_warnings_of_full_solves_reach_the_map(tmp_path):
+    """Collocation where the contact is soft, at every full solve that is told of it."""
+    soft = asked("iga", "mu=0:0.5:3", "P=0.1:1:2", checks=0, confirm=0)
+    crude = "contacts.interface.formulation={method='greville'}"
+    data = run(replace(soft, overrides=(*soft.overrides, crude)), tmp_path / "out").record
+    told = {each["kind"]: each for each in data["warnings"]}
+    assert set(told) == {"point-rule"}
+    places = told["point-rule"]["data"]["places"]
+    assert len(places) == len(data["snapshots"])
+    for place in places:  # it is judged at the stiffness there
+        assert place["data"]["stiffness"] == pytest.approx(3 * place["point"][P])
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize("command", ["sweep", "threshold"])
+def test_the_commands_run_on_a_backend(command, backend, tmp_path, monkeypatch, capsys):
+    coarse = (*plane_meshes(backend, 2, MESHES[backend]), "analysis.max_frequency=0.3")
+    settings = [part for each in coarse for part in ("--set", each)]
+    chosen = ["--backend", backend, *settings, "--out", str(tmp_path / "out")]
+    monkeypatch.setattr(sys, "argv", ["cea", command, "blocks", "mu=0:0.2:3", *chosen])
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert not end.value.code, capsys.readouterr().err
+    found = json.loads((tmp_path / "out" / "result.json").read_text())
+    assert f'bodies.upper.backend="{backend}"' in found["inputs"]["set"]
+    assert (tmp_path / "out" / "sweep.png").exists()
+    assert "sweep.png" in (tmp_path / "out" / "report.html").read_text()
+
+
+@pytest.mark.slow
+def test_twenty_random_values_of_a_large_map(tmp_path):
+    """Over mu and eight decades of P, off the values that bases were made for."""
+    from cea.reduced.greedy import Enrichment, largest_ratio
+    from cea.reduced.model import ReducedModel
+
+    fields = read_fields(("mu=0:1:5", "P=1e6:1e14:log:17"))
+    bodies = tuple(f"bodies.{name}.backend='fe'" for name in ("pad", "disc"))
+    scene = mapped("disc_pad", fields, bodies)
+    assert 20_000 < scene.pencil.terms[0].matrix.getSize()[0] < 50_000
+    rng = np.random.default_rng(11)
+    for box in boxes_of(scene.points)[::2]:
+        ends = {
+            name: (factor * low, factor * high)
+            for (low, high), names in zip(box.ends, scene.names, strict=True)
+            for name, factor in names.items()
+        }
+        model = ReducedModel(scene.pencil, ends, scene.max_frequency)
+        built = Enrichment.of(model, scene.driver)
+        built.cover([scene.point(scene.points.values[i]) for i in box.training])
+        low, high = np.log10(box.ends[1])
+        for mu, decade in zip(rng.uniform(0, 1, 10), rng.uniform(low, high, 10), strict=True):
+            point = scene.point((mu, 10**decade))
+            found, full = built.at(point), built.full_solve(point)
+            assert found.worst < 1e-7
+            assert largest_ratio(found, full) <= 1
+        model.free()
+    scene.driver.free()
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["mu", "mu=0", "mu=0:1", "mu=0:1:x", "mu=a:1:3", "=0:1:3", "mu=0:1:lin:3", "mu=0:1:3:4:5"],
+)
+def test_texts_that_are_no_axis_are_refused(text):
+    with pytest.raises(InputError, match="first:last:count"):
+        read_axis(text)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"last": 0.0}, "another last value"),
+        ({"count": 1}, "2 to"),
+        ({"last": np.inf}, "finite"),
+        ({"logarithmic": True}, "positive"),
+    ],
+)
+def test_axes_that_are_none_are_refused(changes, told):
+    with pytest.raises(InputError, match=told):
+        Axis(**{"name": "mu", "first": 0.0, "last": 1.0, "count": 3} | changes)
+
+
+def test_maps_that_are_none_are_refused():
+    with pytest.raises(InputError, match="other parameters than mu"):
+        mapped("blocks", [read_axis("mu=0:1:3"), read_axis(f"{MU}=0:1:3")])
+    with pytest.raises(InputError, match="zero or positive"):
+        mapped("blocks", [read_axis("mu=-1:1:3")])
+    modal = "bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}"
+    coarse = ("bodies.pad.mesh.iga.elements=[3,6,2]", "bodies.disc.mesh.iga.elements=[5,32,1]")
+    axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
+    with pytest.raises(NoMapError, match="modes were found that are damped"):
+        mapped("disc_pad_damped", [axis], (*coarse, modal))

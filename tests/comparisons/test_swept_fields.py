@@ -1,0 +1,304 @@
+"""Fields that are swept, by their names in a scene: on a basis and in full."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from changed_scenes import scene_of
+
+from cea.errors import ConvergenceError, InputError
+from comparisons.cli.app import main
+from comparisons.sweep.points import read_axis
+from comparisons.sweep.scene import NoMapError, mapped
+from comparisons.sweep.study import Asked, run
+from comparisons.sweep.tables import values
+from scenes import load_scene, run_modes
+from scenes.running.assembled import AssembledScene
+from scenes.running.swept import parameters_meant
+from scenes.spec.toml import scene_text
+
+MU, P = "contacts.interface.mu", "contacts.interface.P"
+PRESSURE = "loads.0.pressure"
+MESHES = tuple(
+    f"bodies.{body}.mesh.{mesh}.elements={elements}"
+    for mesh in ("fe", "iga")
+    for body, elements in (("upper", [3, 2]), ("lower", [4, 2]))
+)
+SANDWICH = """
+name = "sandwich"
+[bodies.upper]
+backend = "fe"
+geometry = { shape = "rectangle", size = [2.0, 0.5] }
+material = { E = 0.1, nu = 0.25, rho = 0.35 }
+supports = [{ surface = "y_max" }]
+mesh.fe = { cell = "quadrilateral", degree = 2, elements = [3, 1] }
+[bodies.lower]
+backend = "fe"
+geometry = { shape = "rectangle", size = [1.0, 1.0], origin = [0.5, -1.0] }
+material = { E = 1.0, nu = 0.3, rho = 1.0 }
+mesh.fe = { cell = "quadrilateral", degree = 2, elements = [2, 2] }
+[bodies.base]
+backend = "fe"
+geometry = { shape = "rectangle", size = [3.0, 0.4], origin = [0.0, -1.4] }
+material = { E = 0.5, nu = 0.3, rho = 0.7 }
+supports = [{ surface = "y_min" }, { surface = "x_min" }]
+mesh.fe = { cell = "quadrilateral", degree = 2, elements = [5, 1] }
+[contacts.top]
+a = "lower.y_max"
+b = "upper.y_min"
+formulation = { method = "gpts", points = 3 }
+p = 1.0
+mu = 0.3
+friction_direction_on_a = { vector = [1.0, 0.0] }
+[contacts.bottom]
+a = "lower.y_min"
+b = "base.y_max"
+formulation = { method = "gpts", points = 3 }
+p = 2.5
+mu = 0.4
+friction_direction_on_a = { vector = [1.0, 0.0] }
+[analysis]
+kind = "cea"
+max_frequency = 0.4
+"""
+
+
+def blocks(*overrides):
+    """The scene of plane blocks with constant friction, coarse: p is 1 in it."""
+    return "blocks_constant_mu", [*MESHES, *overrides]
+
+
+def of(axis, *overrides):
+    scene, changes = blocks(*overrides)
+    return mapped(scene, [read_axis(axis)], changes, None)
+
+
+@pytest.mark.parametrize("name", ["p", "contacts.interface.p", "contacts.*.p"])
+def test_p_scales_the_stiffness_of_a_contact(name):
+    """Modes are those of a run of the changed scene."""
+    scene = of(f"{name}=0.5:2:3")
+    run = run_modes(load_scene(blocks()[0], [*MESHES, "contacts.interface.p=1.7"]))
+    modes = scene.driver.solve(scene.max_frequency, scene.point((1.7,)))
+    np.testing.assert_allclose(modes.eigenvalues, run.eigenvalues, rtol=1e-9)
+    own = scene.pencil.parameters[P].value
+    assert scene.point((0.5,)) == {P: pytest.approx(0.5 * own)}
+    scene.driver.free()
+
+
+def test_p_of_several_contacts_is_that_of_each(tmp_path):
+    file = tmp_path / "sandwich.toml"
+    file.write_text(SANDWICH)
+    scene = mapped(file, [read_axis("p=0.5:2:3")], (), None)
+    both = {f"contacts.{name}.p": 1.3 for name in ("top", "bottom")}
+    run = run_modes(load_scene(file).change(both))
+    modes = scene.driver.solve(scene.max_frequency, scene.point((1.3,)))
+    np.testing.assert_allclose(modes.eigenvalues**2, run.eigenvalues**2, rtol=1e-8, atol=1e-12)
+    scene.driver.free()
+
+
+def test_derivatives_are_those_in_p():
+    from cea.reduced.greedy import Enrichment
+    from cea.reduced.model import ReducedModel
+
+    scene = of("p=0.5:2:3")
+    box = {P: (scene.point((0.5,))[P], scene.point((2.0,))[P])}
+    model = ReducedModel(scene.pencil, box, scene.max_frequency)
+    built = Enrichment.of(model, scene.driver)
+    built.cover([scene.point((p,)) for p in (0.5, 1.0, 2.0)])
+    values = scene.pencil.values(scene.point((1.2,)))
+    found = model.small.at(values)
+    slopes = model.small.derivatives(found, values, scene.names[0])
+    before, after = (
+        model.small.at(scene.pencil.values(scene.point((1.2 + step,)))) for step in (-1e-4, 1e-4)
+    )
+    differences = (after.eigenvalues - before.eigenvalues) / 2e-4
+    np.testing.assert_allclose(slopes, differences, rtol=1e-5, atol=1e-6)
+    scene.driver.free()
+
+
+def in_full(file, field, low, high, *overrides, count=2):
+    """A sweep that is solved in full."""
+    axis = read_axis(f"{field}={low}:{high}:{count}")
+    return run(Asked(file, (axis,), overrides, why_in_full="--full"), Path("unused"))
+
+
+def eigenvalues(swept, i):
+    there = swept.spectra.there[i]
+    return swept.spectra.growth[i][there] + 2j * np.pi * swept.spectra.frequency[i][there]
+
+
+def assert_runs(swept, scenes):
+    for i, scene in enumerate(scenes):
+        np.testing.assert_allclose(eigenvalues(swept, i), run_modes(scene).eigenvalues, rtol=1e-9)
+
+
+def test_p_in_full_is_that_of_runs():
+    scene, changes = blocks()
+    swept = in_full(scene, "p", 0.6, 1.2, *changes)
+    assert_runs(
+        swept, [load_scene(scene, [*changes, f"contacts.interface.p={p}"]) for p in (0.6, 1.2)]
+    )
+
+
+@pytest.mark.parametrize("name", ["p", "contacts.top.p"])
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ("p = '1 + 0.5*x'", "contacts.top.P scales the field"),
+        ("P = 3.0", "which gives contacts.top.P"),
+    ],
+)
+def test_p_that_is_no_number_in_the_scene_is_refused(tmp_path, name, given, told):
+    """It is no reason to solve each value in full: that would put a number in its place."""
+    file = tmp_path / "sandwich.toml"
+    file.write_text(SANDWICH.replace("p = 1.0", given))
+    with pytest.raises(InputError, match=told) as refused:
+        mapped(file, [read_axis(f"{name}=0.5:2:3")], (), None)
+    assert not isinstance(refused.value, NoMapError)
+    with pytest.raises(InputError, match=told):
+        in_full(file, name, 0.5, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        ("bodies.upper.geometry.size.0", "another mesh.*--full"),
+        ("bodies.upper.mesh.fe.degree", "another mesh.*--full"),
+        ("bodies.upper.placement.angle", "another mesh.*--full"),
+        ("bodies.upper.material.nu", "not proportional.*--full"),
+        ("bodies.upper.supports.0", "other displacements are unknowns.*--full"),
+        ("alpha", "damping = { alpha = 0.0 } in the scene"),
+        ("Omega", "a rotation in the scene"),
+        ("contacts.interface.formulation.points", "other matrices of the contact.*--full"),
+        ("analysis.max_frequency", "--set"),
+        ("bodies.upper.material.Ee", "E and rho are those of a material"),
+        ("nonsense", "one of bodies"),
+    ],
+)
+def test_what_is_no_parameter_says_what_to_do(name, told):
+    with pytest.raises(NoMapError, match=told) as refused:
+        of(f"{name}=1:2:3")
+    assert P in str(refused.value)
+
+
+def test_short_names_mean_every_contact_and_body():
+    scene = mapped("blocks", [read_axis("E=1:2:3"), read_axis("P=1:2:3")])
+    both = ("bodies.upper.material.E", "bodies.lower.material.E")
+    assert scene.names == (dict.fromkeys(both, 1.0), {P: 1.0})
+    assert parameters_meant(scene.pencil, "bodies.*.material.rho") == [
+        "bodies.upper.material.rho",
+        "bodies.lower.material.rho",
+    ]
+    assert scene.point((1.5, 7.0)) == dict.fromkeys(scene.names[0], 1.5) | {P: 7.0}
+    scene.driver.free()
+
+
+@pytest.fixture
+def file_of(backend, tmp_path):
+    def written(name, **changes):
+        file = tmp_path / "scene.toml"
+        file.write_text(scene_text(scene_of(name, backend).change(changes)))
+        return file
+
+    return written
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize(
+    ("name", "field", "values"),
+    [
+        ("pressed", PRESSURE, (5e-3, 3e-2)),
+        ("pressed", MU, (0.1, 0.3)),
+        ("rotating_pressed", "bodies.inner.rotation.rate", (0.1, 0.3)),
+        ("rotating", "bodies.inner.damping.alpha", (0.0, 0.1)),
+    ],
+)
+def test_values_in_full_are_those_of_runs(file_of, name, field, values):
+    file = file_of(name)
+    swept = in_full(file, field, *values)
+    assert_runs(swept, [load_scene(file).change(field, value) for value in values])
+
+
+@pytest.mark.parametrize("field", [MU, "mu"])
+def test_parameters_of_expressions_are_factors_as_in_maps(file_of, field):
+    wave = "0.2 + 0.3*x"
+    file = file_of("linear", **{MU: wave})
+    swept = in_full(file, field, 0.5, 2.0)
+    assert_runs(swept, [load_scene(file).change(MU, f"{f}*({wave})") for f in (0.5, 2.0)])
+    asked = mapped(file, [read_axis(f"{field}=0.5:2:2")])
+    for i, value in enumerate((0.5, 2.0)):
+        modes = asked.driver.solve(asked.max_frequency, {MU: value})
+        np.testing.assert_allclose(eigenvalues(swept, i), modes.eigenvalues, rtol=1e-9)
+    asked.driver.free()
+
+
+@pytest.mark.parametrize(
+    ("name", "axis"),
+    [
+        ("pressed", f"{PRESSURE}=1e-3:1e-2:2"),
+        ("pressed", f"{MU}=0:0.3:2"),
+        ("rotating_pressed", "bodies.inner.rotation.rate=0:0.2:2"),
+        ("rotating_pressed", "bodies.inner.material.rho=1:2:2"),
+    ],
+)
+def test_what_moves_the_state_of_sliding_has_no_map(file_of, name, axis):
+    with pytest.raises(NoMapError):
+        mapped(file_of(name), [read_axis(axis)])
+
+
+@pytest.mark.parametrize(
+    ("axis", "forces"),
+    [
+        ("P=0.1:1e9:log:3", True),
+        ("bodies.upper.material.E=1e-9:1:log:3", True),
+        ("P=0.1:10:log:3", False),
+    ],
+)
+def test_maps_take_forms_that_are_good_all_over(file_of, axis, forces):
+    asked = mapped(file_of("linear"), [read_axis(axis)])
+    assert bool(asked.driver.pencil.forces) == forces
+    asked.driver.free()
+
+
+def test_a_field_may_be_given_by_the_sweep_alone(file_of):
+    file = file_of("linear")
+    whole = load_scene(file)
+    file.write_text(file.read_text().replace("P = 3.0\n", ""))
+    assert "\nP = " not in file.read_text()
+    swept = in_full(file, P, 2.0, 4.0)
+    assert_runs(swept, [whole.change(P, value) for value in (2.0, 4.0)])
+
+
+def test_thresholds_in_full_lie_between_values(monkeypatch):
+    """And a value without an answer is told."""
+    scene, changes = blocks("analysis.max_frequency=0.5")
+    own, dead = AssembledScene.modes_at, 1.2
+
+    def failing(assembled, values):
+        if values[MU] == pytest.approx(dead):
+            raise ConvergenceError("no more digits")
+        return own(assembled, values)
+
+    monkeypatch.setattr(AssembledScene, "modes_at", failing)
+    swept = in_full(scene, "mu", 0.0, 2.0, *changes, count=6)
+    assert values(swept)["no_answer"].tolist() == [*[""] * 3, "no more digits", "", ""]
+    told = swept.record["thresholds"]
+    assert told
+    monkeypatch.undo()
+    exact = run(Asked(scene, (read_axis("mu=0:2:6"),), tuple(changes)), Path("unused"))
+    exact.store.discard()
+    for each in exact.record["thresholds"]:
+        assert any(abs(each["value"] - t["value"]) <= t["error"] for t in told)
+    assert "no-answer" in [each["kind"] for each in swept.record["warnings"]]
+
+
+def test_a_field_without_a_map_is_solved_in_full(tmp_path, monkeypatch, capsys):
+    settings = ["--set", "analysis.max_frequency=0.3", "--out", str(tmp_path / "out")]
+    axis = "bodies.upper.material.nu=0.2:0.3:2"
+    monkeypatch.setattr(sys, "argv", ["cea", "sweep", "blocks", axis, *settings])
+    with pytest.raises(SystemExit) as end:
+        main()
+    told = capsys.readouterr()
+    assert not end.value.code, told.err
+    assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told.out
