@@ -198,7 +198,7 @@ def scene_of(
                 )
                 for body in problem.bodies
             },
-            f"contacts.{problem.contact}.mu": problem.friction,
+            "contacts.interface.mu": problem.friction,
             "analysis.max_frequency": problem.max_frequency,
         }
     )

@@ -38,17 +38,7 @@ _MARGIN = 1.02
 
 @dataclass(frozen=True)
 class NoFlutter:
-    """A problem that cannot flutter.
-
-    Parameters
-    ----------
-    problem
-        Scene, meshes, friction and highest frequency.
-    changes
-        Fields of the scene that make it so.
-    order
-        Circumferential order of the modes that are looked at; None looks at all.
-    """
+    """A problem that cannot flutter: changes of its scene, and the order of the modes looked at."""
 
     problem: Problem
     changes: Mapping[str, Any] = field(default_factory=dict)
@@ -117,21 +107,7 @@ def growth(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 @dataclass(frozen=True)
 class Finest:
-    """Meshes and the digits asked of them.
-
-    Parameters
-    ----------
-    problem
-        Name of the scene.
-    method
-        Discretisation of both bodies and formulation of contact.
-    elements
-        Elements of each body along each direction.
-    bound
-        Relative error of lambda that is asked for.
-    through
-        Coordinates of element boundaries by body and direction, where they are not even.
-    """
+    """Elements of each body, their boundaries where not even, and the error asked of lambda."""
 
     problem: str
     method: Method
@@ -163,23 +139,7 @@ class Finest:
 
 @dataclass(frozen=True)
 class Compared:
-    """Eigenvalues that are compared: some of every harmonic, at some stiffness and friction.
-
-    Parameters
-    ----------
-    solver
-        Name of the problem of :mod:`exact_cea.reference`.
-    orders
-        Circumferential orders; None stands for the one harmonic of the blocks.
-    stiffnesses
-        Contact stiffnesses p, each with the highest Im lambda that is compared.
-    frictions
-        Friction coefficients or amplitudes.
-    friction
-        The friction coefficient in the scene, with ``{mu}`` for the number.
-    count
-        Lowest eigenvalues of each order that are compared; None compares all to the highest.
-    """
+    """Eigenvalues compared, by order: up to a highest Im lambda for each p, or so many."""
 
     solver: str
     orders: tuple[int | None, ...]

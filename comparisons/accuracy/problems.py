@@ -72,8 +72,6 @@ class Problem:
         several meshes; None takes those of the study.
     highest_order
         Order of convergence in lambda that a singularity caps; None where there is none.
-    contact
-        Name of the contact in the scene.
     """
 
     name: str
@@ -87,7 +85,6 @@ class Problem:
     geometry_degree: int | None = None
     most_dofs: int | None = None
     highest_order: float | None = None
-    contact: str = "interface"
 
     @property
     def dim(self) -> int:

@@ -8,8 +8,6 @@ the machine does then slows all of them alike, and ratios to it stay what they a
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
-from importlib.util import find_spec
 from time import process_time
 from typing import Any
 
@@ -17,8 +15,17 @@ import numpy as np
 import pandas as pd
 
 from cea.errors import InputError
-from comparisons.bench.programs.annulus import MATERIAL, Assembler, Boxes, Discretisation, Family
-from comparisons.bench.programs.checks import checked, lowest_eigenvalues, of_every_component
+from comparisons.bench.programs import (
+    MATERIAL,
+    Boxes,
+    Discretisation,
+    Family,
+    MassOfVectors,
+    Ours,
+    PlainDolfinx,
+    checked,
+    matrices_of,
+)
 from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import measured
@@ -27,23 +34,20 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
 
-Degrees = Mapping[Family, tuple[int, ...]]
-DEGREES: Degrees = {"NURBS": (2, 3, 4), "Q": (1, 2, 3, 4), "P": (1, 2, 3, 4)}
+DEGREES: Mapping[Family, tuple[int, ...]] = {
+    "NURBS": (2, 3, 4),
+    "Q": (1, 2, 3, 4),
+    "P": (1, 2, 3, 4),
+}
 """Degrees of each family."""
-_LAGRANGE: Degrees = {name: DEGREES[name] for name in ("Q", "P")}
 OURS, PLAIN = "this program", "dolfinx"
 YARDSTICK = ("Q2", PLAIN)
 """What every other is measured by."""
-PROGRAMS: Mapping[str, tuple[str, Degrees, str]] = {
-    OURS: ("ours:Ours", DEGREES, ""),
-    PLAIN: ("plain_dolfinx:PlainDolfinx", _LAGRANGE, ""),
-    "dolfinx, mass of vectors": ("plain_dolfinx:MassOfVectors", _LAGRANGE, ""),
-    "NGSolve": ("ngsolve_forms:NGSolve", _LAGRANGE, "ngsolve"),
-    "MFEM": ("mfem_forms:Mfem", _LAGRANGE, "mfem"),
-    "scikit-fem": ("scikit_fem:ScikitFem", {"Q": (1, 2), "P": (1, 2)}, "skfem"),
-    "Nutils": ("nutils_integrals:Nutils", {"NURBS": (2, 3, 4), "Q": (1, 2, 3, 4)}, "nutils"),
+PROGRAMS: Mapping[str, type[Ours] | type[PlainDolfinx]] = {
+    OURS: Ours,
+    PLAIN: PlainDolfinx,
+    "dolfinx, mass of vectors": MassOfVectors,
 }
-"""Class of each program, degrees that it knows, and the package it needs beside our own."""
 _BYTES = 12
 """Bytes of an entry of a compressed matrix: a double and the number of its column."""
 _TINY: Boxes = (1, 1, 1)
@@ -82,21 +86,13 @@ class Options:
             Discretisation("Q", 1, boxes)
 
 
-def installed(program: str) -> bool:
-    """Whether what a program needs is there."""
-    package = PROGRAMS[program][2]
-    return not package or find_spec(package) is not None
-
-
 def cases(options: Options) -> Iterator[Case]:
-    """Every discretisation by every program that is installed and knows it, by turns."""
+    """Every discretisation by every program that knows it, by turns."""
     for repeat in range(options.repeats):
         for family, degrees in DEGREES.items():
             for degree in degrees:
-                for program, (_, known, _) in PROGRAMS.items():
-                    if degree in known.get(family, ()) and installed(program):
-                        functions = f"{family}{degree}"
-                        yield {"functions": functions, "program": program, "repeat": repeat}
+                for program in [OURS] if family == "NURBS" else PROGRAMS:
+                    yield {"functions": f"{family}{degree}", "program": program, "repeat": repeat}
 
 
 def discretisation(functions: str, options: Options) -> Discretisation:
@@ -107,16 +103,9 @@ def discretisation(functions: str, options: Options) -> Discretisation:
     return Discretisation(family, degree, options.boxes_of_degree_4 if coarser else options.boxes)
 
 
-def laid_out(program: str, divided: Discretisation) -> Assembler:
-    """The body in a program."""
-    module, _, name = PROGRAMS[program][0].partition(":")
-    kind = getattr(import_module(f"comparisons.bench.programs.{module}"), name)
-    return kind(divided)
-
-
 @cache
 def _warm_up(program: str, family: Family, degree: int) -> None:
-    assembled(laid_out(program, Discretisation(family, degree, _TINY)))
+    assembled(PROGRAMS[program](Discretisation(family, degree, _TINY)))
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -125,14 +114,14 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     divided = discretisation(case["functions"], options)
     _warm_up(program, divided.family, divided.degree)
     row = {"family": divided.family, "degree": divided.degree, "elements": divided.elements}
-    found = {"runs": [row | assembled(laid_out(program, divided))]}
+    found = {"runs": [row | assembled(PROGRAMS[program](divided))]}
     if case["repeat"]:
         return found
     coarse = Discretisation(divided.family, divided.degree, options.checked_boxes)
-    return found | checks(laid_out(program, coarse), options.modes)
+    return found | checks(PROGRAMS[program](coarse), options.modes)
 
 
-def assembled(assembler: Assembler) -> dict[str, Any]:
+def assembled(assembler: Ours | PlainDolfinx) -> dict[str, Any]:
     """What one assembly of stiffness and mass takes.
 
     Returns
@@ -146,22 +135,19 @@ def assembled(assembler: Assembler) -> dict[str, Any]:
         K = assembler.stiffness()
         stiffness = process_time() - begun
         M = assembler.mass()
-    entries = [assembler.compressed(matrix) for matrix in (K, M)]
     return {
-        "dofs": entries[0].shape[0],
+        "dofs": K.getSize()[0],
         "stiffness": stiffness,
         "mass": both.processor - stiffness,
         "memory": both.memory,
-        "finished": _BYTES * sum(matrix.nnz for matrix in entries) / 1e6,
+        "finished": _BYTES * sum(matrix.getInfo()["nz_used"] for matrix in (K, M)) / 1e6,
     }
 
 
-def checks(assembler: Assembler, modes: int) -> dict[str, list[dict[str, Any]]]:
+def checks(assembler: Ours | PlainDolfinx, modes: int) -> dict[str, list[dict[str, Any]]]:
     """What the matrices do to rigid motions, and their lowest eigenvalues."""
-    K = assembler.compressed(assembler.stiffness())
-    M = of_every_component(assembler.compressed(assembler.mass()), K.shape[0])
-    found = checked(K, M, assembler.motions())
-    values = {"inertia": found.pop("inertia"), "eigenvalues": lowest_eigenvalues(K, M, modes)}
+    found = checked(*matrices_of(assembler), assembler.motions(), modes)
+    values = {name: found.pop(name) for name in ("inertia", "eigenvalues")}
     return {
         "checks": [found],
         "values": [
@@ -252,8 +238,7 @@ STUDY = Study(
     sections=[
         Section(
             "Assembly",
-            "A quarter of a thick ring, divided alike everywhere. Programs of the extra bench take "
-            "part where they are installed.",
+            "A quarter of a thick ring, divided alike everywhere.",
             headline,
             tables=[
                 Table(

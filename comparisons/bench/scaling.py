@@ -136,15 +136,10 @@ def evaluate(case: Case, session: Session) -> list[dict[str, Any]]:
     ]
 
 
-def stages(result: StudyResult) -> pd.DataFrame:
-    """Medians of the stages of each run."""
-    frame = result.frame()
-    if frame.empty:
-        return frame
-    names = list(frame.columns)
-    names.remove("stage")
-    names.insert(names.index("repeat"), "stage")
-    return medians(frame[names])
+def stages(result: StudyResult, row: str = "") -> pd.DataFrame:
+    """Medians of the stages of each run, or of the runs of a row that have some."""
+    found = medians(result.frame(), "stage")
+    return found.query("row == @row and processor > 0") if row and len(found) else found
 
 
 def runs(result: StudyResult) -> pd.DataFrame:
@@ -185,31 +180,13 @@ def speed_up(result: StudyResult) -> pd.DataFrame:
 
 
 def growth(result: StudyResult) -> pd.DataFrame:
-    """Powers of the unknowns by which each stage grew from one size to the next."""
-    found = stages(result)
-    if found.empty:
-        return found
-    rows = []
-    for stage, own in found.query("row == 'size' and processor > 0").groupby("stage", sort=False):
+    """Powers of the unknowns by which each stage grew from one size to the next, the median."""
+    found, rows = stages(result, "size"), []
+    for stage, own in found.groupby("stage", sort=False) if len(found) else ():
         points = own.sort_values("unknowns")[["unknowns", "processor"]].to_numpy()
         powers = [log(b[1] / a[1]) / log(b[0] / a[0]) for a, b in pairwise(points) if b[0] > a[0]]
-        if powers:
-            rows.append({"stage": stage, "median": median(powers), "last": powers[-1]})
+        rows += [{"stage": stage, "power": median(powers)}] if powers else []
     return pd.DataFrame(rows)
-
-
-def of_sizes(result: StudyResult) -> pd.DataFrame:
-    """Stages of the runs that differ in size."""
-    found = stages(result)
-    return found if found.empty else found.query("row == 'size' and processor > 0")
-
-
-def of_degrees(result: StudyResult) -> pd.DataFrame:
-    """Assembly and whole of the runs that differ in degree."""
-    found = stages(result)
-    return (
-        found if found.empty else found.query("row == 'degree' and stage in ('assembly', 'whole')")
-    )
 
 
 def headline(result: StudyResult) -> str | None:
@@ -270,8 +247,7 @@ STUDY = Study(
                 ),
                 Table(
                     "growth",
-                    "Powers of the unknowns by which processor time grew from one size to the "
-                    "next: median, and the last.",
+                    "Powers of the unknowns by which processor time grew with size, medians.",
                     *(growth, COLUMNS),
                 ),
             ],
@@ -279,14 +255,19 @@ STUDY = Study(
                 Plot(
                     "unknowns",
                     "Stages over unknowns.",
-                    *(of_sizes, "unknowns", "processor", ("stage",)),
+                    *(lambda result: stages(result, "size"), "unknowns", "processor", ("stage",)),
                     log="xy",
                     own=COLUMNS,
                 ),
                 Plot(
                     "degree",
                     "Runs over degree.",
-                    *(of_degrees, "degree", "processor", ("stage", "backend")),
+                    *(
+                        lambda result: stages(result, "degree"),
+                        "degree",
+                        "processor",
+                        ("stage", "backend"),
+                    ),
                     log="y",
                     own=COLUMNS,
                 ),

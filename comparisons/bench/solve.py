@@ -272,7 +272,7 @@ STUDY = Study(
                 Table(
                     "stages",
                     "Processor time by stage.",
-                    lambda result: medians(result.frame("stages").pipe(_stages)),
+                    lambda result: medians(result.frame("stages"), "stage"),
                     COLUMNS,
                 ),
             ],
@@ -289,9 +289,3 @@ STUDY = Study(
         )
     ],
 )
-
-
-def _stages(frame: pd.DataFrame) -> pd.DataFrame:
-    """Stages before repeats, over which medians are taken."""
-    first = ["method", "stage", "repeat"]
-    return frame if frame.empty else frame[[*first, *frame.columns.difference(first)]]

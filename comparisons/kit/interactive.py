@@ -1,14 +1,11 @@
-"""Plots that a page draws itself: data and layout for plotly.js, and the library with it.
+"""What a page holds to draw plots itself: plotly.js of the Python package plotly, our scripts.
 
-The library is that of the Python package plotly, compressed; pages ask nothing of a network.
+Pages ask nothing of a network.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import cache
 from html import escape
 from importlib.util import find_spec
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -30,81 +27,9 @@ VERDICT_MARKS = {
 """Marker, colour and sign of each verdict: none is told by colour alone."""
 
 
-@dataclass(frozen=True)
-class Plot:
-    """A plot that a page draws.
-
-    Parameters
-    ----------
-    name
-        Its name on the page, unique there.
-    traces
-        Traces of plotly.js.
-    x, y
-        Options of the axes, as plotly.js has them.
-    height
-        Height (pixels).
-    title
-        Title above it.
-    file
-        Name of the file with the same drawing or its data.
-    options
-        More of the layout.
-    """
-
-    name: str
-    traces: Sequence[Mapping[str, Any]]
-    x: Mapping[str, Any]
-    y: Mapping[str, Any]
-    height: int = 380
-    title: str = ""
-    file: str = ""
-    options: Mapping[str, Any] = field(default_factory=dict)
-
-    def plain(self) -> dict[str, Any]:
-        """Plain data for plotly.js; what is no number is null."""
-        figure = {
-            "data": list(self.traces),
-            "layout": {
-                "xaxis": self.x,
-                "yaxis": self.y,
-                "height": self.height,
-                **self.options,
-            },
-        }
-        return finite(figure)
-
-
-def finite(value: Any) -> Any:
-    """Plain data with null in the place of numbers that are not finite."""
-    if isinstance(value, float):
-        return value if isfinite(value) else None
-    if isinstance(value, Mapping):
-        return {name: finite(part) for name, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(part) for part in value]
-    return value
-
-
 def literal(text: Any) -> str:
     """Text as plotly.js shows it, which reads tags in it."""
     return escape(str(text), quote=False)
-
-
-def titled(text: str, **options: Any) -> dict[str, Any]:
-    """Options of an axis with its title."""
-    return {"title": {"text": literal(text)}, **options}
-
-
-def logarithmic(text: str) -> dict[str, Any]:
-    """Options of a logarithmic axis with its title."""
-    return titled(text, type="log", exponentformat="power", dtick=1, minor={"ticks": "outside"})
-
-
-def marks(verdict: str, **options: Any) -> dict[str, Any]:
-    """Marker of the modes with a verdict."""
-    symbol, colour, _ = VERDICT_MARKS[verdict]
-    return {"symbol": symbol, "color": colour, **options}
 
 
 def sign(verdict: str) -> str:

@@ -125,22 +125,25 @@ def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) ->
     return rows.merge(cells, on=[*index], how="left")[[*index, *frame[across].unique()]]
 
 
-def medians(frame: pd.DataFrame, over: str = "repeat") -> pd.DataFrame:
+def medians(frame: pd.DataFrame, *also: str, over: str = "repeat") -> pd.DataFrame:
     """A row for all that differ in one label: medians of measured numbers, the first of all else.
 
     Parameters
     ----------
     frame
         Rows of a table.
+    also
+        Columns that tell rows of one case apart.
     over
         The label, which is left out; labels stand before it, what was measured behind it.
     """
     if frame.empty:
         return frame
-    labels = list(frame.columns[: frame.columns.get_loc(over)])
+    labels = [*frame.columns[: frame.columns.get_loc(over)], *also]
     measured = {
         name: "median" if frame[name].dtype.kind == "f" else _first
-        for name in frame.columns[len(labels) + 1 :]
+        for name in frame.columns
+        if name not in (*labels, over)
     }
     return frame.groupby(labels, sort=False, dropna=False).agg(measured).reset_index()
 

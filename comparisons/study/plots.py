@@ -7,8 +7,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from comparisons.kit import interactive
-from comparisons.kit.interactive import VERDICT_MARKS, literal, titled
+from comparisons.kit.interactive import VERDICT_MARKS, literal
 from comparisons.kit.plots import (
     BLACK,
     BLUE,
@@ -121,7 +120,8 @@ def _lines(
             look |= looks[name].get(value, {})
         text = [column(n, frame, plot.own) for n in keys]
         label = ", ".join(c.cell(v) for c, v in zip(text, values, strict=True))
-        places = own[[plot.x, plot.y]].astype(object).where(own[[plot.x, plot.y]].notna(), None)
+        places = own[[plot.x, plot.y]].replace([float("inf"), float("-inf")], float("nan"))
+        places = places.astype(object).where(places.notna(), None)
         shapes = list(own["shape"]) if "shape" in own else []
         marker = look["marker"] if marked else None
         x, y = places[plot.x].tolist(), places[plot.y].tolist()
@@ -172,31 +172,32 @@ def _draw(plot: Plot, result: Any) -> Figure:
     return figure
 
 
-def drawn_by_page(plot: Plot, result: Any) -> list[interactive.Plot]:
-    """Plots of a page, one for each panel."""
-    axes = [
-        titled(title, type="log" if axis in plot.log else "-")
-        | ({"exponentformat": "power"} if axis in plot.log else {})
+def drawn_by_page(plot: Plot, result: Any) -> list[dict[str, Any]]:
+    """Figures of plotly.js with their names and titles, one for each panel."""
+    axes = {
+        f"{axis}axis": {
+            "title": {"text": literal(title)},
+            "type": "log" if axis in plot.log else "-",
+            "exponentformat": "power" if axis in plot.log else "B",
+        }
         for axis, title in zip("xy", _titles(plot, result), strict=True)
-    ]
+    }
     kept = {"meta": "shown", "mode": "markers", "x": [], "y": [], "name": "mode shown",
             "marker": {"symbol": "circle-open", "size": 18, "color": BLACK}}  # fmt: skip
-    made = []
-    every = panels(plot, result)
+    made, every = [], panels(plot, result)
     for i, panel in enumerate(every):
         traces = [_trace(line, plot.style) for line in panel.lines]
         if any(line.shapes for line in panel.lines):
             traces.append(kept)
-        many = len(traces) > 1
-        options = {"showlegend": many, "meta": {"narrow": 12 * len(traces)}}
-        made.append(
-            interactive.Plot(
-                *(f"{plot.name}-{i}" if len(every) > 1 else plot.name, traces, axes[0], axes[1]),
-                height=400 + 12 * len(traces),
-                title=panel.title,
-                options=options,
-            )
-        )
+        room = 12 * len(traces)
+        layout = axes | {
+            "height": 400 + room,
+            "showlegend": len(traces) > 1,
+            "meta": {"narrow": room},
+        }
+        name = f"{plot.name}-{i}" if len(every) > 1 else plot.name
+        figure = {"data": traces, "layout": layout}
+        made.append({"name": name, "title": panel.title, "figure": figure})
     return made
 
 

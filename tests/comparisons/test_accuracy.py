@@ -102,7 +102,7 @@ def test_unknown_problems_and_parts_are_refused(change, field):
 def test_every_method_of_every_problem_is_a_scene():
     for chosen, method in product(PROBLEMS.values(), methods()):
         scene = scene_of(chosen, method, 2, 10.0)
-        contact = scene.contacts[chosen.contact]
+        contact = scene.contacts["interface"]
         assert contact.p == 10 * chosen.unit
         assert contact.full_pass == (method.rule == "GPTS full pass")
         assert scene.analysis.max_frequency > chosen.band[1] / (2 * np.pi)

@@ -14,8 +14,14 @@ from scipy.sparse import csr_array
 from cea.errors import ConvergenceError, InputError
 from comparisons.bench import assembly, calculix, ccx, contact, scaling, solve
 from comparisons.bench.methods import METHODS, OURS, Problem, backward_errors
-from comparisons.bench.programs.annulus import EXACT_VOLUME, MATERIAL, Discretisation, rigid_motions
-from comparisons.bench.programs.checks import checked, of_every_component
+from comparisons.bench.programs import (
+    EXACT_VOLUME,
+    MATERIAL,
+    Discretisation,
+    checked,
+    of_every_component,
+    rigid_motions,
+)
 from comparisons.study.measure import measured
 from comparisons.study.result import read
 from comparisons.study.run import run
@@ -25,23 +31,15 @@ BOXES = (2, 3, 1)
 
 
 def matrices_of(program, divided):
-    """What the matrices of a program give; skips where it is not installed."""
-    if not assembly.installed(program):
-        pytest.skip(f"{program} is not installed")
-    found = assembly.checks(assembly.laid_out(program, divided), 4)
+    """What the matrices of a program give."""
+    found = assembly.checks(assembly.PROGRAMS[program](divided), 4)
     values = pd.DataFrame(found["values"]).groupby("what")["value"].apply(np.array)
     return found["checks"][0], values["inertia"], values["eigenvalues"]
 
 
-PAIRS = [
-    pytest.param(program, family, id=f"{program}-{family}")
-    for program, (_, degrees, _) in list(assembly.PROGRAMS.items())[1:]
-    for family in degrees
-]
-
-
 @pytest.mark.grid(quick=1)
-@pytest.mark.parametrize(("program", "family"), PAIRS)
+@pytest.mark.parametrize("family", ["Q", "P"])
+@pytest.mark.parametrize("program", list(assembly.PROGRAMS)[1:])
 def test_programs_give_the_same_matrices(program, family):
     divided = Discretisation(family, 2, BOXES)
     theirs, inertia, eigenvalues = matrices_of(program, divided)
@@ -71,7 +69,7 @@ def test_wrong_matrices_are_seen():
     points = np.random.default_rng(0).random((4, 3))
     K = np.diag(np.arange(1.0, 13.0))
     K[0, 1] = 2.0
-    seen = checked(csr_array(K), csr_array(np.eye(12)), rigid_motions(points))
+    seen = checked(csr_array(K), csr_array(np.eye(12)), rigid_motions(points), 2)
     assert seen["rigid"] > 0.05
     assert seen["asymmetry"] == pytest.approx(2 / 12)
 
@@ -216,7 +214,7 @@ def test_speed_up_and_growth_are_those_of_the_seconds():
             every += [("strong", 2, 8000, 5.0), ("weak", 1, 1000, 1.0), ("weak", 2, 1000, 1.25)]
             return pd.DataFrame([row for each in every for row in rows(*each)])
 
-    powers = scaling.growth(Given()).set_index("stage")["median"]
+    powers = scaling.growth(Given()).set_index("stage")["power"]
     assert powers["assembly"] == pytest.approx(1.0)
     assert powers["factorisation"] == pytest.approx(2.0)
     ratios = scaling.speed_up(Given()).set_index(["row", "stage"])["ratio"]

@@ -72,6 +72,11 @@ class ModesAnswer:
     min_growth: float = -np.inf
 
     @property
+    def modes(self) -> int:
+        """How many there are."""
+        return len(self.eigenvalues)
+
+    @property
     def says(self) -> tuple[str, ...]:
         """Kinds of what it warns of: its warnings, modes undecided, a window not complete."""
         undecided = "undecided" in (*self.verdicts, self.verdict)
