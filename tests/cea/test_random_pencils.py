@@ -11,7 +11,7 @@ from cea.eigen.krylov_schur import KrylovOptions
 
 def check(kind, seeds, refused=0.0):
     """Nothing is wrong, little but of graded pencils is refused or left open."""
-    outcomes = random_runs.judged(seeds, getattr(random_runs, f"{kind}_outcome"))
+    outcomes = random_runs.judged(seeds, random_runs.OUTCOMES[kind])
     assert sum(outcome.modes for outcome in outcomes) > len(seeds)
     graded = kind.startswith("graded")
     assert graded or sum(bool(o.refused) for o in outcomes) <= refused * len(outcomes)
