@@ -214,20 +214,6 @@ def newton_step(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
     """Newton's step of xi: t_1 a + t_2 b - s d = rest by Cramer's rule.
 
     Where the line grazes the surface, the least-squares step.
-
-    Parameters
-    ----------
-    tangents
-        Derivatives dx_i/dxi_j, shape (n, dim, dim - 1).
-    direction
-        Unit directions d, shape (n, dim).
-    rest
-        What is missing of the points (m), shape (n, dim).
-
-    Returns
-    -------
-    ndarray
-        a and b, shape (n, dim - 1).
     """
     normal = cross(tangents)
     volume = np.einsum("ni,ni->n", normal, direction)

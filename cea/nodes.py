@@ -13,21 +13,12 @@ from cea.arrays import Floats, Ints
 
 @dataclass(frozen=True)
 class Nodes:
-    """Basis functions of this rank and the unknowns at them.
+    """Basis functions of this rank and the unknowns at them."""
 
-    Parameters
-    ----------
-    dim
-        Components of a displacement.
-    count
-        Basis functions of this rank.
-    node, component
-        Of each unknown of this rank, shape (n_local,): its basis function among those of this rank,
-        and its component. Where supports hold a displacement the component has no unknown.
-    """
-
-    dim: int
-    count: int
+    dim: int  # components of a displacement
+    count: int  # basis functions of this rank
+    # of each unknown of this rank, shape (n_local,): its basis function among those of this rank,
+    # and its component. Where supports hold a displacement the component has no unknown
     node: Ints
     component: Ints
 

@@ -68,12 +68,7 @@ def exact_eigenvalues(
     max_frequency: float | None = None,
     count: int | None = None,
     m: int | None = None,
-    kz: Number | None = None,
-    p: Number | None = None,
-    mu: Number = "0.3",
-    a: Material | None = None,
-    b: Material | None = None,
-    **sizes: Number,
+    **parameters: Number | Material | None,
 ) -> Values:
     """Eigenvalues lambda with Im >= 0 of one harmonic of a reference problem.
 
@@ -90,15 +85,12 @@ def exact_eigenvalues(
         Upper end of Im lambda, or number of eigenvalues, lowest first: exactly one of both.
     m
         Circumferential order of drum and ring; a negative one turns the sign of Re lambda.
-    kz
-        Wave number in z of drum and blocks; None is plane strain.
-    p, mu
-        Contact stiffness per area (None: 1, of the ring 1e12), may be "inf"; friction.
-    a, b
-        Materials; None: those of the reference files.
-    sizes
-        ``inner``, ``interface``, ``outer`` (drum); ``height_a``, ``height_b``, ``length``
-        (blocks); ``inner``, ``outer``, ``height_a``, ``height_b`` (ring).
+    parameters
+        ``p``, contact stiffness per area, may be "inf" (1, of the ring 1e12), ``mu``, friction
+        (0.3), ``kz``, wave number in z of drum and blocks (None: plane strain), materials ``a`` and
+        ``b`` (those of the reference files), and sizes: ``inner``, ``interface``, ``outer`` (drum);
+        ``height_a``, ``height_b``, ``length`` (blocks); ``inner``, ``outer``, ``height_a``,
+        ``height_b`` (ring).
 
     Returns
     -------
@@ -111,7 +103,7 @@ def exact_eigenvalues(
         For an unknown problem, a parameter that it does not have, or a value out of range.
     """
     check_window(max_frequency, count)
-    chosen = make_problem(problem, m=m, kz=kz, p=p, mu=mu, a=a, b=b, **sizes)
+    chosen = make_problem(problem, m=m, **parameters)
     values = _eigenvalues(chosen, problem == "blocks_constant", max_frequency, count)
     return values if m is None or m >= 0 else _mirrored(values)
 
@@ -121,11 +113,7 @@ def whole_spectrum(
     *,
     max_frequency: float,
     depth: Number | None = None,
-    p: Number | None = None,
-    mu: Number = "0.3",
-    a: Material | None = None,
-    b: Material | None = None,
-    **sizes: Number,
+    **parameters: Number | Material | None,
 ) -> WholeSpectrum:
     """All eigenvalues up to a frequency: orders m of both signs, and all families in z.
 
@@ -141,7 +129,7 @@ def whole_spectrum(
         Upper end of Im lambda.
     depth
         Length in z between rollers (u_z = 0) of drum or blocks; None is plane strain.
-    p, mu, a, b, sizes
+    parameters
         As in ``exact_eigenvalues``.
 
     Raises
@@ -151,7 +139,7 @@ def whole_spectrum(
     """
     check_window(max_frequency, None)
     m = None if problem.startswith("blocks") else 0
-    base = make_problem(problem, m=m, p=p, mu=mu, a=a, b=b, **sizes)
+    base = make_problem(problem, m=m, **parameters)
     if depth is not None and isinstance(base, Ring):
         raise InputError("depth", depth, "none: the ring is three-dimensional as it is")
     highest_k = max_frequency / min(base.a.wave_speeds[1], base.b.wave_speeds[1])
@@ -182,34 +170,24 @@ def whole_spectrum(
     return WholeSpectrum(values[rising], orders[rising], families[rising])
 
 
-def make_problem(
-    problem: str,
-    *,
-    m: int | None = None,
-    kz: Number | None = None,
-    p: Number | None = None,
-    mu: Number = "0.3",
-    a: Material | None = None,
-    b: Material | None = None,
-    **sizes: Number,
-) -> Problem:
+def make_problem(problem: str, *, m: int | None = None, **parameters: Any) -> Problem:
     """The problem of a name; parameters as in ``exact_eigenvalues``, the sign of m dropped."""
     if problem not in _SIZES:
         raise InputError("problem", problem, " or ".join(_SIZES))
-    for name, value in sizes.items():
-        if name not in _SIZES[problem]:
-            raise InputError(name, value, f"one of {', '.join(sorted(_SIZES[problem]))}")
+    known = {"p", "kz", "mu", "a", "b"} | _SIZES[problem]
+    for name, value in parameters.items():
+        if name not in known:
+            raise InputError(name, value, f"one of {', '.join(sorted(known))}")
     if (m is None) != problem.startswith("blocks"):
         raise InputError("m", m, "a circumferential order for drum and ring, none for blocks")
-    given: dict[str, Any] = {"p": p, "kz": kz, "a": a, "b": b, **sizes}
-    given = {name: value for name, value in given.items() if value is not None}
+    given = {name: value for name, value in parameters.items() if value is not None}
     if m is None:
-        return Blocks.of(mu0=mu, **given)
+        return Blocks.of(mu0=given.pop("mu", "0.3"), **given)
     if problem == "drum":
-        return Drum.of(abs(m), mu=mu, **given)
-    if kz is not None:
-        raise InputError("kz", kz, "none: the ring is three-dimensional as it is")
-    return Ring.of(abs(m), mu=mu, **given)
+        return Drum.of(abs(m), **given)
+    if "kz" in given:
+        raise InputError("kz", given["kz"], "none: the ring is three-dimensional as it is")
+    return Ring.of(abs(m), **given)
 
 
 @cache

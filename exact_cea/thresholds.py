@@ -35,11 +35,7 @@ def mu_critical(
     max_frequency: float | None = None,
     mu_max: float = 1.0,
     m: int | None = None,
-    kz: Number | None = None,
-    p: Number | None = None,
-    a: Material | None = None,
-    b: Material | None = None,
-    **sizes: Number,
+    **parameters: Number | Material | None,
 ) -> float:
     """Smallest friction coefficient, or amplitude, at which a mode begins to grow.
 
@@ -57,9 +53,7 @@ def mu_critical(
     mu_max
         Of blocks: end of the search. Constant friction is tried at 20 values up to it: flutter
         that begins and ends between two of them is not seen.
-    m, kz, p, a, b
-        As in ``exact_eigenvalues``.
-    sizes
+    m, parameters
         As in ``exact_eigenvalues``; of lumped systems their ``k11``, ``k12``, ``k22``, ``k3`` or
         ``k1``, ``k2``, ``c1``, ``c2``.
 
@@ -74,10 +68,10 @@ def mu_critical(
         As in ``exact_eigenvalues``; or if blocks are given no ``max_frequency``.
     """
     if problem == "hoffmann":
-        return float(lumped.hoffmann_threshold(**_known(sizes, "k11", "k12", "k22", "k3")))
+        return float(lumped.hoffmann_threshold(**_known(parameters, "k11", "k12", "k22", "k3")))
     if problem == "hulten":
-        return float(lumped.hulten_threshold(**_known(sizes, "k1", "k2", "c1", "c2"))[0])
-    chosen = make_problem(problem, m=m, kz=kz, p=p, a=a, b=b, **sizes)
+        return float(lumped.hulten_threshold(**_known(parameters, "k1", "k2", "c1", "c2"))[0])
+    chosen = make_problem(problem, m=m, **parameters)
     if not isinstance(chosen, Blocks):
         return 0.0 if chosen.m else math.inf
     for name, value in (("max_frequency", max_frequency), ("mu_max", mu_max)):
@@ -88,11 +82,11 @@ def mu_critical(
     return first(chosen, float(mu_max), float(max_frequency))
 
 
-def _known(sizes: dict[str, Number], *names: str) -> dict[str, Any]:
-    for name, value in sizes.items():
+def _known(parameters: dict[str, Any], *names: str) -> dict[str, Any]:
+    for name, value in parameters.items():
         if name not in names:
             raise InputError(name, value, f"one of {', '.join(names)}")
-    return sizes
+    return parameters
 
 
 @cache

@@ -29,22 +29,13 @@ _SIMPLICES = (basix.CellType.triangle, basix.CellType.tetrahedron)
 
 @dataclass(frozen=True)
 class Cells:
-    """All cells of a mesh with their dofs, replicated on every rank.
+    """All cells of a mesh with their dofs, replicated on every rank."""
 
-    Parameters
-    ----------
-    geometry, trial
-        Elements (basix) of the geometry and of the scalar displacement.
-    nodes
-        Geometry nodes (m) of each cell, (n, n_geometry, dim).
-    dofs
-        Global scalar dofs of each cell, (n, n_dofs).
-    """
-
+    # elements (basix) of the geometry and of the scalar displacement
     geometry: Any
     trial: Any
-    nodes: Floats
-    dofs: Ints
+    nodes: Floats  # geometry nodes (m) of each cell, (n, n_geometry, dim)
+    dofs: Ints  # global scalar dofs of each cell, (n, n_dofs)
 
     @classmethod
     def of(cls, V: Any) -> "Cells":

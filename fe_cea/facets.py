@@ -23,15 +23,9 @@ def slices(n: int, bytes_each: int) -> Iterator[slice]:
 
 @dataclass(frozen=True)
 class FacetBasis:
-    """A Lagrange element on a cell, and what it leaves on each facet of the cell.
+    """A Lagrange element on a cell, and what it leaves on each facet of the cell."""
 
-    Parameters
-    ----------
-    cell
-        Element on the reference cell (basix).
-    """
-
-    cell: Any
+    cell: Any  # element on the reference cell (basix)
 
     @cached_property
     def facet(self) -> Any:
@@ -73,24 +67,14 @@ class FacetLayer:
 
     Facet coordinates xi live on the unit interval, triangle or square; the point is
     ``corner + edges xi`` of the local facet in the reference cell.
-
-    Parameters
-    ----------
-    geometry, trace
-        Elements of the mesh geometry and of the scalar displacement.
-    nodes
-        Geometry nodes (m) of the cell behind each facet, (n, n_geometry, dim).
-    dofs
-        Global scalar dofs of that cell, (n, n_dofs).
-    local
-        Number of the facet in its cell, (n,).
     """
 
+    # elements of the mesh geometry and of the scalar displacement
     geometry: FacetBasis
     trace: FacetBasis
-    nodes: Floats
-    dofs: Ints
-    local: Ints
+    nodes: Floats  # geometry nodes (m) of the cell behind each facet, (n, n_geometry, dim)
+    dofs: Ints  # global scalar dofs of that cell, (n, n_dofs)
+    local: Ints  # number of the facet in its cell, (n,)
 
     def __len__(self) -> int:
         return len(self.local)
@@ -125,9 +109,6 @@ class FacetLayer:
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Positions (m), (n, dim), and their derivatives along xi, (n, dim, dim - 1)."""
-        if self._affine is not None:
-            corner, edges = (part[element] for part in self._affine)
-            return corner + np.einsum("nij,nj->ni", edges, xi), edges
         n, dim = len(element), self.dim
         x, dx = np.empty((n, dim)), np.empty((n, dim, dim - 1))
         for rows in slices(n, 16 * dim * self.facet_nodes.shape[1]):
@@ -135,19 +116,6 @@ class FacetLayer:
             both = table.transpose(1, 0, 2) @ self.facet_nodes[element[rows]]
             x[rows], dx[rows] = both[:, 0], both[:, 1:].swapaxes(1, 2)
         return x, dx
-
-    @cached_property
-    def _affine(self) -> tuple[Floats, Floats] | None:
-        """First corners (n, dim) and edges (n, dim, dim - 1) where all facets are affine images.
-
-        As far as rounding of their coordinates tells; None where some facet is bent or skewed.
-        """
-        nodes, points = self.facet_nodes, self.geometry.facet.points
-        corner = nodes[:, 0]
-        edges = (nodes[:, 1 : self.dim] - corner[:, None]).swapaxes(1, 2)
-        straight = corner[:, None] + np.einsum("nij,kj->nki", edges, points)
-        rounding = 4 * np.finfo(float).eps * np.abs(nodes).max(initial=0.0)
-        return (corner, edges) if np.abs(straight - nodes).max(initial=0.0) <= rounding else None
 
     def trace_values(self, xi: Floats) -> Floats:
         """Values at facet coordinates of the basis functions of a facet, (n, n_dofs)."""

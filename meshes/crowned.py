@@ -7,7 +7,7 @@ from the point of equal radius at the apex: its square is a rational function of
 NURBS hold the face exactly. What lies behind the face follows it in proportion.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, ClassVar, Literal
 
@@ -115,55 +115,39 @@ class Crowned:
         if isinstance(self.base, Sector):
             r, theta = corners[:, 0], np.deg2rad(corners[:, 1])
             corners[:, 0], corners[:, 1] = r * np.cos(theta), r * np.sin(theta)
-        return float(self.depth(corners).max())
+        return float(self.depth(corners)[0].max())
 
-    def _offsets(self, points: Floats) -> Iterator[tuple[float, Floats, Floats | None]]:
-        """Radii of curvature, and vectors from the apex whose length is s, (..., dim).
-
-        Along theta, the direction of the apex (2,) too.
-        """
-        for name, radius in self.radii.items():
-            axis = self.directions.index(name)
-            apex = self.apex.get(name, 0.5 * sum(self.extent[axis]))
-            offset, middle = np.zeros(points.shape), None
-            if not isinstance(self.base, Sector):
-                offset[..., axis] = points[..., axis] - apex
-            else:
-                r = np.hypot(points[..., 0], points[..., 1])[..., None]
-                if name == "r":
-                    offset[..., :2] = (r - apex) * points[..., :2] / r
-                else:
-                    middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
-                    offset[..., :2] = points[..., :2] - r * middle
-            yield radius, offset, middle
-
-    def depth(self, points: Floats) -> Floats:
-        """How much deeper than at its apex the face lies in the body (m), shape (...).
+    def depth(self, points: Floats) -> tuple[Floats, Floats]:
+        """How much deeper than at its apex the face lies in the body (m), (...), and its gradient.
 
         Of Cartesian points of the base (m), (..., dim); what they are across the face is ignored.
         """
-        total = np.zeros(points.shape[:-1])
-        for radius, offset, _ in self._offsets(points):
-            total += (offset**2).sum(axis=-1) / (2 * radius)
-        return total
-
-    def slope(self, points: Floats) -> Floats:
-        """Gradient of the depth at Cartesian points of the base (m), shape (..., dim)."""
-        total = np.zeros(points.shape)
-        for radius, offset, middle in self._offsets(points):
-            total += offset / radius
-            if middle is not None:  # the point of equal radius at the apex moves with r
+        total, slope = np.zeros(points.shape[:-1]), np.zeros(points.shape)
+        for name, radius in self.radii.items():
+            axis = self.directions.index(name)
+            apex = self.apex.get(name, 0.5 * sum(self.extent[axis]))
+            offset = np.zeros(points.shape)  # from the apex, as long as s
+            if not isinstance(self.base, Sector):
+                offset[..., axis] = points[..., axis] - apex
+            else:
                 plane = points[..., :2]
-                along = (offset[..., :2] @ middle) / np.hypot(plane[..., 0], plane[..., 1])
-                total[..., :2] -= along[..., None] * plane / radius
-        return total
+                r = np.hypot(plane[..., 0], plane[..., 1])[..., None]
+                if name == "r":
+                    offset[..., :2] = (r - apex) * plane / r
+                else:  # the point of equal radius at the apex moves with r
+                    middle = np.array([np.cos(np.deg2rad(apex)), np.sin(np.deg2rad(apex))])
+                    offset[..., :2] = plane - r * middle
+                    slope[..., :2] -= (offset[..., :2] @ middle)[..., None] / r * plane / radius
+            total += (offset**2).sum(axis=-1) / (2 * radius)
+            slope += offset / radius
+        return total, slope
 
     def height(self, points: Floats) -> tuple[Floats, Floats]:
         """How far Cartesian points lie outside of the crowned face (m), (...), and its gradient."""
-        outwards, gradient = (1.0 if self.at_high_end else -1.0), self.slope(points)
+        outwards, (depth, gradient) = (1.0 if self.at_high_end else -1.0), self.depth(points)
         gradient[..., self.across] += outwards
         above = points[..., self.across] - self.extent[self.across][self.at_high_end]
-        return outwards * above + self.depth(points), gradient
+        return outwards * above + depth, gradient
 
     def crown(self, points: Floats) -> Floats:
         """Points of the base (m), shape (..., dim), moved to where they lie in the crowned shape.
@@ -174,7 +158,7 @@ class Crowned:
         share = (points[..., self.across] - low) / (high - low)
         inwards = -share if self.at_high_end else 1.0 - share
         moved = points.copy()
-        moved[..., self.across] += inwards * self.depth(points)
+        moved[..., self.across] += inwards * self.depth(points)[0]
         return moved
 
 

@@ -1,11 +1,11 @@
 """A ventilated brake disc: two rings joined by vanes, the lower one on a hat with a hub plate."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 from math import asin, cos, hypot, pi, radians, sin, sqrt
 from typing import ClassVar, Literal
 
 from cea.errors import require
+from meshes.simple_shapes import check_positive, check_rising
 
 
 @dataclass(frozen=True)
@@ -66,19 +66,13 @@ class VentilatedDisc:
     directions: ClassVar[tuple[str, ...]] = ("r", "theta", "z")
 
     def __post_init__(self) -> None:
-        require(self.bore > 0, "bore", self.bore, "a positive length (m)")
-        self._rising("bore", "wall_inner", "wall_outer", "flange_outer", "outer_radius")
-        require(self.ring_height > 0, "ring_height", self.ring_height, "a positive length (m)")
-        self._rising("ring_height", "upper_bottom", "upper_top")
-        self._rising("ring_height", "hub_bottom", "hub_top")
+        check_positive(self, "bore")
+        check_rising(self, "bore", "wall_inner", "wall_outer", "flange_outer", "outer_radius")
+        check_positive(self, "ring_height")
+        check_rising(self, "ring_height", "upper_bottom", "upper_top")
+        check_rising(self, "ring_height", "hub_bottom", "hub_top")
         self._check_holes()
         self._check_vanes()
-
-    def _rising(self, *names: str) -> None:
-        """Refuse lengths that do not rise from field to field."""
-        for lower, name in pairwise(names):
-            least, value = getattr(self, lower), getattr(self, name)
-            require(value > least, name, value, f"more than {lower} = {least} (m)")
 
     def _check_holes(self) -> None:
         require(0 <= self.holes <= _MOST, "holes", self.holes, f"0 to {_MOST}")

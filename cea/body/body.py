@@ -179,13 +179,7 @@ class Body:
         return whole
 
     def mass(self) -> Any:
-        """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg.
-
-        Raises
-        ------
-        InputError
-            When the material has no density.
-        """
+        """Consistent mass, PETSc AIJ (free x free), symmetric positive definite, kg."""
         return self._mass
 
     @cached_property
@@ -215,17 +209,9 @@ class Body:
     def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
         """Forces of each support, along the directions that it holds and no other.
 
-        Parameters
-        ----------
-        force
-            The sum of all of them on all dofs (N), shape (num_scalar_dofs, dim).
-
-        Returns
-        -------
-        tuple
-            The scalar dofs that supports hold, shape (m,), and the forces of each support on the
-            body there (N), shape (supports, m, dim); their sum is the given one at these dofs where
-            the free dofs are in equilibrium.
+        Of the sum of all of them on all dofs (N), shape (num_scalar_dofs, dim), the scalar dofs
+        that supports hold, shape (m,), and the forces of each support on the body there (N), shape
+        (supports, m, dim).
         """
         return self.constraints.support_forces(force, len(self.supports))
 

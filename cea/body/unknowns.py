@@ -1,8 +1,7 @@
 """Operators on full dofs of bodies as operators on the unknowns of a system.
 
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
-Contacts touch few dofs: only these rows of an expansion are looked at, and where it merely selects
-dofs, columns are renumbered and nothing is multiplied.
+Contacts touch few dofs: only these rows of an expansion are looked at.
 """
 
 from collections.abc import Mapping
@@ -30,44 +29,12 @@ def system_operator(bodies: Mapping[str, Body], parts: Mapping[str, csr_array], 
         _on_free_dofs(parts[name], expansion) if name in parts else _on_nothing(rows, expansion)
         for name, expansion in zip(bodies, expansions, strict=True)
     ]
-    whole = _beside(blocks)
+    whole = csr_array(hstack(blocks, format="csr"))
     sizes = np.array([np.diff(expansion.getOwnershipRangesColumn()) for expansion in expansions])
     comm = next(iter(bodies.values())).comm
     whole.indices = _numbered(whole.indices, sizes)
     own = int(sizes[:, comm.rank].sum())
     return distributed(_rising(whole), (own, int(sizes.sum())), comm, shared=True)
-
-
-def _beside(blocks: list[csr_array]) -> csr_array:
-    """Blocks of columns side by side.
-
-    Points mostly see as many functions each: rows of equal lengths are joined as tables.
-    """
-    rows = blocks[0].shape[0]
-    widths = [len(block.data) // max(rows, 1) for block in blocks]
-    even = [
-        np.array_equal(block.indptr, np.arange(rows + 1) * width)
-        for block, width in zip(blocks, widths, strict=True)
-    ]
-    if not rows or not all(even):
-        return csr_array(hstack(blocks, format="csr"))
-    ends = np.cumsum([block.shape[1] for block in blocks])
-    per_row = sum(widths)
-    kind: Any = np.int32 if max(int(ends[-1]), rows * per_row) < 2**31 else np.int64
-    data, columns = np.empty((rows, per_row)), np.empty((rows, per_row), dtype=kind)
-    at = 0
-    for block, width, end in zip(blocks, widths, ends, strict=True):
-        part = slice(at, at + width)
-        data[:, part] = block.data.reshape(rows, width)
-        np.add(
-            block.indices.reshape(rows, width),
-            end - block.shape[1],
-            out=columns[:, part],
-            casting="unsafe",
-        )
-        at += width
-    starts = np.arange(rows + 1, dtype=kind) * kind(per_row)
-    return csr_array((data.ravel(), columns.ravel(), starts), shape=(rows, int(ends[-1])))
 
 
 def _on_nothing(rows: int, expansion: Any) -> csr_array:
@@ -82,19 +49,9 @@ def _on_free_dofs(operator: csr_array, expansion: Any) -> csr_array:
     dofs = np.flatnonzero(touched)
     rows = _rows(expansion, dofs)
     place = np.zeros(operator.shape[1], dtype=operator.indices.dtype)
-    lengths = np.diff(rows.indptr)
-    if lengths.max(initial=0) > 1 or (rows.data != 1).any():
-        place[dofs] = np.arange(len(dofs))
-        narrow = (operator.data, place[operator.indices], operator.indptr)
-        return csr_array(csr_array(narrow, (operator.shape[0], len(dofs))) @ rows)
-    place[dofs[lengths == 0]] = -1
-    place[dofs[lengths == 1]] = rows.indices
-    data, columns, starts = operator.data, place[operator.indices], operator.indptr
-    if (lengths == 0).any():
-        kept = columns >= 0
-        starts = np.concatenate([[0], np.cumsum(kept)])[starts].astype(starts.dtype)
-        data, columns = data[kept], columns[kept]
-    return csr_array((data, columns, starts), (operator.shape[0], rows.shape[1]))
+    place[dofs] = np.arange(len(dofs))
+    narrow = (operator.data, place[operator.indices], operator.indptr)
+    return csr_array(csr_array(narrow, (operator.shape[0], len(dofs))) @ rows)
 
 
 def _rows(matrix: Any, rows: Ints) -> csr_array:

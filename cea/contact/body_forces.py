@@ -24,24 +24,13 @@ from cea.petsc import MPI
 
 @dataclass(frozen=True)
 class SideForces:
-    """Forces of a contact on one of its bodies.
+    """Forces of a contact on one of its bodies."""
 
-    Parameters
-    ----------
-    contact
-        Name of the contact.
-    body
-        Name of the body.
-    forces
-        On all its dofs (N), the same on every rank, shape (num_scalar_dofs, dim).
-    sizes
-        Stiffness times displacements of the sides (N), of which they are small differences where
-        gaps tell them, shape (num_scalar_dofs,).
-    """
-
-    contact: str
-    body: str
-    forces: Floats
+    contact: str  # name of the contact
+    body: str  # name of the body
+    forces: Floats  # on all its dofs (N), the same on every rank, shape (num_scalar_dofs, dim)
+    # stiffness times displacements of the sides (N), of which they are small differences where
+    # gaps tell them, shape (num_scalar_dofs,)
     sizes: Floats
 
 

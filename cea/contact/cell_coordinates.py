@@ -52,30 +52,14 @@ def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: F
 
 @dataclass(frozen=True)
 class _Lines:
-    """Straight lines from the centres of cells, seen along the normals at the centres.
+    """Straight lines from the centres of cells, seen along the normals at the centres."""
 
-    Parameters
-    ----------
-    surface
-        The surface.
-    element
-        Element of each cell, (n,).
-    middle
-        Reference coordinates of its centre, (n, dim - 1).
-    extent
-        Its size along each of them, (n, dim - 1).
-    normal
-        Unit normal at its centre, (n, dim).
-    inverse
-        Inverse of the Jacobian there, the normal its last direction, (n, dim, dim).
-    """
-
-    surface: Surface
-    element: Ints
-    middle: Floats
-    extent: Floats
-    normal: Floats
-    inverse: Floats
+    surface: Surface  # the surface
+    element: Ints  # element of each cell, (n,)
+    middle: Floats  # reference coordinates of its centre, (n, dim - 1)
+    extent: Floats  # its size along each of them, (n, dim - 1)
+    normal: Floats  # unit normal at its centre, (n, dim)
+    inverse: Floats  # inverse of the Jacobian there, the normal its last direction, (n, dim, dim)
 
     @classmethod
     def of(cls, surface: Surface, element: Ints, middle: Floats, extent: Floats) -> "_Lines":

@@ -37,21 +37,13 @@ _LEAF = 160
 
 @dataclass(frozen=True)
 class _Front:
-    """Rows that remain of a part of the points.
+    """Rows that remain of a part of the points."""
 
-    Parameters
-    ----------
-    rows
-        On the columns of G at the edge of the part, (k, n).
-    columns, touching
-        These columns, rising, and how many points of the part touch each, (n,).
-    carried, carried_columns
-        The rows of T that go with them, and their columns, rising.
-    """
-
-    rows: Floats
+    rows: Floats  # on the columns of G at the edge of the part, (k, n)
+    # these columns, rising, and how many points of the part touch each, (n,)
     columns: Ints
     touching: Ints
+    # the rows of T that go with them, and their columns, rising
     carried: Floats
     carried_columns: Ints
 

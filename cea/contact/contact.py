@@ -282,17 +282,7 @@ class Contact:
 
 
 def assembled(bodies: Mapping[str, Body], contact: Contact, *, leave_out: bool = True) -> Contact:
-    """A contact with its operators on the unknowns of all bodies; collective.
-
-    Parameters
-    ----------
-    bodies
-        All bodies of the system by name, in the order of the unknowns.
-    contact
-        The contact.
-    leave_out
-        Whether the slip operator and K_f are left out where mu = 0.
-    """
+    """A contact with its operators on the unknowns of all bodies; collective."""
     interface, points = contact.interface, contact.interface.local_points
     bonded = contact.coupling == "bonded"
     projection = None

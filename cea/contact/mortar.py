@@ -44,18 +44,10 @@ _INDEPENDENT_CUT = 1e-13
 
 @dataclass(frozen=True)
 class MortarProjection:
-    """Projection of functions at segment points on the trace space of side a.
+    """Projection of functions at segment points on the trace space of side a."""
 
-    Parameters
-    ----------
-    interface
-        Segment points.
-    traces
-        psi at the points, PETSc AIJ (points x m); zero at points that are left out.
-    """
-
-    interface: Interface
-    traces: Any
+    interface: Interface  # segment points
+    traces: Any  # psi at the points, PETSc AIJ (points x m); zero at points that are left out
 
     @classmethod
     def of(

@@ -43,17 +43,7 @@ _UNFELT = 1e-24
 def forces_of_contacts(
     contacts: Sequence[Contact], stiffness: Any, friction: Mapping[str, float]
 ) -> Iterator[ForcesOfContact]:
-    """Forces that are unknowns, of each contact that has any; collective.
-
-    Parameters
-    ----------
-    contacts
-        The half passes.
-    stiffness
-        Diagonal of K of all bodies (N/m), PETSc vector.
-    friction
-        What mu of each contact is relative to.
-    """
+    """Forces that are unknowns, of each contact that has any; collective."""
     for name, halves in with_multipliers(contacts).items():
         made = (_at_points if halves[0].projection is None else _projected)(halves)
         closure, slip, compliance = made

@@ -26,21 +26,12 @@ _VANISHES = 1e-10
 
 @dataclass(frozen=True)
 class Sampling:
-    """Points of an interface, and trace functions of each side where the sides meet.
+    """Points of an interface, and trace functions of each side where the sides meet."""
 
-    Parameters
-    ----------
-    points
-        Number of points.
-    functions_a
-        Number of scalar trace functions of side a, or their part by area where it is not covered.
-    functions_b
-        Number of those of side b that points touch.
-    """
-
-    points: int
+    points: int  # number of points
+    # number of scalar trace functions of side a, or their part by area where it is not covered
     functions_a: int
-    functions_b: int
+    functions_b: int  # number of those of side b that points touch
 
 
 def sampling(interface: Interface) -> Sampling:

@@ -40,22 +40,7 @@ _KINDS: dict[str, tuple[str, dict[str, Any]]] = {
 def sliding_terms(
     bodies: Mapping[str, Body], contacts: Sequence[Contact], friction: Mapping[str, float]
 ) -> Iterator[Term]:
-    """Damping of the half passes that slide; the halves of a full pass share the pressure.
-
-    Parameters
-    ----------
-    bodies
-        All bodies of the system by name, in the order of the unknowns.
-    contacts
-        All half passes.
-    friction
-        What mu of each contact is relative to.
-
-    Raises
-    ------
-    InputError
-        When the speed is given in the plane, the contact is bonded, or no pressure is known.
-    """
+    """Damping of the half passes that slide; the halves of a full pass share the pressure."""
     sizes, pairs = _sizes(contacts), [contact.pair for contact in contacts]
     for contact in contacts:
         if contact.sliding is None:

@@ -169,11 +169,7 @@ class EigenSolver:
         *,
         left: bool | None,
     ) -> Modes:
-        """Modes of what was found in a window, with their errors.
-
-        Left vectors are searched where they are wanted or errors cannot be told without; never
-        where ``left`` is None.
-        """
+        """Modes of what was found, with errors; where ``left`` is None without left vectors."""
         subspace, op = search.found, search.near
         assert subspace is not None
         with timer("post-processing"):  # those around the window show too what rounding does
@@ -344,11 +340,10 @@ def run_window(
     left: bool = False,
     timer: StageTimer | None = None,
 ) -> Modes:
-    """Modes up to a frequency, with what a reader of them should know of those above.
+    """Modes up to a frequency; the window names those that grow up to 5 percent above its end.
 
-    Parameters and errors are those of :meth:`EigenSolver.solve`. The window
-    names the modes that grow up to 5 percent above its end, and where it is empty the lowest mode.
-    Where nothing can grow for the structure of the problem, nothing is searched above the end.
+    Where it is empty it names the lowest mode above. Where nothing can grow for the structure of
+    the problem, nothing is searched above. Parameters are those of :meth:`EigenSolver.solve`.
     """
     above = 1.0 if driver.conservative(changes) else ABOVE
     try:

@@ -46,8 +46,8 @@ _NEAR_SHIFT = 1e-6
 """Distance of an eigenvalue from the shift, relative to it, at which all others lose digits."""
 _SHIFT = 0.25
 """Real shift relative to the modulus of a place, where something damps."""
-_ASIDE, _STEPS = 1e-3, 4
-"""Step of a shift aside from an eigenvalue, relative to itself, and most such steps."""
+ASIDE, ATTEMPTS = 1e-3, 6
+"""Step of a shift aside from an eigenvalue, relative to itself, and shifts tried at most."""
 _EDGE = 1 + 1e-9
 """Radius of a disc relative to the farthest eigenvalue in it: conjugates are equally far."""
 _PAIR = 1e-9
@@ -365,8 +365,8 @@ def nearest(
             return np.inf
         return _EDGE * float(abs(place - shift) + np.sort(np.abs(chosen - place))[wanted - 1])
 
-    for step in range(_STEPS):  # aside from an eigenvalue
-        shift *= 1 + step * _ASIDE
+    for step in range(ATTEMPTS):  # aside from an eigenvalue
+        shift *= 1 + step * ASIDE
         op: ShiftInvert | None = None
         try:
             op = (Companion if damped else ShiftInvert)(matrices, shift, scale)
@@ -375,6 +375,6 @@ def nearest(
         except ConvergenceError as error:
             if op is not None:
                 op.free()
-            if step + 1 == _STEPS or not isinstance(error, SingularError):
+            if step + 1 == ATTEMPTS or not isinstance(error, SingularError):
                 raise
     raise AssertionError

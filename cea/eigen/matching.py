@@ -112,16 +112,11 @@ class SpectrumMatch:
 
     @property
     def growth_errors(self) -> Floats:
-        """Errors of Re lambda relative to the largest growth rate of the list, shape (n,).
-
-        In a list that does not grow, relative to abs(lambda).
-        """
+        """Errors of Re lambda relative to the largest growth rate; where none grows to lambda."""
         size = np.abs(self.exact)
         largest = np.abs(self.exact.real).max(initial=0.0)
-        scale = (
-            np.full(len(size), largest) if largest > _NO_GROWTH * size.max(initial=0.0) else size
-        )
-        return _relative(np.abs(self.differences.real), scale)
+        grows = largest > _NO_GROWTH * size.max(initial=0.0)
+        return _relative(np.abs(self.differences.real), np.where(grows, largest, size))
 
 
 def _relative(error: Floats, scale: Floats) -> Floats:
@@ -176,9 +171,7 @@ def modal_assurance(left: Complexes, right: Complexes) -> Floats:
     Displacements are at common points, shapes (n, modes_left) and (n, modes_right) (R. J. Allemang,
     The modal assurance criterion - twenty years of use and abuse, Sound and Vibration 37 (2003)).
     """
-    left = left / np.linalg.norm(left, axis=0)
-    right = right / np.linalg.norm(right, axis=0)
-    return np.abs(left.conj().T @ right) ** 2
+    return subspace_assurance(left, right, list(np.arange(right.shape[1])[:, None]))
 
 
 def subspace_assurance(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
@@ -203,11 +196,10 @@ def _orthonormal(vectors: Complexes) -> Complexes:
 
 @dataclass(frozen=True)
 class ModeSet:
-    """Modes of one run: lambda (1/s), displacements at common points, circumferential orders."""
+    """Modes of one run: lambda (1/s), and displacements at common points."""
 
     eigenvalues: Complexes
     shapes: Complexes
-    orders: Ints | None = None
 
     def __post_init__(self) -> None:
         if self.shapes.shape[1:] != self.eigenvalues.shape:
@@ -216,17 +208,10 @@ class ModeSet:
 
 @dataclass(frozen=True)
 class GroupMatch:
-    """Modes of two runs that stand for one another: one of each, or groups.
+    """Numbers of modes of two runs that stand for one another, one of each, or groups.
 
-    Parameters
-    ----------
-    first, second
-        Numbers of the modes in either run.
-    means
-        Mean eigenvalue of either.
-    angles
-        Principal angles between the spaces they span (rad), largest first; of single modes the
-        one with cos^2 the modal assurance criterion.
+    With their mean eigenvalues, and the principal angles between the spaces they span (rad),
+    largest first: of single modes cos^2 of it is the modal assurance criterion.
     """
 
     first: Ints
@@ -259,14 +244,8 @@ def match_modes(
 ) -> ModeMatch:
     """Pair the modes of two runs so that shapes and eigenvalues agree best over all together.
 
-    Parameters
-    ----------
-    first, second
-        Modes of either run.
-    near
-        Relative distance of eigenvalues of one run that are compared as a group.
-    limit
-        Cost at which modes are rather left alone; None pairs as many as there are.
+    Eigenvalues of one run up to a relative distance ``near`` are compared as a group; at a cost of
+    ``limit`` modes are rather left alone, without one as many are paired as there are.
     """
     groups = group(first.eigenvalues, near), group(second.eigenvalues, near)
     rows, columns = assign(_cost(first, second, *groups), limit)
@@ -287,21 +266,14 @@ def match_modes(
 def _cost(
     first: ModeSet, second: ModeSet, first_groups: list[Ints], second_groups: list[Ints]
 ) -> Floats:
-    """Unlikeness of shapes, plus distance of eigenvalues, plus 1 where orders differ."""
+    """Unlikeness of shapes, plus distance of eigenvalues relative to the larger."""
     assurance = np.maximum(
         subspace_assurance(first.shapes, second.shapes, second_groups),
         subspace_assurance(second.shapes, first.shapes, first_groups).T,
     )
-    cost = 1 - assurance + distances(first.eigenvalues, second.eigenvalues) / _FREQUENCY_SCALE
-    if first.orders is not None and second.orders is not None:
-        cost += first.orders[:, None] != second.orders
-    return cost
-
-
-def distances(first: Complexes, second: Complexes) -> Floats:
-    """Distances of eigenvalues, relative to the larger, shape (n_first, n_second)."""
-    size = np.maximum(np.abs(first)[:, None], np.abs(second))
-    return np.abs(first[:, None] - second) / np.maximum(size, np.finfo(float).tiny)
+    one, other = first.eigenvalues[:, None], second.eigenvalues
+    size = np.maximum(np.maximum(np.abs(one), np.abs(other)), np.finfo(float).tiny)
+    return np.asarray(1 - assurance + np.abs(one - other) / size / _FREQUENCY_SCALE)
 
 
 def _group_match(first: ModeSet, second: ModeSet, rows: Ints, columns: Ints) -> GroupMatch:

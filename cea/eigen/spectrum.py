@@ -131,8 +131,7 @@ class Spectrum:
         lambda (1/s), shape (n,): growth rate + i * angular frequency.
     residuals
         Norm of (lambda^2 M + K) x relative to abs(lambda)^2 times that of M x, shape (n,). With
-        damping or rotation D that of (lambda^2 M + lambda D + K) x relative to that of its parts,
-        abs(lambda)^2 abs(M) abs(x) and so on: the relative change of entries that makes it zero.
+        damping or rotation that of P(lambda) x relative to that of its parts, abs(M) abs(x) etc.
     conditions
         Condition numbers of lambda^2 in the M-norm, shape (n,): 1 for a symmetric problem without
         damping, large near a coalescence. Without left vectors, those within the subspace found.

@@ -28,7 +28,7 @@ from cea.eigen.field_of_values import (
     field_of_values,
     largest_growth,
 )
-from cea.eigen.krylov_schur import CrowdedError, KrylovOptions, krylov_schur
+from cea.eigen.krylov_schur import ASIDE, ATTEMPTS, CrowdedError, KrylovOptions, krylov_schur
 from cea.eigen.left_vectors import SAME
 from cea.eigen.mumps import SingularError
 from cea.eigen.pencil import Matrices
@@ -58,10 +58,6 @@ _CROWDED, _FEW = 4, 100
 _AWAY, _SLIM = 4.0, 2.0
 """Growth of a real shift where eigenvalues crowd, and the shift relative to omega from which on a
 disc reaches little beyond the decay asked for."""
-_ATTEMPTS = 6
-"""Shifts tried at most, where they are eigenvalues and where eigenvalues crowd."""
-_ASIDE = 1e-3
-"""Step of a shift aside from an eigenvalue, relative to itself."""
 _INSIDE = 1 + SAME
 """Radius of a disc of left eigenvalues relative to the farthest right one in it: those that are the
 same but for rounding, which is large of rigid motions and near coalescence, are inside."""
@@ -118,8 +114,8 @@ class WindowSearch(ABC):
             When a disc cannot be searched; ``best`` is the invariant subspace so far.
         """
         for centre, radius in self._plan():
-            for attempt in range(_ATTEMPTS):  # a shift steps aside where it is an eigenvalue
-                step = attempt * _ASIDE
+            for attempt in range(ATTEMPTS):  # a shift steps aside where it is an eigenvalue
+                step = attempt * ASIDE
                 disc = Disc(centre * (1 + step), radius + step * abs(centre))
                 try:
                     op = self.at(disc.centre)
@@ -203,7 +199,7 @@ class WindowSearch(ABC):
         ):
             distances = np.abs(values - disc.centre)
             inside = self.whole | (distances < disc.radius * _INSIDE)
-            farthest = max(float(distances[inside].max(initial=0.0)), _ASIDE * disc.radius)
+            farthest = max(float(distances[inside].max(initial=0.0)), ASIDE * disc.radius)
             op = self.at(disc.centre).transposed()
             with self._timer("krylov"):
                 found = krylov_schur(op, _INSIDE * farthest, self._options, found, seed=len(values))
@@ -373,7 +369,7 @@ class DampedSearch(WindowSearch):
             with self._timer("factorisation"):
                 counted = count_below(self._matrices, self._end**2)
             self._most = _CROWDED * counted + _FEW
-        for _ in range(_ATTEMPTS):
+        for _ in range(ATTEMPTS):
             yield centre, self._radius(centre, -self.decay)
             if not self._crowded:
                 self._most = sys.maxsize

@@ -40,26 +40,14 @@ Function = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class Threshold:
-    """A value at which the number of growing modes changes.
+    """A value at which the number of growing modes changes, with a bound on its error.
 
-    Parameters
-    ----------
-    value
-        Of the parameter.
-    error
-        Bound on its error.
-    eigenvalue
-        lambda there (1/s), Im lambda >= 0.
-    slope
-        Derivative in the parameter of what passes zero: growth rate (1/s), s of an undamped pair
-        (1/s^4), kappa of an undamped mode (1/s^2), frequency (rad/s) at the window's end; zero
-        where only the numbers of growing modes on both sides are known.
-    change
-        Change of the number of growing eigenvalues of the window, of both half planes, as the
-        parameter rises.
-    kind
-        "flutter", "divergence"; "window" where a growing mode passes the window's end; "count"
-        where only the numbers of growing modes on both sides are known.
+    lambda there (1/s), Im lambda >= 0. The derivative of what passes zero: growth rate (1/s), s of
+    an undamped pair (1/s^4), kappa of an undamped mode (1/s^2), frequency (rad/s) at the window's
+    end; zero where only the numbers of growing modes on both sides are known. The change of the
+    number of growing eigenvalues of the window, of both half planes, as the parameter rises. The
+    kind is "flutter", "divergence", "window" where a growing mode passes the window's end, or
+    "count" where only the numbers on both sides are known.
     """
 
     value: float

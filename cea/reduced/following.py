@@ -95,20 +95,9 @@ class Window:
 class Sample:
     """The spectrum at a value: with damping lambda of both half planes, without it kappa.
 
-    Parameters
-    ----------
-    value
-        The value of the parameter.
-    z, slopes
-        Eigenvalues and their derivatives, shape (n,).
-    errors
-        Bounds on the errors of z, shape (n,).
-    means
-        Bounds on the errors of the mean of the cluster of each, shape (n,).
-    clusters
-        Number of that cluster, shape (n,).
-    vectors
-        Right eigenvectors of unit length in one basis for all values, shape (k, n).
+    z and derivatives; bounds on the errors of z, and of the mean of the cluster of each, by the
+    numbers of these, shape (n,); right eigenvectors of unit length in one basis for all values,
+    shape (k, n).
     """
 
     value: float
@@ -138,8 +127,8 @@ class Sample:
 class Hermite:
     """Two cubics through values and slopes at three places, whose values have an error ``noise``.
 
-    The error of a cubic is largest in the middle: what the cubic over the whole interval misses of
-    the value and the slope there bounds the error of the two, which is sixteen times smaller.
+    The error of a cubic is largest in the middle: what the cubic over the whole interval misses
+    there bounds the error of the two, which is sixteen times smaller.
     """
 
     places: Floats

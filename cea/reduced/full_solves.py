@@ -101,13 +101,6 @@ class FullLine:
     """Spectra by full solves, a :class:`cea.reduced.thresholds.Line`.
 
     Vectors are told by their parts along the modes that were solved first.
-
-    Parameters
-    ----------
-    solved
-        The solves.
-    window
-        What is looked at.
     """
 
     solved: Solved
@@ -146,21 +139,8 @@ def threshold_between(
 ) -> Threshold:
     """The first threshold from one value on at which a mode begins to grow; without damping a pair.
 
-    Parameters
-    ----------
-    line
-        Spectra.
-    real, flutter
-        Values on either side of it.
-    frequency
-        The threshold nearest to it (Hz) is taken; None takes the first one.
-
-    Raises
-    ------
-    InputError
-        When nothing begins to grow.
-    ConvergenceError
-        When an interval before it is not resolved.
+    That nearest to a frequency (Hz) is taken where one is given. InputError is raised when nothing
+    begins to grow, ConvergenceError when an interval before it is not resolved.
     """
     if real == flutter:
         raise InputError("flutter", flutter, "another value than real")
@@ -190,19 +170,7 @@ def threshold_between(
 def line_of(
     driver: EigenSolver, names: Sequence[str], ends: tuple[float, float], max_frequency: float
 ) -> Line:
-    """Spectra of a reduced model between two values, by full solves where it has none.
-
-    Parameters
-    ----------
-    driver
-        What solves the pencil.
-    names
-        Parameters that have the value.
-    ends
-        The values.
-    max_frequency
-        Upper end of the window (Hz).
-    """
+    """Spectra of a reduced model between two values of some parameters, or by full solves."""
     pencil, box = driver.pencil, dict.fromkeys(names, (min(ends), max(ends)))
 
     def point(value: float) -> Mapping[str, float]:
@@ -242,17 +210,8 @@ def first_threshold(
 ) -> ConfirmedThreshold:
     """The first threshold of a pencil on the way between two values, confirmed by full solves.
 
-    Parameters
-    ----------
-    driver
-        What solves the pencil.
-    parameter
-        Name of a parameter of the pencil, e.g. ``contacts.pad_disc.mu``; or of several, which have
-        one value.
-    max_frequency
-        Upper end of the window (Hz).
-    real, flutter, frequency
-        As of :func:`threshold_between`, as are errors.
+    Of one parameter, e.g. ``contacts.pad_disc.mu``, or of several that have one value, in a window
+    (Hz); other parameters and errors as of :func:`threshold_between`.
     """
     names = [parameter] if isinstance(parameter, str) else list(parameter)
     if not names:
@@ -276,16 +235,7 @@ def confirm(
 ) -> tuple[float, complex] | None:
     """A threshold of the pencil itself, beginning at one of a reduced model, and lambda there.
 
-    Parameters
-    ----------
-    driver
-        What solves the pencil.
-    point
-        Parameters at a value.
-    found
-        The threshold; None is the answer where only numbers of growing modes beside it are known.
-    window
-        What was looked at.
+    None where only numbers of growing modes beside it are known.
     """
     if not found.slope:
         return None

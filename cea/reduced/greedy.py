@@ -6,6 +6,7 @@ bound that was passed raises the factor that all bounds are made with.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -36,35 +37,20 @@ class Tested:
     """What a full solve that a basis took in said of the bounds before.
 
     The largest error of the reduced model relative to its bound: infinite where a mode was missing,
-    None where bounds were too large to tell. And whether its window was shown to be complete.
+    None where bounds were too large to tell. And the solve as plain data, without its vectors.
     """
 
     point: Point
     error_over_bound: float | None
-    complete: bool
+    about: Mapping[str, Any]
 
 
 @dataclass
 class Enrichment:
-    """Greedy enrichment of a reduced model.
+    """Greedy enrichment of a reduced model by at most so many full solves.
 
-    Parameters
-    ----------
-    model
-        The model.
-    full_solve
-        Solves the pencil itself at a point.
-    tolerance
-        Error of lambda, relative to its speed, to be reached.
-    most
-        Most full solves.
-
-    Attributes
-    ----------
-    solves
-        What was taken in, and what it says of the bounds.
-    failed
-        Points whose full solve gave no answer, and why.
+    Errors of lambda, relative to its speed, are to be no more than ``tolerance``. What was solved
+    in full is told by ``solves``, and by ``failed`` where that gave no answer.
     """
 
     model: ReducedModel
@@ -90,22 +76,10 @@ class Enrichment:
         return self.model.small.at(self.model.pencil.values(point))
 
     def cover(self, points: Sequence[Point], tolerance: float | None = None) -> float:
-        """Solve where bounds are worst until all are small, or there are solves enough.
+        """Solve where bounds are worst until all are small or solves are spent; the worst left.
 
         Bounds hardly rise as a basis grows: those that were small stay, and of the others the
         largest is computed anew until it is known to be the largest.
-
-        Parameters
-        ----------
-        points
-            Where bounds are to be small.
-        tolerance
-            Error of lambda, relative to its speed, up to which they are; None for that of all.
-
-        Returns
-        -------
-        float
-            The worst bound left.
         """
         tolerance = self.tolerance if tolerance is None else tolerance
         solved = [each.point for each in self.solves]
@@ -147,7 +121,7 @@ class Enrichment:
             if 1 < tested < np.inf:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
         self.model.take(taken)
-        self.solves.append(Tested(taken.point, tested, taken.complete))
+        self.solves.append(Tested(taken.point, tested, taken.plain()))
         return tested
 
     def stands(self, points: Sequence[Point]) -> bool:
@@ -170,13 +144,7 @@ def full_solve(
     point: Point,
     warnings: Callable[[Modes, Point], tuple[ResultWarning, ...]] | None = None,
 ) -> Snapshot:
-    """A full solve that reaches as far as a model is to know, perhaps with warnings of its own.
-
-    Raises
-    ------
-    ConvergenceError
-        When the window cannot be filled.
-    """
+    """A full solve that reaches as far as a model is to know, perhaps with warnings of its own."""
     settings = model.small.settings
     least = -settings.reach if settings.damped else None
     top = MARGIN * settings.max_frequency
@@ -189,13 +157,6 @@ def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
 
     Clusters are compared by their means. Both lists reach beyond the window, so that nothing hangs
     on which side of its end an eigenvalue lies.
-
-    Parameters
-    ----------
-    found
-        What the reduced model says.
-    full
-        The full solve there.
     """
     damped, holds = found.settings.damped, found.settings.holds
     theirs = full.eigenvalues if damped else -(full.eigenvalues**2)

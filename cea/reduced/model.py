@@ -30,7 +30,7 @@ from cea.eigen.pencil import Pencil
 from cea.reduced.norm import EnergyNorm, InnerProduct
 from cea.reduced.pieces import ContactPiece, Piece, Pieces
 from cea.reduced.saddle import SmallContact
-from cea.reduced.small import SmallPencil, SmallPiece, padded
+from cea.reduced.small import SmallPencil, SmallPiece
 from cea.reduced.snapshots import Snapshot
 from cea.reduced.span import Span
 from cea.reduced.spectrum import MARGIN, Settings
@@ -114,9 +114,7 @@ class ReducedModel:
             settings = replace(settings, decay=decay)
         self.small = SmallPencil(
             tuple(
-                SmallPiece(
-                    *(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0),
-                )
+                SmallPiece(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0)
                 for piece in self._pieces.all
             ),
             tuple(
@@ -132,13 +130,7 @@ class ReducedModel:
         return self._basis.size
 
     def take(self, taken: Snapshot) -> None:
-        """Take the right and left vectors of modes, up to the margin of the window, into the basis.
-
-        Parameters
-        ----------
-        taken
-            A full solve.
-        """
+        """Take the right and left vectors of a full solve, up to the margin of the window, in."""
         values = self.pencil.values(taken.point)
         vectors = taken.real_vectors(self.norm, damped=self.small.settings.damped)
         blocks, images = [vectors], [self.norm.image(vectors)]
@@ -160,8 +152,7 @@ class ReducedModel:
             self._add_static(contact, span.vectors[:, size:], blocks, images)
         if blocks:
             self._basis.add(np.hstack(blocks), np.hstack(images))
-        self._extend(before)
-        self._extend_contacts(forces_before)
+        self._project(before, forces_before)
         rounding = max(self.small.rounding, taken.rounding)
         self.small = replace(self.small, rounding=rounding)
 
@@ -170,18 +161,20 @@ class ReducedModel:
         settings = replace(self.small.settings, safety=safety)
         self.small = replace(self.small, settings=settings)
 
-    def _extend(self, before: int) -> None:
-        """Project the pieces on vectors of the basis from a number on."""
-        if before == self._basis.size:
-            return
-        grown = [
-            self._grown(piece, small, before, allowed)
-            for piece, small, allowed in zip(
-                self._pieces.all, self.small.pieces, self._allowed, strict=True
-            )
-        ]
+    def _project(self, before: int, forces_before: Sequence[int]) -> None:
+        """Project all pieces and contacts on what bases have grown by."""
+        pieces = list(self.small.pieces)
+        if before < self._basis.size:
+            parts = zip(self._pieces.all, pieces, self._allowed, strict=True)
+            pieces = [self._grown(piece, small, before, left) for piece, small, left in parts]
+        both = zip(self._contacts, self._forces, self.small.contacts, forces_before, strict=True)
+        contacts = [self._grown_contact(*each) for each in both]
         rows = self._residuals.size
-        self.small = replace(self.small, pieces=tuple(piece.padded(rows) for piece in grown))
+        self.small = replace(
+            self.small,
+            pieces=tuple(piece.padded(rows) for piece in pieces),
+            contacts=tuple(contact.padded(rows) for contact in contacts),
+        )
 
     def _grown(self, piece: Piece, small: SmallPiece, before: int, allowed: float) -> SmallPiece:
         vectors = self._basis.vectors
@@ -224,47 +217,26 @@ class ReducedModel:
                 blocks.append(moved / lengths)
                 images.append(image / lengths)
 
-    def _extend_contacts(self, known: Sequence[int]) -> None:
-        """Project contacts on both bases."""
-        vectors = self._basis.vectors
-        grown = []
-        for contact, span, small, old in zip(
-            self._contacts, self._forces, self.small.contacts, known, strict=True
-        ):
-            closes, slides = contact.closes, contact.slides
-            gaps = closes.times(vectors)
-            new, lost = span.vectors[:, old:], np.zeros(2)
-            normal_forces, lost[0] = self._with_images(
-                small.normal_forces, closes.transposed(new), 0.0
-            )
-            slid, friction_forces = np.zeros_like(gaps), np.zeros_like(normal_forces)
-            if slides is not None:
-                slid = slides.times(vectors)
-                friction_forces, lost[1] = self._with_images(
-                    small.friction_forces, slides.transposed(new), 0.0
-                )
-            comm, forces = self.norm.comm, span.vectors
-            whole = replace(
-                small,
-                closes=comm.bcast(comm.allreduce(forces.T @ gaps)),
-                slides=comm.bcast(comm.allreduce(forces.T @ slid)),
-                normal_forces=normal_forces,
-                friction_forces=friction_forces,
-                lost=float(np.hypot(small.lost, lost.max())),
-            )
-            grown.append(whole)
-        rows = self._residuals.size
-        self.small = replace(
-            self.small,
-            pieces=tuple(piece.padded(rows) for piece in self.small.pieces),
-            contacts=tuple(
-                replace(
-                    each,
-                    normal_forces=padded(each.normal_forces, rows),
-                    friction_forces=padded(each.friction_forces, rows),
-                )
-                for each in grown
-            ),
+    def _grown_contact(
+        self, contact: ContactPiece, span: Span, small: SmallContact, before: int
+    ) -> SmallContact:
+        comm, vectors, new = self.norm.comm, self._basis.vectors, span.vectors[:, before:]
+        gaps = comm.bcast(comm.allreduce(span.vectors.T @ contact.closes.times(vectors)))
+        normal, lost = self._with_images(small.normal_forces, contact.closes.transposed(new), 0.0)
+        slid, friction = np.zeros_like(gaps), np.zeros_like(normal)
+        if contact.slides is not None:
+            slid = comm.bcast(comm.allreduce(span.vectors.T @ contact.slides.times(vectors)))
+            image = contact.slides.transposed(new)
+            friction, other = self._with_images(small.friction_forces, image, 0.0)
+            lost = max(lost, other)
+        lost = float(np.hypot(small.lost, lost))
+        return replace(
+            small,
+            closes=gaps,
+            slides=slid,
+            normal_forces=normal,
+            friction_forces=friction,
+            lost=lost,
         )
 
     def _with_images(self, before: Floats, image: Floats, allowed: float) -> tuple[Floats, float]:

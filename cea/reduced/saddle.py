@@ -25,6 +25,11 @@ from cea.reduced.certificate import Residuals
 from cea.reduced.pieces import Values
 
 
+def padded(coordinates: Floats, rows: int) -> Floats:
+    """Coordinates with rows of zeros below, so many in all."""
+    return np.pad(coordinates, ((0, rows - len(coordinates)), (0, 0)))
+
+
 @dataclass(frozen=True)
 class SmallContact:
     """A contact on bases of displacements V and forces F, with X^-1-coordinates Q of its forces.
@@ -39,6 +44,11 @@ class SmallContact:
     normal_forces: Floats
     friction_forces: Floats
     lost: float
+
+    def padded(self, rows: int) -> "SmallContact":
+        """With zeros for vectors of Q that came later."""
+        both = padded(self.normal_forces, rows), padded(self.friction_forces, rows)
+        return replace(self, normal_forces=both[0], friction_forces=both[1])
 
 
 @dataclass(frozen=True)

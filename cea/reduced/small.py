@@ -13,7 +13,7 @@ from cea.reduced.certificate import Residuals, Rounding
 from cea.reduced.following import Sample, Window
 from cea.reduced.pieces import Values
 from cea.reduced.products import real_times
-from cea.reduced.saddle import Saddle, SmallContact
+from cea.reduced.saddle import Saddle, SmallContact, padded
 from cea.reduced.spectrum import ReducedSpectrum, Settings, reduced_spectrum
 
 
@@ -173,11 +173,6 @@ def _weighted(parts: list[tuple[float, Floats]], shape: tuple[int, ...]) -> Floa
     for factor, matrix in parts:
         total += factor * matrix
     return total
-
-
-def padded(rows_of: Floats, rows: int) -> Floats:
-    """A matrix with rows of zeros below, so many in all."""
-    return np.pad(rows_of, ((0, rows - len(rows_of)), (0, 0)))
 
 
 @dataclass(frozen=True)

@@ -31,17 +31,9 @@ _SAFETY = 2.0
 class Settings:
     """What bounds are made with.
 
-    Parameters
-    ----------
-    max_frequency
-        Upper end of the window (Hz).
-    shift
-        s (1/s^2) of the energy norm.
-    safety
-        Factor on the inverse outside of the basis.
-    decay
-        Decay (1/s) down to which eigenvalues of damped pencils are in the window; infinite without
-        damping.
+    Upper end of the window (Hz), shift s (1/s^2) of the energy norm, factor on the inverse outside
+    of the basis, decay (1/s) down to which damped eigenvalues are in the window, infinite without
+    damping.
     """
 
     max_frequency: float
@@ -91,20 +83,9 @@ class Settings:
 class ReducedSpectrum:
     """Eigenvalues of a window and its margin, by rising frequency.
 
-    Parameters
-    ----------
-    settings
-        What bounds were made with.
-    z
-        kappa (1/s^2), or lambda (1/s) of damped pencils, shape (n,).
-    eigenvalues
-        lambda (1/s), Im lambda >= 0, shape (n,).
-    right, left
-        Coordinates of their vectors of M-norm one, shape (k, n).
-    forces, left_forces
-        Coordinates of their contact forces, shape (m, n).
-    errors, means, reduction, clusters, slopes
-        Bounds on the errors of z (:class:`cea.reduced.certificate.Certificate`), shape (n,).
+    kappa (1/s^2), or lambda (1/s) of damped pencils, as z, and lambda with Im lambda >= 0;
+    coordinates of their vectors of M-norm one and of their contact forces; bounds on the errors of
+    z (:class:`cea.reduced.certificate.Certificate`).
     """
 
     settings: Settings
@@ -196,13 +177,7 @@ class ReducedSpectrum:
         return float((errors * self._relative)[self.inside].max(initial=0.0))
 
     def words(self, threshold: float | None) -> list[Word]:
-        """A word for each mode, whose error is its bound.
-
-        Parameters
-        ----------
-        threshold
-            Growth rate (1/s) above which a mode is called unstable; None where it is relative.
-        """
+        """A word for each mode, whose error is its bound, with a limit of growth (1/s)."""
         values, bounds = self.eigenvalues, self.uncertainties
         bounded = np.zeros(len(values), dtype=bool)
         if not self.settings.damped:

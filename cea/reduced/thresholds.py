@@ -65,14 +65,8 @@ class Line(Protocol):
 class Unresolved:
     """An interval in which thresholds may lie that were not found.
 
-    Parameters
-    ----------
-    low, high
-        Its ends.
-    before, after
-        Numbers of growing modes there, of both half planes.
-    eigenvalue
-        The growing lambda of either end with the least growth; None where there is none.
+    Numbers of growing modes at its ends, of both half planes; the growing lambda of either end with
+    the least growth, None where there is none.
     """
 
     low: float
@@ -84,19 +78,10 @@ class Unresolved:
 
 @dataclass
 class Found:
-    """Thresholds along a line.
+    """Thresholds along a line by rising value, and intervals without an answer.
 
-    Parameters
-    ----------
-    thresholds
-        They, by rising value.
-    unresolved
-        Intervals without an answer.
-    resolution
-        Width of the widest interval that was accepted for the equal numbers of growing modes at
-        its ends alone; zero where there is none.
-    spectra
-        Spectra that were made.
+    Width of the widest interval that was accepted for the equal numbers of growing modes at its
+    ends alone, zero where there is none; number of spectra that were made.
     """
 
     thresholds: list[Threshold] = field(default_factory=list)
@@ -124,18 +109,10 @@ def thresholds_along(
     resolution: float = RESOLUTION,
     budget: int | None = None,
 ) -> Found:
-    """All thresholds between the first and the last of some values.
+    """All thresholds between the first and the last of two values or more.
 
-    Parameters
-    ----------
-    line
-        Spectra.
-    values
-        Values of the parameter, two or more.
-    resolution
-        Width of an interval, relative to the axis, below which it is not halved again.
-    budget
-        Spectra for each value, at most; None takes the usual number.
+    Intervals are halved down to ``resolution`` of the axis; at most ``budget`` spectra are made for
+    each value.
     """
     most = BUDGET if budget is None else budget
     return _Search(line, sorted(values), resolution, most).run()

@@ -30,17 +30,11 @@ from cea.supports.directions import Directions, orthonormal
 
 @dataclass(frozen=True)
 class RowForces:
-    """Forces of projected constraints.
+    """Forces of projected constraints."""
 
-    Parameters
-    ----------
-    anchors
-        T: displacement of the dofs along the anchors of the rows, shape (dim * m, rows).
-    shares
-        The part of C of each support, shape (rows, dim * m); C is their sum.
-    """
-
+    # T: displacement of the dofs along the anchors of the rows, shape (dim * m, rows)
     anchors: csr_array
+    # the part of C of each support, shape (rows, dim * m); C is their sum
     shares: Mapping[int, csr_array]
 
     @property
@@ -61,26 +55,16 @@ class RowForces:
 
 @dataclass(frozen=True)
 class ConstraintForces:
-    """How the forces of the constraints of a body are divided among its supports.
+    """How the forces of the constraints of a body are divided among its supports."""
 
-    Parameters
-    ----------
-    span
-        Orthonormal rows that single directions span at each of the m dofs with a constraint, zero
-        beyond their number, shape (m, dim, dim).
-    owner, support
-        Dof, from 0 to m - 1, and support of each space V_s, shape (n,).
-    projector
-        P_s, shape (n, dim, dim).
-    rows
-        Forces of projected constraints; None without any.
-    """
-
+    # orthonormal rows that single directions span at each of the m dofs with a constraint, zero
+    # beyond their number, shape (m, dim, dim)
     span: Floats
+    # dof, from 0 to m - 1, and support of each space V_s, shape (n,)
     owner: Ints
     support: Ints
-    projector: Floats
-    rows: RowForces | None = None
+    projector: Floats  # P_s, shape (n, dim, dim)
+    rows: RowForces | None = None  # forces of projected constraints; None without any
 
     @classmethod
     def of(

@@ -30,36 +30,18 @@ from cea.supports.constraint_forces import ConstraintForces
 
 @dataclass(frozen=True)
 class Constraints:
-    """What the supports of a body leave free.
+    """What the supports of a body leave free."""
 
-    Parameters
-    ----------
-    dim
-        Dimension of space.
-    num_scalar_dofs
-        Scalar dofs of the body.
-    dofs
-        Scalar dofs with a constraint, rising, shape (m,).
-    removed
-        Unknowns lost at each of them, shape (m,).
-    rows
-        Their displacement components from the free unknowns, shape (dim * m, free unknowns).
-    frame
-        The same without what dependent dofs add: B at each of them.
-    forces
-        How the forces of the constraints are divided among the supports.
-    prescribed
-        Displacement components of theirs that are prescribed (m), shape (dim * m,); None where all
-        is held at zero.
-    """
-
-    dim: int
-    num_scalar_dofs: int
-    dofs: Ints
-    removed: Ints
+    dim: int  # dimension of space
+    num_scalar_dofs: int  # scalar dofs of the body
+    dofs: Ints  # scalar dofs with a constraint, rising, shape (m,)
+    removed: Ints  # unknowns lost at each of them, shape (m,)
+    # their displacement components from the free unknowns, shape (dim * m, free unknowns)
     rows: csr_array
-    frame: csr_array
-    forces: ConstraintForces
+    frame: csr_array  # the same without what dependent dofs add: B at each of them
+    forces: ConstraintForces  # how the forces of the constraints are divided among the supports
+    # displacement components of theirs that are prescribed (m), shape (dim * m,); None where all
+    # is held at zero
     prescribed: Floats | None = None
 
     @property

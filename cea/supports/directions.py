@@ -16,23 +16,12 @@ _ALIGNED = 1e-12
 
 @dataclass(frozen=True)
 class Directions:
-    """Directions at scalar dofs; a dof may appear several times.
+    """Directions at scalar dofs; a dof may appear several times."""
 
-    Parameters
-    ----------
-    dof
-        Scalar dofs, shape (n,).
-    direction
-        Unit directions there, shape (n, dim).
-    value
-        Displacement along each (m), shape (n,); None of zero.
-    support
-        Number of the support that holds each, shape (n,); None where all belong to the first.
-    """
-
-    dof: Ints
-    direction: Floats
-    value: Floats | None = None
+    dof: Ints  # scalar dofs, shape (n,)
+    direction: Floats  # unit directions there, shape (n, dim)
+    value: Floats | None = None  # displacement along each (m), shape (n,); None of zero
+    # number of the support that holds each, shape (n,); None where all belong to the first
     support: Ints | None = None
 
     def __len__(self) -> int:

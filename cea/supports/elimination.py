@@ -27,21 +27,14 @@ _CHUNK_BYTES = 64 * 2**20
 
 @dataclass(frozen=True)
 class ProjectedConstraints:
-    """Rows of C u = 0, each with the dof and direction it is to be solved for.
+    """Rows of C u = 0, each with the dof and direction it is to be solved for."""
 
-    Parameters
-    ----------
-    anchor
-        One dof and direction for each row. A row whose direction is held there already is dropped.
-    shares
-        Coefficients by the number of the support that they are of, shape (rows,
-        dim * num_scalar_dofs) each, which add up to C; they touch anchored dofs only.
-    right
-        c of C u = c, shape (rows,), where anchors have values; None of zero.
-    """
-
+    # one dof and direction for each row. A row whose direction is held there already is dropped
     anchor: Directions
+    # coefficients by the number of the support that they are of, shape (rows, dim *
+    # num_scalar_dofs) each, which add up to C; they touch anchored dofs only
     shares: Mapping[int, csr_array]
+    # c of C u = c, shape (rows,), where anchors have values; None of zero
     right: Floats | None = None
 
 

@@ -51,20 +51,11 @@ type Size = tuple[int, int]
 
 @dataclass(frozen=True)
 class Motion:
-    """What acts on the velocities of a body.
+    """What acts on the velocities of a body."""
 
-    Parameters
-    ----------
-    damping
-        Its Rayleigh damping; None without.
-    rotation
-        Its rotation; None without.
-    modal
-        Its modal damping (:mod:`cea.system.modal_damping`); None without.
-    """
-
-    damping: RayleighDamping | None = None
-    rotation: Rotation | None = None
+    damping: RayleighDamping | None = None  # its Rayleigh damping; None without
+    rotation: Rotation | None = None  # its rotation; None without
+    # its modal damping (:mod:`cea.system.modal_damping`); None without
     modal: ModalDamping | None = None
 
     @property
@@ -79,27 +70,15 @@ class BodyTerms:
     """Pieces of a pencil that a body brings, each made once.
 
     On every rank the unknowns are the free dofs of the first body, then those of the second, ...
-
-    Parameters
-    ----------
-    name, body
-        The body.
-    motion
-        Its damping and rotation.
-    with_mass
-        Whether there is mass, and velocities count.
-    sizes
-        Unknowns of this rank and of all ranks, of each body in their order.
-    number
-        Which of them the body is.
     """
 
+    # the body
     name: str
     body: Body
-    motion: Motion
-    with_mass: bool
-    sizes: tuple[Size, ...]
-    number: int
+    motion: Motion  # its damping and rotation
+    with_mass: bool  # whether there is mass, and velocities count
+    sizes: tuple[Size, ...]  # unknowns of this rank and of all ranks, of each body in their order
+    number: int  # which of them the body is
 
     @property
     def path(self) -> str:

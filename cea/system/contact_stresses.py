@@ -25,27 +25,17 @@ _TIED = 1e-9
 
 @dataclass(frozen=True)
 class NormalStress:
-    """Normal stress of one side of a contact; compression is negative.
+    """Normal stress of one side of a contact; compression is negative."""
 
-    Parameters
-    ----------
-    min, max
-        Extremes over the surface (N/m^2).
-    arc
-        Distances (m) along the diagonal of side a from its first corner, shape (m,).
-    sigma_n_along
-        Normal stress on that line (N/m^2), shape (m,); NaN where the line leaves the surface.
-    x
-        Sample points over the whole surface (m), shape (n, dim); none of a stored result.
-    sigma_n
-        Normal stress there (N/m^2), shape (n,).
-    """
-
+    # extremes over the surface (N/m^2)
     min: float
     max: float
-    arc: Floats
+    arc: Floats  # distances (m) along the diagonal of side a from its first corner, shape (m,)
+    # normal stress on that line (N/m^2), shape (m,); NaN where the line leaves the surface
     sigma_n_along: Floats
+    # sample points over the whole surface (m), shape (n, dim); none of a stored result
     x: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    # normal stress there (N/m^2), shape (n,)
     sigma_n: Floats = field(default_factory=lambda: np.zeros(0))
 
     @property
@@ -56,21 +46,13 @@ class NormalStress:
 
 @dataclass(frozen=True)
 class StressMap:
-    """Normal stress of both sides of a flat contact at the same points of its plane.
+    """Normal stress of both sides of a flat contact at the same points of its plane."""
 
-    Parameters
-    ----------
-    u, v
-        Coordinates in the plane (m), shapes (n,) and (n,), along :attr:`axes`.
-    axes
-        Unit vectors of u and v, shape (2, 3).
-    sigma_n
-        Normal stress (N/m^2) of sides "a" and "b", each (n, n), v by rows; NaN beside a surface.
-    """
-
+    # coordinates in the plane (m), shapes (n,) and (n,), along :attr:`axes`
     u: Floats
     v: Floats
-    axes: Floats
+    axes: Floats  # unit vectors of u and v, shape (2, 3)
+    # normal stress (N/m^2) of sides "a" and "b", each (n, n), v by rows; NaN beside a surface
     sigma_n: Mapping[str, Floats]
 
 

@@ -40,35 +40,20 @@ _BEYOND = 1e-6
 
 @dataclass(frozen=True)
 class _ElasticModes:
-    """Modes of a body by rising frequency, without rigid motions.
+    """Modes of a body by rising frequency, without rigid motions."""
 
-    Parameters
-    ----------
-    frequencies, uncertainties
-        Frequencies and what they may be off by (Hz), shape (n,).
-    vectors
-        Modes phi with phi^T M phi = 1, the rows of this rank, shape (n_local, n).
-    """
-
+    # frequencies and what they may be off by (Hz), shape (n,)
     frequencies: Floats
     uncertainties: Floats
-    vectors: Floats
+    vectors: Floats  # modes phi with phi^T M phi = 1, the rows of this rank, shape (n_local, n)
 
 
 @dataclass(frozen=True)
 class _OfTheseModes:
-    """A coefficient of modes that are found anew where the material of their body changes.
+    """A coefficient of modes that are found anew where the material of their body changes."""
 
-    Parameters
-    ----------
-    coefficient
-        The coefficient, as long as it does not.
-    found_at
-        E and rho of the body, by their names.
-    """
-
-    coefficient: Coefficient
-    found_at: Mapping[str, float]
+    coefficient: Coefficient  # the coefficient, as long as it does not
+    found_at: Mapping[str, float]  # E and rho of the body, by their names
 
     @property
     def names(self) -> frozenset[str]:
@@ -99,19 +84,12 @@ def _changed(name: str, value: float, found_at: float) -> InputError:
 
 @dataclass(frozen=True)
 class DampedModes:
-    """Modes of a body that are damped.
+    """Modes of a body that are damped."""
 
-    Parameters
-    ----------
-    vectors, images
-        phi with phi^T M phi = 1, and M phi, the rows of this rank, shape (n_local, n).
-    weights
-        2 zeta omega (1/s) at a parameter of 1, shape (n,).
-    """
-
+    # phi with phi^T M phi = 1, and M phi, the rows of this rank, shape (n_local, n)
     vectors: Floats
     images: Floats
-    weights: Floats
+    weights: Floats  # 2 zeta omega (1/s) at a parameter of 1, shape (n,)
 
 
 def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:

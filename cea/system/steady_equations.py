@@ -44,33 +44,16 @@ type Slopes = Sequence[Floats]
 
 @dataclass(frozen=True)
 class State:
-    """A state of the bodies and what it meets.
+    """A state of the bodies and what it meets."""
 
-    Parameters
-    ----------
-    x
-        Displacements, the rows of this rank (m).
-    f
-        Contact forces that are unknowns, the rows of this rank (N).
-    closures
-        Closures u_n - g_n at all points of each contact with a law (m), on every rank.
-    residual
-        R, the rows of this rank (N).
-    norm
-        Its norm over all ranks (N).
-    scale
-        Size of the forces that it is the sum of (N).
-    noise
-        What rounding of the closures makes of it (N).
-    """
-
-    x: Floats
-    f: Floats
+    x: Floats  # displacements, the rows of this rank (m)
+    f: Floats  # contact forces that are unknowns, the rows of this rank (N)
+    # closures u_n - g_n at all points of each contact with a law (m), on every rank
     closures: tuple[Floats, ...]
-    residual: Floats
-    norm: float
-    scale: float
-    noise: float
+    residual: Floats  # R, the rows of this rank (N)
+    norm: float  # its norm over all ranks (N)
+    scale: float  # size of the forces that it is the sum of (N)
+    noise: float  # what rounding of the closures makes of it (N)
 
     @property
     def relative(self) -> float:
@@ -215,13 +198,7 @@ class SteadyEquations:
         return factor * self._load.array_r
 
     def springs(self, factor: float) -> list[Floats]:
-        """Secant slope of each contact where a part of the load presses all of it evenly (N/m^3).
-
-        Raises
-        ------
-        ConvergenceError
-            When nothing presses.
-        """
+        """Secant slope of each contact where a part of the load presses evenly (N/m^3)."""
         slopes = []
         for contact, gap in zip(self.contacts, self._gaps, strict=True):
             law, interface, nearest = _law(contact), contact.interface, float(gap.min())
@@ -278,12 +255,6 @@ class SteadyEquations:
         """Forces left over in a state under the whole load, relative to the load; collective.
 
         They are measured with the pieces of the pencil that is linearised about it.
-
-        Raises
-        ------
-        ConvergenceError
-            When they are more than 1e-8 of the load and more than rounding the entries of the
-            tangent explains; the state is attached.
         """
         own, x, f = self._linear(), state.x[:, None], state.f[:, None]
         contact, load = self.contact_forces(state.closures), self.load_at(1.0)

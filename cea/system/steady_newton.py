@@ -40,31 +40,17 @@ _HELP = (0.0, 1e-3, 1e-1, 1.0, 10.0)
 
 @dataclass
 class Iteration:
-    """How Newton's method went.
+    """How Newton's method went."""
 
-    Parameters
-    ----------
-    state
-        The last state.
-    residuals
-        Residual of each state, relative to the forces it is the sum of.
-    lengths
-        Part of each step that was taken.
-    closed
-        Points that were closed in each state.
-    parity
-        Whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
-        None where that is not known.
-    converged
-        Whether the residual is as small as rounding lets it be.
-    """
-
-    state: State
+    state: State  # the last state
+    # residual of each state, relative to the forces it is the sum of
     residuals: list[float] = field(default_factory=list)
-    lengths: list[float] = field(default_factory=list)
-    closed: list[int] = field(default_factory=list)
+    lengths: list[float] = field(default_factory=list)  # part of each step that was taken
+    closed: list[int] = field(default_factory=list)  # points that were closed in each state
+    # whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
+    # None where that is not known
     parity: int | None = None
-    converged: bool = False
+    converged: bool = False  # whether the residual is as small as rounding lets it be
 
     def note(self, state: State) -> None:
         """Go on to the next state."""

@@ -68,70 +68,39 @@ class ContactState:
 
 @dataclass(frozen=True)
 class StepState:
-    """The equilibrium under a part of the load.
+    """The equilibrium under a part of the load."""
 
-    Parameters
-    ----------
-    displacement
-        Free displacements (m), PETSc vector.
-    contacts
-        State of each half pass with a law, by its name.
-    margin
-        That of :class:`Uniqueness`; None where the tangent is symmetric or singular.
-    """
-
-    displacement: Vec
-    contacts: Mapping[str, ContactState]
+    displacement: Vec  # free displacements (m), PETSc vector
+    contacts: Mapping[str, ContactState]  # state of each half pass with a law, by its name
+    # that of :class:`Uniqueness`; None where the tangent is symmetric or singular
     margin: float | None
 
 
 @dataclass(frozen=True)
 class LoadStep:
-    """A part of the load at which the equilibrium was found.
+    """A part of the load at which the equilibrium was found."""
 
-    Parameters
-    ----------
-    factor
-        The part.
-    residuals
-        Residual of each state of Newton's method, relative to the forces it is the sum of.
-    lengths
-        Part of each of its steps that was taken.
-    closed
-        Points that were closed in each state.
-    parity
-        Whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
-        where it is symmetric, or that is not known.
-    state
-        The equilibrium; None where the history was not asked for.
-    """
-
-    factor: float
+    factor: float  # the part
+    # residual of each state of Newton's method, relative to the forces it is the sum of
     residuals: tuple[float, ...]
-    lengths: tuple[float, ...]
-    closed: tuple[int, ...]
+    lengths: tuple[float, ...]  # part of each of its steps that was taken
+    closed: tuple[int, ...]  # points that were closed in each state
+    # whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
+    # where it is symmetric, or that is not known
     parity: int | None
-    state: StepState | None = None
+    state: StepState | None = None  # the equilibrium; None where the history was not asked for
 
 
 @dataclass(frozen=True)
 class Uniqueness:
-    """What the tangent of a state says of others near it.
+    """What the tangent of a state says of others near it."""
 
-    Parameters
-    ----------
-    parity
-        Whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
-        where that is not known.
-    parities
-        The same on the way, by part of the load.
-    margin
-        Estimate of the least absolute eigenvalue of the tangent relative to its symmetric part: 1
-        without friction, 0 where branches meet.
-    """
-
+    # whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
+    # where that is not known
     parity: int | None
-    parities: Mapping[float, int | None]
+    parities: Mapping[float, int | None]  # the same on the way, by part of the load
+    # estimate of the least absolute eigenvalue of the tangent relative to its symmetric part: 1
+    # without friction, 0 where branches meet
     margin: float
 
     @property
@@ -234,17 +203,7 @@ def uniqueness_at(
     *,
     unstable: bool,
 ) -> Uniqueness | None:
-    """What a tangent says of other equilibria; None of a symmetric one.
-
-    Parameters
-    ----------
-    tangent, factors
-        The tangent in the state, and factorised.
-    parities
-        Parity of negative eigenvalues on the way, by part of the load.
-    unstable
-        Whether the bodies are not stable without contacts.
-    """
+    """What a tangent says of other equilibria; None of a symmetric one."""
     if tangent.symmetric:
         return None
     parity = parity_of(tangent, factors, unstable=unstable)

@@ -40,34 +40,18 @@ _TINY = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True)
 class Balance:
-    """Forces that add up to zero, and so do their moments.
+    """Forces that add up to zero, and so do their moments."""
 
-    Parameters
-    ----------
-    of
-        What they act on, as messages name it.
-    labels
-        What puts them on; the supports last, in their order.
-    forces
-        Their resultants (N), shape (n, dim).
-    moments
-        Their moments about the middle of the body (N m), shape (n, 1) in the plane, (n, 3) in
-        space; None where the trial space has no rotation.
-    supports
-        Number of supports.
-    rounding
-        What rounding makes of the sum of the forces (N), and of that of their moments (N m).
-    radius
-        Distance from the middle of the body to its farthest dof (m).
-    """
-
-    of: str
-    labels: tuple[str, ...]
-    forces: Floats
+    of: str  # what they act on, as messages name it
+    labels: tuple[str, ...]  # what puts them on; the supports last, in their order
+    forces: Floats  # their resultants (N), shape (n, dim)
+    # their moments about the middle of the body (N m), shape (n, 1) in the plane, (n, 3) in
+    # space; None where the trial space has no rotation
     moments: Floats | None
-    supports: int
+    supports: int  # number of supports
+    # what rounding makes of the sum of the forces (N), and of that of their moments (N m)
     rounding: tuple[float, float]
-    radius: float
+    radius: float  # distance from the middle of the body to its farthest dof (m)
 
     @property
     def reactions(self) -> Floats:

@@ -16,13 +16,14 @@ from comparisons.stability.cases import (
 from comparisons.stability.parts.case import Case, Run
 from comparisons.stability.parts.ways import QUICK
 
-_SUBJECTS = (contact, damping, elements, friction, geometry, loads, materials, matrices)
+_MODULES = (contact, damping, elements, friction, geometry, loads, materials, matrices)
 
 
 @cache
 def catalogue() -> dict[str, Case]:
     """Every case by its name."""
-    return dict(sorted(item for subject in _SUBJECTS for item in subject.CASES.items()))
+    found = {name: case.of(m.SUBJECT) for m in _MODULES for name, case in m.CASES.items()}
+    return dict(sorted(found.items()))
 
 
 @cache

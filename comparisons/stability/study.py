@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from comparisons.kit.numbers import decimals, number, shown
 from comparisons.kit.plots import BLACK, GREY, VERMILION, styled
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
-from comparisons.stability.measure import judged
 from comparisons.stability.parts.case import Verdict
 from comparisons.stability.parts.ways import ALONE, OPEN, WAYS
+from comparisons.stability.verdicts import judged
 from comparisons.study.columns import Column
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
@@ -62,24 +62,19 @@ def cases(options: Options) -> Iterator[Case]:
 
 def evaluate(case: Case, session: Session) -> dict[str, Any]:
     """The verdict on a run, and what it rests on."""
-    run = runs_of(case["case"])[case["run"]]
+    run, whole = runs_of(case["case"])[case["run"]], catalogue()[case["case"]]
     found = judged(run)
     return {
-        "subject": catalogue()[case["case"]].subject,
-        "title": catalogue()[case["case"]].title,
-        **{name: found[name] for name in ("verdict", "met")},
+        "subject": whole.subject,
+        "title": whole.title,
+        **found,
+        "says": ", ".join(found["says"]),
         "expected": ", ".join(run.expected),
         "easy": run.easy,
         "reference": run.reference.name if run.reference is not None else None,
         "tolerance": run.tolerance if run.reference is not None else None,
         "digits": digits(found["error"]),
-        **{name: found[name] for name in _MEASURED},
-        "says": ", ".join(found["says"]),
-        "reason": found["reason"],
     }
-
-
-_MEASURED = ("error", "missing", "spurious", "residual", "condition", "modes", "dofs", "seconds")
 
 
 def digits(error: float | None) -> float | None:
@@ -259,11 +254,7 @@ STUDY = Study(
         ),
         Section(
             "Every run",
-            tables=[
-                Table(
-                    "runs", "Every run.", runs, COLUMNS | {"seconds": Column("time", "s", shown(3))}
-                )
-            ],
+            tables=[Table("runs", "Every run.", runs, _OF_A_RUN)],
         ),
     ],
 )

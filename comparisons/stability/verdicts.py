@@ -6,12 +6,15 @@ a motion is rigid.
 """
 
 from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import assign, group
+from cea.errors import ConvergenceError, InputError
 from comparisons.stability.parts.case import Run, Verdict
 from comparisons.stability.parts.problems import (
     NOT_COMPLETE,
@@ -20,6 +23,7 @@ from comparisons.stability.parts.problems import (
     ModesAnswer,
     StressAnswer,
 )
+from scenes.spec.problems import SceneError
 
 _RIGID = 1e-4
 """Part of the window's kappa that errors of smaller eigenvalues are relative to."""
@@ -29,6 +33,8 @@ _BEYOND = 2.0
 """Part of kappa beyond the window's up to which true eigenvalues are looked at, for its ends."""
 _OPEN = {UNDECIDED, NOT_COMPLETE}
 """What an answer leaves open that is right as far as it goes."""
+_GAPS = 2
+"""Gaps between frequencies among which the widest ends a window."""
 _CLEAR = 2.0
 """How far above or below the threshold a growth rate lies on one side of it beyond doubt."""
 
@@ -56,63 +62,95 @@ class Comparison:
     false_claim: str = ""
 
 
-@dataclass(frozen=True)
-class Judged:
-    """The verdict on a run.
+Told = tuple[Verdict, str, bool]
+"""A verdict, why in words, and whether it is one that was expected, with no warning but those that
+may come."""
 
-    Parameters
-    ----------
-    verdict
-        The verdict.
-    reason
-        Why, in words.
-    met
-        Whether it is one that was expected, with no warning but those that may come.
-    comparison
-        The answer beside the true one; None where there was none of both.
+
+def judged(run: Run) -> dict[str, Any]:
+    """What came out of a run, as a row: its verdict, errors, the worst residual and condition.
+
+    None where there is no such number.
     """
+    answer: Answer | None = None
+    found: Comparison | None = None
+    try:
+        true = run.reference.values() if run.reference is not None else None
+    except (InputError, SceneError):  # what cannot be assembled can only be refused
+        true = None
+    except Exception as error:  # then nothing is known, which is a fault of the catalogue or of us
+        return _row(_crashed(f"no reference, {type(error).__name__}: {error}"), None, None, None)
+    begun = perf_counter()
+    try:
+        answer = run.problem.solve(None if true is None else window_end(true, run.lowest))
+    except (InputError, SceneError, ConvergenceError) as error:
+        verdict = _refused(run, str(error))
+    except Exception as error:  # a crash is data: it must not end the study
+        verdict = _crashed(f"{type(error).__name__}: {error}")
+    seconds = perf_counter() - begun
+    if answer is not None and true is None:
+        verdict = "WRONG", "answered what has no answer", False
+    elif answer is not None and true is not None:
+        found = compared(answer, true, run.tolerance)
+        verdict = _answered(run, answer, found)
+    return _row(verdict, found, answer, seconds)
 
-    verdict: Verdict
-    reason: str
-    met: bool
-    comparison: Comparison | None = None
+
+def _row(
+    verdict: Told, found: Comparison | None, answer: Answer | None, seconds: float | None
+) -> dict[str, Any]:
+    of_found, of_answer = (
+        {name: getattr(part, name, None) for name in names}
+        for part, names in (
+            (found, ("error", "missing", "spurious")),
+            (answer, ("residual", "condition", "modes", "dofs")),
+        )
+    )
+    told = dict(zip(("verdict", "reason", "met"), verdict, strict=True))
+    says = list(answer.says) if answer is not None else []
+    return {**told, **of_found, **of_answer, "says": says, "seconds": seconds}
 
 
-def refused(run: Run, message: str) -> Judged:
+def window_end(true: Complexes, lowest: int) -> float:
+    """Frequency (Hz) in a wide gap above the lowest true modes, or above all if there are fewer."""
+    frequencies = np.sort(true.imag) / (2 * np.pi)
+    some = frequencies[lowest - 1 : lowest + _GAPS]
+    if len(some) < 2 or len(frequencies) <= lowest:
+        return float(1.1 * frequencies.max(initial=1.0))
+    widest = int(np.argmax(np.diff(some)))
+    return float(some[widest : widest + 2].mean())
+
+
+def _refused(run: Run, message: str) -> Told:
     """Verdict on a run that was refused, or did not converge and said so."""
     if run.names and run.names not in message:
-        return Judged("WRONG", f"refused for another reason than {run.names}: {message}", False)
-    return Judged("refused", message, "refused" in run.expected)
+        return "WRONG", f"refused for another reason than {run.names}: {message}", False
+    return "refused", message, "refused" in run.expected
 
 
-def crashed(message: str) -> Judged:
-    """Verdict on a run that ended in any other way."""
-    return Judged("WRONG", f"crash: {message}", False)
+def _crashed(message: str) -> Told:
+    return "WRONG", f"crash: {message}", False
 
 
-def answered(run: Run, answer: Answer, true: Complexes | None) -> Judged:
-    """Verdict on a run with an answer, beside the true one; None where there can be none."""
-    if true is None:
-        return Judged("WRONG", "answered what has no answer", False)
-    found = (
-        _compare_stresses(answer, true)
-        if isinstance(answer, StressAnswer)
-        else compare(answer, true, run.tolerance)
-    )
+def _answered(run: Run, answer: Answer, found: Comparison) -> Told:
+    """Verdict on a run with an answer, which was compared with the true one."""
     if found.false_claim:
-        return Judged("WRONG", found.false_claim, False, found)
+        return "WRONG", found.false_claim, False
     said = [kind for kind in answer.says if kind not in run.warnings]
     says = f"it says: {', '.join(answer.says)}" if answer.says else ""
     if found.error <= run.tolerance and not _OPEN & set(said):
-        met = "accurate" in run.expected and ("warned" in run.expected or not said)
-        return Judged("accurate", says, met, found)
+        return (
+            "accurate",
+            says,
+            "accurate" in run.expected and ("warned" in run.expected or not said),
+        )
     what = _what(found)
     if found.admitted and found.error > run.tolerance:
         what = f"{what}, which its uncertainties admit"
     if said or found.admitted:
         reason = "; ".join(part for part in (what, says) if part)
-        return Judged("warned", reason, "warned" in run.expected, found)
-    return Judged("WRONG", f"{what}, without a word of it", False, found)
+        return "warned", reason, "warned" in run.expected
+    return "WRONG", f"{what}, without a word of it", False
 
 
 def _what(found: Comparison) -> str:
@@ -121,13 +159,13 @@ def _what(found: Comparison) -> str:
     return f"{found.missing} modes missing, {found.spurious} spurious"
 
 
-def compare(answer: ModesAnswer, true: Complexes, tolerance: float) -> Comparison:
-    """Modes beside the true ones.
+def compared(answer: Answer, true: Complexes, tolerance: float) -> Comparison:
+    """Modes beside the true ones, or stresses beside the uniform one.
 
     Parameters
     ----------
     answer
-        The modes of a window.
+        The modes of a window, or stresses.
     true
         Lambda of every true mode, far beyond the window.
     tolerance
@@ -135,6 +173,8 @@ def compare(answer: ModesAnswer, true: Complexes, tolerance: float) -> Compariso
         which true eigenvalues are compared by their mean: near a coalescence they lose half the
         digits of it.
     """
+    if isinstance(answer, StressAnswer):
+        return Comparison(float(np.abs(answer.stresses / true.real[0] - 1).max()))
     top = (2 * np.pi * answer.max_frequency) ** 2
     near = true[-(true**2).real <= (1 + _BEYOND) * top]
     near = np.where(np.abs(near) ** 2 <= 2 * tolerance * _RIGID * top, 0, near)
@@ -152,8 +192,8 @@ def compare(answer: ModesAnswer, true: Complexes, tolerance: float) -> Compariso
     own = answer.uncertainties[columns] * np.sqrt(np.abs(found[columns])) / (0.5 * scale[rows])
     admitted = not (missing or spurious) and bool((errors <= np.maximum(own, tolerance)).all())
     same = inside[rows] | (errors <= tolerance)  # beyond the window's end it may be another mode
-    claims = _Claims(answer, tolerance * scale[rows][same], columns[same])
-    claim = claims.false_one(near[rows][same], near[inside])
+    pairs = near[rows][same], columns[same], tolerance * scale[rows][same]
+    claim = _false_claim(answer, *pairs, near[inside])
     return Comparison(error, missing, spurious, admitted, claim)
 
 
@@ -173,59 +213,33 @@ def _errors(difference: Complexes, kappa: Complexes, scale: Floats, tolerance: f
     return errors
 
 
-@dataclass(frozen=True)
-class _Claims:
-    """What an answer calls stable or unstable.
+def _false_claim(
+    answer: ModesAnswer, partners: Complexes, columns: Ints, slack: Floats, inside: Complexes
+) -> str:
+    """What is called stable or unstable and clearly is not, in words; "" if nothing is.
 
-    Parameters
-    ----------
-    answer
-        The answer.
-    slack
-        Error of kappa (1/s^2) that each true partner may have.
-    columns
-        Number of the found mode that is paired with each true one.
+    ``partners`` are the true ones of the found modes ``columns``, each with the error that its
+    kappa may have; ``inside`` are the true modes of the window.
     """
-
-    answer: ModesAnswer
-    slack: Floats
-    columns: Ints
-
-    def false_one(self, partners: Complexes, inside: Complexes) -> str:
-        """A claim that clearly is not so, in words; "" if there is none.
-
-        Parameters
-        ----------
-        partners
-            True partner of each paired mode.
-        inside
-            True modes of the window.
-        """
-        thresholds = self.answer.thresholds
-        size = np.maximum(np.abs(partners), np.finfo(float).tiny)
-        slack = np.where(partners == 0, 0, np.minimum(self.slack / (2 * size), np.sqrt(self.slack)))
-        for true, i, open_by in zip(partners, self.columns, slack, strict=True):
-            if self._false(self.answer.verdicts[i], true, thresholds[i], open_by):
-                told = f"{self.answer.eigenvalues[i]:.4g} called {self.answer.verdicts[i]}"
-                return f"mode of {told}, the true one is {true:.4g}"
-        if not len(inside):
-            return "window called unstable, it is empty" * (self.answer.verdict == "unstable")
-        fastest = inside[np.argmax(inside.real)]
-        extreme = thresholds.min if self.answer.verdict == "unstable" else thresholds.max
-        threshold = extreme(initial=abs(fastest) * 1e-4) if len(thresholds) else 0.0
-        if self._false(self.answer.verdict, fastest, threshold, slack.max(initial=0.0)):
-            return f"window called {self.answer.verdict}, its fastest true mode is {fastest:.4g}"
-        return ""
-
-    @staticmethod
-    def _false(said: str, true: complex, threshold: float, slack: float) -> bool:
-        if said == "grows slowly" and true.real < -slack:
-            return True
-        if said in ("stable", "grows slowly", "rigid"):
-            return true.real > _CLEAR * threshold + slack
-        return said == "unstable" and true.real <= threshold / _CLEAR - slack
+    thresholds, size = answer.thresholds, np.maximum(np.abs(partners), np.finfo(float).tiny)
+    slack = np.where(partners == 0, 0, np.minimum(slack / (2 * size), np.sqrt(slack)))
+    for true, i, open_by in zip(partners, columns, slack, strict=True):
+        if _is_false(answer.verdicts[i], true, thresholds[i], open_by):
+            told = f"{answer.eigenvalues[i]:.4g} called {answer.verdicts[i]}"
+            return f"mode of {told}, the true one is {true:.4g}"
+    if not len(inside):
+        return "window called unstable, it is empty" * (answer.verdict == "unstable")
+    fastest = inside[np.argmax(inside.real)]
+    extreme = thresholds.min if answer.verdict == "unstable" else thresholds.max
+    threshold = extreme(initial=abs(fastest) * 1e-4) if len(thresholds) else 0.0
+    if _is_false(answer.verdict, fastest, threshold, slack.max(initial=0.0)):
+        return f"window called {answer.verdict}, its fastest true mode is {fastest:.4g}"
+    return ""
 
 
-def _compare_stresses(answer: StressAnswer, true: Complexes) -> Comparison:
-    """A uniform stress beside the true one."""
-    return Comparison(float(np.abs(answer.stresses / true.real[0] - 1).max()))
+def _is_false(said: str, true: complex, threshold: float, slack: float) -> bool:
+    if said == "grows slowly" and true.real < -slack:
+        return True
+    if said in ("stable", "grows slowly", "rigid"):
+        return true.real > _CLEAR * threshold + slack
+    return said == "unstable" and true.real <= threshold / _CLEAR - slack

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.classify import GROWING, WORDS
+from cea.eigen.classify import GROWING, WORDS, Word
 from cea.reduced.spectrum import ReducedSpectrum
 from comparisons.sweep.points import Points
 from scenes import Result
@@ -90,29 +90,14 @@ class Spectra:
         """Of a reduced model at points, derivatives of shape (modes, fields) in the window."""
         rows = []
         for found, slope, number in zip(spectra, slopes, numbers, strict=True):
-            words = np.array([WORDS.index(word) for word in found.words(threshold)], dtype=np.int8)
-            above = (found.eigenvalues.imag > found.settings.end) & np.isin(
-                words, [WORDS.index(word) for word in GROWING]
-            )
-            above &= found.eigenvalues.imag <= HINT * found.settings.end
-            rates = np.where(above, found.eigenvalues.real, -np.inf)
-            fastest = found.eigenvalues[rates.argmax()] if above.any() else np.nan + 1j * np.nan
-            inside = found.inside
-            rows.append(
-                {
-                    "growth": found.eigenvalues.real[inside],
-                    "frequency": found.eigenvalues.imag[inside] / (2 * np.pi),
-                    "uncertainty": found.uncertainties[inside],
-                    "mean_error": found.mean_errors[inside],
-                    "verdict": words[inside],
-                    "worst": found.worst,
-                    "growth_slope": slope.real,
-                    "frequency_slope": slope.imag / (2 * np.pi),
-                    "above_growth": fastest.real,
-                    "above_frequency": fastest.imag / (2 * np.pi),
-                    "number": number[inside],
-                }
-            )
+            words, window, end = found.words(threshold), found.window, found.settings.end
+            above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
+            above &= np.isin(words, GROWING)
+            inside = np.flatnonzero(found.inside)
+            errors, own = (window.uncertainties, window.mean_errors), [words[i] for i in inside]
+            row = _row(window.eigenvalues, *errors, own, slope)
+            fastest = _fastest(found.eigenvalues[above])
+            rows.append(row | _about(found.worst, fastest, number[inside]))
         return cls._stacked(rows)
 
     @classmethod
@@ -120,30 +105,17 @@ class Spectra:
         """Of full solves, None where one gave no answer, over so many fields."""
         rows = []
         for result in results:
-            values = np.empty(0, dtype=complex) if result is None else result.eigenvalues
-            errors, words = np.empty(0), list[str]()
-            above: tuple[tuple[float, float], ...] = ()
+            values, errors = np.empty(0, dtype=complex), np.empty(0)
+            words, above, worst = list[Word](), np.empty((0, 2)), np.nan
             if result is not None:
-                errors = result.modes.growth_uncertainties
+                values, errors, worst = result.eigenvalues, result.modes.growth_uncertainties, 0.0
                 words = list(result.modes.verdicts(result.analysis.growth_threshold))
-                above = result.modes.window.growing_above
-            fastest = max(above, key=lambda each: each[1], default=(np.nan, np.nan))
-            nothing = np.full((len(values), count), np.nan)
-            rows.append(
-                {
-                    "growth": values.real,
-                    "frequency": values.imag / (2 * np.pi),
-                    "uncertainty": errors,
-                    "mean_error": np.full(len(values), np.nan),
-                    "verdict": np.array([WORDS.index(w) for w in words], dtype=np.int8),
-                    "worst": np.nan if result is None else 0.0,
-                    "growth_slope": nothing,
-                    "frequency_slope": nothing,
-                    "above_growth": fastest[1],
-                    "above_frequency": fastest[0],
-                    "number": np.full(len(values), -1, dtype=np.int64),
-                }
-            )
+                above = np.reshape(result.modes.window.growing_above, (-1, 2))
+            n, fastest = len(values), _fastest(above[:, 1] + 2j * np.pi * above[:, 0])
+            nothing, slopes = np.full(n, np.nan), np.full((n, count), np.nan + 0j)
+            number = np.full(n, -1, dtype=np.int64)
+            row = _row(values, errors, nothing, words, slopes)
+            rows.append(row | _about(worst, fastest, number))
         return cls._stacked(rows)
 
     @classmethod
@@ -171,6 +143,36 @@ class Spectra:
     def arrays(self) -> dict[str, NDArray[Any]]:
         """It as arrays by their names."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
+
+
+def _fastest(values: Complexes) -> complex:
+    """The eigenvalue that grows fastest, not a number where there is none."""
+    return complex(values[values.real.argmax()]) if len(values) else complex(np.nan, np.nan)
+
+
+def _row(
+    values: Complexes,
+    uncertainty: Floats,
+    mean_error: Floats,
+    words: Sequence[Word],
+    slopes: Complexes,
+) -> dict[str, Any]:
+    """What is known of the modes at one point."""
+    return {
+        "growth": values.real,
+        "frequency": values.imag / (2 * np.pi),
+        "uncertainty": uncertainty,
+        "mean_error": mean_error,
+        "verdict": np.array([WORDS.index(word) for word in words], dtype=np.int8),
+        "growth_slope": slopes.real,
+        "frequency_slope": slopes.imag / (2 * np.pi),
+    }
+
+
+def _about(worst: float, fastest: complex, number: Ints) -> dict[str, Any]:
+    """The worst bound, the fastest mode above the window, the numbers of modes."""
+    above = {"above_growth": fastest.real, "above_frequency": fastest.imag / (2 * np.pi)}
+    return {"worst": worst, "number": number} | above
 
 
 def _widened(array: NDArray[Any], width: int) -> NDArray[Any]:

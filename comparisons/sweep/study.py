@@ -112,7 +112,9 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
     begun = perf_counter()
     if asked.why_in_full:
         return _run_in_full(asked, progress, begun)
-    scene = mapped(asked.scene, asked.fields, asked.overrides, asked.data, _samples_of(asked))
+    scene = mapped(
+        asked.scene, asked.fields, asked.overrides, asked.data, (asked.samples, asked.seed)
+    )
     store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
     made = _Run(asked, scene, store, progress)
     try:
@@ -135,10 +137,6 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
         warnings=warnings_of(data, asked.tolerance),
     )
     return Swept(told, scene.points, spectra, store)
-
-
-def _samples_of(asked: Asked) -> tuple[int, int]:
-    return asked.samples, asked.seed
 
 
 class _Run:
@@ -197,11 +195,7 @@ class _Run:
 
     def _told(self, basis: Enrichment) -> dict[str, Any]:
         """A basis as plain data."""
-        known = {tuple(each.point.items()): each.plain() for each in self._store.solves()}
-        solves = [
-            {"tested": each.error_over_bound, **known[tuple(each.point.items())]}
-            for each in basis.solves
-        ]
+        solves = [{"tested": e.error_over_bound, **e.about} for e in basis.solves]
         failed = [{"point": dict(point), "reason": why} for point, why in basis.failed]
         return {"vectors": basis.model.size, "solves": solves, "failed": failed}
 

@@ -1,5 +1,7 @@
 """The eigenvalue driver against dense solvers."""
 
+import inspect
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -9,6 +11,7 @@ from scipy.sparse import csr_array, diags_array, eye_array, random_array
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.modes import Modes
+from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError, InputError
 
@@ -136,3 +139,19 @@ def test_failed_convergence_carries_the_best_answer():
             options=KrylovOptions(tolerance=1e-300, max_restarts=1, dense_limit=0),
         )
     assert isinstance(caught.value.best, Modes)
+
+
+def test_eight_calls_lead_to_the_direct_solver(chain, monkeypatch):
+    """From solve_modes to MUMPS at a solve of the search."""
+    paths, original = set(), Mumps.solve_block
+
+    def noted(*arguments, **options):
+        names = [frame.function for frame in inspect.stack()]
+        paths.add(tuple(names[1 : names.index("solve_modes") + 1][::-1]))
+        return original(*arguments, **options)
+
+    monkeypatch.setattr(Mumps, "solve_block", noted)
+    solve_modes(pencil(*chain), 3.0, options=KrylovOptions(dense_limit=0))
+    (longest,) = [path for path in paths if "extend" in path]
+    called = ("solve_modes", "solve", "run", "krylov_schur", "extend", "apply", "solve_with_forces")
+    assert longest == called

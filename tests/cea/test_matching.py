@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from blocks import two_blocks
 
 from cea.eigen.matching import (
     ModeSet,
@@ -16,7 +15,7 @@ from cea.eigen.matching import (
 )
 from cea.errors import InputError
 from scenes import run_scene
-from scenes.results.matching import circumferential_orders, match_runs, match_unstable
+from scenes.results.matching import circumferential_orders, match_runs
 from scenes.spec.reading import read_scene
 
 RNG = np.random.default_rng(7)
@@ -112,15 +111,6 @@ def test_modes_that_nearly_coalesce_are_matched_as_a_group():
     assert match.only_first.tolist() == match.only_second.tolist() == [3]
 
 
-def test_orders_part_modes_of_equal_frequency():
-    shapes = random_shapes(10, 1).repeat(2, axis=1) + 1e-3 * random_shapes(10, 2)
-    values = np.array([1j, 1.01j])
-    first = ModeSet(values, shapes, np.array([2, 3]))
-    second = ModeSet(values, shapes, np.array([3, 2]))
-    pairs = [(g.first.tolist(), g.second.tolist()) for g in match_modes(first, second).groups]
-    assert sorted(pairs) == [([0], [1]), ([1], [0])]
-
-
 def test_circumferential_content_tells_order_share_and_sense():
     theta = 2 * np.pi * np.arange(16) / 16
     waves = [
@@ -203,20 +193,3 @@ def test_drum_modes_match_across_backends(drums):
     assert not len(match.only_second)
     assert all(g.assurance > 0.99 and g.distance < 5e-3 for g in match.groups)
     assert sum(len(g.first) for g in match.groups) == len(drums[0].modes.eigenvalues)
-
-
-def test_unstable_modes_are_all_answered_for(drums):
-    match = match_unstable(*drums)
-    assert len(match["pairs"]) == 4
-    assert match["only_first"] == match["only_second"] == []
-    for pair in match["pairs"]:
-        assert pair["modal_assurance"] > 0.99
-        assert abs(pair["frequency_difference"]) < 5e-3
-        assert abs(pair["growth_difference"]) < 0.05
-
-
-def test_orders_need_a_surface_of_revolution():
-    data = two_blocks("iga", {"method": "gpts", "points": 2}, held=True)
-    data["analysis"]["max_frequency"] = 0.6
-    with pytest.raises(InputError, match="surfaces of revolution"):
-        circumferential_orders(run_scene(read_scene(data)), ["lower.z_max"])

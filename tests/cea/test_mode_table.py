@@ -1,15 +1,12 @@
 """Tables of modes: signs, rigid motions, marks, and pandas where there is some."""
 
-import sys
 from math import inf
-from types import ModuleType
 
 import numpy as np
 import pytest
 from blocks import two_blocks
 
 from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import InputError
 from cea.mode_table import ModeTable, growth_text, ratio_text, shown_cells
 from scenes import read_scene, run_modes
 
@@ -70,24 +67,6 @@ def test_two_free_blocks_in_contact_have_nine_rigid_motions(backend, mu):
 def test_small_numbers_are_shown_by_their_digits(rate, growth, ratio):
     assert growth_text(rate) == growth
     assert ratio_text(rate) == ratio
-
-
-def test_pandas_is_used_where_there_is_some(monkeypatch):
-    rows = spectrum([1j, 2j], [1e-9, 1e-9]).table()
-
-    class Frame:
-        @staticmethod
-        def from_records(records, index):
-            return records, index
-
-    made = ModuleType("pandas")
-    made.DataFrame = Frame
-    made.__spec__ = object()
-    monkeypatch.setitem(sys.modules, "pandas", made)
-    assert rows.to_pandas() == (list(rows), "mode")
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(InputError, match="pandas = 'not installed'"):
-        rows.to_pandas()
 
 
 def test_an_empty_table_shows_its_headings():

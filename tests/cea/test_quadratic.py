@@ -1,13 +1,10 @@
 """Damped and rotating pencils: lumped systems, limits, left vectors, contact forces, refusals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
 from dense_reference import dense_quadratic
-from judge import judge_quadratic
 from mpi import on_ranks
 from petsc_matrices import to_petsc
 from quadratic_cases import damped, lumped_modes, numbers
@@ -157,16 +154,6 @@ def test_derivatives_are_those_of_differences(mixed):
             assert slope == pytest.approx(difference, rel=1e-5, abs=1e-6 * abs(value))
 
 
-def test_left_vectors_are_those_of_the_quadratic_problem(mixed):
-    M, D, K = mixed
-    modes = solve_modes(pencil_of(M, D, K), 0.6, left=True)
-    y, x = modes.left.vectors, modes.vectors
-    for i, value in enumerate(modes.eigenvalues):
-        left = y[:, i].conj() @ (value**2 * M + value * D + K)
-        assert np.linalg.norm(left) < 1e-12 * np.linalg.norm(K) * np.linalg.norm(y[:, i])
-        assert y[:, i].conj() @ (2 * value * M + D) @ x[:, i] == pytest.approx(2 * value)
-
-
 @pytest.mark.parametrize("seed", [0, 31])
 def test_windows_of_rigid_motions_alone_have_left_vectors(seed):
     """Theirs are rounding of zero, right and left: they are alike beside the window."""
@@ -201,19 +188,6 @@ def test_lower_ends_of_windows_are_checked(growth):
     pencil = hulten(0.1, 0.1)
     with pytest.raises(InputError, match="min_growth"):
         solve_modes(pencil, 1.0, min_growth=growth)
-
-
-def test_the_judge_sees_what_is_wrong(mixed):
-    modes = solve_modes(pencil_of(*mixed), 0.6)
-    values, errors = dense_quadratic(*mixed, 4.0)
-    assert not judge_quadratic(modes, values, errors)
-    moved = values + 1e-5 * np.abs(values)
-    kinds = {fault.kind for fault in judge_quadratic(modes, moved, errors)}
-    assert kinds == {"missing", "spurious"}
-    doubtful = replace(modes, growth_uncertainties=0.5 * np.abs(modes.growth_rates))
-    assert "stable" in doubtful.verdicts()
-    kinds = {fault.kind for fault in judge_quadratic(doubtful, -values.conj(), errors)}
-    assert "wrong-verdict" in kinds
 
 
 @pytest.mark.mpi

@@ -14,7 +14,6 @@ from reduced_cases import (
     map_numbers,
     model_line,
     random_pencil,
-    three_blocks_pencil,
 )
 from same_numbers import assert_same
 from scipy.optimize import brentq
@@ -23,7 +22,6 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.errors import InputError
-from cea.reduced.full_solves import first_threshold
 from cea.reduced.greedy import largest_ratio
 from cea.reduced.snapshots import Snapshot
 from cea.reduced.spectrum import MARGIN, upper_root
@@ -138,39 +136,6 @@ def test_near_a_coalescence_members_and_means_keep_their_bounds(seed):
 
 
 @ON_NURBS
-def test_two_contacts_each_with_its_friction(backend):
-    pencil = three_blocks_pencil(backend)
-    names = [MU, "contacts.other.mu"]
-    built = enrichment(pencil, dict.fromkeys(names, (0.0, 0.9)), TOP)
-    axis = (0.0, 0.45, 0.9)
-    points = [
-        dict(zip(names, pair, strict=True))
-        for pair in np.array(np.meshgrid(axis, axis)).T.reshape(-1, 2).tolist()
-    ]
-    assert built.cover(points) <= built.tolerance
-    full = EigenSolver(pencil)
-    for one, other in RNG.uniform(0, 0.9, (3, 2)):
-        point = {names[0]: one, names[1]: other}
-        modes = full.solve(MARGIN * TOP, point, left=True)
-        assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
-        assert largest_ratio(built.at(point), Snapshot.of(point, modes)) <= 1
-
-
-@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
-def test_forces_as_unknowns_are_eliminated(backend):
-    """The saddle form has the eigenvalues that it has in full."""
-    method = {"fe": "mortar", "iga": "gpts"}[backend]
-    pencil = blocks_pencil(backend, method=method, form="saddle")
-    assert pencil.forces
-    built = enrichment(pencil, {MU: (0.0, 0.8), P: (1.0, 1e6)}, TOP)
-    built.cover(grid(mu=[0.0, 0.4, 0.8], P=[1.0, 1e3, 1e6]))
-    full = EigenSolver(pencil)
-    for point in ({MU: 0.63, P: 7.0}, {MU: 0.2, P: 2.5e5}):
-        modes = full.solve(MARGIN * TOP, point, left=True)
-        assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
-
-
-@ON_NURBS
 def test_materials_are_parameters_too(backend):
     pencil = blocks_pencil(backend)
     E, rho = "bodies.upper.material.E", "bodies.lower.material.rho"
@@ -179,23 +144,6 @@ def test_materials_are_parameters_too(backend):
     point = {E: 1.37, rho: 1.81}
     modes = EigenSolver(pencil).solve(MARGIN * TOP, point)
     assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
-
-
-def test_a_threshold_of_flutter_is_that_of_full_solves(backend):
-    """The threshold of the blocks, sought on the reduced model and by full solves."""
-    from reduced_blocks import flutter_of_the_blocks
-
-    driver, name, bracket, top = flutter_of_the_blocks(backend)
-    expected = first_threshold(driver, name, *bracket, max_frequency=top)
-    built = enrichment(driver.pencil, {name: bracket}, top)
-    built.cover([{name: value} for value in np.linspace(*bracket, 5)])
-    found = thresholds_along(model_line(built, name), np.linspace(*bracket, 5).tolist())
-    first = found.thresholds[0]
-    assert first.begins
-    assert first.value == pytest.approx(expected.value, rel=1e-8)
-    assert first.eigenvalue == pytest.approx(expected.eigenvalue, rel=1e-8)
-    assert abs(first.value - expected.value) <= first.error + 1e-12
-    assert not found.unresolved
 
 
 def test_what_has_no_reduced_model_is_refused():

@@ -79,20 +79,6 @@ def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
         assert found.window.eigenvalues.real.max() < 0 or point[MU] > 0
 
 
-@ON_NURBS
-def test_without_damping_it_is_the_undamped_problem(maps, backend):
-    """Where all damping vanishes a full solve is linear in lambda^2, and the map agrees with it."""
-    built = maps(backend)
-    body = "bodies.upper.damping.beta"
-    assert built.model.pencil.parameters[body].value == 0.0
-    point = {MU: 0.7, P: 40.0, ALPHA: 0.0, RATIO: 0.0}
-    full = EigenSolver(built.model.pencil)
-    assert not full.quadratic(point)
-    modes, found = full.solve(MARGIN * TOP, point, left=True), built.at(point)
-    assert largest_ratio(found, Snapshot.of(point, modes)) <= 1
-    assert (apart(found, modes)[0] / found.window.speeds).max() < 1e-8
-
-
 @pytest.mark.parametrize("seed", [0, *(pytest.param(s, marks=pytest.mark.slow) for s in (1, 2))])
 def test_no_bound_is_passed_wherever_the_basis_is_poor(seed):
     """From bases that know far too little to such as know all: dense eigenvalues are the judge."""

@@ -85,24 +85,6 @@ def test_derivatives_in_every_kind_of_parameter(backend, form):
     check(assemble(data).pencil(), 0.62, STEPS)
 
 
-COARSE = {
-    "fe": ["bodies.disc.mesh.fe.elements=[3, 24, 1]", "bodies.pad.mesh.fe.elements=[2, 4, 1]"],
-    "iga": ["bodies.disc.mesh.iga.elements=[3, 24, 1]", "bodies.pad.mesh.iga.elements=[2, 4, 1]"],
-}
-
-
-@pytest.mark.slow
-def test_derivatives_of_the_disc_and_pad(backend):
-    scene = load_scene(Path("disc_pad"), COARSE[backend], backend)
-    steps = {
-        "contacts.pad_disc.mu": 1e-2,
-        "contacts.pad_disc.P": 1e-2,
-        "bodies.disc.material.E": 1e-3,
-        "bodies.pad.material.rho": 1e-2,
-    }
-    check(system_of(scene).pencil(), 9000.0, steps)
-
-
 MESHES = {
     "fe": {"upper": [8, 2], "lower": [5, 3]},
     "iga": {"upper": [10, 2], "lower": [7, 3]},

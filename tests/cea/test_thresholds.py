@@ -101,32 +101,11 @@ def test_two_coupled_masses_to_round_off(coupling):
     assert threshold.parameter == FRICTION
 
 
-def test_flutter_that_ends_as_friction_rises():
-    """Two contacts that work against each other: S - F - s (-F) comes to rest at s = 0.5."""
-    stiffness, mass, friction = (term.matrix.copy() for term in lumped(1.0).pencil.terms)
-    stiffness.axpy(-1.0, friction)
-    friction.scale(-1.0)
-    opposed = EigenSolver(Pencil.of(stiffness, mass, friction))
-    threshold = first_threshold(opposed, FRICTION, real=0.9, flutter=0.1, max_frequency=TOP)
-    assert threshold.value == pytest.approx(0.5, rel=1e-12)
-
-
 @pytest.mark.parametrize(("real", "flutter"), [(0.0, 0.2), (0.9, 0.8), (0.3, 0.3)])
 def test_values_that_do_not_enclose_a_threshold_are_refused(real, flutter):
     with pytest.raises(InputError) as refused:
         first_threshold(lumped(1.0), FRICTION, real, flutter, max_frequency=TOP)
     assert refused.value.field == "flutter"
-
-
-def test_a_parameter_that_is_not_there_is_refused():
-    with pytest.raises(InputError, match="one of friction"):
-        first_threshold(lumped(1.0), MU, 0.0, 0.9, max_frequency=TOP)
-
-
-def test_a_pair_is_followed_beyond_the_modes_it_was_chosen_among():
-    """Without friction the second mode lies above the window in which the pair was chosen."""
-    threshold = first_threshold(lumped(1.0), FRICTION, 0.0, 0.6, max_frequency=1.3 / (2 * np.pi))
-    assert threshold.value == pytest.approx(0.5, rel=1e-12)
 
 
 def test_the_first_threshold_is_found_though_another_pair_grows_faster_at_the_end():
@@ -161,12 +140,6 @@ def test_flutter_may_lie_at_zero():
     driver = EigenSolver(Pencil([stiffness, mass, first, against], [Parameter("s", 0.0)]))
     threshold = first_threshold(driver, "s", real=0.9, flutter=0.0, max_frequency=TOP)
     assert threshold.value == pytest.approx(0.5, rel=1e-12)
-
-
-def test_without_friction_nothing_flutters():
-    pencil = Pencil.of(to_petsc(np.eye(2)), to_petsc(np.eye(2)))
-    with pytest.raises(InputError, match="friction"):
-        first_threshold(EigenSolver(pencil), FRICTION, 0.0, 1.0, max_frequency=TOP)
 
 
 @pytest.mark.parametrize(("mesh", "i"), covering([("fe", 4, 1), ("iga", 4, 2)], [0, 3], strength=1))

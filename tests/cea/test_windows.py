@@ -12,11 +12,10 @@ from petsc_matrices import to_numpy, to_petsc
 
 from cea.eigen import window
 from cea.eigen.driver import EigenSolver, solve_modes
-from cea.eigen.errors import cluster_bounds
 from cea.eigen.field_of_values import FieldOfValues, field_of_values
 from cea.eigen.krylov_schur import KrylovOptions, krylov_schur
 from cea.eigen.pencil import Pencil
-from cea.eigen.regions import distance_of_cone, distance_within, outside_of_window, touching_disc
+from cea.eigen.regions import distance_of_cone, distance_within, touching_disc
 from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.shifted import Shifted
 from cea.eigen.static import solve_static
@@ -173,17 +172,6 @@ def test_a_disc_about_the_middle_covers_what_a_cone_leaves(slope, depth):
     assert distance_of_cone(1.0, 0.5, depth, np.inf) == np.inf
 
 
-def test_what_lies_in_no_window():
-    """By its place and by so much as it may be in error; growth of any strength is wanted."""
-    kappa = np.array([1.0, 1.1, 0.9 + 0.1j, 0.5 + 1.3j, 0.5 + 1.5j, -7.0, -7.0 + 5.0j])
-    none = np.zeros(len(kappa))
-    outside = outside_of_window(1.0, kappa, none)
-    assert outside.tolist() == [False, True, False, False, True, False, False]
-    omega = np.abs(np.sqrt(-kappa).imag)
-    assert (outside == (omega > 1)).all()
-    assert not outside_of_window(1.0, kappa, none + 0.2).any()
-
-
 def test_what_lies_around_the_window_need_not_converge():
     """Nothing beyond the end is found but what is nearer to the middle than a mode that grows."""
     beyond = [[[1.07]], [[1.11]], [[1.13]], *band(500, 1.2, 400.0)]
@@ -275,17 +263,6 @@ def test_what_is_known_does_not_change_where_a_far_search_adds_to_it():
     assert after[1:] == pytest.approx(before, rel=1e-12)
 
 
-def test_a_cluster_is_known_better_than_its_members():
-    """Vectors of nearly equal copies are nearly parallel; together they are not."""
-    noise = 1e-13 * np.triu(np.ones((4, 4)), 1) + 1e-20 * np.diag(range(4))
-    projected = scipy.linalg.block_diag(2.0 * np.eye(4) + noise, np.diag([5.0, 9.0]))
-    errors, conditions = np.full(6, 1e-14), np.array([1e7, 1e7, 1e7, 1e7, 1.0, 1.0])
-    kappa = np.diag(projected).astype(complex)
-    bounds = cluster_bounds(projected, kappa, errors, conditions)
-    assert bounds[:4].max() < 1e-12
-    assert np.isinf(bounds[4:]).all()
-
-
 def test_verdicts_leave_open_what_errors_do():
     blocks = [*band(40, low=1.1), np.array([[0.5, 1.0], [-1e-18, 0.5]])]  # a pair that coalesces
     modes = solve_modes(pencil_of(blocks), HERTZ)
@@ -302,16 +279,6 @@ def test_modes_lost_to_rounding_are_refused():
     with pytest.raises(ConvergenceError, match="lost to rounding") as caught:
         solve_modes(pencil_of(blocks), HERTZ)
     assert "stable" not in caught.value.best.verdicts()
-
-
-def test_the_threshold_of_growth_is_relative_by_default():
-    for scale in (1e-8, 1.0, 1e8):
-        blocks = [value * scale**2 * np.eye(1) for value in np.linspace(0.1, 90, 60)]
-        value = scale * (1e-3 + 0.5j)
-        blocks.append(pair((-(value**2)).real, (-(value**2)).imag))
-        modes = solve_modes(pencil_of(blocks), scale * HERTZ)
-        assert modes.unstable().sum() == 1
-        assert modes.unstable(1e-2 * scale).sum() == 0
 
 
 def test_displacements_of_bodies_that_nothing_holds_are_refused(backend):

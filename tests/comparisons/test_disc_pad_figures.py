@@ -9,12 +9,11 @@ import pytest
 from dolfinx.mesh import exterior_facet_indices
 from paper_figures import made
 
-from cea.contact.formulations import Greville, Grid, NodeToSurface
+from cea.contact.formulations import Greville
 from cea.eigen.matching import ModeSet
 from cea.timing import StageTimer
 from comparisons.paper.diagram import Diagram
-from comparisons.paper.disc_pad import COLLOCATION, GPTS, GRID, LUMPED, DiscPad
-from comparisons.paper.figures import FIGURES
+from comparisons.paper.disc_pad import GPTS, LUMPED, DiscPad
 from comparisons.paper.lumping import false_shifts, rotation_ratio
 from comparisons.paper.mode_shapes import EDGE, SHAPES
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
@@ -126,39 +125,6 @@ def test_error_of_the_linearised_law_in_closed_form():
     """With m = 2 the change is 2 e + e^2 of which 2 e is linear."""
     for part in (0.01, 0.1, 1.0):
         assert NORMAL_COMPLIANCE.error(part) == pytest.approx(part / (2 + part))
-
-
-def test_cases_on_other_meshes():
-    assert COLLOCATION.on("hexahedra").formulation == NodeToSurface()
-    assert GRID.on("tetrahedra").formulation == Grid(4)
-    assert GRID.on("NURBS").formulation == Grid(10)
-    mesh = replace(GPTS, boundary="refined").scene("NURBS").bodies["disc"]
-    through = mesh.mesh.iga.through
-    assert {0.09, 0.14} < set(through["r"])
-    assert len(through["r"]) == len(through["theta"]) == 6
-    ignored = replace(GPTS, boundary="ignored").scene("hexahedra")
-    assert ignored.bodies["disc"].mesh.fe.through == {}
-    assert GPTS.scene("NURBS").contacts["pad_disc"].mu == 0.7
-
-
-def test_higher_degrees_take_larger_elements():
-    def elements(degree, mesh):
-        spec = replace(GPTS, degree=degree).scene(mesh).bodies["disc"].mesh
-        return spec.iga.elements if mesh == "NURBS" else spec.fe.elements
-
-    assert [elements(p, "NURBS") for p in (2, 3, 4, 5)] == [
-        *2 * [(16, 80, 2)],
-        (12, 60, 2),
-        (10, 48, 1),
-    ]
-    assert [elements(p, "hexahedra")[:2] for p in (2, 3, 4)] == [(9, 60), (6, 40), (4, 30)]
-
-
-def test_degrees_that_lagrange_elements_do_not_have_are_no_cases():
-    degrees = {"hexahedra": [2, 2, 3, 4], "NURBS": [2, 2, 3, 4, 5]}
-    for mesh, expected in degrees.items():
-        (panel,) = FIGURES["14"].panels(mesh).values()
-        assert [case.degree for case in panel.values()] == expected
 
 
 def test_divided_hexahedra_fill_the_same_bodies():

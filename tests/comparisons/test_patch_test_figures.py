@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from paper_figures import made
 
-from cea.contact.formulations import GaussPointToSurface, Greville, NodeToSurface
+from cea.contact.formulations import GaussPointToSurface, Greville
 from cea.system.contact_stresses import pressure_along, stress_map
 from comparisons.paper.figures import FIGURES
 from comparisons.paper.patch_test import PatchTest, stresses
@@ -55,20 +55,6 @@ def test_maps_and_lines_hold_what_the_numbers_say():
     for side, found in zip("ab", arrays["maps"][0], strict=True):
         expected = tables["patch_tests"][0][f"oscillation_{side}"]
         assert np.ptp(found) == pytest.approx(expected, rel=0.01)
-
-
-def test_lagrange_elements_have_the_cases_that_differ_for_them():
-    for mesh in ("hexahedra", "tetrahedra"):
-        cases = list(FIGURES["7"].on(mesh))
-        assert cases == ["D2C0, GPTS 3 × 3, P = 10⁶", "D4C0, GPTS 5 × 5, P = 10⁶"]
-    case = PatchTest(Greville(), elements=(5, 3))
-    assert case.on("tetrahedra").formulation == NodeToSurface()
-    assert case.on("NURBS") == case
-    upper, lower = case.on("tetrahedra").scene("tetrahedra").bodies.values()
-    assert {(m.mesh.fe.cell, m.mesh.fe.size) for m in (upper, lower)} == {
-        ("tetrahedron", 9 / 5),
-        ("tetrahedron", 9 / 3),
-    }
 
 
 def test_spaces_of_one_continuity_agree_over_backends():

@@ -12,7 +12,6 @@ import pytest
 from cea.errors import InputError
 from comparisons.stability import cases
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
-from comparisons.stability.measure import judged
 from comparisons.stability.parts.case import REFUSED, Run
 from comparisons.stability.parts.problems import OfMatrices, OfScene
 from comparisons.stability.parts.references import formula
@@ -27,6 +26,7 @@ from comparisons.stability.study import (
     not_met,
     runs,
 )
+from comparisons.stability.verdicts import judged
 from comparisons.study.page import write_study
 from comparisons.study.result import StudyResult
 from comparisons.study.run import run

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from comparisons.stability.measure import window_end
 from comparisons.stability.parts.dense import dense_eigenvalues, dense_kappas, lambdas
 from comparisons.stability.parts.references import copies, dense
 from comparisons.stability.parts.scenes import in_units, layers, moved, sprag
 from comparisons.stability.parts.ways import ALONE, WAYS, chosen
+from comparisons.stability.verdicts import window_end
 from scenes import run_modes
 from scenes.spec.reading import read_scene
 

@@ -7,12 +7,11 @@ import pytest
 from planted import SAID, TRUE, Planted, answer, verdict_of
 
 from cea.errors import ConvergenceError, InputError
-from comparisons.stability.measure import judged
 from comparisons.stability.parts.case import ACCURATE, HONEST, MESH, NONE, REFUSED, WARNED, Run
 from comparisons.stability.parts.problems import StressAnswer
 from comparisons.stability.parts.references import Reference
 from comparisons.stability.parts.ways import ALONE
-from comparisons.stability.verdicts import compare
+from comparisons.stability.verdicts import compared, judged
 
 
 def test_a_right_answer_is_accurate():
@@ -122,9 +121,9 @@ def test_rounding_of_rigid_motions_does_not_grow():
 def test_members_near_a_coalescence_may_lose_half_the_digits_of_their_mean():
     true = [1j, 1j, *TRUE[1:]]
     pair = answer([(1 + 3e-7) * 1j, (1 - 3e-7) * 1j, *TRUE[1:4]], ("stable", *SAID))
-    assert compare(pair, np.array(true), 1e-8).error < 1e-8
+    assert compared(pair, np.array(true), 1e-8).error < 1e-8
     both = answer([(1 + 3e-7) * 1j, (1 + 3e-7) * 1j, *TRUE[1:4]], ("stable", *SAID))
-    assert compare(both, np.array(true), 1e-8).error > 1e-7
+    assert compared(both, np.array(true), 1e-8).error > 1e-7
 
 
 @pytest.mark.parametrize(

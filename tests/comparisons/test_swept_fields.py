@@ -160,13 +160,6 @@ def test_p_that_is_no_number_in_the_scene_is_refused(tmp_path, name, given, told
         in_full(file, name, 0.5, 2.0)
 
 
-def test_p_and_P_are_one_axis():
-    scene, changes = blocks()
-    axes = [read_axis("p=0.5:2:3"), read_axis("P=1:2:3")]
-    with pytest.raises(InputError, match="other parameters"):
-        mapped(scene, axes, changes, None)
-
-
 @pytest.mark.parametrize(
     ("name", "told"),
     [
@@ -187,20 +180,6 @@ def test_what_is_no_parameter_says_what_to_do(name, told):
     with pytest.raises(NoMapError, match=told) as refused:
         of(f"{name}=1:2:3")
     assert P in str(refused.value)
-
-
-@pytest.mark.parametrize(
-    ("change", "name"),
-    [
-        ("bodies.upper.damping={alpha=0.0}", "alpha"),
-        ("bodies.upper.damping={beta=0.0}", "beta"),
-        ("contacts.interface.mu=0.0", "mu"),
-    ],
-)
-def test_what_is_told_to_do_makes_it_a_parameter(change, name):
-    scene = of(f"{name}=0:0.1:2", change)
-    assert scene.names[0]
-    scene.driver.free()
 
 
 def test_short_names_mean_every_contact_and_body():
@@ -266,15 +245,6 @@ def test_parameters_of_expressions_are_factors_as_in_maps(file_of, field):
 def test_what_moves_the_state_of_sliding_has_no_map(file_of, name, axis):
     with pytest.raises(NoMapError):
         mapped(file_of(name), [read_axis(axis)])
-
-
-def test_what_moves_no_state_has_one(file_of):
-    asked = mapped(file_of("pressed"), [read_axis("rho=1:2:2")])
-    values = dict.fromkeys(asked.names[0], 2.0)
-    scene = scene_of("pressed", asked.scene["bodies"]["upper"]["backend"]).change(values)
-    modes = asked.driver.solve(asked.max_frequency, values)
-    np.testing.assert_allclose(modes.eigenvalues, run_modes(scene).eigenvalues, rtol=1e-9)
-    asked.driver.free()
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from comparisons.cli.exact import app
 from exact_cea.lumped import hoffmann_threshold, hulten_threshold
 
 TEXT = (Path(__file__).parents[2] / "docs" / "benchmarks.md").read_text(encoding="utf-8")
-LISTS = re.findall(r"^    cea exact (.*)\n\n\| .*\n\|[-:|]+\|\n((?:\|.*\n)+)", TEXT, re.MULTILINE)
+LISTS = re.findall(r"^    \$ cea exact (.*)\n((?: +[-0-9.]+ +[-0-9.]+\n)+)", TEXT, re.MULTILINE)
 _ROW = re.compile(r"^ +(\S+) +(\S+)$", re.MULTILINE)
 _THRESHOLD = re.compile(r"mu_c=(\S+) .*omega=(\S+)")
 
@@ -30,7 +30,7 @@ def case(command, rows):
 
 def told(rows):
     """Numbers of a list as they are written."""
-    return [tuple(cell.strip() for cell in row.strip("|").split("|")) for row in rows.splitlines()]
+    return [tuple(row.split()) for row in rows.splitlines()]
 
 
 def digits(text):

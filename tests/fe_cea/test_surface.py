@@ -1,7 +1,5 @@
 """Lagrange surfaces: rules, trace, gradient, and location of points against brute force."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from bodies import lagrange_body
@@ -226,19 +224,3 @@ def test_wrong_requests_are_refused():
     for evaluate in (surface.position, surface.normal, surface.trace, surface.gradient):
         with pytest.raises(InputError, match=r"at\.element"):
             evaluate(lost)
-
-
-@pytest.mark.parametrize(("cell", "degree"), [("tetrahedron", 1), ("hexahedron", 2)])
-def test_facets_that_are_affine_are_evaluated_as_any_other(cell, degree):
-    """Flat sides of a turned box, as what they are and by their polynomials, and no curved one."""
-    layer = make("box", cell, degree).surfaces["y_max"]._layer
-    bent = replace(layer)
-    bent.__dict__["_affine"] = None
-    rng = np.random.default_rng(2)
-    element, xi = rng.integers(0, len(layer), 200), rng.uniform(0, 0.5, (200, 2))
-    assert layer._affine is not None
-    for found, expected in zip(
-        layer.tangents(element, xi), bent.tangents(element, xi), strict=True
-    ):
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14)
-    assert make("annulus", cell, 2).surfaces["outer"]._layer._affine is None

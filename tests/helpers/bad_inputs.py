@@ -1,26 +1,14 @@
-"""Bad input for everything that reads: scenes, paths of `--set`, files, meshes, expressions."""
+"""Bad input for what reads scenes, paths of `--set`, files and expressions."""
 
-import json
 import signal
 from contextlib import contextmanager
-from functools import cache
-from importlib.util import find_spec
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import numpy as np
-from mesh_writers import write
 from scene_mutations import HOSTILE, NAMES, Bad, drawn, places, random_mutation, text_of, valid
 
 from cea.errors import ConvergenceError, InputError
 from cea.expressions import Expression
-from cea.mesh import Mesh
-from meshes.breaks import breaks_of
-from meshes.mesh_file import MeshFile
-from meshes.patches import NurbsFile
-from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Box
 from scenes import open_result
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
@@ -130,86 +118,6 @@ def random_file(rng, whole):
     return bytes(content)
 
 
-def a_mesh(rng):
-    """Arrays of a valid mesh: a row of squares, or of cubes."""
-    n = int(rng.integers(1, 4))
-    if rng.random() < 0.5:
-        x = np.array([[i, j] for i in range(n + 1) for j in (0, 1)], dtype=float)
-        cells = [[2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 3] for i in range(n)]
-        return {"cell": "quadrilateral", "order": 1, "points": x.tolist(), "cells": cells} | {
-            "surfaces": {"bottom": [[2 * i, 2 * i + 2] for i in range(n)], "left": [[0, 1]]}
-        }
-    x = np.array([[i, j, k] for i in range(n + 1) for j in (0, 1) for k in (0, 1)], dtype=float)
-    cells = [list(range(4 * i, 4 * i + 8)) for i in range(n)]
-    return {"cell": "hexahedron", "order": 1, "points": x.tolist(), "cells": cells} | {
-        "surfaces": {"bottom": [[4 * i, 4 * i + 2, 4 * i + 4, 4 * i + 6] for i in range(n)]}
-    }
-
-
-def random_mesh(rng):
-    """A mesh with one thing wrong."""
-    data = a_mesh(rng)
-    part = str(rng.choice(["points", "cells", "cell", "order", "surfaces", "facets", "entry"]))
-    name = next(iter(data["surfaces"]))
-    refused = True
-    if part == "entry":
-        rows = drawn(rng, [data["points"], data["cells"], data["surfaces"][name]])
-        row = drawn(rng, rows)
-        wrong = [float("nan"), float("inf"), None, "1", [], {}, 1j, 10**400, True, -1e300]
-        refused, wrong = (None, -1e300) if rng.random() < 0.05 else (True, drawn(rng, wrong[:-2]))
-        row[int(rng.integers(len(row)))] = wrong
-    elif part == "facets":
-        facets = data["surfaces"][name]
-        data["surfaces"][name] = drawn(rng, [[], facets * 2, [f[:-1] for f in facets], 3, None])
-    elif part == "surfaces":
-        data["surfaces"] = drawn(rng, [None, 3, [], "x", {1: [[0, 1]]}, {name: {}}])
-        refused = data["surfaces"] != []
-        refused = True if refused else None
-    elif part == "cell":
-        data["cell"] = drawn(rng, ["", "prism", None, 3, [], {}, "Hexahedron", b"hexahedron"])
-    elif part == "order":
-        data["order"] = drawn(rng, [0, -1, 5, 1.0, "1", None, 10**20, True, [1]])
-    elif part == "cells":
-        cells = data["cells"]
-        wrong = [[], cells * 2, [c[:-1] for c in cells], [[c[0]] * len(c) for c in cells], None, 3]
-        data["cells"] = drawn(rng, [*wrong, [cells], [[n + 1000 for n in c] for c in cells]])
-    else:
-        x = data["points"]
-        data["points"] = drawn(rng, [[], None, "x", [[*p, 0.0] for p in x], [x], x[0], x[:-1]])
-    return Bad("mesh", f"mesh with wrong {part}: {str(data)[:150]}", data, refused)
-
-
-READERS = {".cdb": "mapdl_archive", ".xdmf": "h5py", ".vtu": "meshio"}
-"""What reads files beside the project and gmsh."""
-
-
-@cache
-def whole_files():
-    """Content and geometry of valid files of every format that can be read."""
-    shape = Box((2.0, 1.0, 1.0))
-    mesh = shape_mesh(shape, "hexahedron", 2, breaks=breaks_of(shape, (2, 1, 1)))
-    names = ["a22.msh", "a.msh", "binary.msh", "a.inp", "a.cdb", "a.bdf", "a.xdmf", "a.vtu"]
-    found = []
-    with TemporaryDirectory() as folder:
-        for name in names:
-            file = Path(folder) / name
-            if file.suffix not in READERS or find_spec(READERS[file.suffix]):
-                geometry = write({"box": mesh}, file, lacking=True)["box"]
-                found.append((file.suffix, file.read_bytes(), geometry))
-        patch = {"degrees": [1, 1], "knot_vectors": [[0.0, 0.0, 1.0, 1.0]] * 2}
-        patch["control_points"] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
-        patches = json.dumps({"Base64Encoding": False, "SplineList": [patch]}).encode()
-    return (*found, (".json", patches, {"shape": "nurbs_file", "unit": "m"}))
-
-
-def random_mesh_file(rng):
-    """A file of a mesh or of patches, cut, changed or mixed with another."""
-    ending, whole, geometry = drawn(rng, whole_files())
-    content = random_file(rng, whole)
-    words = f"{ending} file {content[:40]!r} of {len(content)} bytes"
-    return Bad("mesh file", words, (ending, content, geometry), None)
-
-
 def reader(kind, folder):
     """What reads each kind of input; files go through a folder."""
 
@@ -225,24 +133,12 @@ def reader(kind, folder):
         (folder / "result.json").write_bytes(content)
         return open_result(folder / "result.json")
 
-    def mesh_file(value):
-        ending, content, geometry = value
-        file = folder / f"bad{ending}"
-        file.write_bytes(content)
-        fields = {**geometry, "file": str(file)}
-        if fields.pop("shape") == "nurbs_file":
-            return NurbsFile(**fields)
-        read = MeshFile(**fields)
-        return read.mesh(read.faces)
-
     return {
         "scene": read_scene,
         "expression": lambda text: Expression(text)(np.full((3, 3), 0.4)),
         "override": override,
         "scene file": scene_file,
         "stored": stored,
-        "mesh": lambda data: Mesh(**data),
-        "mesh file": mesh_file,
     }[kind]
 
 
@@ -267,7 +163,5 @@ def random_bad(rng, stored):
         whole = text_of(str(rng.choice(NAMES))).encode()
         content = random_file(rng, whole)
         return Bad("scene file", f"scene file {content[:40]!r}", content, None)
-    if kind < 0.9:
-        content = random_file(rng, stored)
-        return Bad("stored", f"stored result {content[:40]!r}", content, None)
-    return random_mesh(rng) if kind < 0.98 else random_mesh_file(rng)
+    content = random_file(rng, stored)
+    return Bad("stored", f"stored result {content[:40]!r}", content, None)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from comparisons.stability.measure import judged
 from comparisons.stability.parts.case import ACCURATE, Run
 from comparisons.stability.parts.problems import ModesAnswer
 from comparisons.stability.parts.references import formula
 from comparisons.stability.parts.ways import ALONE
+from comparisons.stability.verdicts import judged
 
 TRUE = np.array([1j, 2j, 0.2 + 3j, -0.2 + 3j, 8j])
 """Eigenvalues up to and beyond a window of 4 rad/s, one pair fluttering."""

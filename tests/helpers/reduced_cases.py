@@ -3,7 +3,7 @@
 from types import MappingProxyType
 
 import numpy as np
-from blocks import assemble, block, coarse, two_blocks
+from blocks import assemble, coarse, two_blocks
 from petsc_matrices import to_petsc
 from scipy.linalg import eig
 
@@ -100,26 +100,6 @@ def plane_blocks_pencil(backend, contact, *, alpha=0.0):
         "analysis": {"kind": "cea", "max_frequency": 0.5},
     }
     data["contacts"]["interface"] |= contact
-    return assemble(data, leave_out=False).pencil(leave_out=False)
-
-
-def three_blocks_pencil(backend):
-    """A block between two others: two contacts, each with its mu."""
-    data = coarse(two_blocks(backend, {"method": "gpts", "points": 3}, held=True))
-    data["bodies"]["top"] = block(
-        backend,
-        [0.5, 0.6, 0.2],
-        [0.2, 0.3, 0.7],
-        [2, 2, 1],
-        supports=[{"surface": "z_max"}],
-    )
-    data["bodies"]["upper"]["supports"] = []
-    data["contacts"]["other"] = data["contacts"]["interface"] | {
-        "a": "upper.z_max",
-        "b": "top.z_min",
-        "mu": 0.3,
-        "friction_direction_on_a": {"vector": [1.0, -0.4, 0.0]},
-    }
     return assemble(data, leave_out=False).pencil(leave_out=False)
 
 

@@ -45,7 +45,7 @@ from comparisons.stability.parts.ways import (
     without,
 )
 
-_SUBJECT = "contact stiffness"
+SUBJECT = "contact stiffness"
 _HARMLESS = 1e6
 """P up to which a penalty keeps the digits of the tolerance, and lumping has a good reference."""
 _CUBIC = {"degree": 3}
@@ -266,13 +266,11 @@ _DIRECTIONS = {
 
 CASES = {
     "contact_stiffness": Case(
-        _SUBJECT,
         "Contact stiffness P from 1e-6 to 1e25 N/m and infinite",
         *(rows for P in (1e-6, 1.0, 1e6, 1e10, 1e14, 1e20, 1e25) for rows in _stiffness(P)),
         Rows({"P infinite": layers(P=inf)}, (*SADDLE, *OPEN)),
     ),
     "cross_point": Case(
-        _SUBJECT,
         "Four blocks tied round a cross point",
         Rows(
             {f"P = {P:.0e}": _four_blocks(P) for P in (1e4, 1e14, 1e20, inf)},
@@ -289,17 +287,15 @@ CASES = {
         ),
     ),
     "directions": Case(
-        "what is refused",
         "Directions of friction that are none",
         refused(_DIRECTIONS, PAIR, "friction_direction_on_a"),
+        subject="what is refused",
     ),
     "formulations": Case(
-        _SUBJECT,
         "Every formulation beside exact eigenvalues",
         *(rows for p in (1e-2, 1.0, 1e2, 1e4) for rows in _every_formulation(p)),
     ),
     "lift_off": Case(
-        _SUBJECT,
         "Contact that has lifted off in part: p is zero there",
         *(
             Rows(
@@ -311,7 +307,6 @@ CASES = {
         refused({"lifted everywhere": layers(p="0*x"), "negative": layers(p="x - 0.5")}, names="p"),
     ),
     "mortar": Case(
-        _SUBJECT,
         "Mortar beside exact eigenvalues, p from 1e-2 N/m³ to infinity",
         *(
             Rows(
@@ -333,7 +328,6 @@ CASES = {
         ),
     ),
     "nearly_floating": Case(
-        _SUBJECT,
         "A block held by a contact of p = 1e-2 to 1e-12 N/m³",
         *(
             Rows({f"p = {p:.0e} N/m³": _floating(p)}, FEW, tolerance=1e-7, warnings=may)
@@ -341,7 +335,6 @@ CASES = {
         ),
     ),
     "patch_test": Case(
-        _SUBJECT,
         "Contact patch test at P from 1e-4 to 1e16 and infinite",
         *(rows for P in (1e-4, 1.0, 1e3, 1e6, 1e10, 1e14, 1e16) for rows in _patch_test(P)),
         Rows(
@@ -352,27 +345,24 @@ CASES = {
         ),
     ),
     "stiff_windows": Case(
-        _SUBJECT,
         "Stiff contact in systems of 11,000 unknowns",
         *(rows for mu in (0.3, 1.5) for p in (1e3, 1e9, inf) for rows in _large_windows(mu, p)),
     ),
     "two_pads": Case(
-        "several contacts",
         "Two pads on a disc, a lining bonded to its backplate",
         Rows(
             {row: two_pads(*stiffnesses) for row, stiffnesses in _TWO_PADS.items()},
             tolerance=1e-7,
             warnings=MESH_AND_PENALTY,
         ),
+        subject="several contacts",
     ),
     "unequal_sides": Case(
-        _SUBJECT,
         "Full pass with p over sides of unequal area",
         Rows({f"p = {p:.0e} N/m³": pad(p=p) for p in (1.0, 1e4)}, chosen(WAYS, "GPTS, full pass")),
         Rows({"p infinite": pad(p=inf)}, chosen(WAYS, "GPTS, full pass, saddle")),
     ),
     "varying_stiffness": Case(
-        _SUBJECT,
         "Contact stiffness p that varies by 1e4 to 1e15",
         *(rows for ratio in (1e4, 1e8, 1e12, 1e15) for rows in _varying(ratio)),
     ),

@@ -21,7 +21,7 @@ from comparisons.stability.parts.scenes import (
 )
 from comparisons.stability.parts.ways import ALONE, PAIR
 
-_SUBJECT = "damping and rotation"
+SUBJECT = "damping and rotation"
 _UNDECIDED = (*MESH, "undecided")
 """Where errors of eigenvalues may hide a decay."""
 
@@ -147,7 +147,6 @@ _SLIDING: dict[str, Scene] = {
 
 CASES = {
     "damped_maps": Case(
-        _SUBJECT,
         "Maps of friction and damping by a reduced model",
         Rows(
             {
@@ -160,18 +159,15 @@ CASES = {
         ),
     ),
     "damped_rotation": Case(
-        _SUBJECT,
         "A free ring that rotates, heavily damped",
         *_rings("soft", 1.0, 1.0, (0.0, 1.0, 1.5)),
         *_rings("steel", 2e11, 7800.0, (1.5,)),
     ),
     "damping": Case(
-        _SUBJECT,
         "Damping ratios 1e-12 to 1",
         *(_ratio(ratio) for ratio in (1e-12, 1e-6, 1e-2, 0.3, 1.0)),
     ),
     "modal_damping": Case(
-        _SUBJECT,
         "Modal damping, ratios 1e-12 to 0.999",
         Rows(
             {
@@ -204,7 +200,6 @@ CASES = {
         ),
     ),
     "rotation": Case(
-        _SUBJECT,
         "A rotating ring, held at its inner rim",
         Rows(
             {
@@ -222,7 +217,6 @@ CASES = {
         ),
     ),
     "sliding_speed": Case(
-        _SUBJECT,
         "Sliding speeds 1e-6 to 1e6, slopes of friction",
         Rows({words: _boxes(sliding) for words, sliding in _SLIDING.items()}, PAIR, damped),
     ),

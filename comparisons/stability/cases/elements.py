@@ -16,7 +16,7 @@ from comparisons.stability.parts.scenes import (
 )
 from comparisons.stability.parts.ways import MORTAR, WAYS, chosen
 
-_SUBJECT = "elements and splines"
+SUBJECT = "elements and splines"
 _IGA = chosen(WAYS, backend="iga")
 _QUADRATIC = [0, 0, 0, 1, 1, 1]
 _BOTH = ("upper", "lower")
@@ -92,12 +92,10 @@ _SOME = chosen(WAYS, "node", "Greville", "GPTS, penalty", "segments, saddle", "m
 
 CASES = {
     "continuity": Case(
-        _SUBJECT,
         "Continuity 0 to p - 1 of splines",
         Rows({f"degree {p}, C{c}": _continuous(p, c) for p in (2, 4) for c in range(p)}, _IGA),
     ),
     "degrees": Case(
-        _SUBJECT,
         "Degrees 1 to 8",
         Rows({f"degree {p}": _coarse(p) for p in range(1, 5)}, _SOME),
         Rows({f"degree {p}": _coarse(p) for p in range(5, 9)}, chosen(_SOME, backend="iga")),
@@ -118,7 +116,6 @@ CASES = {
         ),
     ),
     "inverted": Case(
-        _SUBJECT,
         "Inverted and folded patches",
         refused(
             {name: on_base(shape) for name, shape in _INVERTED.items()},
@@ -126,7 +123,6 @@ CASES = {
         ),
     ),
     "patches": Case(
-        _SUBJECT,
         "Strong weights, repeated knots, a pole, distorted cells",
         Rows({"weights 2": on_base(_weighted(2.0))}, _IGA),
         Rows(
@@ -139,7 +135,6 @@ CASES = {
         Rows({"pole": on_base(patch(_FOOT, [[0.75, 0.5], [0.75, 0.5]]), held=False)}, _IGA),
     ),
     "simplices": Case(
-        _SUBJECT,
         "Triangles and tetrahedra of degree 1 to 4",
         Rows(
             {

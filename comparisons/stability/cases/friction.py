@@ -45,7 +45,7 @@ from comparisons.stability.parts.scenes import (
 )
 from comparisons.stability.parts.ways import ALONE, FEW, PAIR, SADDLE, WAYS, Backend, chosen
 
-_SUBJECT = "friction and spectra"
+SUBJECT = "friction and spectra"
 _SIMPLE = chosen(WAYS, "GPTS, penalty", "mortar")
 
 
@@ -267,12 +267,10 @@ _FRICTIONS: dict[str, float | str] = {
 
 CASES = {
     "arms": Case(
-        _SUBJECT,
         "Oblique arms: divergence, strong flutter, copies of zero",
         Rows(_ARMS, chosen(WAYS, backend="iga"), tolerance=1e-6),
     ),
     "clusters": Case(
-        _SUBJECT,
         "Clusters of 20 equal eigenvalues, with and without friction",
         Rows(
             {"20 squares": _squares(20)},
@@ -303,7 +301,6 @@ CASES = {
         ),
     ),
     "disc_pad": Case(
-        _SUBJECT,
         "Disc and pad, friction to 2.5, P to 1e13 N/m",
         *(
             rows
@@ -312,16 +309,14 @@ CASES = {
         ),
     ),
     "everyday": Case(
-        _SUBJECT,
         "Everyday scenes: accurate, and free of warnings",
         Rows(_EVERYDAY, (*FEW, *chosen(WAYS, "GPTS, full")), lowest=3, warnings=NONE),
         Rows({"free block": _FREE_BLOCK}, ALONE, lowest=5, warnings=NONE),
     ),
     "exceptional_point": Case(
-        _SUBJECT, "Hoffmann's model at 1e-2 to 1e-14 from its coalescence", _exceptional_point
+        "Hoffmann's model at 1e-2 to 1e-14 from its coalescence", _exceptional_point
     ),
     "free_bodies": Case(
-        _SUBJECT,
         "Free bodies: rigid motions",
         Rows({"one block": _FREE_BLOCK}, ALONE, tolerance=1e-6),
         Rows(
@@ -336,13 +331,11 @@ CASES = {
         ),
     ),
     "friction": Case(
-        _SUBJECT,
         "Friction 0, 1e-12, 0.3, 1, 5, oscillating",
         Rows({name: layers(mu=mu, p=10.0) for name, mu in _FRICTIONS.items()}),
         refused({"μ changes sign": layers(mu="0.5*sin(5*pi*x)")}, PAIR, "mu"),
     ),
     "maps": Case(
-        _SUBJECT,
         "Maps of friction and contact stiffness by a reduced model",
         *(_map(P, mu, (1e-3, 1e5), PAIR) for P, mu in ((0.02, 0.3), (7.0, 0.83), (3e3, 0.61))),
         _map(
@@ -351,16 +344,12 @@ CASES = {
             expected=HONEST,
         ),
     ),
-    "multiplicities": Case(
-        _SUBJECT, "Eigenvalues 2 to 30 times in given matrices", _multiplicities
-    ),
+    "multiplicities": Case("Eigenvalues 2 to 30 times in given matrices", _multiplicities),
     "slow": Case(
-        _SUBJECT,
         "Systems with frequencies of 1e-6 to 1e6 Hz",
         *(_slowed(factor) for factor in (1e-6, 1e-3, 1e3, 1e6)),
     ),
     "sprags": Case(
-        _SUBJECT,
         "Sprags: divergence and flutter at any friction",
         Rows(
             {
@@ -372,7 +361,6 @@ CASES = {
         ),
     ),
     "whole_spectrum": Case(
-        _SUBJECT,
         "Windows that hold the whole spectrum",
         *(_all_modes("just", P, _few(P=P)) for P in (1.0, inf)),
         *(_all_modes("far beyond", P, up_to(1e3, _few(P=P))) for P in (1.0, inf)),

@@ -38,7 +38,7 @@ from comparisons.stability.parts.scenes import (
 )
 from comparisons.stability.parts.ways import ALONE, FEW, MORTAR, PAIR, WAYS, chosen, without
 
-_SUBJECT = "geometry"
+SUBJECT = "geometry"
 _FE = chosen(PAIR, backend="fe")
 _HALF_PASS = without(WAYS, "full pass")
 
@@ -234,17 +234,13 @@ def _refused_file(row: str) -> Rows:
 
 
 CASES = {
-    "apart": Case(
-        _SUBJECT, "Sides of a contact 0.1 to 0.24 m apart", *(_apart(d) for d in (0.1, 0.24))
-    ),
+    "apart": Case("Sides of a contact 0.1 to 0.24 m apart", *(_apart(d) for d in (0.1, 0.24))),
     "aspect": Case(
-        _SUBJECT,
         "Elements 1e3 times longer than wide, both ways",
         Rows({"flat elements": _long(1e3, 1.0)}, FEW),
         Rows({"columns": _long(1.0, 1e3)}, FEW, expected=WARNED, tolerance=1e-4),
     ),
     "contact_corner": Case(
-        _SUBJECT,
         "A contact whose surfaces turn a corner",
         Rows(
             {"rigid bodies": up_to(1.0, _corner_of_rectangles())},
@@ -271,7 +267,6 @@ CASES = {
         ),
     ),
     "contact_edges": Case(
-        _SUBJECT,
         "Edges of the contact inside elements, contact on one element",
         Rows(
             {name: pad(width, at, pad_elements=n) for name, (width, at, n) in _EDGES.items()},
@@ -279,7 +274,6 @@ CASES = {
         ),
     ),
     "crowned": Case(
-        _SUBJECT,
         "A crowned face, its radius of curvature from 0.05 to 1e30",
         *(_nearly_flat(radius) for radius in (1e4, 1e6, 1e8, 1e12, 1e30)),
         Rows(
@@ -295,7 +289,6 @@ CASES = {
         ),
     ),
     "edge_layers": Case(
-        _SUBJECT,
         "Layers of cells towards edges",
         Rows(
             {
@@ -314,7 +307,6 @@ CASES = {
         ),
     ),
     "far_origin": Case(
-        _SUBJECT,
         "The origin 1e3 and 1e6 m away",
         *(
             Rows(
@@ -328,7 +320,6 @@ CASES = {
         ),
     ),
     "mesh_files": Case(
-        _SUBJECT,
         "Bodies from mesh files",
         *(
             Rows({row: data}, _FE, problem=partial(OfMeshFile, **options))
@@ -337,7 +328,6 @@ CASES = {
         *(_refused_file(row) for row in _BAD_FILES),
     ),
     "mesh_ratio": Case(
-        _SUBJECT,
         "Mesh ratio 1 to 50 across the contact, both ways",
         Rows(
             {
@@ -350,13 +340,11 @@ CASES = {
         ),
     ),
     "narrow_sector": Case(
-        _SUBJECT,
         "Sectors of 90 to 0.1 degrees",
         Rows({f"{degrees:g} degrees": _sectors(degrees) for degrees in (90.0, 1.0)}, FEW),
         Rows({"0.1 degrees": _sectors(0.1)}, FEW, expected=WARNED, tolerance=1e-6),
     ),
     "overhang": Case(
-        _SUBJECT,
         "A pad over the edge of its base",
         refused(
             {"half of it, not allowed": pad(0.5, 1.75)},
@@ -370,7 +358,6 @@ CASES = {
         ),
     ),
     "thin_layer": Case(
-        _SUBJECT,
         "A layer in contact, thickness 1e-3 to 1e-5 of its length",
         Rows(
             {
@@ -382,7 +369,6 @@ CASES = {
         ),
     ),
     "thin_strip": Case(
-        _SUBJECT,
         "Thin cantilevers, length over height 100 to 1e5",
         *(_strip(slenderness) for slenderness in (1e2, 1e3, 2e4, 1e5)),
     ),

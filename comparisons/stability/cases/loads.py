@@ -27,7 +27,7 @@ from comparisons.stability.parts.scenes import (
 )
 from comparisons.stability.parts.ways import FEW, UNIFORM, chosen
 
-_SUBJECT = "load"
+SUBJECT = "load"
 _STIFF = 1e5
 """p above which a penalty loses digits; bodies have E = 1."""
 _ALLOWED = ("over-constrained", "under-sampled", "short-modes", "point-rule")
@@ -145,7 +145,6 @@ def _unsupported(*supports: Scene, P: float = 1e3) -> Scene:
 
 CASES = {
     "load_steps": Case(
-        _SUBJECT,
         "Loads in steps: from 1e-12 of the load, and steps a rounding apart",
         *(
             _steps(words, steps, m, c)
@@ -167,7 +166,6 @@ CASES = {
         ),
     ),
     "prescribed": Case(
-        _SUBJECT,
         "A prescribed displacement, from 1e-12 to 10 % of the height",
         *(
             _prescribed(part, m, c)
@@ -177,12 +175,10 @@ CASES = {
         refused({"pulled away": _held(1e-3, 1.0, 2.0)}, _PULLED, _OPENS),
     ),
     "prestress": Case(
-        _SUBJECT,
         "A prestress from 1e-9 of the buckling load to twice as much",
         *(_prestress(part) for part in (1e-9, 0.5, 0.99, 1 - 1e-6, 1 - 1e-10, 1 + 1e-6, 1.01, 2.0)),
     ),
     "steady_sliding": Case(
-        _SUBJECT,
         "Normal compliance: m_n from 1 to 5, loads from 1e-12, c_n to nearly rigid",
         *(
             _sliding(m, pressure, c)
@@ -199,7 +195,6 @@ CASES = {
         refused({"a load that pulls": pressed_layers(-1e-3, c_n=1.0, m_n=2.0)}, UNIFORM, _OPENS),
     ),
     "unsupported": Case(
-        "what is refused",
         "Static loads on bodies that nothing holds",
         refused(
             {
@@ -210,5 +205,6 @@ CASES = {
             },
             FEW,
         ),
+        subject="what is refused",
     ),
 }

@@ -7,7 +7,7 @@ from comparisons.stability.parts.references import Reference, benign, exact
 from comparisons.stability.parts.scenes import LINING, STEEL, Scene, in_units, layers, up_to
 from comparisons.stability.parts.ways import FEW, MORTAR, chosen
 
-_SUBJECT = "materials and units"
+SUBJECT = "materials and units"
 _BRAKE = layers(upper=LINING, lower=STEEL, p=1e12)
 _UNITS = {
     "m, kg, s": (1.0, 1.0),
@@ -42,7 +42,6 @@ def _exact_layers(nu: float, _: Scene) -> Reference:
 
 CASES = {
     "density_contrast": Case(
-        _SUBJECT,
         "Density of side a 1e-4 to 1e4 times that of side b",
         Rows(
             {
@@ -53,7 +52,6 @@ CASES = {
         ),
     ),
     "elastic_contrast": Case(
-        _SUBJECT,
         "Young's modulus of side a 1e-6 to 1e6 times that of side b",
         Rows(
             {
@@ -64,7 +62,6 @@ CASES = {
         ),
     ),
     "incompressible": Case(
-        _SUBJECT,
         "Poisson's ratio 0 to 0.49999: the algebra",
         Rows(
             {
@@ -75,7 +72,6 @@ CASES = {
         ),
     ),
     "locking": Case(
-        _SUBJECT,
         "Poisson's ratio 0.3 to 0.49999: what it costs in truth",
         *(
             Rows(
@@ -90,7 +86,6 @@ CASES = {
         ),
     ),
     "units": Case(
-        _SUBJECT,
         "Units m-kg-s, mm-t-s, micrometres, kilometres",
         Rows(
             {name: in_units(_BRAKE, metre=m, kilogram=kg) for name, (m, kg) in _UNITS.items()},

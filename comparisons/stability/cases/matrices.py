@@ -19,6 +19,7 @@ from comparisons.stability.parts.matrix_files import (
 from comparisons.stability.parts.references import formula
 from comparisons.stability.parts.ways import ALONE
 
+SUBJECT = "matrices"
 _STIFFNESSES = np.linspace(1.0, 60.0, 12)
 _PLAIN = tuple(Block(k) for k in _STIFFNESSES)
 _UNDAMPED = tuple(Block(k, f=0.3 if 4 < k < 12 else 0.0) for k in _STIFFNESSES)
@@ -144,11 +145,8 @@ def _graded() -> Iterator[Run]:
 
 
 CASES = {
-    "graded": Case(
-        "matrices", "Matrices whose unknowns and equations are scaled far apart", _graded
-    ),
+    "graded": Case("Matrices whose unknowns and equations are scaled far apart", _graded),
     "matrices_from_files": Case(
-        "matrices",
         "Matrices from files in all units, and near to what has no answer",
         *(_units, _masses, _clusters, _rounding),
     ),

@@ -134,18 +134,22 @@ class Case:
 
     Parameters
     ----------
-    subject
-        Cases of one subject share a heat map.
     title
         What it shows.
     parts
         Rows, or functions that yield runs.
+    subject
+        Cases of one subject share a heat map: that of its module where it has no other.
     """
 
     def __init__(
-        self, subject: str, title: str, *parts: Rows | Callable[[], Iterable[Run]]
+        self, title: str, *parts: Rows | Callable[[], Iterable[Run]], subject: str = ""
     ) -> None:
-        self.subject, self.title, self.parts = subject, title, parts
+        self.title, self.parts, self.subject = title, parts, subject
+
+    def of(self, subject: str) -> "Case":
+        """The case with a subject, unless it has one."""
+        return Case(self.title, *self.parts, subject=self.subject or subject)
 
     def runs(self) -> Iterator[Run]:
         """Its runs."""

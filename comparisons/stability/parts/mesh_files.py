@@ -9,17 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from cea.mesh import Ints, Mesh, facet_nodes, reference_nodes
+from cea.mesh import Ints, Mesh, facet_nodes
 from comparisons.stability.parts.problems import Answer, OfScene
 from meshes.breaks import breaks_of
-from meshes.files.elements import KINDS
 from meshes.mesh_file import METRES, Unit
 from meshes.shape_mesh import shape_mesh
+from scenes.export.decks.elements import element_nodes
+from scenes.export.decks.lines import element_lines, set_lines
 from scenes.spec.reading import read_scene
 from scenes.spec.scene import SceneSpec
 
-_ELEMENTS = {1: ("CPE4", "quadrilateral4"), 2: ("CPE8R", "quadrilateral8")}
-"""Type in a deck, and kind, of quadrilaterals of each order."""
+_ELEMENTS = {1: ("CPE4", 4), 2: ("CPE8R", 8)}
+"""Type in a deck and number of nodes of quadrilaterals of each order."""
 
 
 @dataclass(frozen=True)
@@ -110,26 +111,14 @@ def _deck(meshes: Mapping[str, Mesh], unit: Unit, step: int) -> str:
     above, below = METRES[unit]
     lines, first, element = [], 0, 0
     for name, mesh in meshes.items():
-        kind, reference = _ELEMENTS[mesh.order]
-        nodes = mesh.cells[:, _places(reference, mesh.order)]
-        used = np.unique(nodes)
-        numbers = step * (1 + first + np.arange(len(mesh.points)))
-        lines.append("*NODE")
-        for number, (x, y) in zip(numbers[used], mesh.points[used] * below / above, strict=True):
-            lines.append(f"{number}, {x!r}, {y!r}".replace("np.float64(", "").replace(")", ""))
+        kind, corners_and_middles = _ELEMENTS[mesh.order]
+        nodes = element_nodes(mesh)[:, :corners_and_middles]
+        used, numbers = np.unique(nodes), step * (1 + first + np.arange(len(mesh.points)))
+        places = zip(numbers[used], (mesh.points[used] * below / above).tolist(), strict=True)
+        lines += ["*NODE", *(f"{number}, {x!r}, {y!r}" for number, (x, y) in places)]
         lines.append(f"*ELEMENT, TYPE={kind}, ELSET={name}")
-        for row in numbers[nodes].tolist():
-            element += 1
-            lines.append(", ".join(map(str, [element, *row])))
+        lines += element_lines(element + 1, numbers[nodes])
         for surface, facets in mesh.surfaces.items():
-            lines.append(f"*NSET, NSET={name}_{surface}")
-            lines += [f"{number}," for number in numbers[np.unique(facets)]]
-        first += len(mesh.points)
+            lines += [f"*NSET, NSET={name}_{surface}", *set_lines(numbers[np.unique(facets)])]
+        first, element = first + len(mesh.points), element + len(nodes)
     return "\n".join(lines) + "\n"
-
-
-def _places(kind: str, order: int) -> Any:
-    """Nodes of a mesh's cell in the order in which a deck lists them."""
-    ours = reference_nodes("quadrilateral", order)
-    apart = np.linalg.norm(KINDS[kind].reference[:, None] - ours, axis=2)
-    return apart.argmin(axis=1)

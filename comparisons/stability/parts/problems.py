@@ -72,6 +72,11 @@ class ModesAnswer:
     min_growth: float = -np.inf
 
     @property
+    def modes(self) -> int:
+        """How many there are."""
+        return len(self.eigenvalues)
+
+    @property
     def says(self) -> tuple[str, ...]:
         """Kinds of what it warns of: its warnings, modes undecided, a window not complete."""
         undecided = "undecided" in (*self.verdicts, self.verdict)
@@ -212,7 +217,7 @@ class OfMap:
         built.cover([dict(zip(self.axes, values, strict=True)) for values in points])
         found = built.at({}).window
         words = found.words(None)
-        complete = all(each.complete for each in built.solves)
+        complete = all(each.about["complete"] for each in built.solves)
         return ModesAnswer(
             eigenvalues=found.eigenvalues,
             verdicts=tuple(words),
