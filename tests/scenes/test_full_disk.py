@@ -35,13 +35,6 @@ def record(result, out):
     save_result(result, out / "result.json")
 
 
-def table(result, out):
-    from comparisons.kit.tables import Column, Table
-
-    rows = [(str(i),) for i in range(1000)]
-    Table("rows", "", (Column("n", "n"),), rows).write_csv(out)
-
-
 def plot(result, out):
     from matplotlib.figure import Figure
 
@@ -51,7 +44,7 @@ def plot(result, out):
 
 
 @pytest.mark.parametrize(
-    "write", [paraview, pytest.param(pictures, marks=pytest.mark.slow), record, table, plot]
+    "write", [paraview, pytest.param(pictures, marks=pytest.mark.slow), record, plot]
 )
 def test_a_full_disk_is_told_and_leaves_nothing(write, result, tmp_path):
     out = tmp_path / "out"
