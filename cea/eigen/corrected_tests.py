@@ -65,20 +65,10 @@ _DIFFERENT: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 @dataclass(frozen=True)
 class CorrectedTests:
-    """Test functions x + N z(x) of a pencil with friction, and tau.
+    """Test functions x + N z(x) of a pencil with friction.
 
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    normals
-        N, PETSc AIJ (n x m): unit displacements along the normal of each node of the contacts.
-    inner, outer
-        Q and W, PETSc AIJ.
-    closure, compliance
-        J and C of contact forces that are unknowns, rows scaled alike; None without.
-    slope
-        tau.
+    With N (``normals``), Q (``inner``), W (``outer``), J and C of contact forces that are unknowns,
+    rows scaled alike, and tau (``slope``).
     """
 
     matrices: Matrices

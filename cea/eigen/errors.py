@@ -41,11 +41,11 @@ from scipy.linalg import LinAlgError, schur, solve_sylvester
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, image_of, norms, times
 from cea.eigen.matching import connected
-from cea.eigen.pencil import Matrices
 from cea.eigen.residuals import Sizes, internal_forces
 from cea.eigen.shift_invert import MARGIN, ShiftInvert
 from cea.eigen.subspace import InvariantSubspace
 from cea.matrices import destroy
+from cea.petsc import Mat
 
 _SMALL = 1e-8
 """Part of an eigenvalue up to which it does not matter how large a residual is exactly."""
@@ -133,7 +133,7 @@ def _checked(
     slopes = slopes.copy()
     forces = np.empty((op.factors.multipliers, n), dtype=complex)
     lengths, residuals, errors, least = np.empty((4, n))
-    sizes, root = Sizes(matrices, op.damping), _root_of_diagonal(matrices)
+    sizes, root = Sizes(matrices, op.damping), np.sqrt(diagonal(matrices.mass))
     for block, x in _blocks(values, vectors):
         value = values[block] if np.iscomplexobj(x) else values[block].real
         f = np.empty((0, x.shape[1]), dtype=x.dtype)
@@ -194,12 +194,12 @@ def _slopes(op: ShiftInvert, subspace: InvariantSubspace, duals: Complexes) -> F
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / op.scale)
 
 
-def _root_of_diagonal(matrices: Matrices) -> Floats:
-    """Roots of the diagonal of M, a column."""
-    diagonal = matrices.mass.getDiagonal()
-    root = np.sqrt(diagonal.array_r)[:, None]
-    destroy(diagonal)
-    return np.asarray(root)
+def diagonal(mass: Mat) -> Floats:
+    """Diagonal of M, the rows of this rank, a column."""
+    vector = mass.getDiagonal()
+    entries = np.array(vector.array_r, dtype=float)[:, None]
+    destroy(vector)
+    return entries
 
 
 def _blocks(values: Complexes, vectors: Complexes) -> Iterator[tuple[Ints, NDArray[np.inexact]]]:

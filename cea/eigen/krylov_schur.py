@@ -202,8 +202,8 @@ def krylov_schur(
             restarts, worst, full = restarts + 1, None, space.size
             space.restart(*_leading(_square(op, space), theta, number + 3 * block))
             last_random -= (full - space.size) if last_random else 0
-        before, worst = worst, _worst(space.size, theta, residuals / options.tolerance, wanted)
-        check = _next_check(before, worst, space, options)
+        relative = residuals[wanted] / (options.tolerance * sizes[wanted])
+        check, worst = _next_check(worst, space, relative, options)
         if nearly[wanted].all() and not (verified or last_random):
             counted = number
             append_random()
@@ -268,31 +268,25 @@ def _clear(sizes: Floats, residuals: Floats, inside: NDArray[np.bool_], least: f
     return bool(_CLEAR * residuals[first] <= least - outer[first])
 
 
-def _worst(
-    size: int, theta: Complexes, residuals: Floats, wanted: NDArray[np.bool_]
-) -> tuple[int, int, float]:
-    """Size of the space, wanted eigenvalues, logarithm of their worst residual over tolerance."""
-    relative = float((residuals[wanted] / np.abs(theta[wanted])).max(initial=0.0))
-    return size, int(wanted.sum()), float(np.log(max(relative, 1.0)))
-
-
 def _next_check(
     before: tuple[int, int, float] | None,
-    now: tuple[int, int, float],
     space: KrylovSpace,
+    relative: Floats,
     options: KrylovOptions,
-) -> int:
-    """Size of the space at the next Ritz check.
+) -> tuple[int, tuple[int, int, float]]:
+    """Size of the space at the next Ritz check, and what the check after it needs of this one.
 
-    The worst residual of what is wanted falls the faster the larger the space: where it fell since
-    the last check, its rate says when it will have converged, or a little earlier.
+    The worst of the residuals of what is wanted, relative to the tolerance, falls the faster the
+    larger the space: where it fell since the last check, its rate says when it will have
+    converged, or a little earlier.
     """
-    size, number, worst = now
+    size, number = space.size, len(relative)
+    worst = float(np.log(max(relative.max(initial=0.0), 1.0)))
     most = int(options.growth * size)
     if before and before[1] == number and worst < before[2] and size > before[0]:
         rate = (before[2] - worst) / (size - before[0])
         most = min(most, size + int(worst / rate) // space.next * space.next)
-    return max(size + space.next, most)
+    return max(size + space.next, most), (size, number, worst)
 
 
 def _leading(square: Floats, theta: Complexes, number: int) -> tuple[Floats, Floats]:

@@ -30,16 +30,8 @@ _ORTHONORMAL = 1e-12
 class KrylovSpace:
     """Vectors behind one another: locked ones Q, those of V, and a block U, the next.
 
-    They hold OP V = Q C + [V U] H.
-
-    Parameters
-    ----------
-    op
-        OP and the inner product in which all vectors are orthonormal.
-    locked
-        Q, the rows of this rank, shape (n_local, k).
-    room
-        Most vectors of V and U: there are no more directions.
+    They are orthonormal, at most so many as there is ``room`` for beside Q, and hold
+    OP V = Q C + [V U] H.
 
     Attributes
     ----------

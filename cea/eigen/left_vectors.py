@@ -23,7 +23,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
-from cea.eigen.errors import Eigenpairs, cluster_bounds, clusters
+from cea.eigen.errors import Eigenpairs, cluster_bounds, clusters, diagonal
 from cea.eigen.matching import DEGENERATE, assign, group
 from cea.eigen.pencil import Pencil, Role
 from cea.eigen.residuals import Sizes, internal_forces
@@ -31,7 +31,6 @@ from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.spectrum import SLOW
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
-from cea.matrices import destroy
 from cea.petsc import Mat
 
 SAME = 1e-4
@@ -60,13 +59,7 @@ class LeftVectors:
     """Left eigenvectors y with y_i^H M x_j = delta_ij, or as damped pencils have them.
 
     There y_i^H ((lambda_i + lambda_j) M + D) x_j is 2 lambda_i for i = j, and zero otherwise.
-
-    Parameters
-    ----------
-    vectors
-        The rows of this rank, shape (n_local, n).
-    forces
-        Their multipliers, the rows of this rank, shape (multipliers of this rank, n).
+    ``forces`` are their multipliers; both are the rows of this rank.
     """
 
     vectors: Complexes
@@ -84,7 +77,7 @@ def needs_left_vectors(op: ShiftInvert, subspace: InvariantSubspace, pairs: Eige
         return True
     if op.damped and pairs.residuals.max() > _ROUGH:
         return True
-    weights, parts = _diagonal(op.matrices.mass), (pairs.vectors.real, pairs.vectors.imag)
+    weights, parts = diagonal(op.matrices.mass)[:, 0], (pairs.vectors.real, pairs.vectors.imag)
     sums: Floats = sum(np.einsum("i,ij,ij->j", weights, part, part) for part in parts)
     if op.comm.tompi4py().allreduce(sums).max() > _CANCELS:
         return True
@@ -198,7 +191,7 @@ def _two_sided_errors(
     """Errors of eigenvalues, and lengths of left vectors of unit product, shape (n,)."""
     matrices, comm, n = op.matrices, op.matrices.stiffness.comm, len(pairs.values)
     errors, slopes = np.empty((2, n))
-    sizes, weights = Sizes(matrices, op.damping), _diagonal(matrices.mass)[:, None]
+    sizes, weights = Sizes(matrices, op.damping), diagonal(matrices.mass)
     for block in column_blocks(n):
         value, x, y = pairs.values[block], pairs.vectors[:, block], left.vectors[:, block]
         f, square = pairs.forces[:, block], op.square(pairs.values[block])
@@ -224,13 +217,6 @@ def _two_sided_errors(
     sizes.free()
     errors[np.isnan(errors)] = np.inf
     return errors, slopes
-
-
-def _diagonal(mass: Mat) -> Floats:
-    vector = mass.getDiagonal()
-    diagonal = np.array(vector.array_r, dtype=float)
-    destroy(vector)
-    return diagonal
 
 
 def derivatives(

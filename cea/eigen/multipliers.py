@@ -39,16 +39,12 @@ class ForcesOfContact:
 
     Parameters
     ----------
-    closure
-        J, PETSc AIJ (forces x displacements).
-    slip
-        R, PETSc AIJ (forces x displacements); None without friction.
+    closure, slip
+        J and R, PETSc AIJ (forces x displacements); None for R without friction.
     compliance
         C^, PETSc AIJ (forces x forces), symmetric positive semidefinite.
-    inverse_stiffness
-        c_c (m/N), 1/P; zero where the sides are tied.
-    friction
-        c_f.
+    inverse_stiffness, friction
+        c_c (m/N), 1/P, zero where the sides are tied, and c_f.
     body_stiffness
         P (N/m) at which the contact is where it is stiffest, and where it is softest, about as
         stiff as the bodies.
@@ -79,10 +75,8 @@ class Multipliers:
 
     Parameters
     ----------
-    closure
-        J, PETSc AIJ (multipliers x displacements).
-    reaction
-        L, PETSc AIJ (multipliers x displacements); the same object as J without friction.
+    closure, reaction
+        J and L, PETSc AIJ (multipliers x displacements); one object without friction.
     compliance
         C (m/N), PETSc AIJ (multipliers x multipliers); zero where the sides are tied.
     border

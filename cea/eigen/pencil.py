@@ -61,28 +61,21 @@ class Term:
 
 @dataclass(frozen=True)
 class Matrices:
-    """A pencil at given parameters: its sums.
+    """A pencil at given parameters: its sums, PETSc AIJ, None where there are none.
 
     Parameters
     ----------
-    stiffness
-        Symmetric part S of K, PETSc AIJ (N/m).
-    unsymmetric
-        The rest of K, which friction makes, and damping of bodies that rotate, PETSc AIJ (N/m);
-        None without.
+    stiffness, unsymmetric
+        Symmetric part S of K, and the rest, which friction and damping of rotating bodies make
+        (N/m).
     mass
-        M, PETSc AIJ (kg), symmetric positive definite; None in statics.
+        M (kg), symmetric positive definite; None in statics.
     multipliers
-        Contact forces that are unknowns; None without.
-    damping
-        Symmetric part of C, PETSc AIJ (N s/m); None without.
-    gyroscopic
-        The rest of C, which rotation makes, PETSc AIJ (N s/m); None without.
-    low_rank
-        Pieces of C of low rank, symmetric and positive semidefinite (N s/m), which are beside
-        ``damping``; None without.
-    circulatory
-        Circulatory pieces of K (N/m), which are beside ``unsymmetric``; None without.
+        Contact forces that are unknowns.
+    damping, gyroscopic
+        Symmetric part of C, and the rest, which rotation makes (N s/m).
+    low_rank, circulatory
+        Pieces of C of low rank (N s/m) and circulatory ones of K (N/m), which are not in these.
     contacts
         Pieces K_n of the stiffness with their coefficients (N/m).
     nodes
@@ -154,10 +147,8 @@ class Pencil:
         Every parameter that a coefficient names.
     forces
         Contact forces that are unknowns, by contact.
-    low_rank
-        Pieces of the damping of low rank.
-    circulatory
-        Circulatory pieces of the stiffness.
+    low_rank, circulatory
+        Pieces of the damping of low rank, and circulatory ones of the stiffness.
     leave_out
         Whether pieces whose coefficient is zero are left out: without friction the problem is then
         symmetric.

@@ -155,11 +155,6 @@ def count_below(matrices: Matrices, kappa: float) -> int:
 
     Each multiplier adds one negative eigenvalue to those of S - kappa M; so it does beside a row
     of Z^T, which takes one of its own sign and one of the other.
-
-    Raises
-    ------
-    ConvergenceError
-        When the factorisation fails.
     """
     shifted = matrices.operator(kappa, symmetric_part=True)
     extra = 0

@@ -35,14 +35,12 @@ _GRADED = 64.0
 
 @dataclass(frozen=True)
 class InvariantSubspace:
-    """Vectors Q, M-orthonormal, with M^-1 K Q = Q R.
+    """Vectors Q, M-orthonormal, with M^-1 K Q = Q R, R block upper triangular.
 
     Parameters
     ----------
-    basis
-        Q, the rows of this rank, shape (n_local, k).
-    projected
-        R (1/s^2), shape (k, k), block upper triangular.
+    basis, projected
+        Q, the rows of this rank, shape (n_local, k), and R (1/s^2), shape (k, k).
     symmetric
         Whether R is symmetric but for rounding, as without friction.
     whole

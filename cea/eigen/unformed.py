@@ -23,16 +23,9 @@ from cea.petsc import Mat
 
 @dataclass(frozen=True)
 class LowRank:
-    """W diag(d) W^T on some of the displacements.
+    """W diag(d) W^T, d >= 0 of shape (r,), on some of the displacements.
 
-    Parameters
-    ----------
-    vectors
-        W, the rows of this rank that are not zero, shape (m, r).
-    weights
-        d, none below zero, the same on every rank, shape (r,).
-    first
-        Number of the first of these rows among the displacements of this rank.
+    ``vectors`` are the rows of W of this rank that are not zero, from the first displacement on.
     """
 
     vectors: Floats
@@ -67,17 +60,7 @@ class LowRankTerm:
 
 @dataclass(frozen=True)
 class LowRankSum:
-    """A sum of pieces of low rank, symmetric and positive semidefinite.
-
-    Parameters
-    ----------
-    pieces
-        The pieces.
-    rows
-        Displacements of this rank.
-    comm
-        Communicator (petsc4py).
-    """
+    """A sum of pieces of low rank, positive semidefinite, on the displacements of this rank."""
 
     pieces: tuple[LowRank, ...]
     rows: int
@@ -127,17 +110,7 @@ def _product(matrix: Floats, block: NDArray[Any]) -> NDArray[Any]:
 
 @dataclass(frozen=True)
 class Circulatory:
-    """L N^-1 J on the displacements.
-
-    Parameters
-    ----------
-    left
-        L, PETSc AIJ (n x m).
-    middle
-        N, PETSc AIJ (m x m), symmetric positive definite.
-    right
-        J, PETSc AIJ (m x n).
-    """
+    """L N^-1 J on the displacements, PETSc AIJ (n x m, m x m, m x n), N positive definite."""
 
     left: Mat
     middle: Mat

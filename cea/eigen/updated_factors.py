@@ -29,20 +29,10 @@ _UNSOLVED, _SLOW = 1e-2, 1e-10
 
 
 class UpdatedFactors:
-    """A + s B B^T + E, solved by means of A.
+    """A + s B B^T + E, solved by means of A factorised.
 
-    Parameters
-    ----------
-    matrix
-        A factorised.
-    root
-        B, the first rows of this rank, shape (m, r); A may have more rows, where B is zero.
-    shift
-        s.
-    rest
-        E, on the same rows; None without.
-    symmetric
-        Whether A is symmetric, and there is no E.
+    B (``root``, m x r) and E (``rest``) are on the first rows of this rank, of which A may have
+    more. ``symmetric`` says that A is, and that there is no E.
 
     Raises
     ------

@@ -64,25 +64,13 @@ same but for rounding, which is large of rigid motions and near coalescence, are
 
 
 class WindowSearch(ABC):
-    """Searches of one window of one pencil at given parameters.
-
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    end
-        omega (1/s).
-    options
-        Options of the method.
-    timer
-        Counts factorisation and krylov.
+    """Searches of one window of one pencil at given parameters, up to omega (1/s).
 
     Attributes
     ----------
-    found
-        Invariant subspace of the eigenvalues found, of the companion form where something damps.
-    discs
-        Discs that were searched.
+    found, discs
+        Invariant subspace of the eigenvalues found, of the companion form where something damps,
+        and the discs that were searched.
     growth, bounded
         Every eigenvalue of the window that grows at this rate or slower was found (1/s), and
         whether none grows faster.

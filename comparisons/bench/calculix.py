@@ -34,7 +34,7 @@ from scenes.results.record import read_record, write_record
 from scenes.spec.mesh import FeMesh, MeshSpec
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import with_contact
+from scenes.spec.scene import with_contact
 
 MASS_QUADRATURE = 2
 """Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""

@@ -229,7 +229,9 @@ def test_overdamped_modes_that_crowd_are_left_out():
     assert modes.verdict() == "stable"
 
 
-@pytest.mark.parametrize("rate", [0.3, 0.5, 0.7])
+@pytest.mark.parametrize(
+    "rate", [0.5, *(pytest.param(rate, marks=pytest.mark.slow) for rate in (0.3, 0.7))]
+)
 def test_modes_that_crowd_beyond_the_window_do_not_shorten_it(rate):
     n, end = 1200, 20.5 * np.pi
     modes = solve_modes(overdamped(n, end, rate), end / (2 * np.pi))
