@@ -23,7 +23,7 @@ from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.names import backend_name
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import BACKENDS, on_backend, with_contact
+from scenes.spec.scene import BACKENDS, on_backend, with_contact
 
 EXPECTED = {
     ("Greville", 25, 1e14): 1722.0,

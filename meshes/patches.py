@@ -128,8 +128,6 @@ class Patches:
     merge_nodes: float | None = None
     shape: Literal["patches"] = "patches"
 
-    left_out: ClassVar[tuple[str, ...]] = ("merge_nodes",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
     names: ClassVar[tuple[str, ...]] = ("u", "v", "w")
 
     def __post_init__(self) -> None:
@@ -225,9 +223,6 @@ class NurbsFile:
     faces: dict[str, tuple[Face, ...]] = field(default_factory=dict)
     merge_nodes: float | None = None
     shape: Literal["nurbs_file"] = "nurbs_file"
-
-    left_out: ClassVar[tuple[str, ...]] = ("merge_nodes",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         check_unit(self.unit)

@@ -21,7 +21,7 @@ from comparisons.study.study import Case
 from scenes.spec.body import Backend
 from scenes.spec.contact_checks import suits
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import BACKENDS
+from scenes.spec.scene import BACKENDS
 
 RULES: Mapping[str, Callable[[int, int], Variant]] = {
     "mortar": lambda gauss, grid: Variant(Mortar()),

@@ -26,7 +26,7 @@ from comparisons.bench.programs import (
     checked,
     matrices_of,
 )
-from comparisons.kit.numbers import number, shown
+from comparisons.kit.numbers import shown
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import measured
 from comparisons.study.result import StudyResult
@@ -191,24 +191,8 @@ def checks_table(result: StudyResult) -> pd.DataFrame:
     return frame.drop(columns="repeat").merge(worst, on=["functions", "program"])
 
 
-def headline(result: StudyResult) -> str:
-    """Of every discretisation, this program over plain dolfinx or over the best of the others."""
-    found = times(result)
-    told = []
-    for name, own in found.groupby("functions", sort=False) if len(found) else ():
-        taken = dict(zip(own["program"], own["per_element"], strict=True))
-        ours = taken.pop(OURS, None)
-        if ours is None or not taken:
-            continue
-        other = PLAIN if PLAIN in taken else min(taken, key=lambda each: taken[each])
-        told.append(f"{name}: {number(ours / taken[other], 2)} of {other}")
-    return f"Processor time of this program. {'; '.join(told)}." if told else "Nothing to compare."
-
-
 COLUMNS = {
     "functions": Column("functions"),
-    "degree": Column("degree", show=number),
-    "elements": Column("elements", show=number),
     **{name: Column(name, "ms/element", shown(3)) for name in ("stiffness", "mass")},
     "per_element": Column("both", "ms/element", shown(3)),
     "per_dof": Column("both", "µs/dof", shown(3)),
@@ -239,7 +223,6 @@ STUDY = Study(
         Section(
             "Assembly",
             "A quarter of a thick ring, divided alike everywhere.",
-            headline,
             tables=[
                 Table(
                     "times",

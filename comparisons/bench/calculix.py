@@ -34,7 +34,7 @@ from scenes.results.record import read_record, write_record
 from scenes.spec.mesh import FeMesh, MeshSpec
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import with_contact
+from scenes.spec.scene import with_contact
 
 MASS_QUADRATURE = 2
 """Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""
@@ -230,8 +230,6 @@ COLUMNS = {
     "area_left_out": Column("area left out", show=shown(2)),
     "this program": Column("same mass", show=shown(2)),
     "exact mass": Column("exact mass", show=shown(2)),
-    "clock": Column("clock", "s", shown(3)),
-    "processor": Column("processor", "s", shown(3)),
     "solver": Column("own work", "s", shown(3)),
     **{
         f"{name}, {program}": Column(f"{name}, {program}", unit, decimals(4))

@@ -19,7 +19,6 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
 from scenes.building.build import build_bodies, build_contacts
-from scenes.spec.names import backend_name
 from scenes.spec.reading import Scene, read_scene
 
 _FEWER = 0.9
@@ -159,17 +158,6 @@ def costs(result: StudyResult) -> pd.DataFrame:
     return medians(result.frame())
 
 
-def headline(result: StudyResult) -> str:
-    """What the finest meshes say."""
-    finest = costs(result).groupby("backend", sort=False).last().reset_index().to_dict("records")
-    told = (
-        f"{backend_name(row['backend'])}: {number(row['ratio'], 3)} times as long as evaluating "
-        f"the bases at {number(row['points'])} points"
-        for row in finest
-    )
-    return f"Search and assembly take, {'; '.join(told)}."
-
-
 _STAGES = ("basis", "rule", "search", "assembly")
 COLUMNS = {
     "elements": Column("elements a side", show=number),
@@ -189,7 +177,6 @@ STUDY = Study(
         Section(
             "Contact",
             "A block on a block with friction, quadratic elements that do not match.",
-            headline,
             tables=[
                 Table(
                     "contact",

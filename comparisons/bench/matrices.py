@@ -174,17 +174,8 @@ def seconds(result: StudyResult) -> pd.DataFrame:
     return found.drop(columns="files").assign(relative=found["processor"] / ours.iloc[0])
 
 
-def headline(result: StudyResult) -> str:
-    """The window beside the fastest way of scipy."""
-    others = seconds(result).iloc[1:]
-    if others.empty:
-        return "Nothing to compare."
-    return f"The fastest other way takes {number(others['relative'].min())} times as long."
-
-
 COLUMNS = {
     "seconds": Column("clock", "s", shown(3)),
-    "processor": Column("processor", "s", shown(3)),
     "found": Column("modes found", show=number),
     "modes": Column("of", show=number),
     "relative": Column("of ours", show=shown(3)),
@@ -199,7 +190,6 @@ STUDY = Study(
     sections=[
         Section(
             "Seconds",
-            headline=headline,
             tables=[
                 Table(
                     "race",

@@ -13,7 +13,7 @@ import pandas as pd
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.timing import STAGES
-from comparisons.kit.numbers import number, shown
+from comparisons.kit.numbers import shown
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import measured
 from comparisons.study.result import StudyResult
@@ -189,29 +189,7 @@ def growth(result: StudyResult) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def headline(result: StudyResult) -> str | None:
-    """How much faster more ranks are."""
-    found = speed_up(result)
-    if found.empty:
-        return None
-    strong = found.query("row == 'strong'").set_index("stage")["ratio"]
-    if not {_WHOLE, "assembly"} <= set(strong.index):
-        return None
-    whole, assembly = (strong.loc[[stage]].iloc[-1] for stage in (_WHOLE, "assembly"))
-    ranks = found.query("row == 'strong'")["ranks"].max()
-    return (
-        f"{ranks} ranks run the same mesh {number(whole, 3)} times as fast, and assemble "
-        f"{number(assembly, 3)} times as fast."
-    )
-
-
 COLUMNS = {
-    "degree": Column("degree", show=number),
-    "ranks": Column("ranks", show=number),
-    "unknowns": Column("unknowns", show=number),
-    "modes": Column("modes", show=number),
-    "processor": Column("processor", "s", shown(3)),
-    "clock": Column("clock", "s", shown(3)),
     **{stage: Column(stage, "s", shown(3)) for stage in (*STAGES, _WHOLE)},
     "fewest": Column("on the fewest", "s", shown(3)),
     "more": Column("on these", "s", shown(3)),
@@ -228,7 +206,6 @@ STUDY = Study(
     sections=[
         Section(
             "Runs",
-            headline=headline,
             tables=[
                 Table(
                     "runs",

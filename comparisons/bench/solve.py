@@ -21,7 +21,7 @@ from cea.heap import plain_heap
 from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
 from comparisons.bench.methods import METHODS, OURS, SERIAL, Problem, backward_errors
-from comparisons.kit.numbers import counted, number, shown
+from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import limit_memory, measured
 from comparisons.study.result import StudyResult
@@ -46,8 +46,6 @@ _EVENTS = {
     "blocks": ("MatMatSolve", "MatMatTrSolve"),
 }
 """What PETSc counts, by its own names."""
-_ROUNDING = 1e-16
-"""Where errors of nothing are drawn."""
 
 
 @dataclass(frozen=True)
@@ -209,35 +207,13 @@ def methods(result: StudyResult) -> pd.DataFrame:
     return runs
 
 
-def drawn(result: StudyResult) -> pd.DataFrame:
-    """Worst errors as they are drawn."""
-    found = methods(result)
-    return found if found.empty else found.assign(worst=found["worst"].clip(_ROUNDING))
-
-
 def tightest(result: StudyResult) -> str:
     """The method whose largest backward error is the least."""
     runs = result.frame()
     return str(runs.loc[runs["backward"].idxmin(), "method"])
 
 
-def headline(result: StudyResult) -> str:
-    """Time and worst error of each method."""
-    found = methods(result).to_dict("records")
-    if not found:
-        return "No method came to an end."
-    told = (
-        f"{row['method']}: {number(row['processor'], 3)} s "
-        f"({number(row['factorisations_worth'], 3)} LU), worst error {number(row['worst'], 2)}"
-        for row in found
-    )
-    return f"{counted(found[0]['unknowns'], 'unknown')}. {'; '.join(told)}."
-
-
 COLUMNS = {
-    "unknowns": Column("unknowns", show=number),
-    "clock": Column("clock", "s", shown(3)),
-    "processor": Column("processor", "s", shown(3)),
     "factorisations_worth": Column("time", "LU", shown(3)),
     "factorisations": Column("factorised", show=number),
     "solves": Column("solves", show=number),
@@ -258,7 +234,6 @@ STUDY = Study(
     sections=[
         Section(
             "Methods",
-            headline=headline,
             tables=[
                 Table(
                     "methods",
@@ -280,7 +255,7 @@ STUDY = Study(
                 Plot(
                     "error_against_time",
                     "Worst error of each method over its processor time.",
-                    *(drawn, "processor", "worst", ("method",)),
+                    *(methods, "processor", "worst", ("method",)),
                     log="xy",
                     own=COLUMNS,
                     style="markers",

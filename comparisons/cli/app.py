@@ -71,13 +71,7 @@ class _LightGroup(TyperGroup):
         return list(COMMANDS)
 
     def get_command(self, ctx: Any, name: str) -> Any:
-        """A command, imported now.
-
-        Raises
-        ------
-        InputError
-            When it has another name now.
-        """
+        """A command, imported now."""
         if name in RENAMED:
             raise InputError("command", name, f"its new name: cea {RENAMED[name]}")
         if name not in COMMANDS:

@@ -59,15 +59,7 @@ def refuse_another(given: Mapping[str, Any], stored: Mapping[str, Any]) -> None:
 
 
 def with_backend(scene: str, overrides: Sequence[str], backend: Backend | None) -> tuple[str, ...]:
-    """Overrides that put every body of a scene on one backend, behind others.
-
-    Raises
-    ------
-    InputError
-        When the scene is one of matrices, which has no bodies.
-    SceneError
-        When the scene is refused there.
-    """
+    """Overrides that put every body of a scene on one backend, behind others."""
     if backend is None:
         return tuple(overrides)
     from scenes.spec.files import is_of_matrices

@@ -63,7 +63,7 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
 
 def print_result(result: "Result", to: Console = console) -> None:
     """Print what a run found: first how many modes are unstable, last what it left out."""
-    from scenes.checking.unused import GIVEN
+    from scenes.checking.steps import GIVEN
 
     if result.spectrum is None:
         say(to, str(result))

@@ -19,15 +19,7 @@ from comparisons.cli.output import console
 
 
 class Working:
-    """Work that goes on, a line of what is shown.
-
-    Parameters
-    ----------
-    shown
-        Where it is shown.
-    task
-        Its line there.
-    """
+    """Work that goes on, a line of what is shown."""
 
     def __init__(self, shown: Progress, task: TaskID) -> None:
         self._shown, self._task, self._step = shown, task, ""
@@ -47,17 +39,7 @@ class Working:
 
 @contextmanager
 def working(title: str, *, steps: int | None = None, to: Console = console) -> Iterator[Working]:
-    """Show how far a block of work is: time gone and, where its steps are known, time left.
-
-    Parameters
-    ----------
-    title
-        What is done.
-    steps
-        How many steps it has, which ``step`` begins; None where nobody knows.
-    to
-        Where it is shown; nothing is where that is no terminal.
-    """
+    """Show how far a block of work is: time gone and, where its steps are known, time left."""
     known = [] if steps is None else [BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()]
     with Progress(
         SpinnerColumn(),

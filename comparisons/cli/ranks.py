@@ -43,16 +43,6 @@ def one_voice(comm: Any) -> Iterator[None]:
 
     A fault that all ranks meet is told by rank 0. Where others run on, they may wait for this rank
     for ever: then it tells its fault itself and aborts them.
-
-    Parameters
-    ----------
-    comm
-        MPI communicator (mpi4py), None for a process alone; entering is collective.
-
-    Raises
-    ------
-    SystemExit
-        With code 1, when every rank met a fault.
     """
     if comm is None:
         try:

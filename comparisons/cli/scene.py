@@ -135,7 +135,7 @@ def export(
 @app.command()
 def reference(out: _Out = None) -> None:
     """Every field of a scene, its type, default and meaning, as Markdown."""
-    from scenes.spec.reference import reference_text
+    from scenes.spec.schema import reference_text
 
     _deliver(reference_text(), out)
 

@@ -29,7 +29,7 @@ from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.names import backend_name
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import on_backend
+from scenes.spec.scene import on_backend
 
 _MARGIN = 1.15
 """How far beyond the exact eigenvalues is searched: locked ones lie too high."""

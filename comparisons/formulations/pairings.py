@@ -24,7 +24,7 @@ from scenes.spec.body import Backend, BodySpec
 from scenes.spec.mesh import MeshSpec
 from scenes.spec.names import backend_name
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import BACKENDS, with_contact
+from scenes.spec.scene import BACKENDS, with_contact
 
 FREQUENCY_BOUND = 0.01
 """Largest relative difference of frequencies that agree."""

@@ -31,7 +31,7 @@ from scenes import Result
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import MeshSpec
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import on_backend, with_contact
+from scenes.spec.scene import on_backend, with_contact
 
 CONTACT, PAD, DISC = "pad_disc", "pad", "disc"
 """Names in the scene."""

@@ -11,7 +11,7 @@ from comparisons.paper.figure import BACKENDS, MOST_LAGRANGE, Mesh, as_lagrange
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import on_backend, with_contact
+from scenes.spec.scene import on_backend, with_contact
 
 DISC, PAD = "disc", "pad"
 """Names of the bodies."""

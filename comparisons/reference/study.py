@@ -29,7 +29,7 @@ from scenes.results.matching import match_runs
 from scenes.spec.body import Backend
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene
-from scenes.spec.variants import on_backend, with_contact
+from scenes.spec.scene import on_backend, with_contact
 
 GROWTH = 10.0
 """Growth rate (1/s) above which digits of it are asked for."""

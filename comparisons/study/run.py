@@ -81,8 +81,15 @@ def run(
     -------
     StudyResult
         The result, on every rank. :func:`finished` removes the stored cases once it is written.
+
+    Raises
+    ------
+    InputError
+        On several ranks, where cases have processes of their own.
     """
     comm, begun = MPI.COMM_WORLD, perf_counter()
+    if study.process and comm.size > 1:
+        raise InputError("ranks", comm.size, "1: the study starts processes of its own")
     progress = progress or Progress(step=lambda _: None, stage=lambda _: None)
     chosen = [dict(case) for case in selected(study, options, only or {})]
     known = comm.bcast(_known(study, out) if comm.rank == 0 and not anew else {})

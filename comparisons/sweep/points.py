@@ -8,7 +8,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.errors import InputError
-from scenes.spec.limits import LARGEST, SMALLEST
+from scenes.spec.consistency import LARGEST, SMALLEST
 
 _MOST = 10_000
 """Values of an axis."""

@@ -6,7 +6,6 @@ from cea.errors import InputError
 from cea.mesh import Mesh
 from cea.warned import ResultWarning
 from meshes.mesh_file import MeshFile
-from scenes.building.lagrange_mesh import lagrange_mesh
 from scenes.spec.body import BodySpec
 from scenes.spec.scene import SceneSpec
 
@@ -23,20 +22,32 @@ def used_surfaces(scene: SceneSpec, body: str) -> list[str]:
 
 
 def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
-    """Mesh of a body of Lagrange elements; of a mesh file, with the surfaces that are asked for.
+    """Mesh of a body of Lagrange elements; of a mesh file, with the surfaces that are asked for."""
+    if isinstance(spec.geometry, MeshFile):
+        try:
+            return spec.geometry.mesh(surfaces, spec.placement)
+        except InputError as error:
+            field = f"bodies.{body}.geometry.{error.field}"
+            raise InputError(field, error.value, error.allowed) from None
+    from meshes.breaks import breaks_of
+    from meshes.shape_mesh import shape_mesh
 
-    Raises
-    ------
-    InputError
-        Naming a field of its geometry.
-    """
-    if not isinstance(spec.geometry, MeshFile):
-        return lagrange_mesh(spec)
-    try:
-        return spec.geometry.mesh(surfaces, spec.placement)
-    except InputError as error:
-        field = f"bodies.{body}.geometry.{error.field}"
-        raise InputError(field, error.value, error.allowed) from None
+    fe = spec.mesh.fe
+    if fe is None:
+        raise InputError(f"bodies.{body}.mesh.fe", None, "needed for 'fe'")
+    breaks = None
+    if fe.elements is not None:
+        breaks = breaks_of(spec.geometry, fe.elements, fe.boundaries)
+    return shape_mesh(
+        spec.geometry,
+        fe.cell,
+        fe.geometry_degree or fe.degree,
+        breaks=breaks,
+        size=fe.size,
+        placement=spec.placement,
+        edges=fe.edges,
+        layers=fe.layers,
+    )
 
 
 def changed_elements(scene: SceneSpec) -> dict[str, str]:

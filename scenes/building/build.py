@@ -1,14 +1,20 @@
-"""Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it."""
+"""Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it.
+
+A builder of a body or of contact points is given all that these are made of and nothing else of the
+scene, so that scenes in which it is equal have the same bodies, or points.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body, Space
 from cea.contact.contact import Contact
+from cea.contact.formulations import Formulation
 from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.laws import Friction, LinearLaw, NormalLaw, Sliding
@@ -22,48 +28,96 @@ from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
+from meshes.mesh_file import MeshFile
 from meshes.true_surfaces import true_surfaces
-from scenes.building.body_meshes import body_mesh
-from scenes.building.made_of import BodyParts, Built, PointParts, body_parts, point_parts
+from scenes.building.body_meshes import body_mesh, used_surfaces
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.load import LoadSpec
 from scenes.spec.mesh import IgaMesh
 from scenes.spec.motion import SlidingSpec
 from scenes.spec.reading import Scene
+from scenes.spec.scene import SceneSpec
+
+
+@dataclass(frozen=True)
+class BodyParts:
+    """What a body is made of."""
+
+    spec: BodySpec
+    loads: tuple[LoadSpec, ...] = ()
+    surfaces: tuple[str, ...] = ()
+
+
+def body_parts(scene: SceneSpec, name: str) -> BodyParts:
+    """What a body of a scene is made of."""
+    spec = scene.bodies[name]
+    of_file = isinstance(spec.geometry, MeshFile)
+    return BodyParts(
+        replace(spec, damping=None, rotation=None),
+        tuple(load for load in scene.loads if load.on == name),
+        tuple(used_surfaces(scene, name)) if of_file else (),
+    )
+
+
+@dataclass(frozen=True)
+class PointParts:
+    """What the contact points of a half pass are made of, beside the two bodies."""
+
+    a: str
+    b: str
+    formulation: Formulation
+    reach: float | None
+    max_missed: float
+    full_pass: bool
+
+
+def point_parts(spec: ContactSpec, *, opposite: bool = False) -> PointParts:
+    """What the points of a contact are made of; opposite ones are those of the second half."""
+    a, b = (spec.b, spec.a) if opposite else (spec.a, spec.b)
+    return PointParts(a, b, spec.formulation, spec.reach, spec.max_missed, spec.full_pass)
+
+
+class Built[Part](dict[str, Part]):
+    """Bodies or contact points by name, with what each was made of."""
+
+    def __init__(self, parts: Mapping[str, Part], made_of: Mapping[str, Any]) -> None:
+        super().__init__(parts)
+        self.made_of = dict(made_of)
+
+    def made_of_the_same(self, wanted: Mapping[str, Any]) -> "Built[Part]":
+        """Those that are made of what is wanted; itself where all are."""
+        same = [name for name in wanted if name in self and self.made_of[name] == wanted[name]]
+        if same == list(self):
+            return self
+        return Built({name: self[name] for name in same}, {name: wanted[name] for name in same})
+
 
 _ROUNDING = 1e-14
 """Friction below this part of the largest counts as zero."""
 
 
-def reusable_bodies(scene: Scene, given: Mapping[str, Body] | None) -> Mapping[str, Body]:
-    """Bodies of those given that are as a scene makes them; others than built ones are taken all.
+def build_bodies(
+    scene: Scene, timer: StageTimer, given: Mapping[str, Body] | None = None
+) -> Mapping[str, Body]:
+    """Bodies of a scene by name; of those given they are used again that are made of the same.
+
+    Bodies that no scene built are taken all.
 
     Raises
     ------
     InputError
         When the latter have other names than those of the scene.
     """
-    if isinstance(given, Built):
-        return given.made_of_the_same(_made_of(scene))
-    if given is not None and list(given) != list(scene.bodies):
-        raise InputError("bodies", list(given), f"those of the scene: {', '.join(scene.bodies)}")
-    return given or {}
-
-
-def _made_of(scene: Scene) -> dict[str, BodyParts]:
-    """What the bodies of a scene are made of."""
-    return {name: body_parts(scene, name) for name in scene.bodies}
-
-
-def build_bodies(
-    scene: Scene, timer: StageTimer, reused: Mapping[str, Body] | None = None
-) -> Mapping[str, Body]:
-    """Bodies of a scene by name, some of which are used again."""
-    reused = reused or {}
-    if list(reused) == list(scene.bodies):
+    if given is not None and not isinstance(given, Built):
+        if list(given) != list(scene.bodies):
+            allowed = f"those of the scene: {', '.join(scene.bodies)}"
+            raise InputError("bodies", list(given), allowed)
+        return given
+    made_of = {name: body_parts(scene, name) for name in scene.bodies}
+    reused = given.made_of_the_same(made_of) if given is not None else {}
+    if list(reused) == list(made_of):
         return reused
-    made_of = _made_of(scene)
     with timer("meshing"):
         bodies = {
             name: reused[name]
@@ -90,26 +144,17 @@ def build_body(
         spec.material,
         supports=[each.support() for each in spec.supports],
         springs=spec.springs,
-        pressures=_pressures(loads),
-        forces=_forces(loads),
+        pressures=[
+            Pressure(load.surface.split(".")[1], load.pressure)
+            for load in loads
+            if load.surface is not None and load.pressure is not None
+        ],
+        forces=[
+            Force(force, load.surface.split(".")[1] if load.surface is not None else None)
+            for load in loads
+            if (force := load.force or load.body_force) is not None
+        ],
     )
-
-
-def _pressures(loads: Sequence[LoadSpec]) -> list[Pressure]:
-    return [
-        Pressure(load.surface.split(".")[1], load.pressure)
-        for load in loads
-        if load.surface is not None and load.pressure is not None
-    ]
-
-
-def _forces(loads: Sequence[LoadSpec]) -> list[Force]:
-    found = [
-        Force(load.force, load.surface.split(".")[1])
-        for load in loads
-        if load.surface is not None and load.force is not None
-    ]
-    return found + [Force(load.body_force) for load in loads if load.body_force is not None]
 
 
 def _lagrange_space(name: str, spec: BodySpec, degree: int, surfaces: Sequence[str]) -> Space:
@@ -149,16 +194,15 @@ class _Half:
     direction: FrictionDirection | Reversed | None
     share: float
 
-    @property
-    def sides(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Body and surface of side a, and of side b."""
-        (body_a, a), (body_b, b) = self.points.a.split("."), self.points.b.split(".")
-        return (body_a, a), (body_b, b)
-
     def surfaces(self, bodies: Mapping[str, Body]) -> tuple[Surface, Surface]:
         """Side a and side b."""
-        (body_a, a), (body_b, b) = self.sides
+        (body_a, a), (body_b, b) = self.points.a.split("."), self.points.b.split(".")
         return bodies[body_a].surfaces[a], bodies[body_b].surfaces[b]
+
+    def is_joined_by(self, interface: Interface, bodies: Mapping[str, Body]) -> bool:
+        """Whether an interface is one between the sides of these bodies."""
+        a, b = self.surfaces(bodies)
+        return interface.a is a and interface.b is b
 
 
 def _halves(contacts: Mapping[str, ContactSpec]) -> Iterator[_Half]:
@@ -172,61 +216,25 @@ def _halves(contacts: Mapping[str, ContactSpec]) -> Iterator[_Half]:
             yield _Half(f"{name}, b on a", name, spec, points, reversed_, share)
 
 
-def reusable_interfaces(
-    scene: Scene, bodies: Mapping[str, Body], given: Mapping[str, Interface] | None
-) -> Mapping[str, Interface]:
-    """Contact points of those given that are as a scene and its bodies make them.
-
-    Others than built ones are taken all.
-
-    Raises
-    ------
-    InputError
-        When the latter have other names than half passes of the scene, or join other surfaces.
-    """
-    halves = {half.name: half for half in _halves(scene.contacts)}
-    if not isinstance(given, Built):
-        if given is not None:
-            _check_interfaces(halves, bodies, given)
-        return given or {}
-    between = {
-        name: half.points
-        for name, half in halves.items()
-        if name in given and not _foreign(given[name], half, bodies)
-    }
-    return given.made_of_the_same(between)
-
-
-def _foreign(interface: Interface, half: _Half, bodies: Mapping[str, Body]) -> dict[str, Surface]:
-    """Surfaces that an interface joins in the place of those of a half pass, by the latter."""
-    pairs = zip((interface.a, interface.b), half.surfaces(bodies), strict=True)
-    places = (half.points.a, half.points.b)
-    return {
-        place: own for place, (own, wanted) in zip(places, pairs, strict=True) if own is not wanted
-    }
-
-
-def _check_interfaces(
-    halves: Mapping[str, _Half], bodies: Mapping[str, Body], interfaces: Mapping[str, Interface]
-) -> None:
-    if interfaces.keys() != halves.keys():
-        raise InputError("interfaces", list(interfaces), f"those of {', '.join(halves) or 'none'}")
-    for name, interface in interfaces.items():
-        for place, own in _foreign(interface, halves[name], bodies).items():
-            raise InputError(f"interfaces.{name}", own.name, f"{place} of these bodies")
-
-
 def build_interfaces(
     scene: Scene,
     bodies: Mapping[str, Body],
     timer: StageTimer,
-    reused: Mapping[str, Interface] | None = None,
+    given: Mapping[str, Interface] | None = None,
 ) -> Mapping[str, Interface]:
     """Contact points of a scene, located on their opposite sides, by name of the half pass.
 
-    Some of them are used again.
+    Of those given they are used again that are made of the same, between these bodies.
     """
-    reused, halves = reused or {}, {half.name: half for half in _halves(scene.contacts)}
+    halves = {half.name: half for half in _halves(scene.contacts)}
+    reused: Mapping[str, Interface] = {}
+    if isinstance(given, Built):
+        between = {
+            name: half.points
+            for name, half in halves.items()
+            if name in given and half.is_joined_by(given[name], bodies)
+        }
+        reused = given.made_of_the_same(between)
     if reused and list(reused) == list(halves):
         return reused
     with timer("search"):
@@ -259,36 +267,33 @@ def build_contacts(scene: Scene, interfaces: Mapping[str, Interface]) -> list[Co
 
 def _contact(half: _Half, interface: Interface) -> Contact:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
-    spec, x = half.spec, interface.points.x
+    spec, points = half.spec, interface.points
     with _of_contact(half.pair):
-        law = _law(spec, interface, half.share)
-        added_gap = _values("added_gap", spec.added_gap, x)
-        direction = half.direction
-        friction = Friction(_friction(spec.mu, x), direction) if direction is not None else None
-        sliding = _sliding(spec.sliding, x) if spec.sliding is not None else None
-    return Contact(
-        name=half.name,
-        pair=half.pair,
-        a=half.sides[0][0],
-        b=half.sides[1][0],
-        interface=interface,
-        law=law,
-        friction=friction,
-        coupling=spec.formulation.coupling,
-        form=spec.form,
-        added_gap=added_gap,
-        sliding=sliding,
-    )
-
-
-def _law(spec: ContactSpec, interface: Interface, share: float) -> NormalLaw:
-    """Law of a half pass, which has a share of the stiffness."""
-    if spec.law is not None:
-        return replace(spec.law, c=share * spec.law.c)
-    if spec.p is not None:
-        return LinearLaw(share * _values("p", spec.p, interface.points.x))
-    points = interface.points
-    return LinearLaw(share * np.full(len(points), _required(spec.P) / points.weight.sum()))
+        law: NormalLaw
+        if spec.law is not None:
+            law = replace(spec.law, c=half.share * spec.law.c)
+        elif spec.p is not None:
+            law = LinearLaw(half.share * _values("p", spec.p, points.x))
+        else:
+            P = spec.P or 0.0  # one of the three is given
+            law = LinearLaw(half.share * np.full(len(points), P / points.weight.sum()))
+        sliding = _sliding(spec.sliding, points.x) if spec.sliding is not None else None
+        friction = None
+        if half.direction is not None:
+            friction = Friction(_friction(spec.mu, points.x), half.direction)
+        return Contact(
+            name=half.name,
+            pair=half.pair,
+            a=half.points.a.split(".")[0],
+            b=half.points.b.split(".")[0],
+            interface=interface,
+            law=law,
+            friction=friction,
+            coupling=spec.formulation.coupling,
+            form=spec.form,
+            sliding=sliding,
+            added_gap=_values("added_gap", spec.added_gap, points.x),
+        )
 
 
 @contextmanager
@@ -317,12 +322,6 @@ def _friction(mu: float | str, x: Floats) -> Floats:
     )
 
 
-def _required(value: float | None) -> float:
-    if value is None:
-        raise InputError("P", None, "either P or p is given")
-    return value
-
-
 def build_system(
     scene: Scene,
     bodies: Mapping[str, Body],
@@ -342,18 +341,15 @@ def build_system(
             with_load=static or scene.slides_steadily,
             leave_out=leave_out,
             motions={
-                name: _motion(body)
+                name: Motion(
+                    body.damping.rayleigh() if body.damping is not None else None,
+                    body.rotation,
+                    body.damping.modal if body.damping is not None else None,
+                )
                 for name, body in scene.bodies.items()
                 if not static or body.rotation is not None  # at rest nothing else moves
             },
         )
-
-
-def _motion(body: BodySpec) -> Motion:
-    """Damping and rotation of a body."""
-    if body.damping is None:
-        return Motion(rotation=body.rotation)
-    return Motion(body.damping.rayleigh(), body.rotation, body.damping.modal)
 
 
 def _sliding(spec: SlidingSpec, x: Floats) -> Sliding:

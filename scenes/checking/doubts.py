@@ -60,13 +60,7 @@ def left_alone(scene: SceneSpec) -> str:
 
 
 def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
-    """Materials that no solid has in SI units, and bodies that are too large or too small.
-
-    Parameters
-    ----------
-    scene
-        The scene; one of other units, or without, is left alone.
-    """
+    """Materials that no solid has in SI units, and bodies that are too large or too small."""
     if left_alone(scene):
         return
     for name, body in scene.bodies.items():
@@ -99,42 +93,26 @@ def _doubtful_material(E: float, rho: float | None) -> Iterator[tuple[str, float
             yield "sqrt(E/rho)", speed, bound
 
 
-def doubtful_motions(scene: SceneSpec, system: CoupledSystem, x: Any) -> list[ResultWarning]:
-    """Displacements larger than their body and strains that linear elasticity has no right to.
-
-    Parameters
-    ----------
-    scene
-        The scene; one of other units, or without, is left alone.
-    system
-        Its system; collective.
-    x
-        Unknowns in equilibrium, PETSc vector.
-    """
-    found: list[ResultWarning] = []
+def doubtful_motions(scene: SceneSpec, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
+    """Displacements larger than their body and strains that linear elasticity has no right to."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
         sample, full = body.volume_sample(1), system.displacement(x, name, everywhere=False)
-        told = made_on_first(body.comm, partial(_motion, sample, full))
-        motion, length, strain = body.comm.bcast(told)
+        found = made_on_first(body.comm, partial(_motion, sample, full))
+        motion, length, strain = body.comm.bcast(found)
         if motion > length:
-            found.append(
-                ResultWarning(
-                    "large-displacement",
-                    f"bodies.{name} is displaced by up to {motion:.3g} m and is {length:.3g} m "
-                    "long: displacements are taken to be small",
-                    {"body": name, "displacement": motion, "length": length},
-                )
+            yield ResultWarning(
+                "large-displacement",
+                f"bodies.{name} is displaced by up to {motion:.3g} m and is {length:.3g} m "
+                "long: displacements are taken to be small",
+                {"body": name, "displacement": motion, "length": length},
             )
         if strain > _STRAIN:
-            found.append(
-                ResultWarning(
-                    "large-strain",
-                    f"bodies.{name} is strained by up to {strain:.3g}, which is above {_STRAIN:g}: "
-                    "strains are taken to be small",
-                    {"body": name, "strain": strain},
-                )
+            yield ResultWarning(
+                "large-strain",
+                f"bodies.{name} is strained by up to {strain:.3g}, which is above {_STRAIN:g}: "
+                "strains are taken to be small",
+                {"body": name, "strain": strain},
             )
-    return found
 
 
 def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
@@ -148,20 +126,11 @@ def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
     return float(motion), float(lengths.max()), float(np.abs(strains).max())
 
 
-def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> list[ResultWarning]:
-    """Pairs of bodies without a contact of which one has middles of cells inside the other.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    bodies
-        Its bodies; collective.
-    """
+def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
+    """Pairs of bodies without a contact, one with middles of cells in the other; collective."""
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
     boxes = {name: _box(bodies[name]) for name in {name for pair in pairs for name in pair}}
-    found = []
     for pair in pairs:
         (low, high), (least, greatest) = (boxes[name] for name in pair)
         if (np.maximum(low, least) >= np.minimum(high, greatest)).any():
@@ -169,15 +138,12 @@ def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> list[Res
         comm, samples = bodies[pair[0]].comm, [bodies[name].volume_sample(1) for name in pair]
         cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *samples)))
         if cells:
-            found.append(
-                ResultWarning(
-                    "bodies-overlap",
-                    f"bodies.{pair[0]} and bodies.{pair[1]} overlap ({cells} elements have "
-                    "their middle in the other body), and no contact joins them",
-                    {"body": pair[0], "other": pair[1], "elements": cells},
-                )
+            yield ResultWarning(
+                "bodies-overlap",
+                f"bodies.{pair[0]} and bodies.{pair[1]} overlap ({cells} elements have "
+                "their middle in the other body), and no contact joins them",
+                {"body": pair[0], "other": pair[1], "elements": cells},
             )
-    return found
 
 
 def _box(body: Body) -> tuple[Floats, Floats]:

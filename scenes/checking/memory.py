@@ -163,22 +163,7 @@ def _on_all_machines(amount: Callable[[], float], comm: Any) -> float:
 
 
 def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD, *, on_disk: bool = True) -> None:
-    """Refuse a scene that cannot fit into the memory of the machines of all ranks; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    comm
-        Communicator (mpi4py) of the ranks that run it.
-    on_disk
-        Whether factors may be on disk (:func:`room_for_factors`).
-
-    Raises
-    ------
-    InputError
-        On every rank, naming the mesh that takes most, the estimate and what there is.
-    """
+    """Refuse a scene that cannot fit into the memory of the machines of all ranks; collective."""
     available, estimate = _on_all_machines(available_memory, comm), estimated_memory(scene)
     if estimate.bytes > _LARGE * available:  # what was freed may not do in one piece
         give_back()

@@ -10,17 +10,17 @@ from math import inf
 
 import numpy as np
 
-from cea.arrays import Complexes
+from cea.arrays import Complexes, Floats
 from cea.body import Body
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
+from cea.expressions import Expression, evaluate
+from cea.rotation import Rotation
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.warned import ResultWarning
+from meshes.ventilated_disc import VentilatedDisc
 from scenes.building.body_meshes import nodes_left_out
-from scenes.checking.contact_stiffness import relative_stiffness, stiffness_in_the_mesh
-from scenes.checking.geometry_error import gaps_as_zero
-from scenes.checking.motion_warnings import against_rotation, centrifugal_stresses
 from scenes.checking.wave_resolution import unresolved, waves
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
@@ -70,15 +70,7 @@ problem is a relative stiffness of 6 in blocks and drum, of 1 in ring.
 
 
 def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWarning, ...]:
-    """Warnings of bodies and contacts, before anything is solved; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    contacts
-        Its contacts, both halves of each full pass.
-    """
+    """Warnings of bodies and contacts, before anything is solved; collective."""
     found = [w for name, body in scene.bodies.items() for w in volumetric_locking(name, body)]
     found += nodes_left_out(scene)
     if scene.analysis.kind == "cea":
@@ -89,6 +81,8 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
         if spec.c_n is None:
             found += gap_closed(name, halves)
         else:
+            from scenes.checking.steady import gaps_as_zero
+
             found += [warning for contact in halves for warning in gaps_as_zero(contact)]
         found += partly_uncovered(name, spec, halves)
         if halves[0].coupling not in ("mortar", "bonded"):
@@ -96,17 +90,6 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
             if scene.analysis.kind == "cea" and spec.mu:
                 found += point_rule(name, scene, halves)
     return tuple(found)
-
-
-def loads_without_effect(scene: Scene) -> Iterator[ResultWarning]:
-    """Loads that press nothing together."""
-    if scene.loads and scene.analysis.kind == "cea":
-        yield ResultWarning(
-            "loads-without-effect",
-            "the stiffness of every contact is given: loads change no mode; c_n in the place of P "
-            "or p lets them press the sides together",
-            {"loads": len(scene.loads)},
-        )
 
 
 def volumetric_locking(name: str, body: BodySpec) -> Iterator[ResultWarning]:
@@ -208,19 +191,7 @@ def short_modes(
     shapes: Callable[[str, SurfaceCoordinates], Complexes],
     count: int,
 ) -> tuple[ResultWarning, ...]:
-    """Modes whose waves are too short for the elements of a contact; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    bodies
-        Its bodies.
-    shapes
-        Displacements of all modes at points of a surface "body.surface", (n, dim, modes).
-    count
-        Number of modes.
-    """
+    """Modes whose waves are too short for the elements of a contact; collective."""
     short, worst = np.zeros(count, dtype=bool), 0.0
     for spec in scene.contacts.values() if count else ():
         sides = {
@@ -266,3 +237,134 @@ def _kind(method: str, weights: str) -> str:
     if method in ("greville", "botella"):
         return weights
     return {"node_to_surface/equal": "nodes", "grid/": "grid"}.get(f"{method}/{weights}", "")
+
+
+_SURFACE_WAVES = 0.8
+"""Speed relative to shear waves from which rims may outrun surface waves: those of Rayleigh travel
+at 0.87 (nu = 0) to 0.96 (nu = 0.5), short ones of a mesh a little slower."""
+
+
+def centrifugal_stresses(scene: Scene) -> Iterator[ResultWarning]:
+    """A convective stiffness without the geometric stiffness that goes with it."""
+    for name, body in scene.bodies.items():
+        rotation = body.rotation
+        if rotation is not None and rotation.convective_stiffness and rotation.coriolis:
+            yield ResultWarning(
+                "centrifugal-stresses",
+                f"bodies.{name} has the convective stiffness of its rotation, not the geometric "
+                "stiffness of its centrifugal stresses, which is of the same order: lambda is "
+                f"uncertain by (rate / |lambda|)^2, and growth rates up to {rotation.rate:g} 1/s "
+                "of nearly rigid motions may come of it",
+                {"body": name, "rate": rotation.rate},
+            )
+
+
+def against_rotation(scene: Scene, contacts: Sequence[Contact]) -> Iterator[ResultWarning]:
+    """Friction that pushes side a along its motion over side b, as bodies rotate."""
+    for name, spec in scene.contacts.items():
+        half = next(contact for contact in contacts if contact.pair == name)
+        rotations = [scene.bodies[body].rotation for body in (half.a, half.b)]
+        acts = spec.mu != 0 or spec.sliding is not None
+        if half.friction is None or not acts or not any(rotations):
+            continue
+        points = half.interface.points
+        on_a, on_b = (_velocity(rotation, points.x) for rotation in rotations)
+        k = half.friction.direction.at(points.x, points.normal)
+        power = float(points.weight @ ((on_a - on_b) * k).sum(axis=1))
+        if power > 0:
+            yield ResultWarning(
+                "against-rotation",
+                f"friction_direction_on_a of contacts.{name} is along the velocity of side a "
+                "relative to side b as the bodies rotate; friction acts against it",
+                {"contact": name, "mean_velocity": power / float(points.weight.sum())},
+            )
+
+
+def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
+    """Bodies with convective stiffness whose rim may outrun their surface waves; collective.
+
+    Beyond that speed K - Omega^2 Z of a mesh has short waves of negative energy, which grow with
+    its rounding and with the waves that it does not resolve, where the exact body is stable.
+    """
+    for name, body in bodies.items():
+        rotation = scene.bodies[name].rotation
+        if rotation is None or not rotation.convective_stiffness or body.material.rho is None:
+            continue
+        speeds = np.linalg.norm(_velocity(rotation, body.volume_sample(1).points), axis=1)
+        speed = float(max(body.comm.allgather(speeds.max(initial=0.0))))
+        wave = float(np.sqrt(body.material.lame[1] / body.material.rho))
+        if speed > _SURFACE_WAVES * wave:
+            yield ResultWarning(
+                "faster-than-waves",
+                f"bodies.{name} moves at up to {speed:.3g} m/s past the frame, near or above the "
+                f"speed of its surface waves (shear waves {wave:.3g} m/s): short waves of its mesh "
+                "may grow where the body itself is stable",
+                {"body": name, "speed": speed, "wave_speed": wave},
+            )
+
+
+def _velocity(rotation: Rotation | None, x: Floats) -> Floats:
+    """Velocities of a body at points x (m/s), shape (n, dim)."""
+    if rotation is None:
+        return np.zeros_like(x)
+    dim = x.shape[1]
+    arm = x - np.asarray(rotation.origin[:dim])
+    return np.asarray(rotation.rate * arm @ rotation.spin(dim).T)
+
+
+_ENDS = {
+    "x": ("x_min", "x_max"),
+    "y": ("y_min", "y_max"),
+    "z": ("z_min", "z_max", "bottom", "top", "hub_bottom", "hub_top"),
+    "r": ("inner", "outer", "bore", "hub_side"),
+}
+"""Surfaces that end a body along each direction of its shape."""
+
+
+def relative_stiffness(scene: Scene, name: str, halves: Sequence[Contact]) -> float:
+    """P (L_a / E_a + L_b / E_b): how much more the bodies yield than the contact.
+
+    L is the depth of a body behind the contact, or the width of the contact where that is less or
+    the depth is not known; p the mean contact stiffness (N/m^3), of both halves of a full pass.
+    """
+    spec, compliance, interface = scene.contacts[name], 0.0, halves[0].interface
+    width = float(interface.points.weight.sum()) ** (1 / (interface.a.dim - 1))
+    for side in (spec.a, spec.b):
+        body, surface = side.split(".")
+        depth = _depth(scene, body, surface)
+        compliance += min(depth or width, width) / scene.bodies[body].material.E
+    return _mean(spec, halves) * compliance
+
+
+def stiffness_in_the_mesh(scene: Scene, name: str, halves: Sequence[Contact]) -> float:
+    """P h / E with the mesh size h and E of the side for which h / E is larger."""
+    spec, interface = scene.contacts[name], halves[0].interface
+    sides = zip((spec.a, spec.b), (interface.a, interface.b), strict=True)
+    yields = (s.mesh_size / scene.bodies[side.split(".")[0]].material.E for side, s in sides)
+    return _mean(spec, halves) * max(yields)
+
+
+def _mean(spec: ContactSpec, halves: Sequence[Contact]) -> float:
+    """Mean contact stiffness p (N/m^3), of steady sliding where a law makes it, open parts too."""
+    points = halves[0].interface.points
+    if spec.c_n is not None:
+        return sum(half.P for half in halves) / float(points.weight.sum())
+    if spec.P is not None:
+        return spec.P / float(points.weight.sum())
+    if isinstance(spec.p, str):
+        return float(points.weight @ evaluate(Expression(spec.p), points.x) / points.weight.sum())
+    assert spec.p is not None
+    return spec.p
+
+
+def _depth(scene: Scene, body: str, surface: str) -> float | None:
+    """Extent (m) of a body across one of its surfaces; None where its shape does not say."""
+    shape = scene.bodies[body].geometry
+    if isinstance(shape, VentilatedDisc):
+        return shape.depth(surface)
+    if shape.shape in ("patches", "nurbs_file"):
+        return None
+    for direction, (low, high) in zip(shape.directions, shape.extent, strict=True):
+        if surface in _ENDS.get(direction, ()):
+            return high - low
+    return None

@@ -84,19 +84,7 @@ def _along_edges(
 
 
 def unresolved(phases: Floats, degree: int, *, smooth: bool, error: float) -> NDArray[np.bool_]:
-    """Which waves are too short for elements of a degree.
-
-    Parameters
-    ----------
-    phases
-        Phases phi, shape (n,).
-    degree
-        Degree of the elements.
-    smooth
-        Whether they are splines of the highest continuity, with one function for each element.
-    error
-        Relative error of frequency that is allowed.
-    """
+    """Which waves are too short for elements of a degree."""
     shortest = _NYQUIST * pi * (1 if smooth else degree)
     return (dispersion(phases, degree, smooth=smooth) > error) | (phases > shortest)
 

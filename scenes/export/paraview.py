@@ -172,15 +172,7 @@ def _facts(result: Result, mode: int) -> dict[str, float]:
 
 
 def contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
-    """Points of a contact with what it carries in steady sliding, if anything is known of that.
-
-    Parameters
-    ----------
-    contact
-        The contact.
-    states
-        States of half passes by name.
-    """
+    """Points of a contact with what it carries in steady sliding, if anything is known of that."""
     points = contact.interface.points
     grid = point_grid(points.x)
     grid.point_data["normal"] = in_space(points.normal)

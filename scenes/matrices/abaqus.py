@@ -19,25 +19,7 @@ _COORDINATES, _LABELS = 3, 5
 
 
 def read_abaqus_matrix(content: bytes) -> tuple[Any, Ints | None]:
-    """The matrix of a file, and the node and degree of freedom of each row.
-
-    Parameters
-    ----------
-    content
-        The file, unpacked.
-
-    Returns
-    -------
-    matrix : coo_array or csr_array
-        Shape (n, n).
-    labels : ndarray or None
-        Shape (n, 2), rising; None of coordinates.
-
-    Raises
-    ------
-    ValueError
-        When it is no such file.
-    """
+    """The matrix of a file, and the node and degree of freedom of each row."""
     try:
         table = np.loadtxt(BytesIO(content.replace(b",", b" ")), comments="*", ndmin=2)
     except ValueError as error:

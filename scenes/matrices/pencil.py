@@ -63,14 +63,7 @@ _Read = dict[str, tuple[Symmetry, _Parts]]
 
 
 def read_pieces(scene: MatrixScene, comm: Any = MPI.COMM_WORLD) -> dict[str, Piece]:
-    """Every matrix of a scene, distributed; collective.
-
-    Raises
-    ------
-    InputError
-        When a file holds no such matrix or one triangle of it, their rows differ, or the mass is
-        not symmetric.
-    """
+    """Every matrix of a scene, distributed; collective."""
     read = made_on_first(comm, lambda: _read(scene))
     told = None
     if read is not None:
@@ -138,17 +131,7 @@ def _parts(matrix: csr_array, symmetry: Symmetry) -> _Parts:
 
 
 def shared_out(matrix: csr_array | None, size: int, comm: Any) -> Mat:
-    """A square matrix of rank 0 on all ranks, as PETSc AIJ; collective.
-
-    Parameters
-    ----------
-    matrix
-        The whole matrix on rank 0, None on others.
-    size
-        Its rows.
-    comm
-        Communicator (mpi4py).
-    """
+    """A square matrix of rank 0 on all ranks, as PETSc AIJ; collective."""
     first, last = local_rows(size, comm)
     ends = comm.gather(last)
     blocks = None
@@ -159,15 +142,7 @@ def shared_out(matrix: csr_array | None, size: int, comm: Any) -> Mat:
 
 
 def matrix_pencil(scene: MatrixScene, pieces: Mapping[str, Piece]) -> Pencil:
-    """The pencil of a scene; coefficients that are zero are left out.
-
-    Parameters
-    ----------
-    scene
-        Coefficients and parameters.
-    pieces
-        Its matrices.
-    """
+    """The pencil of a scene; coefficients that are zero are left out."""
     terms = [
         Term(role, matrix, coefficient, symmetric)
         for role in ROLES
@@ -186,18 +161,6 @@ def check_mass(mass: Any, names: str) -> None:
 
     n u diag(M), n rows of rounding u, tells a singular M from a regular one whatever the units of
     each unknown.
-
-    Parameters
-    ----------
-    mass
-        M, PETSc AIJ; None where every coefficient is zero.
-    names
-        What it is made of, in words.
-
-    Raises
-    ------
-    InputError
-        When it is not, or massless.
     """
     allowed = "a mass that is positive definite: condense unknowns without mass"
     if mass is None:

@@ -84,13 +84,7 @@ def read_matrix(file: str | Path, variable: str | None = None, *, field: str = "
 
 
 def _read(path: Path, variable: str | None) -> Any:
-    """What a file holds.
-
-    Raises
-    ------
-    _UnreadableError, OSError
-        When that is no matrix.
-    """
+    """What a file holds."""
     if not path.is_file():
         raise _UnreadableError("a file: there is none of this name")
     if path.stat().st_size == 0:

@@ -66,16 +66,7 @@ class Drawing:
         return cls(bodies, view_of([surface.points for surface in surfaces]), title)
 
     def images(self, phases: Sequence[float], reduction: int = 1) -> list[Image.Image]:
-        """Images at some phases, from one point of view; at phase 0 the deflection is largest.
-
-        Parameters
-        ----------
-        phases
-            The phases (rad).
-        reduction
-            Pixels of the window along each side of a pixel, which smooths images; where it is 1
-            the window is smoothed itself, at many times the cost.
-        """
+        """Images at some phases, from one point of view; at phase 0 the deflection is largest."""
         surfaces = [surface for surface, _ in self.bodies]
         at_rest = [surface.points for surface in surfaces]
         seen = np.concatenate(
@@ -163,31 +154,22 @@ def _add_body(plotter: Any, surface: Any, sharp: Any) -> list[Any]:
         split_sharp_edges=True,
         feature_angle=FEATURE_ANGLE,
         ambient=0.25,
-        scalar_bar_args={
-            "title": "displacement / largest\n",
-            "color": "#222222",
-            "vertical": False,
-            "width": 0.3,
-            "height": 0.085,
-            "position_x": 0.35,
-            "position_y": 0.02,
-            "title_font_size": 21,
-            "label_font_size": 19,
-            "n_labels": 3,
-            "fmt": "%.1f",
-        },
+        scalar_bar_args=bar("displacement / largest", "%.1f"),
     )
     return [actor.mapper.dataset for actor in (*edges, coloured)]
 
 
-def view_of(bodies: Sequence[Floats]) -> Floats:
-    """Unit vector towards the camera: above the side of the scene where its smallest body sits.
+def bar(title: str, form: str) -> dict[str, Any]:
+    """The bar that tells what colours mean, below a picture."""
+    return {
+        **{"title": f"{title}\n", "fmt": form, "n_labels": 3, "color": "#222222"},
+        **{"vertical": False, "width": 0.3, "height": 0.085, "position_x": 0.35},
+        **{"position_y": 0.02, "title_font_size": 21, "label_font_size": 19},
+    }
 
-    Parameters
-    ----------
-    bodies
-        Points (m) of each body, shape (n, 3).
-    """
+
+def view_of(bodies: Sequence[Floats]) -> Floats:
+    """Unit vector towards the camera: above the side of the scene where its smallest body sits."""
     smallest = min(bodies, key=lambda points: float(np.prod(np.ptp(points, axis=0) + 1e-12)))
     if not np.ptp(np.concatenate(list(bodies))[:, 2:]):  # in the plane
         return np.array([0.0, 0.0, 1.0])
@@ -201,19 +183,7 @@ def view_of(bodies: Sequence[Floats]) -> Floats:
 
 
 def aim(camera: Any, view: Floats, points: Floats, window: tuple[int, int]) -> None:
-    """Fill the middle of a window with points, seen along a direction from far away.
-
-    Parameters
-    ----------
-    camera
-        Camera of a pyvista plotter.
-    view
-        Unit vector towards it.
-    points
-        What must be seen (m), shape (n, 3).
-    window
-        Width and height of the window (pixels).
-    """
+    """Fill the middle of a window with points, seen along a direction from far away."""
     upright = np.array([0.0, 1.0, 0.0]) if abs(view[2]) > _STEEP else np.array([0.0, 0.0, 1.0])
     right = np.cross(upright, view)
     right /= np.linalg.norm(right)

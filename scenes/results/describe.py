@@ -1,20 +1,22 @@
-"""Results as plain data for ``result.json``, and eigenvalues made of such data again."""
+"""Results as plain data for ``result.json``."""
 
 from dataclasses import asdict
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cea.contact.interface import Interface
-from cea.eigen.spectrum import Spectrum, Window
+from cea.eigen.spectrum import Spectrum
 from scenes.results.result import Result
-from scenes.results.steady import steady_data
 from scenes.spec.plain import as_data
+
+if TYPE_CHECKING:
+    from cea.system.steady_state import ContactState, LoadStep, SteadySliding
 
 
 def described_run(result: Result) -> dict[str, Any]:
     """What every run has: the scene as run, unknowns, seconds, contact points, forces."""
-    run = {
+    data: dict[str, Any] = {
         "scene": as_data(result.scene),
         "dofs": {"free": result.dofs},
         "timings": dict(result.timer.seconds),
@@ -22,17 +24,9 @@ def described_run(result: Result) -> dict[str, Any]:
         "skipped": dict(result.skipped),
     }
     if result.pieces:
-        return run | {"matrices": {name: piece.plain() for name, piece in result.pieces.items()}}
-    return run | _of_bodies(result)
-
-
-def _of_bodies(result: Result) -> dict[str, Any]:
-    """What runs of bodies have, and those of matrices have not."""
-    bodies = {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()}
-    data: dict[str, Any] = {
-        "dofs": {"free": result.dofs, "bodies": bodies},
-        "contacts": {name: _interface(i) for name, i in result.interfaces.items()},
-    }
+        return data | {"matrices": {name: piece.plain() for name, piece in result.pieces.items()}}
+    data["dofs"]["bodies"] = {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()}
+    data["contacts"] = {name: _interface(each) for name, each in result.interfaces.items()}
     if result.system.steady is not None:
         data["steady_sliding"] = steady_data(result.system.steady)
     if result.reactions:
@@ -45,45 +39,32 @@ def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str,
 
     ``mode`` is the number of a mode, from 1: entry ``mode - 1`` of the list ``eigenvalues``.
     """
-    rows = modes.table(growth_threshold)
+    rows, window = modes.table(growth_threshold), modes.window
     bounded = np.zeros(len(rows), bool) if modes.bounded is None else modes.bounded
+    unstable = [row for row in rows if row["verdict"] == "unstable"]
+    same = ("residual", "condition", "uncertainty", "verdict", "rigid")
     return {
-        "unstable_count": sum(row["verdict"] == "unstable" for row in rows),
+        "unstable_count": len(unstable),
         "unstable": [
             {
-                "mode": row["mode"],
-                "frequency": row["frequency"],
-                "growth": row["growth_rate"],
-                "damping_ratio": row["damping_ratio"],
+                **{"mode": row["mode"], "frequency": row["frequency"]},
+                **{"growth": row["growth_rate"], "damping_ratio": row["damping_ratio"]},
             }
-            for row in rows
-            if row["verdict"] == "unstable"
+            for row in unstable
         ],
         "verdict": modes.verdict(growth_threshold),
         "hints": modes.hints,
-        "window": _window(modes.window),
+        "window": asdict(window) | {"complete": window.complete, "evidence": window.evidence},
         "eigenvalues": [
             {
-                "mode": row["mode"],
-                "frequency": row["frequency"],
-                "damping_ratio": row["damping_ratio"],
-                "re": row["growth_rate"],
-                "im": float(value.imag),
-                "residual": row["residual"],
-                "condition": row["condition"],
-                "uncertainty": row["uncertainty"],
-                "verdict": row["verdict"],
-                "rigid": row["rigid"],
+                **{name: row[name] for name in ("mode", "frequency", "damping_ratio")},
+                **{"re": row["growth_rate"], "im": float(value.imag)},
+                **{name: row[name] for name in same},
                 "bounded": bool(cannot),
             }
             for row, value, cannot in zip(rows, modes.eigenvalues, bounded, strict=True)
         ],
     }
-
-
-def _window(window: Window) -> dict[str, Any]:
-    """Its fields, and what is claimed of it."""
-    return asdict(window) | {"complete": window.complete, "evidence": window.evidence}
 
 
 def _interface(interface: Interface) -> dict[str, Any]:
@@ -93,4 +74,45 @@ def _interface(interface: Interface) -> dict[str, Any]:
         "status": dict(interface.statuses),
         "largest_distance": interface.largest_distance,
         "tolerance": interface.opposite.tolerance,
+    }
+
+
+def steady_data(steady: "SteadySliding") -> dict[str, Any]:
+    """A state of steady sliding as plain data, without fields over points."""
+    unique = steady.uniqueness
+    return {
+        "uncertainty": steady.uncertainty,
+        "residual": steady.residual,
+        "iterations": steady.iterations,
+        "path": [_step_data(step) for step in steady.path],
+        "contacts": {name: _contact_data(state) for name, state in steady.contacts.items()},
+        "uniqueness": unique and {"parity": unique.parity, "margin": unique.margin},
+    }
+
+
+def _step_data(step: "LoadStep") -> dict[str, Any]:
+    data: dict[str, Any] = {
+        "load": step.factor,
+        "residuals": list(step.residuals),
+        "closed": list(step.closed),
+        "parity": step.parity,
+    }
+    if step.state is not None:
+        data |= {
+            "iterations": len(step.lengths),
+            "contacts": {name: _contact_data(s) for name, s in step.state.contacts.items()},
+            "margin": step.state.margin,
+        }
+    return data
+
+
+def _contact_data(state: "ContactState") -> dict[str, Any]:
+    return {
+        "normal_force": state.normal_force,
+        "friction_force": state.friction_force,
+        "force_on_a": state.force_on_a.tolist(),
+        "area": state.area,
+        "closed_area": state.closed_area,
+        "largest_pressure": float(state.pressure.max()),
+        "largest_stiffness": float(state.stiffness.max()),
     }

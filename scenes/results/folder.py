@@ -31,9 +31,6 @@ _ABOUT = "Files of this result, with SHA-256. The next result takes their place,
 _WHOSE = ("scene", "data", "mass", "damping", "stiffness")
 """Inputs of a run that tell whose result it is."""
 
-_Digests = dict[str, list[str]]
-"""Digests that a file may have, by its path in the folder."""
-
 
 @dataclass
 class NewFolder:
@@ -60,21 +57,9 @@ class NewFolder:
 
 
 def check_out(out: Path, name: str = "out") -> None:
-    """Refuse a folder that cannot take a result, before the work; it is made where there is none.
+    """Refuse a folder that cannot take a result; it is made where there is none."""
+    from scenes.results.record import PROVENANCE, read_record
 
-    Parameters
-    ----------
-    out
-        The folder.
-    name
-        Name of it, as the user gave it, for the message.
-
-    Raises
-    ------
-    InputError
-        When it is a file, lies in one or cannot be written; or when it holds a ``result.json`` that
-        this program did not write.
-    """
     try:
         out.mkdir(parents=True, exist_ok=True)
         with TemporaryFile(dir=out):
@@ -82,29 +67,18 @@ def check_out(out: Path, name: str = "out") -> None:
     except (OSError, ValueError) as error:
         reason = (error.strerror if isinstance(error, OSError) else None) or error
         raise InputError(name, str(out), f"a folder to write to ({reason})") from None
-    result = out / RESULT
-    if result.is_dir() or (result.exists() and not _is_ours(result)):
-        allowed = f"a folder without a {RESULT} that something else made"
-        raise InputError(name, str(out), allowed)
+    if (out / RESULT).exists():
+        try:
+            ours = set(PROVENANCE) <= read_record(out / RESULT).keys()
+        except InputError:
+            ours = False
+        if not ours:
+            allowed = f"a folder without a {RESULT} that something else made"
+            raise InputError(name, str(out), allowed)
 
 
 def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> None:
-    """Refuse a folder that cannot take the result of a run, or holds that of another scene.
-
-    Parameters
-    ----------
-    out
-        The folder, as of :func:`check_out`.
-    inputs
-        What the run is given; its scene or its matrices tell whose result it is.
-    overwrite
-        Whether the result of another scene may be lost.
-
-    Raises
-    ------
-    InputError
-        As :func:`check_out`; and when another scene's result, or another command's, stands there.
-    """
+    """Refuse a folder that cannot take the result of a run, or holds that of another scene."""
     from scenes.results.record import read_record
 
     check_out(out)
@@ -120,35 +94,27 @@ def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> N
 
 @contextmanager
 def new_folder(out: Path, *, root: bool = True) -> Iterator[NewFolder]:
-    """A folder to fill, whose files take the place of an earlier result when the block has ended.
-
-    Parameters
-    ----------
-    out
-        The folder.
-    root
-        Whether this rank writes; others fill nothing.
-
-    Raises
-    ------
-    WriteError
-        When files cannot be written; an earlier result then stays as it was.
-    """
+    """A folder to fill, whose files take the place of an earlier result at the end."""
     new = NewFolder(out / f".{node()}.{os.getpid()}{_PART}", out)
-    try:
-        if root:
-            with _told(out):
-                _clear(out)
-                new.part.mkdir(parents=True)
+    if not root:
         yield new
-        if root:
-            with _told(out):
-                _take_place(new)
+        return
+    try:
+        _clear(out)
+        new.part.mkdir(parents=True)
+        yield new
+        _take_place(new)
     except WriteError as error:
         raise WriteError(str(error).replace(str(new.part), str(out))) from error
+    except OSError as error:
+        raise WriteError(f"{out} cannot be written: {error.strerror or error}") from error
     finally:
-        if root:
-            shutil.rmtree(new.part, ignore_errors=True)
+        shutil.rmtree(new.part, ignore_errors=True)
+
+
+def listed(out: Path) -> list[str]:
+    """Paths of the files that were written to a folder, as its manifest lists them."""
+    return sorted(_read(out))
 
 
 def _clear(out: Path) -> None:
@@ -171,52 +137,36 @@ def _runs(process: int) -> bool:
     return process != os.getpid()
 
 
-@contextmanager
-def _told(out: Path) -> Iterator[None]:
-    """Tell faults of the disk by the folder."""
-    try:
-        yield
-    except WriteError:
-        raise
-    except OSError as error:
-        raise WriteError(f"{out} cannot be written: {error.strerror or error}") from error
-
-
-def listed(out: Path) -> list[str]:
-    """Paths of the files that were written to a folder, as its manifest lists them."""
-    return sorted(_read(out))
-
-
 def _take_place(new: NewFolder) -> None:
-    """Put new files where earlier ones stood, the record of the result last."""
-    made = {
-        file.relative_to(new.part).as_posix(): [_digest(file)]
-        for file in sorted(new.part.rglob("*"))
-        if file.is_file()
-    }
+    """Put new files where earlier ones stood, the record of the result last.
+
+    Whenever this ends before its time, what is not listed as it stands is put aside next time.
+    """
+    files = [file for file in sorted(new.part.rglob("*")) if file.is_file()]
+    made = {file.relative_to(new.part).as_posix(): _digest(file) for file in files}
     earlier = _read(new.out)
-    # Results of versions that kept no list are taken for what their names say they are.
-    unlisted = not (new.out / MANIFEST).exists() and _is_ours(new.out / RESULT)
-    # Whenever this ends before its time, the list names all that may have been written.
-    both = {name: earlier.get(name, []) + made.get(name, []) for name in {**earlier, **made}}
-    _write(both, new.out)
     (new.out / RESULT).unlink(missing_ok=True)
     for name in earlier.keys() - made.keys():
         _remove(new, name, earlier[name])
     for name in sorted(made, key=lambda name: (name == RESULT, name)):
-        if not unlisted:
-            _make_room(new, name, both[name])
-        (new.out / name).parent.mkdir(parents=True, exist_ok=True)
-        (new.part / name).replace(new.out / name)
-    _write(made, new.out)
+        file = new.out / name
+        for above in reversed([new.out / parent for parent in PurePosixPath(name).parents[:-1]]):
+            if above.exists() and not above.is_dir():
+                _put_aside(new, above)
+        if file.is_symlink() or (file.exists() and not _is_as_written(file, earlier.get(name))):
+            _put_aside(new, file)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        (new.part / name).replace(file)
+    content = json.dumps({"about": _ABOUT, "files": made}, indent=1)
+    write_whole(f"{content}\n".encode(), new.out / MANIFEST)
 
 
-def _remove(new: NewFolder, name: str, digests: list[str]) -> None:
+def _remove(new: NewFolder, name: str, digest: str) -> None:
     """Remove a file that is as it was written, and folders that are empty then."""
     file = new.out / name
     if not file.is_file() or name == RESULT:
         return
-    if file.is_symlink() or _digest(file) not in digests:
+    if file.is_symlink() or not _is_as_written(file, digest):
         new.kept.append(name)
         return
     file.unlink()
@@ -224,16 +174,6 @@ def _remove(new: NewFolder, name: str, digests: list[str]) -> None:
         if any((new.out / folder).iterdir()):
             break
         (new.out / folder).rmdir()
-
-
-def _make_room(new: NewFolder, name: str, digests: list[str]) -> None:
-    """Put aside what stands in the way of a file and was not written by this program."""
-    file = new.out / name
-    for folder in reversed([new.out / parent for parent in PurePosixPath(name).parents[:-1]]):
-        if folder.exists() and not folder.is_dir():
-            _put_aside(new, folder)
-    if file.is_symlink() or (file.exists() and (file.is_dir() or _digest(file) not in digests)):
-        _put_aside(new, file)
 
 
 def _put_aside(new: NewFolder, place: Path) -> None:
@@ -245,40 +185,21 @@ def _put_aside(new: NewFolder, place: Path) -> None:
     new.kept.append(other.relative_to(new.out).as_posix())
 
 
-def _read(out: Path) -> _Digests:
-    """What the manifest of a folder lists; nothing where there is none that can be read."""
+def _read(out: Path) -> dict[str, str]:
+    """Digests that the manifest of a folder lists; none where there is none that can be read."""
     try:
         files = json.loads((out / MANIFEST).read_text(encoding="utf-8"))["files"]
-        return {
-            name: [str(digest) for digest in digests]
-            for name, digests in files.items()
-            if _inside(name)
-        }
+        paths = {PurePosixPath(name): str(digest) for name, digest in files.items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return {}
+    inside = (path for path in paths if not path.is_absolute() and ".." not in path.parts)
+    return {path.as_posix(): paths[path] for path in inside if path.parts}
 
 
-def _inside(name: str) -> bool:
-    """Whether a path stays in the folder it is relative to."""
-    path = PurePosixPath(name)
-    return not path.is_absolute() and ".." not in path.parts and path.parts != ()
-
-
-def _write(files: Mapping[str, list[str]], out: Path) -> None:
-    content = json.dumps({"about": _ABOUT, "files": files}, indent=1)
-    write_whole(f"{content}\n".encode(), out / MANIFEST)
+def _is_as_written(file: Path, digest: str | None) -> bool:
+    return file.is_file() and _digest(file) == digest
 
 
 def _digest(file: Path) -> str:
     with file.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
-
-
-def _is_ours(result: Path) -> bool:
-    """Whether a file is a record that this program wrote."""
-    from scenes.results.record import PROVENANCE, read_record
-
-    try:
-        return set(PROVENANCE) <= read_record(result).keys()
-    except InputError:
-        return False

@@ -34,15 +34,6 @@ def match_runs(
     """Pair modes of two runs of one scene by shape on the contact surfaces and by eigenvalue.
 
     Scenes without contacts are compared on all surfaces.
-
-    Parameters
-    ----------
-    first, second
-        The runs.
-    first_modes, second_modes
-        Numbers of the modes to pair; None takes all. The answer counts within them.
-    near
-        Relative distance of eigenvalues of one run that are compared as a group.
     """
     return match_modes(*_mode_sets(first, second, first_modes, second_modes), near)
 

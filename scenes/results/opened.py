@@ -64,24 +64,12 @@ class RunRecord(Record):
 
 
 def checked_record[T: Record](kind: type[T], data: Mapping[str, Any]) -> T:
-    """Plain data as a record: no text for numbers, no list for tables.
-
-    Raises
-    ------
-    pydantic.ValidationError
-        When something is broken.
-    """
+    """Plain data as a record: no text for numbers, no list for tables."""
     return TypeAdapter(kind).validate_json(json.dumps(data), strict=True)
 
 
 def opened_modes(record: RunRecord) -> Spectrum:
-    """Eigenvalues of a record with their errors.
-
-    Raises
-    ------
-    InputError
-        When it has none.
-    """
+    """Eigenvalues of a record with their errors."""
     if record.eigenvalues is None or record.window is None:
         raise InputError("scene.analysis.kind", "cea", "'static', as the data are")
     values = record.eigenvalues

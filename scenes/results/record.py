@@ -25,18 +25,13 @@ from scenes.results.result import Result
 
 PROVENANCE = ("command", "inputs", "versions", "commit", "machine", "seconds", "warnings")
 """Fields of every record; what else it holds is data of its command."""
-
 RUN = "run"
 """Command that a record of a run names."""
 
 _PACKAGE = "friction-cea"
 _PACKAGES = {
-    "dolfinx": "dolfinx-solver-real",
-    "gmsh": "gmsh",
-    "numpy": "numpy",
-    "scipy": "scipy",
-    "pyvista": "pyvista",
-    _PACKAGE: _PACKAGE,
+    **{"dolfinx": "dolfinx-solver-real", "gmsh": "gmsh", "numpy": "numpy", "scipy": "scipy"},
+    **{"pyvista": "pyvista", _PACKAGE: _PACKAGE},
 }
 _LARGEST = 2**30
 """Bytes of JSON that are read at most: a small compressed file may hold any number of them."""
@@ -82,26 +77,7 @@ def record(
     seconds: float,
     warnings: Iterable[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
-    """What a command computed with all that tells where it comes from.
-
-    Parameters
-    ----------
-    command
-        Name of the command.
-    data
-        What it computed, plain data.
-    inputs
-        What it was given, plain data.
-    seconds
-        How long it took.
-    warnings
-        What a reader must know, each as plain data.
-
-    Raises
-    ------
-    InputError
-        When a field of the data has a name of the provenance.
-    """
+    """What a command computed, plain data, with all that tells where it comes from."""
     taken = [name for name in data if name in PROVENANCE]
     if taken:
         raise InputError("data", taken, f"other names than {', '.join(PROVENANCE)}")
@@ -110,7 +86,10 @@ def record(
         "inputs": dict(inputs),
         "versions": versions(),
         "commit": commit(),
-        "machine": machine(),
+        "machine": {
+            **{"cpus": os.cpu_count(), "machine": platform.machine()},
+            "system": platform.system(),
+        },
         "seconds": seconds,
         "warnings": [dict(warning) for warning in warnings],
         **data,
@@ -118,33 +97,12 @@ def record(
 
 
 def write_record(data: Mapping[str, Any], file: Path) -> Path:
-    """Write plain data as JSON, whole or not at all, making its folder.
-
-    Parameters
-    ----------
-    data
-        The data.
-    file
-        The file; with the ending ``.gz`` it is compressed.
-    """
+    """Write plain data as JSON, whole or not at all; compressed where the file ends in ``.gz``."""
     return write_whole(f"{as_json(data, compact=file.suffix == '.gz')}\n".encode(), file)
 
 
 def as_json(data: Mapping[str, Any], *, compact: bool = False) -> str:
-    """Plain data as the text of a record.
-
-    Parameters
-    ----------
-    data
-        The data.
-    compact
-        Whether without spaces and lines.
-
-    Raises
-    ------
-    InputError
-        When something is not a number.
-    """
+    """Plain data as the text of a record; compact, without spaces and lines."""
     layout: dict[str, Any] = {"separators": (",", ":")} if compact else {"indent": 1}
     return json.dumps(_in_json(data), allow_nan=False, **layout)
 
@@ -190,44 +148,22 @@ def versions() -> dict[str, str]:
 def commit() -> str:
     """Commit of the program where it runs from a checkout, else the version of its package.
 
-    A commit with changes that are not committed ends in ``-dirty``.
+    A commit with changes that are not committed ends in ``-dirty``. The checkout is not locked for
+    it: its user may be committing meanwhile.
     """
     root = Path(__file__).parents[2]
-    if (root / ".git").exists():
-        try:
-            return commit_of(root)
-        except (OSError, subprocess.CalledProcessError):
-            pass  # no git, or a checkout of another owner: the package says what it is
+    git = ["git", "--no-optional-locks", "-C", str(root), "describe", "--always", "--dirty"]
+    options = ["--abbrev=40", "--exclude=*"]
+    try:
+        if (root / ".git").exists():
+            done = subprocess.run([*git, *options], capture_output=True, text=True, check=True)
+            return done.stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        pass  # no git, or a checkout of another owner: the package says what it is
     try:
         return f"{_PACKAGE} {version(_PACKAGE)}"
     except PackageNotFoundError:
         return "unknown"
-
-
-def commit_of(root: Path) -> str:
-    """Commit of a checkout, which is not locked for it: its user may be committing meanwhile.
-
-    Raises
-    ------
-    OSError
-        When there is no git.
-    subprocess.CalledProcessError
-        When it does not read the checkout.
-    """
-    head = _git(root, "rev-parse", "HEAD")
-    changed = _git(root, "status", "--porcelain", "--untracked-files=no")
-    return f"{head}-dirty" if changed else head
-
-
-def _git(root: Path, *command: str) -> str:
-    """What git prints of a checkout that it leaves as it is."""
-    whole = ["git", "--no-optional-locks", "-C", str(root), *command]
-    return subprocess.run(whole, capture_output=True, text=True, check=True).stdout.strip()
-
-
-def machine() -> dict[str, Any]:
-    """Processor count and kind."""
-    return {"cpus": os.cpu_count(), "machine": platform.machine(), "system": platform.system()}
 
 
 def _in_json(value: Any, place: str = "data") -> Any:
@@ -246,7 +182,8 @@ def _in_json(value: Any, place: str = "data") -> Any:
         if isnan(value):
             raise InputError(place, value, "a number: JSON has none for it")
         return str(value) if isinf(value) else value
-    return f"\\{value}" if isinstance(value, str) and _reads_infinite(value) else value
+    infinite = isinstance(value, str) and value.lstrip("\\") in _INFINITIES
+    return f"\\{value}" if infinite else value
 
 
 def _from_json(value: Any) -> Any:
@@ -254,14 +191,9 @@ def _from_json(value: Any) -> Any:
         return {key: _from_json(part) for key, part in value.items()}
     if isinstance(value, list):
         return [_from_json(part) for part in value]
-    if isinstance(value, str) and _reads_infinite(value):
+    if isinstance(value, str) and value.lstrip("\\") in _INFINITIES:
         return _INFINITIES.get(value, value[1:])
     return value
-
-
-def _reads_infinite(text: str) -> bool:
-    """Whether a text is that of an infinity, with backslashes before it or without."""
-    return text.lstrip("\\") in _INFINITIES
 
 
 def _no_number(text: str) -> float:

@@ -375,8 +375,6 @@ class Result:
 
     def steady_lines(self) -> list[str]:
         """What contacts carry in steady sliding; where supports prescribe, what they bear too."""
-        from scenes.results.steady import steady_lines
-
         data = self.data
         lines = steady_lines(data["steady_sliding"]) if "steady_sliding" in data else []
         if self.scene.backends == "matrices" or not self.scene.prescribes:
@@ -421,3 +419,22 @@ def _there[T](value: T | None, name: str, allowed: str) -> T:
     if value is None:
         raise InputError(name, None, allowed)
     return value
+
+
+def steady_lines(data: Mapping[str, Any]) -> list[str]:
+    """Lines of a state as its record has it: half passes in each load step, and at last."""
+    steps = [
+        f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
+        for step in data["path"]
+        for name, contact in step.get("contacts", {}).items()
+    ]
+    return steps + [_line(name, contact) for name, contact in data["contacts"].items()]
+
+
+def _line(name: str, contact: Mapping[str, Any]) -> str:
+    closed = 100 * contact["closed_area"] / contact["area"]
+    return (
+        f"steady sliding, {name}: normal force {contact['normal_force']:.6g} N, friction "
+        f"{contact['friction_force']:.6g} N, {closed:.3g} % of the area closed, pressure to "
+        f"{contact['largest_pressure']:.6g} N/m^2"
+    )

@@ -92,20 +92,7 @@ def gathered_displacements(
 ) -> Complexes:
     """:func:`displacements` at points that are the same on every rank, or are those of rank 0.
 
-    Parameters
-    ----------
-    system, body, vectors, prescribed
-        As there.
-    trace
-        Of all points, the same on every rank; or counted on rank 0 alone.
-    everywhere
-        Whether every rank gives the trace and gets the answer; otherwise rank 0 does, and others
-        get an empty array.
-
-    Returns
-    -------
-    ndarray
-        Shape (n, dim, k).
+    Where not ``everywhere``, rank 0 alone gives the trace and gets the answer; others an empty one.
     """
     comm = system.bodies[body].comm
     if trace is not None:
@@ -124,17 +111,9 @@ def displacements_at(
     place: str,
     at: SurfaceCoordinates | csr_array | None,
     vectors: Complexes,
-    *,
-    prescribed: float = 0.0,
-    everywhere: bool = True,
+    **options: Any,
 ) -> Complexes:
-    """:func:`gathered_displacements` of a body, or of a surface "body.surface".
-
-    Raises
-    ------
-    InputError
-        When there is no such place.
-    """
+    """:func:`gathered_displacements` of a body, or of a surface "body.surface"."""
     body, _, name = place.partition(".")
     if body not in system.bodies:
         raise InputError("place", place, f"one of {', '.join(system.bodies)}")
@@ -146,9 +125,7 @@ def displacements_at(
         at = surfaces[name].trace(at)
     elif isinstance(at, SurfaceCoordinates):
         raise InputError("place", place, "a surface, body.surface, for coordinates on it")
-    return gathered_displacements(
-        system, body, at, vectors, prescribed=prescribed, everywhere=everywhere
-    )
+    return gathered_displacements(system, body, at, vectors, **options)
 
 
 def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[str, csr_array]:
@@ -161,30 +138,25 @@ def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[
     pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
     for term in pencil.terms:
         factor = term.coefficient.at(values)
-        if term.role == "mass":
-            pieces["M"].append((factor, term.matrix))
-        elif term.role == "damping":
-            name = "C" if term.symmetric else "Y"
-            pieces.setdefault(name, []).append((factor, term.matrix))
-        elif term.contact:
-            name, sign = ("K_n", 1) if term.symmetric else ("K_f", -1)
-            pieces[name].append((sign * factor, term.matrix))
+        if term.role == "stiffness":
+            names = ("K_n", "K_f") if term.contact else ("K", "K_c")
+            name = names[0 if term.symmetric else 1]
         else:
-            name = "K" if term.symmetric else "K_c"
-            pieces.setdefault(name, []).append((factor, term.matrix))
+            name = "M" if term.role == "mass" else "C" if term.symmetric else "Y"
+        sign = -1 if name == "K_f" else 1
+        pieces.setdefault(name, []).append((sign * factor, term.matrix))
     if not pieces["M"]:
         del pieces["M"]
-    sums = gathered_sums(pieces, system.template)
+    sums = _sums(pieces, system.template)
     comm = system.template.comm.tompi4py()
-    low_rank = pencil.low_rank_at(values)
+    low_rank, circulatory = pencil.low_rank_at(values), pencil.circulatory_at(values)
     if low_rank is not None:
-        sums |= gathered_rows("W", csr_array(low_rank.root()), comm)
-    circulatory = pencil.circulatory_at(values)
+        sums |= _whole("W", csr_array(low_rank.root()), comm)
     if circulatory is not None:
         full = with_circulatory(None, circulatory)
         left = full.reaction.transpose(PETSc.Mat())
         for name, matrix in (("L", left), ("N", full.compliance), ("J", full.closure)):
-            sums |= gathered_rows(name, local_part(matrix), comm)
+            sums |= _whole(name, local_part(matrix), comm)
         full.free()
         destroy(left)
     return sums
@@ -198,28 +170,13 @@ def summed_matrices(
     pieces: dict[str, list[tuple[float, Any]]] = {}
     for term in pencil.terms:
         pieces.setdefault(letters[term.role], []).append((term.coefficient.at(values), term.matrix))
-    return gathered_sums(pieces, template)
+    return _sums(pieces, template)
 
 
-def gathered_sums(
-    pieces: Mapping[str, Sequence[tuple[float, Any]]], template: Any
-) -> dict[str, csr_array]:
-    """Sums of factors times PETSc AIJ matrices by name, as scipy matrices; collective.
-
-    Parameters
-    ----------
-    pieces
-        Factors and matrices; pieces with the factor 0 are left out.
-    template
-        PETSc vector of the layout of their rows.
-
-    Returns
-    -------
-    dict
-        On rank 0; empty on other ranks.
-    """
+def _sums(pieces: Mapping[str, Sequence[tuple[float, Any]]], template: Any) -> dict[str, csr_array]:
+    """Sums of factors times PETSc AIJ matrices by name, on rank 0 alone; collective."""
     n, comm = template.getSize(), template.comm.tompi4py()
-    sums = {}
+    sums: dict[str, csr_array] = {}
     for name, parts in pieces.items():
         kept = [(factor, matrix) for factor, matrix in parts if factor]
         rows = csr_array((template.getLocalSize(), n))
@@ -228,28 +185,11 @@ def gathered_sums(
             indptr, indices, data = matrix.getValuesCSR()
             rows = csr_array((data, indices, indptr), shape=rows.shape)
             destroy(matrix)
-        sums[name] = comm.gather(rows)
-    if comm.rank:
-        return {}
-    return {name: csr_array(vstack(parts, format="csr")) for name, parts in sums.items()}
+        sums |= _whole(name, rows, comm)
+    return sums
 
 
-def gathered_rows(name: str, rows: csr_array, comm: Any) -> dict[str, csr_array]:
-    """A matrix of which each rank has its rows, whole under a name; collective.
-
-    Parameters
-    ----------
-    name
-        The name.
-    rows
-        The rows of this rank.
-    comm
-        Communicator (mpi4py).
-
-    Returns
-    -------
-    dict
-        On rank 0; empty on other ranks.
-    """
+def _whole(name: str, rows: csr_array, comm: Any) -> dict[str, csr_array]:
+    """A matrix of which each rank has its rows, whole under a name, on rank 0 alone; collective."""
     parts = comm.gather(rows)
     return {name: csr_array(vstack(parts, format="csr"))} if parts is not None else {}

@@ -19,8 +19,7 @@ from scenes.checking.steady import kept_state_warning
 from scenes.results.result import Result
 from scenes.running.following import FollowedState
 from scenes.running.modes import result_of_modes, run_modes, solved
-from scenes.running.parameter_changes import at_parameters, parameters_changed
-from scenes.running.swept import parameters_meant
+from scenes.running.swept import at_parameters, parameters_changed, parameters_meant
 from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.reading import Scene
@@ -174,17 +173,7 @@ class AssembledScene:
     def warnings(
         self, modes: Modes, max_frequency: float, values: Mapping[str, float]
     ) -> tuple[ResultWarning, ...]:
-        """What modes up to a frequency must be read with, solved at other parameters; collective.
-
-        Parameters
-        ----------
-        modes
-            Modes of its pencil, perhaps of a longer window.
-        max_frequency
-            Frequency (Hz) up to which they count.
-        values
-            Parameters of the pencil that differ from their own values.
-        """
+        """What modes up to a frequency (Hz) must be read with at other parameters; collective."""
         scene = at_parameters(self.scene, self._driver.pencil, values)
         inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
         known = self._system, self.interfaces, StageTimer()

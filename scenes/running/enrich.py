@@ -9,7 +9,7 @@ from cea.errors import InputError
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.spec.body import BodySpec
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.mesh import IgaMesh
 from scenes.spec.reading import Scene
 
 Enrichment = Literal["degree", "bisection", "smooth"]
@@ -52,11 +52,6 @@ def enriched_scene(scene: Scene) -> Scene:
     In the plane elements are bisected; in space they get a degree more, and NURBS a continuous
     derivative more too. What has no degree more is bisected, what has no elements along directions
     gets a degree more.
-
-    Raises
-    ------
-    InputError
-        When the cells of a file have elements of the highest degree already.
     """
     bodies = {name: _body(name, body, _way(body)) for name, body in scene.bodies.items()}
     return replace(scene, bodies=bodies)
@@ -74,60 +69,41 @@ def _way(body: BodySpec) -> Enrichment:
 
 
 def _body(name: str, body: BodySpec, by: Enrichment) -> BodySpec:
-    field = f"bodies.{name}.mesh"
-    degree = body.fe_degree if body.backend == "fe" else max(_iga(body, field).degree)
+    """A body in a richer space."""
+    field, shape, mesh = f"bodies.{name}.mesh", body.geometry, body.mesh
+    fe, iga = mesh.fe, mesh.iga
+    degree = max(iga.degree) if body.backend == "iga" and iga is not None else body.fe_degree
     if by == "smooth" and body.backend == "fe":
         raise InputError("by", by, f"'degree' or 'bisection' for {name}, of Lagrange elements")
     if by != "bisection" and (degree is None or degree >= _HIGHEST[body.backend]):
         allowed = f"below {_HIGHEST[body.backend]} to be raised, or elements bisected"
         raise InputError(f"{field}.degree", degree, allowed)
-    if isinstance(body.geometry, MeshFile):
+    if isinstance(shape, MeshFile):
         if by != "degree" or degree is None:
             raise InputError(field, by, "'degree': cells of a file stay as they are")
-        return replace(body, mesh=replace(body.mesh, degree=degree + 1))
-    if body.backend == "iga":
-        mesh = _iga(body, field)
-        return replace(body, mesh=replace(body.mesh, iga=_ENRICHED[by](mesh)))
-    return replace(body, mesh=_lagrange(body, by, field))
-
-
-def _iga(body: BodySpec, field: str) -> IgaMesh:
-    if body.mesh.iga is None:
-        raise InputError(f"{field}.iga", None, "needed for 'iga'")
-    return body.mesh.iga
-
-
-def _raised(mesh: IgaMesh) -> IgaMesh:
-    continuity = mesh.continuity or tuple(q - 1 for q in mesh.degree)
-    return replace(mesh, degree=tuple(q + 1 for q in mesh.degree), continuity=continuity)
-
-
-def _bisected(mesh: IgaMesh) -> IgaMesh:
-    return replace(mesh, elements=tuple(2 * n for n in mesh.elements))
-
-
-def _smoother(mesh: IgaMesh) -> IgaMesh:
-    continuity = None if mesh.continuity is None else tuple(c + 1 for c in mesh.continuity)
-    return replace(mesh, degree=tuple(q + 1 for q in mesh.degree), continuity=continuity)
-
-
-_ENRICHED = {"degree": _raised, "bisection": _bisected, "smooth": _smoother}
-
-
-def _lagrange(body: BodySpec, by: Enrichment, field: str) -> MeshSpec:
-    fe = body.mesh.fe
+        return replace(body, mesh=replace(mesh, degree=degree + 1))
+    if body.backend == "iga" and iga is not None:
+        return replace(body, mesh=replace(mesh, iga=_splines(iga, by)))
     assert fe is not None
     if by == "bisection":
-        return replace(body.mesh, fe=_divided(fe, field))
-    geometry = None if fe.geometry_degree is None else fe.geometry_degree + 1
-    if isinstance(body.geometry, VentilatedDisc):
+        if fe.elements is None:
+            raise InputError(f"{field}.fe.size", fe.size, "left out: elements that can be bisected")
+        finer = replace(fe, elements=tuple(2 * n for n in fe.elements))
+        return replace(body, mesh=replace(mesh, fe=finer))
+    geometry = None if fe.geometry_degree is None else min(fe.geometry_degree + 1, _HIGHEST["fe"])
+    if isinstance(shape, VentilatedDisc):
         geometry = min(geometry or fe.degree + 1, MAX_CURVED)
-    elif geometry is not None:
-        geometry = min(geometry, _HIGHEST["fe"])
-    return replace(body.mesh, fe=replace(fe, degree=fe.degree + 1, geometry_degree=geometry))
+    raised = replace(fe, degree=fe.degree + 1, geometry_degree=geometry)
+    return replace(body, mesh=replace(mesh, fe=raised))
 
 
-def _divided(fe: FeMesh, field: str) -> FeMesh:
-    if fe.elements is None:
-        raise InputError(f"{field}.fe.size", fe.size, "left out: elements that can be bisected")
-    return replace(fe, elements=tuple(2 * n for n in fe.elements))
+def _splines(mesh: IgaMesh, by: Enrichment) -> IgaMesh:
+    """Splines with twice the elements, or with a degree more and their continuity, or one more."""
+    if by == "bisection":
+        return replace(mesh, elements=tuple(2 * n for n in mesh.elements))
+    continuity = mesh.continuity
+    if by == "degree":
+        continuity = continuity or tuple(q - 1 for q in mesh.degree)
+    elif continuity is not None:
+        continuity = tuple(c + 1 for c in continuity)
+    return replace(mesh, degree=tuple(q + 1 for q in mesh.degree), continuity=continuity)

@@ -11,7 +11,7 @@ from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.checking.unused import GIVEN
+from scenes.checking.steps import GIVEN
 from scenes.matrices.pencil import (
     Piece,
     check_mass,

@@ -66,23 +66,7 @@ def solved(
     *,
     left: bool = False,
 ) -> Result:
-    """Modes of a scene whose system is assembled; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    system, interfaces
-        Its system and its contact points, or those of a scene that has other parameters.
-    timer
-        What the stages are timed with.
-    driver
-        What solves the pencil of the system.
-    values
-        Parameters at which it is that of the scene.
-    left
-        Whether left eigenvectors are wanted too.
-    """
+    """Modes of a scene whose system is assembled; collective."""
     analysis = scene.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
     with room_for_factors(scene) as on_disk:

@@ -10,8 +10,7 @@ from cea.errors import InputError
 from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import Prolongation, of_body, of_system
 from cea.timing import StageTimer
-from scenes.building.build import build_bodies
-from scenes.building.made_of import body_parts
+from scenes.building.build import body_parts, build_bodies
 from scenes.checking.memory import check_memory
 from scenes.results.result import Result
 from scenes.running.enrich import richer_scene
@@ -21,18 +20,7 @@ from scenes.spec.reading import Scene
 
 
 def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolongation:
-    """Prolongation from the unknown displacements of a scene to those of a finer one; collective.
-
-    Parameters
-    ----------
-    coarse, fine
-        Bodies of the scenes by name, on the same backends.
-
-    Raises
-    ------
-    InputError
-        When bodies differ in name, shape or backend.
-    """
+    """Prolongation from the free displacements of a scene to those of a finer one; collective."""
     if list(coarse) != list(fine):
         raise InputError("bodies", list(fine), f"those of the coarse scene: {', '.join(coarse)}")
     return of_system([of_body(coarse[name], fine[name]) for name in fine])

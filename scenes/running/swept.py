@@ -1,11 +1,19 @@
-"""Scenes whose parameters are swept: which parameters of a pencil a name means."""
+"""Parameters of a pencil and fields of its scene: names that mean them, changes that they make.
 
-from collections.abc import Iterable, Mapping, Sequence
-from math import isfinite
+A field is a parameter of an assembled pencil where that has one by its path, with the value that
+the scene had: all of it that the field reaches is then a coefficient. What else differs between two
+scenes makes another pencil, but for what each solve and each record takes from its own scene.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from math import isclose, isfinite
+from typing import Any
 
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from scenes.spec.contact import ContactSpec
+from scenes.spec.reading import Scene
 
 _SHORT = {
     "mu": "contacts.*.mu",
@@ -18,26 +26,6 @@ _SHORT = {
     "Omega": "bodies.*.rotation.rate",
 }
 """Short names of what contacts and bodies have."""
-_IN_FULL = "so each value is a run of its own: cea sweep ... --full, along this field alone"
-_NO_PARAMETER = {
-    "bodies.*.material.nu": f"the stiffness is not proportional to it, {_IN_FULL}",
-    "bodies.*.material": "E and rho are those of a material",
-    "bodies.*.damping.alpha": "damping = { alpha = 0.0 } in the scene makes it a parameter",
-    "bodies.*.damping.beta": "damping = { beta = 0.0 } in the scene makes it a parameter",
-    "bodies.*.damping": "alpha and beta, or the ratios of modal damping, are those of damping",
-    "bodies.*.rotation.rate": "a rotation in the scene, of rate 0 too, makes it a parameter",
-    "bodies.*.supports": f"other displacements are unknowns, {_IN_FULL}",
-    "bodies.*.springs": f"a spring is part of the stiffness that E does not scale, {_IN_FULL}",
-    "bodies": f"it makes another mesh, {_IN_FULL}",
-    "contacts.*.mu": "friction_direction_on_a in the scene makes it a parameter of a contact",
-    "contacts.*.P": "the law of a contact with c_n makes it in its state of steady sliding",
-    "contacts.*.p": "P of the contact is proportional to it",
-    "contacts.*.sliding": "it is one of a contact that has it in the scene",
-    "contacts": f"it makes other matrices of the contact, {_IN_FULL}",
-    "loads": f"loads move the state of steady sliding alone, {_IN_FULL}",
-    "analysis": "it changes no eigenvalue: --set sets it",
-}
-"""What to do instead, by the beginnings of paths that are no parameters; the first one counts."""
 
 
 def means_several(name: str) -> bool:
@@ -47,35 +35,13 @@ def means_several(name: str) -> bool:
 
 def is_one_of(name: str, pattern: str) -> bool:
     """Whether a path is one that another means, in which asterisks stand for names."""
-    return name.count(".") == pattern.count(".") and _begins_like(name, pattern)
-
-
-def _begins_like(name: str, pattern: str) -> bool:
     parts, meant = name.split("."), pattern.split(".")
-    return len(parts) >= len(meant) and all(
-        one in (part, "*") for part, one in zip(parts, meant, strict=False)
-    )
+    same = (one in (part, "*") for part, one in zip(parts, meant, strict=False))
+    return len(parts) == len(meant) and all(same)
 
 
 def parameters_meant(pencil: Pencil, name: str, bonded: Iterable[str] = ()) -> list[str]:
-    """Parameters of a pencil that a name means.
-
-    Parameters
-    ----------
-    pencil
-        The pencil.
-    name
-        A path, with asterisks for any name; or ``mu`` and ``P`` of every contact that can slide,
-        ``E`` and ``rho`` of every body, ``alpha``, ``beta`` and ``Omega`` of those that have such
-        damping or rotate.
-    bonded
-        Contacts that cannot slide.
-
-    Raises
-    ------
-    InputError
-        When there is none; it says what to do instead.
-    """
+    """Parameters of a pencil that a name means."""
     pattern = _SHORT.get(name, name)
     aside = {f"contacts.{each}." for each in bonded} if name in _SHORT else set()
     found = [
@@ -84,27 +50,16 @@ def parameters_meant(pencil: Pencil, name: str, bonded: Iterable[str] = ()) -> l
         if is_one_of(each, pattern) and not any(each.startswith(start) for start in aside)
     ]
     if not found:
-        instead = (do for kind, do in _NO_PARAMETER.items() if _begins_like(pattern, kind))
-        there = f"one of {', '.join(sorted(pencil.parameters)) or 'none'}"
-        raise InputError("parameter", pattern, "; ".join([*[*instead][:1], there]))
+        allowed = (
+            f"one of {', '.join(sorted(pencil.parameters)) or 'none'}; other fields make other "
+            "pieces: cea sweep ... --full solves each value in full"
+        )
+        raise InputError("parameter", pattern, allowed)
     return found
 
 
 def stiffnesses_meant(contacts: Mapping[str, ContactSpec], name: str) -> dict[str, float]:
-    """The p of each contact whose p a name means: P is proportional to it.
-
-    Parameters
-    ----------
-    contacts
-        The contacts of a scene, by their names.
-    name
-        A path, with asterisks for any name, or ``p`` of every contact that can slide.
-
-    Raises
-    ------
-    InputError
-        When the scene gives one of them otherwise than as a number.
-    """
+    """The p of each contact whose p a name means: P is proportional to it."""
     pattern, found = _SHORT.get(name, name), {}
     for each, spec in contacts.items():
         path = f"contacts.{each}.p"
@@ -132,3 +87,103 @@ def no_two_alike(groups: Sequence[Iterable[str]], names: Sequence[str]) -> None:
             if each in seen:
                 raise InputError("axis", name, f"other parameters than {seen[each]}: {each}")
             seen[each] = name
+
+
+_OF_EACH_SOLVE = (
+    *("analysis.max_frequency", "analysis.min_growth", "analysis.growth_threshold"),
+    *("name", "description", "output.pictures", "output.paraview"),
+)
+"""Fields that no piece of a pencil is made of; one that is missing here costs an assembly."""
+_ROUNDING = 1e-12
+"""Of a parameter that is a sum over points, relative to the field it stands for."""
+
+
+def parameters_changed(pencil: Pencil, old: Scene, new: Scene) -> dict[str, float] | None:
+    """Parameters of a pencil at which it is that of another scene."""
+    values: dict[str, float] = {}
+    old, new = _in_factors(old, old.bodies), _in_factors(new, new.bodies)
+    for path, before, after in differences(old, new):
+        if path in _OF_EACH_SOLVE:
+            continue
+        if not (_stands_for(pencil, path, before) and isinstance(after, float)):
+            return None
+        values[path] = after
+    return values
+
+
+def _stands_for(pencil: Pencil, path: str, value: Any) -> bool:
+    """Whether a pencil has a parameter for a field, which has this value."""
+    parameter = pencil.parameters.get(path)
+    if parameter is None or not isinstance(value, float):
+        return False
+    return isclose(parameter.value, value, rel_tol=_ROUNDING)
+
+
+def _in_factors(scene: Scene, names: Iterable[str]) -> Scene:
+    """A scene in which the Rayleigh damping of some bodies is given by factors."""
+    bodies = dict(scene.bodies)
+    for name in names:
+        body = bodies[name]
+        if body.damping is not None:
+            bodies[name] = replace(body, damping=body.damping.in_factors)
+    return replace(scene, bodies=bodies)
+
+
+def at_parameters(scene: Scene, pencil: Pencil, values: Mapping[str, float]) -> Scene:
+    """The scene whose pencil is that of another one at some parameters."""
+    scene = _in_factors(scene, {path.split(".")[1] for path in values if ".damping." in path})
+    changes: dict[str, Any] = {}
+    for name, value in values.items():
+        own, field, of_p = pencil.parameter(name).value, _field(scene, name), f"{name[:-1]}p"
+        if field is not None:
+            changes[name] = _scaled(field, value, own)
+        elif isinstance(p := _field(scene, of_p), float):
+            changes |= {name: value, of_p: None}
+        else:
+            changes[of_p] = _scaled(p, value, own)
+    return scene.change(changes)
+
+
+def _scaled(field: Any, value: float, own: float) -> Any:
+    """A field where its parameter has another value than its own."""
+    if own == 0 or isinstance(field, float):
+        return value
+    factor = value / own
+    return (
+        [factor * each for each in field] if isinstance(field, tuple) else f"{factor!r}*({field})"
+    )
+
+
+def _field(scene: Scene, path: str) -> Any:
+    """Value of a field of a body or a contact."""
+    section, name, *fields = path.split(".")
+    found: Any = getattr(scene, section)[name]
+    for field in fields:
+        found = getattr(found, field)
+    return found
+
+
+def differences(old: Any, new: Any, path: str = "") -> Iterator[tuple[str, Any, Any]]:
+    """Fields in which two sections of scenes differ: path, old and new value of each.
+
+    Tables and lists are compared entry by entry where they have the same entries, else as a whole.
+    """
+    if old == new:
+        return
+    before, after = _entries(old), _entries(new)
+    if type(old) is type(new) and before and before.keys() == after.keys():
+        for name, value in before.items():
+            yield from differences(value, after[name], f"{path}.{name}" if path else name)
+    else:
+        yield path, old, new
+
+
+def _entries(section: Any) -> Mapping[str, Any]:
+    """Entries of a section of a scene by name; none of a value."""
+    if is_dataclass(section) and not isinstance(section, type):
+        return {field.name: getattr(section, field.name) for field in fields(section)}
+    if isinstance(section, Mapping):
+        return section
+    if isinstance(section, Sequence) and not isinstance(section, str):
+        return {str(i): value for i, value in enumerate(section)}
+    return {}

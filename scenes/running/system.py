@@ -1,6 +1,7 @@
 """The coupled system of a scene, linearised about steady sliding where a contact has a law."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import TypedDict
 
 from cea.body import Body
@@ -8,21 +9,10 @@ from cea.contact.interface import Interface
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.building.build import (
-    build_bodies,
-    build_interfaces,
-    build_system,
-    reusable_bodies,
-    reusable_interfaces,
-)
-from scenes.checking.doubts import (
-    doubtful_motions,
-    doubtful_numbers,
-    overlapping_bodies,
-)
+from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.checking.doubts import doubtful_motions, doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import check_memory
-from scenes.checking.motion_warnings import faster_than_waves
-from scenes.checking.warnings import loads_without_effect, scene_warnings
+from scenes.checking.warnings import faster_than_waves, scene_warnings
 from scenes.spec.reading import Scene
 
 
@@ -63,34 +53,33 @@ def coupled(
     Parameters are those of :class:`RunOptions`.
     """
     timer = StageTimer(listener)
-    reused = reusable_bodies(scene, bodies)
-    if len(reused) < len(scene.bodies):
-        check_memory(scene)
-    bodies = build_bodies(scene, timer, reused)
-    located = reusable_interfaces(scene, bodies, interfaces)
-    interfaces = build_interfaces(scene, bodies, timer, located)
+    check_memory(scene)
+    bodies = build_bodies(scene, timer, bodies)
+    interfaces = build_interfaces(scene, bodies, timer, interfaces)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     if scene.slides_steadily:
-        from scenes.running.steady import linearised
-
-        system = linearised(scene, system, timer)
+        system = _linearised(scene, system, timer)
     return system, interfaces, timer
+
+
+def _linearised(scene: Scene, system: CoupledSystem, timer: StageTimer) -> CoupledSystem:
+    """A system linearised about its state of steady sliding, which it keeps; collective."""
+    from cea.system.steady_path import steady_sliding
+    from cea.system.support_forces import support_reactions
+
+    steps = scene.analysis.load_steps
+    steady = steady_sliding(system, timer, steps=steps or 1, history=steps is not None)
+    with timer("assembly"):
+        system = system.linearised(steady, geometric_stiffness=scene.stiffened_by_stress)
+    with timer("post-processing"):
+        reactions = support_reactions(system, steady.displacement, steady.forces)
+    return replace(system, steady=replace(steady, reactions=reactions))
 
 
 def system_warnings(
     scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
 ) -> tuple[ResultWarning, ...]:
-    """What bodies, contacts, their forms and steady sliding must be read with; collective.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    system
-        Its system, or that of a scene that has other parameters.
-    values
-        Parameters at which the pencil of the system is that of the scene.
-    """
+    """What bodies, contacts, their forms and steady sliding must be read with; collective."""
     found = (
         *doubtful_numbers(scene),
         *overlapping_bodies(scene, system.bodies),
@@ -99,7 +88,7 @@ def system_warnings(
         *system.warnings_at(values or {}),
     )
     if system.steady is None:
-        return (*found, *loads_without_effect(scene))
+        return found
     from scenes.checking.steady import steady_warnings
 
     motions = doubtful_motions(scene, system, system.steady.displacement)

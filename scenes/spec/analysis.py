@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -42,9 +42,6 @@ class StaticAnalysis:
     samples: Annotated[int, Field(ge=2, le=1000)] = 91
     load_steps: LoadSteps | None = None
 
-    left_out: ClassVar[tuple[str, ...]] = ("load_steps",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
-
     def __post_init__(self) -> None:
         _check_load_steps(self.load_steps)
 
@@ -76,9 +73,6 @@ class ComplexEigenvalueAnalysis:
     min_growth: Annotated[float, Field(le=0)] | None = None
     load_steps: LoadSteps | None = None
     geometric_stiffness: bool = False
-
-    left_out: ClassVar[tuple[str, ...]] = ("min_growth", "load_steps", "geometric_stiffness")
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         _check_load_steps(self.load_steps)

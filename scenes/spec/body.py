@@ -1,7 +1,7 @@
 """What a scene says of a body."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -72,6 +72,3 @@ class BodySpec:
             least = 2 if self.geometry.is_divided else 1  # straight tetrahedra are too stiff
             return self.mesh.degree or max(self.geometry.order, least)
         return self.mesh.fe.degree if self.mesh.fe is not None else None
-
-    left_out: ClassVar[tuple[str, ...]] = ("damping", "rotation")
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""

@@ -1,7 +1,7 @@
 """What a scene says of a contact."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, Union
+from typing import Annotated, Any, Union
 
 from pydantic import Discriminator, Field, GetCoreSchemaHandler, Tag
 from pydantic_core import CoreSchema
@@ -107,9 +107,6 @@ class ContactSpec:
     reach: Annotated[float, Field(gt=0)] | None = None
     max_missed: Annotated[float, Field(ge=0, lt=1)] = 0.0
     sliding: SlidingSpec | None = None
-
-    left_out: ClassVar[tuple[str, ...]] = ("c_n", "m_n", "added_gap", "sliding")
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         for name, value in (("p", self.p), ("mu", self.mu), ("added_gap", self.added_gap)):

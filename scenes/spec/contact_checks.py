@@ -10,26 +10,24 @@ from cea.supports.boundary import check_surface
 from scenes.spec.body import Backend
 from scenes.spec.contact import ContactSpec
 from scenes.spec.scene import SceneSpec
-from scenes.spec.support import SupportSpec
+
+_ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}
+"""Kinds of abscissae that surfaces of each backend have."""
 
 
 def contact_checks(scene: SceneSpec, known: Sequence[str]) -> Iterator[InputError]:
-    """Faults of contacts.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    known
-        Its surfaces as "body.surface".
-    """
+    """Faults of contacts; surfaces are known as "body.surface"."""
+    seen: dict[frozenset[str], str] = {}
     for name, contact in scene.contacts.items():
         place = f"contacts.{name}"
         yield from _side_checks(scene, place, contact, known)
         yield from _pressure_checks(f"{place}.sliding.pressure", contact)
-        yield from _formulation_checks(scene, name, contact)
+        yield from _formulation_checks(scene, place, contact)
         yield from _dimension_checks(scene, place, contact)
-    yield from _same_sides(scene)
+        first = seen.setdefault(frozenset((contact.a, contact.b)), name)
+        if first != name:
+            allowed = f"other sides than contacts.{first}, which joins the same surfaces"
+            yield InputError(f"{place}.a", f"{contact.a} on {contact.b}", allowed)
 
 
 def _side_checks(
@@ -42,37 +40,16 @@ def _side_checks(
         yield InputError(f"{place}.b", contact.b, f"another body than {contact.a}")
         return
     for side, where in (("a", contact.a), ("b", contact.b)):
-        if where in known:
-            yield from _held(scene, f"{place}.{side}", where)
-
-
-def _held(scene: SceneSpec, place: str, where: str) -> Iterator[InputError]:
-    """A side whose supports hold every displacement, or the one along its normal."""
-    body, _, surface = where.partition(".")
-    if body not in scene.bodies:  # its name, which holds a dot, is refused already
-        return
-    dim = len(scene.bodies[body].geometry.directions)
-    for i, support in enumerate(scene.bodies[body].supports):
-        if support.surface == surface and (held := _what_is_held(support, dim)):
-            allowed = f"a surface that may move: bodies.{body}.supports.{i} holds {held}"
-            yield InputError(place, where, allowed)
-
-
-def _what_is_held(support: SupportSpec, dim: int) -> str:
-    """What a support leaves no freedom of, in words; nothing where a contact can close."""
-    if len(set(support.components)) in (0, dim):
-        return "every displacement of it"
-    return "its normal displacement" if "normal" in support.components else ""
-
-
-def _same_sides(scene: SceneSpec) -> Iterator[InputError]:
-    """Contacts between sides that another contact joins already, in either order."""
-    seen: dict[frozenset[str], str] = {}
-    for name, contact in scene.contacts.items():
-        sides = frozenset((contact.a, contact.b))
-        if (first := seen.setdefault(sides, name)) != name:
-            allowed = f"other sides than contacts.{first}, which joins the same surfaces"
-            yield InputError(f"contacts.{name}.a", f"{contact.a} on {contact.b}", allowed)
+        body, _, surface = where.partition(".")
+        if where not in known or body not in scene.bodies:
+            continue
+        dim = len(scene.bodies[body].geometry.directions)
+        for i, support in enumerate(scene.bodies[body].supports):
+            count = len(set(support.components))
+            if support.surface == surface and (count in (0, dim) or "normal" in support.components):
+                held = "its normal displacement" if 0 < count < dim else "every displacement of it"
+                allowed = f"a surface that may move: bodies.{body}.supports.{i} holds {held}"
+                yield InputError(f"{place}.{side}", where, allowed)
 
 
 def _pressure_checks(place: str, contact: ContactSpec) -> Iterable[InputError]:
@@ -86,21 +63,14 @@ def _pressure_checks(place: str, contact: ContactSpec) -> Iterable[InputError]:
         yield InputError(place, pressure, "left out where c_n is given: the loads make it")
 
 
-_ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}
-"""Kinds of abscissae that surfaces of each backend have."""
-
-
-def _formulation_checks(scene: SceneSpec, name: str, contact: ContactSpec) -> Iterable[InputError]:
+def _formulation_checks(scene: SceneSpec, place: str, contact: ContactSpec) -> Iterable[InputError]:
     """Abscissae that the side they are asked of does not have."""
     for side in ("a", "b") if contact.full_pass else ("a",):
         body = scene.bodies.get(getattr(contact, side).split(".")[0])
         if body is not None and not suits(contact.formulation, body.backend):
             allowed = ", ".join(m for m, kind in registered().items() if suits(kind, body.backend))
-            yield InputError(
-                f"contacts.{name}.formulation.method",
-                contact.formulation.method,
-                f"one of {allowed} where side {side} has backend {body.backend!r}",
-            )
+            allowed = f"one of {allowed} where side {side} has backend {body.backend!r}"
+            yield InputError(f"{place}.formulation.method", contact.formulation.method, allowed)
 
 
 def _dimension_checks(scene: SceneSpec, place: str, contact: ContactSpec) -> Iterable[InputError]:

@@ -26,26 +26,14 @@ _KEYS = re.compile(r"(?<![^\s.,=\[\]{}])(?:[^\s.,=\[\]{}]+[ \t]*\.[ \t]*){100}")
 
 
 def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any]:
-    """What a scene file says, with fields set; parameters are those of :func:`load_scene`.
-
-    Raises
-    ------
-    SceneError
-        When there is no such file, or no TOML in it, or a field cannot be set.
-    """
+    """What a scene file says, with fields set; parameters are those of :func:`load_scene`."""
     data = _toml(scene)
     set_fields(data, overrides)
     return data
 
 
 def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
-    """Set fields of plain data, each as "path.to.field=value" with a TOML value.
-
-    Raises
-    ------
-    SceneError
-        When one cannot be set.
-    """
+    """Set fields of plain data, each as "path.to.field=value" with a TOML value."""
     for override in overrides:
         try:
             set_by_text(data, override)
@@ -102,12 +90,6 @@ def scene_file(scene: str | Path) -> Path:
 
 
 def is_of_matrices(scene: str | Path) -> bool:
-    """Whether a scene file names matrices and no bodies.
-
-    Raises
-    ------
-    SceneError
-        When there is no such file, or no TOML in it.
-    """
+    """Whether a scene file names matrices and no bodies."""
     tables = tables_of(scene)
     return "files" in tables and "bodies" not in tables

@@ -1,7 +1,6 @@
 """What a scene says of its loads."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from cea.errors import InputError
 
@@ -29,8 +28,6 @@ class LoadSpec:
     force: tuple[float, ...] | None = None
     body: str | None = None
     body_force: tuple[float, ...] | None = None
-
-    left_out: ClassVar[tuple[str, ...]] = ("force", "body", "body_force")
 
     def __post_init__(self) -> None:
         if (self.surface is None) == (self.body is None):

@@ -18,9 +18,15 @@ from cea.eigen.parameters import Parameter
 from cea.errors import InputError
 from cea.expressions import RESERVED, Formula
 from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
-from scenes.spec.consistency import needs_no_steady_state
+from scenes.spec.consistency import (
+    LARGEST,
+    MAX_ITEMS,
+    SMALLEST,
+    needs_no_steady_state,
+    scene_name_checks,
+)
+from scenes.spec.contact_checks import fault_of
 from scenes.spec.files import OF_MATRICES, scene_file, set_fields, tables_of
-from scenes.spec.limits import LARGEST, MAX_ITEMS, SMALLEST, scene_name_checks
 from scenes.spec.plain import checked
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import changed
@@ -76,9 +82,6 @@ class MatrixScene:
     data: str = ""
     description: str = ""
 
-    left_out: ClassVar[tuple[str, ...]] = ("symmetric",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
-
     __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
         extra="forbid", strict=True, allow_inf_nan=False
     )
@@ -97,18 +100,17 @@ class MatrixScene:
     @property
     def values(self) -> dict[str, float]:
         """Values of the parameters by their paths in the scene, ``parameters.NAME``."""
-        return {_path(name): _constant(name, value) for name, value in self.parameters.items()}
+        return {path: formula.at({}) for path, formula in self._of_parameters().items()}
 
     def sum(self, role: Role) -> dict[str, Formula]:
         """Coefficient of each matrix in one of the sums."""
-        names = {name: _path(name) for name in self.parameters}
-        return {
-            matrix: Formula(_text(value), names, f"{role}.{matrix}")
-            for matrix, value in self._coefficients(role).items()
-        }
+        names = {name: f"{PARAMETERS}.{name}" for name in self.parameters}
+        found: Mapping[str, float | str] = getattr(self, role)
+        return {m: _formula(value, names, f"{role}.{m}") for m, value in found.items()}
 
-    def _coefficients(self, role: Role) -> Mapping[str, float | str]:
-        return {"mass": self.mass, "damping": self.damping, "stiffness": self.stiffness}[role]
+    def _of_parameters(self) -> dict[str, Formula]:
+        paths = {f"{PARAMETERS}.{name}": value for name, value in self.parameters.items()}
+        return {path: _formula(value, {}, path) for path, value in paths.items()}
 
     def of_pencil(self) -> list[Parameter]:
         """The parameters of the pencil; they may have either sign."""
@@ -120,7 +122,7 @@ class MatrixScene:
         return Path(self.data) / name, variable
 
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "MatrixScene":
-        """The scene with fields changed, as :meth:`scenes.spec.reading.Scene.change`."""
+        """The scene with fields changed, as :meth:`scenes.spec.scene.Scene.change`."""
         return read_matrix_scene(changed(self, field, value))
 
 
@@ -153,10 +155,11 @@ def load_matrices(
     set_fields(tables, overrides)
     read = read_matrix_scene(tables)
     if comes_with_the_project and not read.data:
-        allowed = f"the folder that holds {', '.join(read.files.values())}"
-        raise SceneError(
-            [InputError("data", None, f"{allowed}; it does not come with the project")]
+        allowed = (
+            f"the folder that holds {', '.join(read.files.values())}; it does not come with the "
+            "project"
         )
+        raise SceneError([InputError("data", None, allowed)])
     return read
 
 
@@ -197,69 +200,43 @@ def _checks(scene: MatrixScene) -> Iterator[InputError]:
             if not (name.isidentifier() and name.isascii()) or name in RESERVED:
                 allowed = f"a name of letters, digits and _, none of {', '.join(sorted(RESERVED))}"
                 yield InputError(f"{section}.{name}", name, allowed)
-    wrong = list(_parameter_checks(scene))
-    yield from wrong
-    if not wrong:
-        yield from _sum_checks(scene)
-
-
-def _parameter_checks(scene: MatrixScene) -> Iterator[InputError]:
-    for name, value in scene.parameters.items():
-        try:
-            _constant(name, value)
-        except InputError as error:
-            yield error
+    wrong = list(fault_of(lambda: scene.values))
+    yield from wrong or _sum_checks(scene)
 
 
 def _sum_checks(scene: MatrixScene) -> Iterator[InputError]:
-    used: set[str] = set()
+    used, there = set[str](), ", ".join(scene.files) or "there are none"
     for role in ROLES:
-        coefficients = scene._coefficients(role)
+        coefficients = getattr(scene, role)
         if role != "damping" and not coefficients:
             yield InputError(role, {}, "at least one matrix with its coefficient")
         used |= set(coefficients)
-        for matrix, value in coefficients.items():
+        for matrix in coefficients:
             if matrix not in scene.files:
-                allowed = f"one of the files: {', '.join(scene.files) or 'there are none'}"
-                yield InputError(f"{role}.{matrix}", matrix, allowed)
-            yield from _coefficient_checks(scene, role, matrix, value)
+                yield InputError(f"{role}.{matrix}", matrix, f"one of the files: {there}")
+        yield from fault_of(
+            lambda role=role: [c.at(scene.values) for c in scene.sum(role).values()]
+        )
     for name in set(scene.symmetric or ()) - set(scene.files):
-        allowed = f"one of the files: {', '.join(scene.files)}"
-        yield InputError(f"symmetric.{name}", name, allowed)
+        yield InputError(f"symmetric.{name}", name, f"one of the files: {there}")
     for name in scene.files:
         if name not in used:
             yield InputError(f"files.{name}", scene.files[name], "named in a sum, or left out")
 
 
-def _coefficient_checks(
-    scene: MatrixScene, role: Role, matrix: str, value: Any
-) -> Iterator[InputError]:
-    place = f"{role}.{matrix}"
-    try:
-        Formula(_text(value, place), {name: _path(name) for name in scene.parameters}, place).at(
-            scene.values
-        )
-    except InputError as error:
-        yield error
+def _values_of(scene: MatrixScene, role: Role) -> list[float]:
+    """Coefficients of one of the sums."""
+    return [coefficient.at(scene.values) for coefficient in scene.sum(role).values()]
 
 
-def _path(name: str) -> str:
-    return f"{PARAMETERS}.{name}"
-
-
-def _constant(name: str, value: Any) -> float:
-    """Value of a parameter."""
-    return Formula(_text(value, _path(name)), {}, _path(name)).at({})
-
-
-def _text(value: Any, place: str = "coefficient") -> str:
-    """A number or arithmetic as text."""
+def _formula(value: Any, names: Mapping[str, str], place: str) -> Formula:
+    """A coefficient of a number or of arithmetic as text."""
     if isinstance(value, str):
-        return value
+        return Formula(value, names, place)
     number = isinstance(value, int | float) and not isinstance(value, bool)
     if not (number and abs(value) <= float_info.max):  # whole numbers may be beyond all others
         raise InputError(place, value, "a finite number, or arithmetic as text")
-    return repr(float(value))
+    return Formula(repr(float(value)), names, place)
 
 
 def split_name(text: str) -> tuple[str, str | None]:

@@ -1,7 +1,7 @@
 """What a scene says of meshes, one for each backend."""
 
 from dataclasses import dataclass, field
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from pydantic import Field
 
@@ -44,9 +44,6 @@ class FeMesh:
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
     edges: tuple[dict[str, float], ...] = ()
     layers: Annotated[int, Field(ge=0, le=8)] = 0
-
-    left_out: ClassVar[tuple[str, ...]] = ("edges", "layers")
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         if self.edges and self.cell in SIMPLICES:
@@ -120,6 +117,3 @@ class MeshSpec:
     fe: FeMesh | None = None
     iga: IgaMesh | None = None
     degree: Annotated[int, Field(ge=1, le=4)] | None = None
-
-    left_out: ClassVar[tuple[str, ...]] = ("degree",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""

@@ -1,7 +1,6 @@
 """What a scene says of small velocities: damping of bodies, contacts that slide at a speed."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 from cea.damping import ModalDamping, RayleighDamping
 from cea.errors import InputError
@@ -33,9 +32,6 @@ class DampingSpec:
     ratios: tuple[float, float] | None = None
     frequencies: tuple[float, float] | None = None
     modal: ModalDamping | None = None
-
-    left_out: ClassVar[tuple[str, ...]] = ("modal",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         ways = [self.alpha is not None or self.beta is not None, self.ratios is not None]

@@ -1,7 +1,7 @@
-"""Scenes: read from files or plain data, changed, and refused when wrong before work begins."""
+"""Scenes read from files or plain data, and refused when wrong before work begins."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -16,45 +16,12 @@ from scenes.spec.files import scene_file, tables_of
 from scenes.spec.paths import set_at
 from scenes.spec.plain import checked, plain_data
 from scenes.spec.problems import SceneError
-from scenes.spec.scene import SceneSpec
+from scenes.spec.scene import SceneSpec, on_backend
 
 
 @dataclass(frozen=True)
 class Scene(SceneSpec):
     """A scene whose parts suit each other."""
-
-    @property
-    def backends(self) -> str:
-        """Backends of its bodies: "fe", "iga" or "fe+iga"."""
-        return "+".join(sorted({body.backend for body in self.bodies.values()}))
-
-    @property
-    def damped(self) -> bool:
-        """Whether anything damps, or feeds, small velocities."""
-        damping = [body.damping for body in self.bodies.values() if body.damping is not None]
-        sliding = [contact.sliding for contact in self.contacts.values()]
-        return any(each.acts for each in damping) or any(sliding)
-
-    @property
-    def rotates(self) -> bool:
-        """Whether a body rotates."""
-        return any(body.rotation is not None for body in self.bodies.values())
-
-    @property
-    def slides_steadily(self) -> bool:
-        """Whether a state of steady sliding is sought: a contact has a law of its closure."""
-        return any(contact.c_n is not None for contact in self.contacts.values())
-
-    @property
-    def stiffened_by_stress(self) -> bool:
-        """Whether the stresses of steady sliding stiffen, or soften, small motions."""
-        return self.analysis.kind == "cea" and self.analysis.geometric_stiffness
-
-    @property
-    def prescribes(self) -> bool:
-        """Whether a support holds anything elsewhere than at zero."""
-        supports = [each.support() for body in self.bodies.values() for each in body.supports]
-        return any(support.prescribes for support in supports)
 
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "Scene":
         """The scene with fields changed, checked anew as a file is.
@@ -81,8 +48,7 @@ class Scene(SceneSpec):
         SceneError
             When a body has no mesh there, or a formulation does not suit it.
         """
-        bodies = {name: replace(body, backend=backend) for name, body in self.bodies.items()}
-        return _without_faults(replace(self, bodies=bodies))
+        return _without_faults(on_backend(self, backend))
 
 
 def load_scene(
@@ -109,21 +75,15 @@ def load_scene(
     if "files" in data and "bodies" not in data:
         allowed = "a scene of bodies; one of matrices is read by load_matrices"
         raise SceneError([InputError("scene", str(scene), allowed)])
-    if backend is not None and isinstance(data.get("bodies"), dict):
-        for body in data["bodies"].values():
-            if isinstance(body, dict):
-                body["backend"] = backend
-    _set_paths(data, scene_file(scene).parent)
-    return read_scene(data)
-
-
-def _set_paths(data: Mapping[str, Any], folder: Path) -> None:
-    """Take the files of meshes to be relative to the folder of the scene."""
     bodies = data.get("bodies")
     for body in bodies.values() if isinstance(bodies, dict) else ():
-        geometry = body.get("geometry") if isinstance(body, dict) else None
-        if isinstance(geometry, dict) and isinstance(geometry.get("file"), str):
-            geometry["file"] = str(folder / geometry["file"])
+        if isinstance(body, dict):
+            if backend is not None:
+                body["backend"] = backend
+            geometry = body.get("geometry")
+            if isinstance(geometry, dict) and isinstance(geometry.get("file"), str):
+                geometry["file"] = str(scene_file(scene).parent / geometry["file"])
+    return read_scene(data)
 
 
 def read_scene(data: Mapping[str, Any]) -> Scene:
@@ -149,14 +109,15 @@ def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> di
     return data
 
 
-@cache
-def _adapter(formulations: tuple[type[Formulation], ...]) -> TypeAdapter[Scene]:
-    """What reads scenes that may name some formulations."""
-    return TypeAdapter(Scene)
-
-
 def _without_faults(scene: Scene) -> Scene:
+    """A scene, refused where its fields do not suit each other."""
     faults = list(cross_checks(scene))
     if faults:
         raise SceneError(faults)
     return scene
+
+
+@cache
+def _adapter(formulations: tuple[type[Formulation], ...]) -> TypeAdapter[Scene]:
+    """What reads scenes that may name some formulations."""
+    return TypeAdapter(Scene)

@@ -16,22 +16,12 @@ _AXISYMMETRIC = ("annulus", "hub", "disc", "ring")
 """Shapes that a rotation about their own axis leaves as they are, and all of their surfaces."""
 _ASIDE = 1e-9
 """Distance of an axis from that of a shape, relative to its radius, and sine of their angle."""
-_DAMPED = "where a body that rotates is damped"
+_ALIKE = "alike all round the axis of the rotation where a body that rotates is damped"
 
 
-def rotation_checks(place: str, body: BodySpec) -> Iterable[InputError]:
-    """Rotations that do not leave the body as it is, and what does not suit them.
-
-    Parameters
-    ----------
-    place
-        Path of the body.
-    body
-        The body.
-    """
-    rotation, shape = body.rotation, body.geometry.shape
-    if rotation is None:
-        return
+def rotation_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable[InputError]:
+    """Rotations that do not leave a body as it is, and what does not suit them."""
+    shape = body.geometry.shape
     dim = len(body.geometry.directions)
     yield from fault_of(rotation.check, dim, f"{place}.rotation")
     if shape not in _AXISYMMETRIC:
@@ -43,32 +33,17 @@ def rotation_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     if not _is_on_axis(body, rotation.origin):
         allowed = f"a point of the axis of the body, as {list(body.placement.translation)}"
         yield InputError(f"{place}.rotation.origin", rotation.origin, allowed)
-    if body.rotates_in_equilibrium:
-        yield from _value_checks(place, body)
-    if body.damping is not None:
-        yield from _damping_checks(place, body, rotation)
-
-
-def _value_checks(place: str, body: BodySpec) -> Iterable[InputError]:
-    """Displacements that are prescribed where forces of the rotation would go with them."""
     for i, spec in enumerate(body.supports):
-        if spec.support().prescribes:
+        if body.rotates_in_equilibrium and spec.support().prescribes:
             allowed = "zero where a body rotates with damping or convective stiffness"
             yield InputError(f"{place}.supports.{i}.value", spec.value, allowed)
-
-
-def _damping_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable[InputError]:
-    """Supports, and springs of modal damping, that are not alike all round the axis."""
-    for i, spec in enumerate(body.supports):
-        if not _goes_round(spec.support(), body, rotation):
-            allowed = f"alike all round the axis of the rotation {_DAMPED}"
-            yield InputError(f"{place}.supports.{i}", list(spec.components), allowed)
+        if body.damping is not None and not _goes_round(spec.support(), body, rotation):
+            yield InputError(f"{place}.supports.{i}", list(spec.components), _ALIKE)
     if body.damping is None or body.damping.modal is None:
         return
-    dim = len(body.geometry.directions)
     for i, spring in enumerate(body.springs):
         if len(spring.stiffness) == dim and not _turns(np.diag(spring.stiffness), rotation):
-            allowed = f"alike all round the axis of the rotation {_DAMPED} mode by mode"
+            allowed = f"{_ALIKE} mode by mode"
             yield InputError(f"{place}.springs.{i}.stiffness", spring.stiffness, allowed)
 
 
@@ -102,9 +77,6 @@ def _are_parallel(one: Iterable[float], other: Iterable[float]) -> bool:
 
 def _is_on_axis(body: BodySpec, point: Iterable[float]) -> bool:
     """Whether a point lies on the axis of a body; in the plane it may have two coordinates."""
-    x = np.zeros(3)
-    given = tuple(point)
-    x[: len(given)] = given
-    arm = x - body.placement.translation
-    distance = np.linalg.norm(np.cross(body.placement.rotation[:, 2], arm))
-    return bool(distance <= _ASIDE * body.geometry.extent[0][1])
+    x = np.array([*point, 0.0])[:3]
+    arm = np.cross(body.placement.rotation[:, 2], x - body.placement.translation)
+    return bool(np.linalg.norm(arm) <= _ASIDE * body.geometry.extent[0][1])

@@ -1,11 +1,12 @@
-"""The JSON Schema of scenes: what pydantic makes of the dataclasses, with their documentation.
+"""The JSON Schema of scenes, and the field reference as Markdown that is made of it.
 
-Editors complete and check scene files with it; the field reference is made of it.
+The schema is what pydantic makes of the dataclasses, with their documentation: editors complete and
+check scene files with it.
 """
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 from inspect import cleandoc
 from typing import Any, Literal
@@ -13,16 +14,15 @@ from typing import Any, Literal
 from pydantic import TypeAdapter
 
 from scenes.spec.matrices import MatrixScene
-from scenes.spec.reading import Scene
 from scenes.spec.scene import SceneSpec
 
 Kind = Literal["bodies", "matrices"]
 
-_KINDS: dict[Kind, tuple[type, type, str]] = {
-    "bodies": (Scene, SceneSpec, "scene.schema.json"),
-    "matrices": (MatrixScene, MatrixScene, "matrix_scene.schema.json"),
+_KINDS: dict[Kind, tuple[type, str]] = {
+    "bodies": (SceneSpec, "scene.schema.json"),
+    "matrices": (MatrixScene, "matrix_scene.schema.json"),
 }
-"""Class of a kind of scene, the class that documents it, and the file in docs/."""
+"""Class of a kind of scene, and the file in docs/."""
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _SAYS_WHICH = {"shape": "geometry", "method": "formulation", "kind": "analysis"}
 """Fields that say of which kind a section is."""
@@ -30,7 +30,7 @@ _SAYS_WHICH = {"shape": "geometry", "method": "formulation", "kind": "analysis"}
 
 def schema_file(kind: Kind) -> str:
     """Name of the file of a schema in ``docs``."""
-    return _KINDS[kind][2]
+    return _KINDS[kind][1]
 
 
 def schema_text(kind: Kind) -> str:
@@ -40,21 +40,10 @@ def schema_text(kind: Kind) -> str:
 
 @cache
 def scene_schema(kind: Kind) -> dict[str, Any]:
-    """The schema of a kind of scene.
-
-    Parameters
-    ----------
-    kind
-        ``bodies`` or ``matrices``.
-
-    Returns
-    -------
-    dict
-        Each section with its summary, each field with its meaning as ``description``.
-    """
-    made, documents, _ = _KINDS[kind]
+    """The schema of a kind of scene: each section with its summary, each field with its meaning."""
+    made = _KINDS[kind][0]
     schema = TypeAdapter(made).json_schema()
-    schema["description"] = cleandoc(documents.__doc__ or "")
+    schema["description"] = cleandoc(made.__doc__ or "")
     schema["title"] = f"scene of {kind}"
     for section in (schema, *schema.get("$defs", {}).values()):
         _document(section)
@@ -78,9 +67,13 @@ def _without_null(node: Any) -> Any:
 
 def _document(section: dict[str, Any]) -> None:
     """Take what the docstring of a section says of its fields to the fields."""
-    text = section.get("description", "")
-    section["description"] = summary_of(text)
-    meanings = meanings_of(text)
+    summary, _, rest = section.get("description", "").partition("\n\nParameters\n")
+    section["description"] = _plain(re.split(r"\n\n\w+\n-{3,}\n", summary)[0])
+    meanings: dict[str, str] = {}
+    fields = re.split(r"\n\n\w+\n-{3,}\n", rest.partition("\n")[2])[0]
+    for entry in re.split(r"\n(?=\S)", fields.strip("\n")):
+        names, _, text = entry.partition("\n")
+        meanings |= {name.strip(): _plain(text) for name in names.partition(" : ")[0].split(",")}
     for name, field in section.get("properties", {}).items():
         field.pop("title", None)
         meaning = meanings.get(name)
@@ -90,24 +83,93 @@ def _document(section: dict[str, Any]) -> None:
             field["description"] = meaning
 
 
-def summary_of(docstring: str) -> str:
-    """What a docstring says before its sections, in one line."""
-    return _plain(re.split(r"\n\n\w+\n-{3,}\n", docstring, maxsplit=1)[0])
-
-
-def meanings_of(docstring: str) -> Mapping[str, str]:
-    """What a numpy docstring says of each parameter, in one line."""
-    found = re.search(r"\nParameters\n-+\n(.*?)(?=\n\n\w+\n-{3,}\n|\Z)", docstring, re.DOTALL)
-    if found is None:
-        return {}
-    meanings: dict[str, str] = {}
-    for entry in re.split(r"\n(?=\S)", found[1].strip("\n")):
-        names, _, text = entry.partition("\n")
-        meanings |= {name.strip(): _plain(text) for name in names.partition(" : ")[0].split(",")}
-    return meanings
-
-
 def _plain(text: str) -> str:
     """Text in one line, without the marks of docstrings."""
     text = re.sub(r":\w+:`~?([^`]*)`", r"\1", text)
     return " ".join(text.replace("``", "").split())
+
+
+def type_in_words(spec: Mapping[str, Any]) -> str:
+    """Type of a field in words, sections as links."""
+    if "$ref" in spec:
+        name = spec["$ref"].rpartition("/")[2]
+        return f"[{name}](#{name.lower()})"
+    for forms in ("anyOf", "oneOf"):
+        if forms in spec:
+            return " or ".join(dict.fromkeys(map(type_in_words, spec[forms])))
+    if "enum" in spec or "const" in spec:
+        return ", ".join(f'`"{word}"`' for word in spec.get("enum", [spec.get("const")]))
+    kind, others = spec.get("type"), spec.get("additionalProperties")
+    if kind == "array":
+        item: Mapping[str, Any] = spec.get("items") or next(iter(spec.get("prefixItems", [])), {})
+        one, length = type_in_words(item), spec.get("maxItems")
+        many = f"{one}s" if one in ("number", "whole number") else one
+        return f"list of {f'{length} ' if length else ''}{many}"
+    if kind == "object":
+        return f"table by name: {type_in_words(others)}" if isinstance(others, Mapping) else "table"
+    words = {"number": "number", "integer": "whole number", "string": "text", "boolean": "truth"}
+    bounds = [sign + str(spec[bound]) for bound, sign in _BOUNDS.items() if bound in spec]
+    return " ".join([words.get(str(kind), "any value"), *([", ".join(bounds)] if bounds else [])])
+
+
+_BOUNDS = {"minimum": "≥ ", "exclusiveMinimum": "> ", "maximum": "≤ ", "exclusiveMaximum": "< "}
+
+
+_HEAD = """# Fields of a scene
+
+Made by `cea scene reference` of the dataclasses that scenes are read into; a test holds it current.
+A field without default is needed. Lengths are in m, angles in degrees, forces in N unless a scene
+keeps other consistent units. In TOML a section is a table, `[bodies.pad.material]`, or stands in
+braces, `material = { E = 8e9, nu = 0.3 }`; names of bodies and contacts are free.
+
+`cea scene schema` prints the same as JSON Schema, which comes as `docs/scene.schema.json` (scenes
+of matrices: `docs/matrix_scene.schema.json`). Editors with a TOML language server, as Even Better
+TOML in VS Code or Taplo elsewhere, complete and check the fields of a file whose first line names
+it, by a path from the file or by an address:
+
+    #:schema ../docs/scene.schema.json
+
+Fields are set on the command line by their paths, entries of lists by their number:
+`--set bodies.disc.mesh.fe.elements[1]=40`, `--set 'loads[0].pressure=1e5'`.
+"""
+_ROOTS: dict[Kind, str] = {"bodies": "scene", "matrices": "scene of matrices"}
+
+
+def reference_text() -> str:
+    """The reference, ending with a line break."""
+    lines, told = [_HEAD], set[str]()
+    for kind, root in _ROOTS.items():
+        schema = scene_schema(kind)
+        lines.append(f"\n## Scenes of {kind}\n")
+        for name, section in {root: schema, **schema["$defs"]}.items():
+            if name not in told:
+                told.add(name)
+                lines += _section(name, section)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def _section(name: str, section: Mapping[str, Any]) -> Iterator[str]:
+    """Lines of a section."""
+    which = [
+        f'`{field} = "{spec["const"]}"`. '
+        for field, spec in section["properties"].items()
+        if "const" in spec
+    ]
+    yield f"### {name}\n"
+    yield f"{''.join(which)}{_cell(section['description'])}\n"
+    fields = {n: spec for n, spec in section["properties"].items() if "const" not in spec}
+    if fields:
+        yield "| field | type | default | meaning |"
+        yield "|---|---|---|---|"
+    for field, spec in fields.items():
+        value = spec.get("default")
+        default = "" if value in (None, [], {}, "") else f"`{json.dumps(value)}`"
+        default = "needed" if field in section.get("required", ()) else default
+        meaning = _cell(spec.get("description", ""))
+        yield f"| `{field}` | {type_in_words(spec)} | {default} | {meaning} |"
+    yield ""
+
+
+def _cell(text: str) -> str:
+    """Text that no mark of a table, and none of Markdown, is read into."""
+    return text.replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")

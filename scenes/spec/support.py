@@ -1,7 +1,7 @@
 """What a scene says of displacements that are held, at zero or at given values."""
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Literal
 
 from cea.errors import InputError
 from cea.supports.boundary import Support
@@ -47,9 +47,6 @@ class SupportSpec:
     axis: tuple[float, float, float] | None = None
     origin: tuple[float, ...] | None = None
     value: float | tuple[float, ...] | None = None
-
-    left_out: ClassVar[tuple[str, ...]] = ("value",)
-    """Fields left out of plain data where they say nothing (:mod:`scenes.spec.plain`)."""
 
     def __post_init__(self) -> None:
         if not any(set(self.components) <= set(names) for names in _COMPONENTS):

@@ -14,13 +14,7 @@ _TABLES = ("bodies", "contacts")
 
 
 def scene_text(scene: Scene) -> str:
-    """A scene as TOML: read again, it is the same scene.
-
-    Parameters
-    ----------
-    scene
-        The scene; files that it names keep their paths.
-    """
+    """A scene as TOML: read again, it is the same scene."""
     data = _given(plain_data(as_data(scene)))
     plain = {name: v for name, v in data.items() if not isinstance(v, Mapping | list)}
     lines = _fields(plain)

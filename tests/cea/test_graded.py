@@ -52,7 +52,7 @@ def test_eigenvectors_are_those_of_the_unknowns_as_given(power):
 
 
 def test_left_vectors_of_damped_ones():
-    problem = random_graded_damped(0, 20)
+    problem = random_graded_damped(1, 20)
     modes = solve_modes(problem.pencil(), problem.max_frequency, left=True)
     M, D, K = (
         problem.scaled(matrix)
@@ -68,7 +68,7 @@ def test_left_vectors_of_damped_ones():
 
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
-@pytest.mark.parametrize(("seed", "damped"), [(5, False), (15, True)])
+@pytest.mark.parametrize(("seed", "damped"), [(5, False), (1, True)])
 def test_ranks_agree(ranks, seed, damped):
     alone = graded_numbers(seed, damped)
     several = on_ranks(ranks, "graded_numbers.graded_numbers", seed, damped)

@@ -157,7 +157,7 @@ def test_derivatives_of_coefficients_are_those_of_differences(backend):
 
 
 @pytest.mark.mpi
-@pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_damped_maps_are_the_same_on_several_ranks(backend):
     ranks = {"fe": 2, "iga": 3}[backend]
     found = on_ranks(ranks, "reduced_cases.damped_numbers", backend)

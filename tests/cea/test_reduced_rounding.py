@@ -64,17 +64,17 @@ def ratios(found, true):
     ]
 
 
-@pytest.mark.parametrize("damped", [False, True])
+@pytest.mark.parametrize("damped", [False, pytest.param(True, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("contact", [BONDED, RUBBING], ids=["bonded", "rubbing"])
 def test_no_bound_is_passed_however_stiff_a_contact_is(backend, contact, damped):
     pencil = plane_blocks_pencil(backend, contact, alpha=0.02 * damped)
     assert pencil.forces
     assert pencil.damped == damped
-    stiff = np.geomspace(1e4, 1e9, 6).tolist()
+    stiff = np.geomspace(1e4, 1e9, 4).tolist()
     box = {P: (stiff[0], stiff[-1])}
     points = [{P: p} for p in stiff]
     if contact is RUBBING:
-        box[MU], points = (0.0, 1.0), grid(mu=[0.0, 0.5, 1.0], P=stiff)
+        box[MU], points = (0.0, 1.0), grid(mu=[0.0, 1.0], P=stiff)
     built = enrichment(pencil, box, TOP)
     built.cover(points)
     small = built.model.small

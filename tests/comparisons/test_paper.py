@@ -9,6 +9,7 @@ import pytest
 from paper_figures import made
 
 from cea.errors import InputError
+from comparisons.cli.app import main
 from comparisons.paper.claims import CLAIMS, Evidence, judged
 from comparisons.paper.crowned_pad import COLLOCATION, QUADRATURE
 from comparisons.paper.diagram import Diagram, case_row, run_tables
@@ -148,3 +149,16 @@ def test_stored_numbers_are_those_of_the_program(labels):
         rel = 1e-4 if name.endswith("displacement") else 1e-8  # stored rounded
         atol = rel * np.abs(expected).max()
         np.testing.assert_allclose(array, expected, rtol=0, atol=atol, err_msg=name)
+
+
+def test_claims_and_figures_are_commands(tmp_path, monkeypatch, capsys):
+    for command, out in (("claims", tmp_path / "claims"), ("figure 1", tmp_path / "figures")):
+        monkeypatch.setattr("sys.argv", ["cea", *command.split(), "--out", str(out)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert end.value.code in (0, None)
+    assert "8 of 20 claims hold on every kind of mesh" in capsys.readouterr().out
+    found = pd.read_csv(tmp_path / "claims" / "claims.csv")
+    pd.testing.assert_frame_equal(found, judged(SHIPPED), check_dtype=False, rtol=1e-14)
+    made = {file.name for file in (tmp_path / "figures").glob("*.png")}
+    assert made == {"figure_1.png"}

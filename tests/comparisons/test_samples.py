@@ -56,7 +56,7 @@ def made(tmp_path_factory):
     def of(backend):
         if backend not in known:
             folder = tmp_path_factory.mktemp("samples") / "out"
-            wanted = asked(backend, f"mu~uniform:{0.93 * MU_C}:{1.08 * MU_C}", count=800, seed=5)
+            wanted = asked(backend, f"mu~uniform:{0.93 * MU_C}:{1.08 * MU_C}", count=400, seed=5)
             swept = run(wanted, folder)
             write_sweep(swept, folder)
             swept.store.discard()
@@ -84,7 +84,7 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backen
     exact = (1.08 * MU_C - threshold) / (0.15 * MU_C)
     assert data["any"]["low"] <= exact <= data["any"]["high"]
     assert abs(data["any"]["probability"] - exact) < 4 * data["any"]["standard_error"]
-    assert data["certified"] == data["values"] == 800
+    assert data["certified"] == data["values"] == 400
 
 
 @pytest.mark.grid(quick=1)
@@ -95,7 +95,7 @@ def test_both_modes_that_coalesce_are_named_and_no_other(made, backend):
     assert len(data["modes"]) == 2
     for mode in data["modes"]:
         assert mode["grows"] == data["any"]["grows"]
-        assert mode["seen"] == 800
+        assert mode["seen"] == 400
     grows = found.any(axis=1)
     assert (found[grows].sum(axis=1) == 2).all()
     growth = swept.spectra.largest[grows]
@@ -188,7 +188,7 @@ def test_samples_leave_a_page_and_are_drawn_anew(made, backend, monkeypatch, cap
         main()
     assert not end.value.code, capsys.readouterr().err
     page = (folder / "report.html").read_text()
-    assert f"{swept.record['any']['grows']} of 800 samples grow" in page
+    assert f"{swept.record['any']['grows']} of 400 samples grow" in page
 
 
 @pytest.mark.slow

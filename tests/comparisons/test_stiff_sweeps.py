@@ -26,9 +26,9 @@ def swept(backend, axis, out, *overrides):
 @pytest.mark.parametrize(
     ("axis", "overrides"),
     [
-        ("contacts.tie.P=1e-1:1e13:log:12", ()),
-        ("contacts.low.P=1e-1:1e13:log:12", ()),
-        ("contacts.low.P=1e-1:1e6:log:8", (TIED,)),
+        ("contacts.tie.P=1e-1:1e13:log:8", ()),
+        ("contacts.low.P=1e-1:1e13:log:8", ()),
+        ("contacts.low.P=1e-1:1e6:log:6", (TIED,)),
         ("contacts.low.mu=0:0.8:6", (TIED,)),
     ],
 )

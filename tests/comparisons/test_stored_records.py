@@ -10,6 +10,8 @@ from comparisons.bench.calculix import STUDY as CALCULIX
 from comparisons.brake.study import STUDY as BRAKE
 from comparisons.paper.study import STUDY as PAPER
 from comparisons.reference.study import STUDY as REFERENCE
+from comparisons.study.result import read
+from comparisons.study.run import _key as key_of
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
 from scenes.results.record import PROVENANCE, read_record
@@ -33,3 +35,13 @@ def test_a_record_says_what_made_it(command, file):
     assert re.fullmatch("[0-9a-f]{40}", data["commit"])
     assert {"python", "petsc", "slepc", "numpy"} <= set(data["versions"])
     assert data["machine"]["cpus"] > 0
+
+
+@pytest.mark.parametrize(
+    "study", [ACCURACY, CALCULIX, BRAKE, REFERENCE, PAPER], ids=lambda s: s.name
+)
+def test_stored_cases_are_those_of_the_default_options(study):
+    """So the command takes them: labels, options and scenes agree."""
+    options = study.options()
+    stored = {case["key"] for case in read(study.name, study.shipped).cases}
+    assert stored == {key_of(study, options, dict(case)) for case in study.cases(options)}

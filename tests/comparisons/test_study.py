@@ -12,7 +12,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from mpi import mpiexec
-from small_study import APART, HASTY, STUDY, Options
+from small_study import APART, EACH, HASTY, STUDY, Options
 from typer.testing import CliRunner
 
 from cea.errors import InputError
@@ -164,6 +164,12 @@ def test_a_crash_and_an_overlong_case_end_themselves_alone(tmp_path, helpers_fou
     assert list(result.failed()["reason"]) == ["ended with code 7", "took more than 3 s"]
 
 
+def test_labels_have_processes_of_their_own_where_the_study_says_so(tmp_path, helpers_found):
+    found = run(EACH, Options(sizes=(1, 2, 3, 4)), tmp_path / "out").frame()
+    assert found.groupby("kind")["process"].nunique().tolist() == [1, 1]
+    assert found["process"].nunique() == 2
+
+
 @pytest.mark.mpi
 def test_cases_run_on_their_number_of_ranks(tmp_path, helpers_found):
     result = run(APART, Options(sizes=(1, 2)), tmp_path / "out")
@@ -174,11 +180,18 @@ TOGETHER = """
 import sys
 from pathlib import Path
 from mpi import mpiexec
-from small_study import Options, STUDY
+from cea.errors import InputError
+from small_study import APART, Options, STUDY
 from comparisons.study.run import run
 
 result = run(STUDY, Options(log=sys.argv[1] + "/log"), Path(sys.argv[1]) / "out")
 assert list(result.frame()["ranks"]) == [2, 2, 2]
+try:
+    run(APART, Options(), Path(sys.argv[1]) / "apart")
+except InputError as error:
+    assert "processes of its own" in str(error)
+else:
+    raise AssertionError("every rank would start its own processes")
 """
 
 

@@ -1,14 +1,16 @@
-"""Bad input for what reads scenes, paths of `--set`, files and expressions."""
+"""Bad input for everything that reads: scenes, paths of `--set`, files, meshes, expressions."""
 
 import signal
 from contextlib import contextmanager
 from time import perf_counter
 
 import numpy as np
-from scene_mutations import HOSTILE, NAMES, Bad, drawn, places, random_mutation, text_of, valid
 
 from cea.errors import ConvergenceError, InputError
 from cea.expressions import Expression
+from cea.mesh import Mesh
+from meshes.mesh_file import MeshFile
+from meshes.patches import NurbsFile
 from scenes import open_result
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
@@ -16,10 +18,6 @@ from scenes.spec.reading import load_scene, read_scene
 PATIENCE = 20.0
 """Seconds after which an input hangs; each takes milliseconds on a machine with nothing else."""
 REFUSALS = (InputError, SceneError, ConvergenceError)
-SETTINGS = [
-    *("nan", "inf", "-1", "1e400", "[", "{", "{a=1}", "[[[]]]", "'", '"""', "1\nb=2", "true"),
-    *("1979-05-27", "07:32:00", "[" * 3000, "9" * 5000, "x" * 5000, "\ud800", "", "\0"),
-]
 """Values that a setting may be given."""
 
 
@@ -77,47 +75,6 @@ def _near(place, faults):
     return any(f.field.startswith((section, str(place[0]))) for f in faults)
 
 
-ALPHABET = "xyzr 0123456789.+-*/()[]{},:;'\"\\_=<>&|~^%!@#$\n\0éｘ∞"
-
-
-def random_expression(rng):
-    """A hostile text, whole or cut and joined; or characters that are no expression."""
-    if rng.random() < 0.5:
-        first, second = str(drawn(rng, HOSTILE)), str(drawn(rng, HOSTILE))
-        text = first if rng.random() < 0.5 else first[: rng.integers(1, 40)] + second
-    else:
-        text = "".join(drawn(rng, ALPHABET) for _ in range(rng.integers(1, 60)))
-    return Bad("expression", f"expression {text[:60]!r}", text, True if text in HOSTILE else None)
-
-
-def random_override(rng):
-    """A setting of `--set` along a path that is there, broken or made up."""
-    data = valid(str(rng.choice(NAMES)))
-    parts = [str(key) for key in drawn(rng, list(places(data)))]
-    for _ in range(rng.integers(0, 3)):
-        where = int(rng.integers(len(parts) + 1))
-        parts.insert(where, drawn(rng, ["", "0", "99", "-1", "x", "a b", "\0", "9" * 30, "é"]))
-    value = drawn(rng, SETTINGS)
-    return Bad("override", f"{'.'.join(parts)}={value[:20]}", (data["name"], parts, value), None)
-
-
-def random_file(rng, whole):
-    """Bytes of a file cut, changed, or mixed with others: a scene, or a stored result."""
-    content = bytearray(whole)
-    what = int(rng.integers(4))
-    if what == 0:
-        del content[int(rng.integers(len(content))) :]
-    elif what == 1:
-        for _ in range(int(rng.integers(1, 20))):
-            content[int(rng.integers(len(content)))] = int(rng.integers(256))
-    elif what == 2:
-        start = int(rng.integers(len(content)))
-        content[start : start + int(rng.integers(200))] = rng.bytes(int(rng.integers(200)))
-    else:
-        content = bytearray(rng.bytes(int(rng.integers(3000))))
-    return bytes(content)
-
-
 def reader(kind, folder):
     """What reads each kind of input; files go through a folder."""
 
@@ -133,35 +90,22 @@ def reader(kind, folder):
         (folder / "result.json").write_bytes(content)
         return open_result(folder / "result.json")
 
+    def mesh_file(value):
+        ending, content, geometry = value
+        file = folder / f"bad{ending}"
+        file.write_bytes(content)
+        fields = {**geometry, "file": str(file)}
+        if fields.pop("shape") == "nurbs_file":
+            return NurbsFile(**fields)
+        read = MeshFile(**fields)
+        return read.mesh(read.faces)
+
     return {
         "scene": read_scene,
         "expression": lambda text: Expression(text)(np.full((3, 3), 0.4)),
         "override": override,
         "scene file": scene_file,
         "stored": stored,
+        "mesh": lambda data: Mesh(**data),
+        "mesh file": mesh_file,
     }[kind]
-
-
-def random_bad(rng, stored):
-    """One input of any kind.
-
-    Parameters
-    ----------
-    rng
-        Random numbers.
-    stored
-        Content of a stored result.
-    """
-    kind = float(rng.random())
-    if kind < 0.5:
-        return random_mutation(rng)
-    if kind < 0.6:
-        return random_expression(rng)
-    if kind < 0.7:
-        return random_override(rng)
-    if kind < 0.8:
-        whole = text_of(str(rng.choice(NAMES))).encode()
-        content = random_file(rng, whole)
-        return Bad("scene file", f"scene file {content[:40]!r}", content, None)
-    content = random_file(rng, stored)
-    return Bad("stored", f"stored result {content[:40]!r}", content, None)

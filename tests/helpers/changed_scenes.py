@@ -1,9 +1,7 @@
 """Small scenes whose every field can be changed: linear, pressed together, damped, rotating."""
 
-import numpy as np
 from damped_numbers import modally_damped_disc
 
-from scenes import assemble
 from scenes.spec.reading import read_scene
 
 
@@ -127,23 +125,3 @@ SCENES = {made.__name__: made for made in (linear, pressed, rotating, rotating_p
 def scene_of(name, backend):
     """One of the scenes on a backend."""
     return read_scene(SCENES[name](backend))
-
-
-def changed_numbers(*backends):
-    """Eigenvalues of assembled scenes with fields changed, and digits at other moduli."""
-    found = {}
-    for backend in backends:
-        linear_, pressed_ = (assemble(scene_of(name, backend)) for name in ("linear", "pressed"))
-        stiff = {"contacts.interface.P": 1e9, "bodies.upper.material.E": 0.02}
-        for assembled, changes in (
-            (linear_, stiff),
-            (linear_, {"bodies.lower.material.nu": 0.2}),
-            (pressed_, {"loads.0.pressure": 0.03}),
-            (pressed_, {"bodies.upper.material.rho": 2.0}),
-        ):
-            result = assembled.modes(changes)
-            found[f"{backend} {result.scene.name} {', '.join(changes)}"] = {
-                "sizes": np.abs(result.eigenvalues).tolist(),
-                "warnings": [warning.kind for warning in result.warnings],
-            }
-    return found

@@ -1,10 +1,5 @@
 """A damped scene with a rotating disc and a pad that slides: data, and numbers on any ranks."""
 
-import numpy as np
-
-from scenes import run_modes
-from scenes.spec.reading import read_scene
-
 RATE = 0.3
 
 
@@ -61,38 +56,3 @@ def modally_damped_disc(backend, **contact):
     data["bodies"]["disc"]["damping"] = {"modal": {"ratio": 0.02, "max_frequency": 0.45}}
     data["bodies"]["pad"]["damping"]["modal"] = {"ratios": [0.01, 0.0, 0.03, 1e-6, 0.02]}
     return data
-
-
-def of_backend(backend):
-    """Norms of the matrices, asymmetry of them, and eigenvalues."""
-    result = run_modes(read_scene(damped_disc(backend)))
-    matrices = result.modes.pencil.at()
-    C, Y = matrices.damping, matrices.gyroscopic
-    skew = Y.copy()
-    skew.axpy(1.0, Y.transpose(type(Y)()), structure=False)
-    apart = C.copy()
-    apart.axpy(-1.0, C.transpose(type(C)()), structure=False)
-    values = result.eigenvalues[np.argsort(result.eigenvalues.imag)]
-    return {
-        "norms": [m.norm() for m in (C, Y, matrices.stiffness, matrices.mass)],
-        "asymmetry": skew.norm() + apart.norm(),
-        "re": values.real.tolist(),
-        "im": values.imag.tolist(),
-    }
-
-
-def modal_of_backend(backend):
-    """Trace of the modal damping, and eigenvalues with derivatives in its ratio."""
-    result = run_modes(read_scene(modally_damped_disc(backend)), left=True)
-    pieces = [term.piece for term in result.modes.pencil.low_rank]
-    squares = [result.comm.allreduce((p.vectors**2).sum(axis=0)) for p in pieces]
-    order = np.argsort(result.eigenvalues.imag)
-    values = result.eigenvalues[order]
-    slopes = result.modes.sensitivity("bodies.disc.damping.modal.ratio")[order]
-    return {
-        "traces": [float(s @ p.weights) for s, p in zip(squares, pieces, strict=True)],
-        "modes": [len(p.weights) for p in pieces],
-        "re": values.real.tolist(),
-        "im": values.imag.tolist(),
-        "slopes": np.abs(slopes).tolist(),
-    }

@@ -323,31 +323,29 @@ def _cut(near, far, middle, finite):
     return min(gaps)[1]
 
 
+def dense_linear(M, K) -> Dense:
+    """All eigenvalues kappa of K x = kappa M x, of dense matrices that are scaled well."""
+    return Dense(*_eigenvalues(_reduced(M, K), np.linalg.cond(M)), symmetric=False)
+
+
 def dense_quadratic(M, D, K, scale) -> tuple[np.ndarray, np.ndarray]:
-    """All eigenvalues lambda of lambda^2 M + lambda D + K, and their errors.
-
-    Parameters
-    ----------
-    M, D, K
-        Dense matrices.
-    scale
-        Where eigenvalues are to be accurate (1/s).
-    """
-    root = cholesky(M, lower=True)
+    """All eigenvalues lambda of lambda^2 M + lambda D + K, accurate about a scale, and errors."""
     n = len(M)
+    low = [-_reduced(M, K) / scale**2, -_reduced(M, D) / scale]
+    A = np.block([[np.zeros((n, n)), np.eye(n)], low])
+    values, error = _eigenvalues(A, np.linalg.cond(M))
+    return values * scale, error * scale
 
-    def reduced(matrix):
-        half = solve_triangular(root, matrix, lower=True)
-        return solve_triangular(root, half.T, lower=True).T
 
-    A = np.block(
-        [
-            [np.zeros((n, n)), np.eye(n)],
-            [-reduced(K) / scale**2, -reduced(D) / scale],
-        ]
-    )
+def _reduced(M, A):
+    """L^-1 A L^-T with M = L L^T."""
+    root = cholesky(M, lower=True)
+    half = solve_triangular(root, A, lower=True)
+    return solve_triangular(root, half.T, lower=True).T
+
+
+def _eigenvalues(A, spread):
+    """Eigenvalues of a dense matrix, and what rounding may move each by."""
     values, left, right = eig(A, left=True, right=True)
     overlap = np.maximum(np.abs(np.sum(left.conj() * right, axis=0)), _EPS)
-    spread = np.linalg.cond(M)
-    error = 4 * np.sqrt(2 * n) * _EPS * np.linalg.norm(A, 2) * spread / overlap
-    return values * scale, error * scale
+    return values, 4 * np.sqrt(len(A)) * _EPS * np.linalg.norm(A, 2) * spread / overlap

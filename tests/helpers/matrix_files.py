@@ -66,22 +66,6 @@ def inside(values, max_frequency=0.6, min_growth=-1.0):
     return chosen[np.argsort(chosen.imag)]
 
 
-def on_this_many_ranks(folder):
-    """Modes of the scene, with sums of its matrices, on all ranks of a program."""
-    from scenes.running.matrices import run_matrices
-    from scenes.spec.matrices import read_matrix_scene
-
-    result = run_matrices(read_matrix_scene(scene(folder)))
-    values = result.eigenvalues
-    return {
-        "re": values.real.tolist(),
-        "im": values.imag.tolist(),
-        "verdicts": result.modes.verdicts(),
-        "pieces": {name: piece.plain() for name, piece in result.pieces.items()},
-        "sums": {name: float(abs(m).sum()) for name, m in result.matrices().items()},
-    }
-
-
 def refused(folder):
     """The field that each rank refuses."""
     from cea.errors import InputError

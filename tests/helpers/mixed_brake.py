@@ -131,19 +131,6 @@ def scene(file, *, friction, top=26000.0):
 STEEL = (1.2e11, 0.3, 7200.0)
 
 
-def one_body(file, degree=2, top=30000.0):
-    """Disc and pad that share nodes as one body of one material, held at the bore and behind."""
-    body = {
-        "backend": "fe",
-        "geometry": {"shape": "mesh_file", "file": str(file), "unit": "m"},
-        "material": dict(zip(("E", "nu", "rho"), STEEL, strict=True)),
-        "supports": [{"surface": "BORE"}, {"surface": "BACK"}],
-        "mesh": {"degree": degree},
-    }
-    analysis = {"kind": "cea", "max_frequency": top}
-    return read_scene({"name": "brake", "bodies": {"brake": body}, "analysis": analysis})
-
-
 def calculix(brake, modes=20, materials=MATERIALS):
     """The deck of a bonded brake for CalculiX, held at the bore and behind."""
     lines = []
@@ -153,11 +140,6 @@ def calculix(brake, modes=20, materials=MATERIALS):
     lines += ["*BOUNDARY", "BORE, 1, 3", "BACK, 1, 3"]
     lines += ["*STEP", "*FREQUENCY, STORAGE=YES", f"{modes}", "*END STEP"]
     return brake.deck() + "\n".join(lines) + "\n"
-
-
-def calculix_of_one_body(brake, modes):
-    """The deck of :func:`one_body` with the brake's own elements, for CalculiX."""
-    return calculix(brake, modes, dict.fromkeys(MATERIALS, STEEL))
 
 
 def on_any_number_of_ranks():

@@ -91,15 +91,6 @@ def tied_twice():
     return data | {"contacts": {"interface": first, "again": first}}
 
 
-def lifted_off(backend, name):
-    """Eigenvalues of a contact of which all but a sliver has lifted off on some ranks."""
-    data = blocks(backend, {})
-    contact = data["contacts"]["interface"]
-    del contact["P"]
-    contact |= FORMULATIONS[name] | {"form": "saddle", "p": "where(x < 0.55, 0, 300.0)"}
-    return eigenvalues(run_modes(read_scene(data)))
-
-
 def saddle():
     """Eigenvalues and derivatives where some ranks have contact forces and no displacements."""
     modes = run_modes(read_scene(few_columns()), left=True).modes

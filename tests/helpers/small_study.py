@@ -102,3 +102,9 @@ HASTY = Study(
     once=once,
     process=Process("small_study:HASTY", 3.0),
 )
+EACH = Study(
+    *("squares", "Squares", Options, cases),
+    lambda case, session: {"process": os.getpid()},
+    STUDY.sections,
+    process=Process("small_study:EACH", 20.0, own=("kind",)),
+)

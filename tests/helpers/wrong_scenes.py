@@ -33,12 +33,6 @@ def rows(part):
     ]
 
 
-def number_of_rows():
-    """Inputs of the whole table, each once."""
-    scenes = {(part, str(row)) for part in ("read", "built") for row in rows(part)}
-    return len(scenes) + len(set(map(str, TABLE["files"]["texts"] + TABLE["commands"]["lines"])))
-
-
 def coarse(base):
     """A scene of the catalogue as plain data, with few elements."""
     data = tables_of(base)

@@ -13,7 +13,6 @@ from catalogue import MESHED
 import scenes
 from cea.contact.formulations import Greville
 from scenes import SceneError, load_scene, read_scene
-from scenes.spec.files import SCENES
 from scenes.spec.plain import plain_data
 
 MU = "contacts.pad_disc.mu"
@@ -53,15 +52,6 @@ def test_what_lies_in_the_working_directory_never_shadows_a_scene(make, tmp_path
             load_scene(name)
 
 
-def test_a_path_is_told_by_its_ending_or_by_a_separator(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    text = (SCENES / "disc.toml").read_text().replace('name = "disc"', 'name = "mine"')
-    (tmp_path / "disc").write_text(text)
-    (tmp_path / "disc.toml").write_text(text)
-    for path in ("./disc", "disc.toml", tmp_path / "disc", Path("disc.toml")):
-        assert load_scene(path).name == "mine"
-
-
 @pytest.mark.parametrize(("name", "backend"), MESHED)
 def test_a_scene_is_its_plain_data(name, backend):
     scene = load_scene(name, backend=backend)
@@ -90,27 +80,3 @@ def test_fields_are_changed_by_their_paths():
     rest = {"name", "description", "loads", "output"}
     assert all(asdict(changed)[field] == asdict(scene)[field] for field in rest)
     assert scene.change(MU, 0.3) == load_scene("disc_pad", [f"{MU}=0.3"])
-
-
-@pytest.mark.parametrize(
-    ("path", "value", "told"),
-    [
-        (MU, -1, f"{MU} = -1.0: greater than or equal to 0"),
-        ("contacts.pad_disc.nu", 1, "no such field"),
-        ("contacts.pad_disc.mu.x", 1, "a table or a list"),
-        ("bodies.disc.supports.7.surface", "top", "from 0 to"),
-        ("bodies.disc.supports.first.surface", "top", "from 0 to"),
-        ("contacts.pad_disc.formulation", {"method": "node_to_surface"}, "greville"),
-        ("name", object(), "plain data"),
-    ],
-)
-def test_changes_are_checked_as_files_are(path, value, told):
-    with pytest.raises(SceneError) as caught:
-        load_scene("disc_pad", backend="iga").change(path, value)
-    assert told in str(caught.value)
-
-
-def test_a_backend_without_meshes_is_refused():
-    scene = load_scene("disc_pad", backend="iga").change("bodies.pad.mesh.fe", None)
-    with pytest.raises(SceneError, match=r"bodies\.pad\.mesh\.fe = None"):
-        scene.on("fe")

@@ -1,30 +1,22 @@
 """Bad input is refused: by name, in bounded time and memory, and by nothing but a refusal."""
 
-import resource
-import sys
-from time import perf_counter, sleep
-
 import numpy as np
 import pytest
-from bad_inputs import complaint, faults_of, patience, random_bad, reader
+from bad_inputs import complaint, faults_of, patience
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from matrix_files import scene as a_scene_of_matrices
 from scene_mutations import HOSTILE, NAMES, Bad, coarse, mutations, random_mutation, valid
-from stored_runs import PATCH, a_record
+from stored_runs import a_record
 
 from cea.errors import InputError
-from cea.expressions import Expression, Formula
-from cea.mesh import Mesh
+from cea.expressions import Formula
 from scenes import open_result, run_scene, save_result
 from scenes.results.record import write_record
-from scenes.spec.matrices import load_matrices, read_matrix_scene
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import load_scene, read_scene
+from scenes.spec.reading import read_scene
 
 SEED = 12
 QUICK, FULL, RUNS = 400, 10_000, 200
-MOST_MEMORY = 1e9
 """Bytes by which all readers together may grow."""
 quickly = settings(
     max_examples=60,
@@ -45,35 +37,6 @@ plain = st.recursive(
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
     return write_record(a_record(), tmp_path_factory.mktemp("stored") / "r.json").read_bytes()
-
-
-def met_badly(count, stored, folder):
-    """Complaints about so many random inputs."""
-    rng = np.random.default_rng(SEED)
-    found = []
-    for _ in range(count):
-        bad = random_bad(rng, stored)
-        told = complaint(bad, reader(bad.kind, folder))
-        if told is not None:
-            found.append(told)
-    return found
-
-
-def test_some_hundred_random_inputs(stored, tmp_path):
-    assert met_badly(QUICK, stored, tmp_path) == []
-
-
-@pytest.mark.slow
-def test_ten_thousand_random_inputs(stored, tmp_path, capsys):
-    before, start = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, perf_counter()
-    found = met_badly(FULL, stored, tmp_path)
-    seconds = perf_counter() - start
-    grown = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
-    with capsys.disabled():
-        told = f"{FULL} bad inputs, seed {SEED}: {len(found)} met badly, {seconds:.0f} s"
-        sys.stdout.write(f"\n{told}\n")
-    assert found == []
-    assert grown < MOST_MEMORY
 
 
 @pytest.mark.slow
@@ -101,15 +64,6 @@ def test_what_is_read_runs_or_is_refused(tmp_path):
     assert [one for one in told if one] == []
 
 
-def test_the_harness_sees_what_is_wrong():
-    """A reader that takes everything, one that crashes and one that hangs are told."""
-    must = next(bad for bad in mutations(valid("disc")) if bad.refused)
-    assert "accepted" in complaint(must, lambda data: None)
-    assert "KeyError" in complaint(must, lambda data: data["no such field"])
-    with pytest.raises(TimeoutError), patience(0.05):
-        sleep(10)
-
-
 NAMELESS = "refused without a name"
 
 
@@ -121,13 +75,6 @@ def refused_or_read(read, value):
         except (InputError, SceneError) as error:
             named = all(fault.field and fault.allowed for fault in faults_of(error))
             return None if named else NAMELESS
-
-
-@pytest.mark.slow
-@quickly
-@given(plain)
-def test_nothing_random_is_a_scene(data):
-    assert refused_or_read(read_scene, data) is None
 
 
 @quickly
@@ -144,24 +91,6 @@ def test_random_values_in_random_places(name, data):
         table = table[key]
     table[key] = data.draw(plain)
     assert refused_or_read(read_scene, scene) != NAMELESS
-
-
-@quickly
-@given(st.data())
-def test_random_values_in_a_scene_of_matrices(data):
-    scene = a_scene_of_matrices()
-    section = scene[data.draw(st.sampled_from(sorted(scene)))]
-    table = section if isinstance(section, dict) and data.draw(st.booleans()) else scene
-    table[data.draw(st.sampled_from(sorted(table)) | st.text(max_size=8))] = data.draw(plain)
-    assert refused_or_read(read_matrix_scene, scene) != NAMELESS
-
-
-@quickly
-@given(st.text(max_size=60), st.text(max_size=40))
-def test_random_settings_of_matrices(path, value):
-    setting = f"{path}={value}"
-    read = refused_or_read(lambda text: load_matrices("tu_berlin", [text], "nowhere"), setting)
-    assert read != NAMELESS
 
 
 @quickly
@@ -185,43 +114,3 @@ def test_hostile_formulas_are_refused(text):
         )
 
     assert refused_or_read(read, text) is None
-
-
-@quickly
-@given(st.text(max_size=60), st.text(max_size=40))
-def test_random_settings(path, value):
-    read = refused_or_read(lambda text: load_scene("disc_pad", [text]), f"{path}={value}")
-    assert read != NAMELESS
-
-
-@quickly
-@given(st.text(alphabet="xyzr0123456789.+-*/()<>=&|, sincohetaw", max_size=50))
-def test_random_expressions_give_finite_numbers_or_a_refusal(text):
-    values = refused_or_read(lambda t: Expression(t)(np.full((4, 3), 0.3)), text)
-    assert values is None or (values.shape == (4,) and np.isfinite(values).all())
-
-
-@quickly
-@given(st.binary(max_size=300), st.sampled_from(["r.toml", "r.json", "r.json.gz"]))
-def test_random_files(tmp_path_factory, content, name):
-    file = tmp_path_factory.mktemp("files") / name
-    file.write_bytes(content)
-    assert refused_or_read(load_scene if name == "r.toml" else open_result, file) is None
-
-
-@quickly
-@given(plain, plain, plain)
-def test_random_arrays_are_no_mesh(points, cells, surfaces):
-    def made(_):
-        return Mesh("triangle", 1, points, cells, surfaces)
-
-    assert refused_or_read(made, None) is None
-
-
-@quickly
-@given(st.sampled_from(sorted(PATCH)), st.recursive(numbers, st.lists, max_leaves=8))
-def test_random_numbers_in_a_patch(part, value):
-    data = {"shape": "patches", "patches": [PATCH | {part: value}], "faces": {"low": [[0, 0, 0]]}}
-    scene = valid("blocks")
-    scene["bodies"]["upper"]["geometry"] = data
-    assert refused_or_read(read_scene, scene) is None

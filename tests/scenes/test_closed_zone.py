@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 
-from scenes import read_scene, run_modes, run_static
-from scenes.building.build import build_body
-from scenes.checking.closed_zone import closed_zone
+from scenes import read_scene, run_modes
+from scenes.checking.steady import closed_zone
 
 SEGMENTS = {"method": "segments"}
-RNG = np.random.default_rng(3)
 
 
 def body(backend, geometry, elements, degree=2, **more):
@@ -79,19 +77,6 @@ def told(result):
     return [w.data for w in result.warnings if w.kind == "coarse-closed-zone"]
 
 
-def test_the_width_of_a_stretch():
-    x = np.column_stack([np.linspace(-1, 1, 2001), np.zeros(2001)])
-    inside = closed_zone(x, 0.3 - np.abs(x[:, 0] - 0.2))
-    assert inside.width == pytest.approx(0.6, abs=2e-3)
-    assert np.abs(inside.across) == pytest.approx([1, 0])
-    assert np.ptp(inside.points[:, 0]) == pytest.approx(0.6, abs=3e-3)
-
-
-def test_a_zone_at_the_rim_counts_as_half_of_one():
-    x = np.column_stack([np.linspace(0, 1, 1001), np.zeros(1001)])
-    assert closed_zone(x, 0.3 - x[:, 0]).width == pytest.approx(0.6, abs=2e-3)
-
-
 @pytest.mark.parametrize("shape", ["disc", "strip", "annulus"])
 def test_the_width_of_a_zone_in_space(shape):
     """That of the largest circle in it: diameter, breadth, difference of the radii."""
@@ -106,25 +91,6 @@ def test_the_width_of_a_zone_in_space(shape):
     )
     if shape == "strip":
         assert np.abs(found.across) == pytest.approx([1, 0, 0])
-
-
-def test_contacts_that_are_closed_or_open_as_a_whole_have_no_zone():
-    x = RNG.random((20, 2))
-    assert closed_zone(x, np.ones(20)) is None
-    assert closed_zone(x, -np.ones(20)) is None
-
-
-def test_elements_are_counted_along_the_width(backend):
-    """Of oblongs four times as long as broad, along either of their sides."""
-    block = {"shape": "box", "size": [0.2, 0.2, 0.02]}
-    each = body(backend, block, (20, 5, 1), material={"E": 1e10, "nu": 0.3})
-    data = {"name": "block", "bodies": {"block": each}, "analysis": {"kind": "static"}}
-    spec = read_scene(data).bodies["block"]
-    surface = build_body("block", spec, (), ("z_max",)).surfaces["z_max"]
-    x = surface.gauss_points(12).x
-    for axis, width, size in ((0, 0.1, 0.01), (1, 0.12, 0.04)):
-        zone = closed_zone(x, width / 2 - np.abs(x[:, axis] - 0.1))
-        assert zone.elements(surface) == pytest.approx(width / size, abs=0.3)
 
 
 @pytest.mark.grid
@@ -144,38 +110,3 @@ def test_too_few_elements_for_a_stiff_law_are_told(formulation, backend):
     assert fine.growth_rates.max() > 2500
     if backend == "iga":
         assert coarse.verdict == "stable"
-
-
-@pytest.mark.parametrize("refined", [1, 3])
-def test_soft_laws_need_few_elements(refined, backend):
-    """Four or five across, and the growth rate is right to 5 %."""
-    result = run_modes(crowned_pad(backend, refined, 1e15))
-    assert told(result) == []
-    assert result.growth_rates.max() == pytest.approx(3250, rel=0.05)
-
-
-def test_a_contact_that_is_closed_as_a_whole_needs_none(backend):
-    scene = crowned_pad(backend, 1, 1e13).change("loads.0.pressure", 1e8)
-    result = run_modes(scene)
-    assert result.steady.contacts["s"].closed_fraction == 1
-    assert told(result) == []
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize("radii", [{"x": 4.0, "y": 4.0}, {"x": 4.0}])
-def test_zones_in_space(radii, backend):
-    """Round ones, and strips that go through the contact along y."""
-    n = {"fe": 1, "iga": 2}[backend]
-    (data,) = told(run_static(boxes(backend, n, 1e17, radii)))
-    assert data["elements"] < 3
-    assert told(run_static(boxes(backend, 6, 1e17, radii))) == []
-    assert told(run_static(boxes(backend, 3, 1e15, radii))) == []
-
-
-def test_halves_of_a_full_pass_have_the_stiffness_of_both():
-    radii = {"x": 4.0, "y": 4.0}
-    (alone,), both = (
-        told(run_static(boxes("iga", 2, 1e17, radii, each))) for each in (False, True)
-    )
-    assert [data["half"] for data in both] == ["s", "s, b on a"]
-    assert both[0]["stiffness"] == pytest.approx(alone["stiffness"], rel=0.3)

@@ -5,12 +5,9 @@ import pytest
 from covering import covering
 from damped_numbers import damped_disc
 from dense_damped_modes import assert_modes_are_dense
-from mpi import on_ranks
 from pressed import pressed_blocks
 
-from cea.errors import InputError
-from comparisons.stability.parts.dense_damped import damped_eigenvalues
-from scenes import open_result, run_modes, save_result
+from scenes import run_modes
 from scenes.running.assembled import AssembledScene
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
@@ -55,96 +52,6 @@ def test_changes_need_no_assembly(assembled, change, monkeypatch):
     np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        pytest.param({"bodies.disc.damping": None}, marks=pytest.mark.slow),
-        pytest.param({"bodies.disc.rotation.coriolis": False}, marks=pytest.mark.slow),
-        {"contacts.interface.sliding": None},
-    ],
-)
-def test_other_changes_are_built_anew(assembled, change):
-    expected = run_modes(assembled.scene.change(change)).eigenvalues
-    np.testing.assert_allclose(assembled.modes(change).eigenvalues, expected, rtol=1e-9, atol=1e-9)
-
-
-def test_a_threshold_is_where_growth_begins(assembled):
-    """Of the slope of friction: at it the fastest mode neither grows nor decays.
-
-    An asterisk stands for every name.
-    """
-    slope = "contacts.interface.sliding.mu_slope"
-    threshold = assembled.threshold("contacts.*.sliding.mu_slope", real=0.1, flutter=-3.0)
-    assert threshold.parameter == slope
-    assert -3.0 < threshold.value < 0.1
-    data = damped_disc("iga")
-    data["contacts"]["interface"]["sliding"]["mu_slope"] = threshold.value
-    top = 2 * np.pi * data["analysis"]["max_frequency"]
-    values = damped_eigenvalues(data)
-    assert values.real[values.imag <= top].max() == pytest.approx(0.0, abs=1e-9)
-
-
-def test_an_asterisk_that_stands_for_no_name_is_refused(assembled):
-    with pytest.raises(InputError, match=r"contacts\.\*\.mass"):
-        assembled.threshold("contacts.*.mass", real=0.0, flutter=1.0)
-
-
-@pytest.mark.slow
-def test_several_parameters_have_one_threshold():
-    data = damped_disc("iga")
-    data["contacts"]["interface"]["sliding"]["mu_slope"] = -5.0
-    with_both = AssembledScene(read_scene(data))
-    both = with_both.threshold("bodies.*.damping.alpha", real=2.0, flutter=0.0)
-    assert both.parameter == "bodies.pad.damping.alpha, bodies.disc.damping.alpha"
-    fastest = with_both._driver.solve(0.3, dict.fromkeys(both.parameter.split(", "), both.value))
-    assert fastest.growth_rates.max() == pytest.approx(0.0, abs=1e-9)
-    with_both.free()
-
-
-@pytest.fixture(scope="module")
-def with_left_vectors(assembled):
-    """Modes of that scene with left vectors."""
-    return assembled.modes(left=True).modes
-
-
-QUICK = {
-    "bodies.pad.damping.beta",
-    "bodies.disc.rotation.rate",
-    "contacts.interface.sliding.pressure",
-}
-VELOCITY_PARAMETERS = {
-    *QUICK,
-    "bodies.pad.damping.alpha",
-    "bodies.disc.damping.alpha",
-    "bodies.disc.damping.beta",
-    "contacts.interface.sliding.mu_slope",
-    "contacts.interface.sliding.speed",
-}
-"""Parameters that act on velocities."""
-
-
-def test_parameters_that_act_on_velocities_are_named(with_left_vectors):
-    words = ("damping", "rotation", "sliding")
-    names = with_left_vectors.pencil.parameters
-    assert {n for n in names if any(word in n for word in words)} == VELOCITY_PARAMETERS
-
-
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=() if name in QUICK else pytest.mark.slow)
-        for name in sorted(VELOCITY_PARAMETERS)
-    ],
-)
-def test_sensitivities_are_differences(assembled, with_left_vectors, name):
-    value = with_left_vectors.values[name]
-    step = 1e-4 * abs(value)
-    ends = [assembled._driver.solve(0.3, {name: value + s * step}) for s in (1, -1)]
-    slopes = (ends[0].eigenvalues - ends[1].eigenvalues) / (2 * step)
-    size = np.abs(slopes).max()
-    np.testing.assert_allclose(with_left_vectors.sensitivity(name), slopes, atol=1e-4 * size)
-
-
 def test_matrices_are_named(assembled):
     matrices = assembled.modes().matrices()
     assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y", "K_c", "L", "N", "J"]
@@ -152,14 +59,6 @@ def test_matrices_are_named(assembled):
     assert (C == C.T).all()
     assert (Y == -Y.T).all()
     assert (K_c == -K_c.T).all()
-
-
-def test_results_are_stored_and_opened(tmp_path, assembled):
-    result = assembled.modes()
-    opened = open_result(save_result(result, tmp_path / "result.json"))
-    np.testing.assert_array_equal(opened.eigenvalues, result.eigenvalues)
-    assert opened.scene == result.scene
-    assert opened.modes.window == result.modes.window
 
 
 def test_the_pressure_is_that_of_steady_sliding(backend):
@@ -206,64 +105,3 @@ def test_the_pressure_is_that_of_steady_sliding(backend):
 def test_what_cannot_be_is_refused(change, named):
     with pytest.raises(SceneError, match=named):
         read_scene(damped_disc("iga")).change(change)
-
-
-def test_sliding_cannot_turn_in_the_plane():
-    data = damped_disc("iga")
-    ring = {"shape": "ring", "inner_radius": 0.5, "outer_radius": 1.0}
-    inner = {"shape": "ring", "inner_radius": 0.2, "outer_radius": 0.5}
-    for body, geometry in (("disc", ring), ("pad", inner)):
-        data["bodies"][body] |= {"geometry": geometry, "supports": []}
-        data["bodies"][body]["mesh"] = {"iga": {"degree": [2, 2], "elements": [1, 8]}}
-    data["contacts"]["interface"] |= {"a": "pad.outer", "b": "disc.inner"}
-    with pytest.raises(SceneError, match=r"contacts\.interface\.sliding\.speed"):
-        read_scene(data)
-    del data["contacts"]["interface"]["sliding"]["speed"]
-    read_scene(data)
-
-
-def test_it_says_what_it_skipped(assembled):
-    told = assembled.modes().skipped
-    assert not {"damping", "gyroscopic", "convective stiffness"} & set(told)
-    change = {"bodies.disc.rotation.convective_stiffness": False}
-    assert "convective stiffness" in run_modes(assembled.scene.change(change)).skipped
-
-
-def kinds(assembled, change):
-    return {warning.kind for warning in assembled.modes(change).warnings}
-
-
-def test_rotation_and_friction_that_disagree_are_told(assembled):
-    """Friction pushes the pad along the motion of the disc under it, not against it."""
-    assert "against-rotation" not in kinds(assembled, {})
-    turned = {"contacts.interface.friction_direction_on_a.circumferential_about": [0.0, 0.0, -1.0]}
-    assert "against-rotation" in kinds(assembled, turned)
-    turned["bodies.disc.rotation.axis"] = [0.0, 0.0, -1.0]
-    assert "against-rotation" not in kinds(assembled, turned)
-    turned |= {"contacts.interface.mu": 0.0, "contacts.interface.sliding": None}
-    del turned["bodies.disc.rotation.axis"]
-    assert "against-rotation" not in kinds(assembled, turned)
-
-
-def test_convective_stiffness_is_told_to_be_half_of_it(assembled):
-    assert "centrifugal-stresses" in kinds(assembled, {})
-    for change in ({"convective_stiffness": False}, {"coriolis": False}):
-        changes = {f"bodies.disc.rotation.{name}": value for name, value in change.items()}
-        assert "centrifugal-stresses" not in kinds(assembled, changes)
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize(
-    ("ranks", "backend"),
-    [
-        (2, "iga"),
-        pytest.param(2, "fe", marks=pytest.mark.slow),
-        pytest.param(3, "fe", marks=pytest.mark.slow),
-        pytest.param(3, "iga", marks=pytest.mark.slow),
-    ],
-)
-def test_numbers_do_not_depend_on_the_ranks(ranks, backend):
-    alone, together = (on_ranks(n, "damped_numbers.of_backend", backend) for n in (1, ranks))
-    assert alone["asymmetry"] == together["asymmetry"] == 0
-    for key in ("norms", "re", "im"):
-        np.testing.assert_allclose(together[key], alone[key], rtol=1e-9, atol=1e-9)

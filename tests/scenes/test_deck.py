@@ -1,16 +1,10 @@
 """Decks of CalculiX and Abaqus: read back by their keywords."""
 
-import sys
-from dataclasses import replace
-from pathlib import Path
-
 import decks
 import numpy as np
 import pytest
-from deck_scenes import ELEMENTS, ROUND, alone, in_contact
-from mpi import cea_on_ranks
+from deck_scenes import ELEMENTS, alone, in_contact
 
-from comparisons.cli.app import main
 from scenes import run_modes
 from scenes.export.decks.bodies import deck_bodies
 from scenes.export.decks.write import write_deck
@@ -71,44 +65,6 @@ def check_middles(x, elements, kind):
             assert np.allclose(x[middle], expected, atol=1e-15)
 
 
-@pytest.mark.parametrize("name", ELEMENTS)
-def test_surfaces_are_whole_and_their_nodes_are_the_sets(name, tmp_path):
-    deck = decks.cards(write_deck(alone(*ELEMENTS[name]), tmp_path)[1])
-    x = decks.nodes(deck)
-    faces = decks.faces(deck, "part-outer", "part")
-    members = decks.members(deck, "part-outer")
-    assert {n for face in faces for n in face} <= members
-    radii = [np.hypot(*x[n][:2]) for face in faces for n in face]
-    assert np.allclose(radii, 0.2)
-    sides = 16 if "CPE" in name else 12
-    around = sides * 2 * 0.2 * np.sin(np.pi / sides)
-    sizes = [size(np.array([x[n] for n in face])) for face in faces]
-    assert sum(sizes) == pytest.approx(around if "CPE" in name else around * 0.05)
-
-
-def size(corners):
-    """Length of an edge, area of a flat triangle or quadrilateral."""
-    if len(corners) == 2:
-        return np.linalg.norm(corners[1] - corners[0])
-    diagonals = corners[2] - corners[0], corners[-1] - corners[1]
-    return np.linalg.norm(np.cross(*diagonals)) / 2
-
-
-def test_a_model_names_sets_and_materials_as_the_scene_does(written):
-    _, (model, *_) = written
-    assert {card.parameters["NSET"] for card in decks.of(model, "NODE")} == {"pad", "disc"}
-    (material,) = decks.of(model, "MATERIAL", NAME="disc-material")
-    following = model[model.index(material) + 1 :][:2]
-    assert [[float(word) for word in card.rows[0]] for card in following] == [[2.1e11, 0.3], [7800]]
-    sections = {
-        c.parameters["ELSET"]: c.parameters["MATERIAL"] for c in decks.of(model, "SOLID SECTION")
-    }
-    assert sections == {"pad": "pad-material", "disc": "disc-material"}
-    pad = [x for n, x in decks.nodes(model).items() if n in decks.members(model, "pad-bottom")]
-    assert np.allclose(np.array(pad)[:, 2], 0.012)
-    assert len(decks.members(model, "pad-bottom")) == (2 * 2 + 1) * (2 * 3 + 1)
-
-
 def test_a_contact_has_the_stiffness_and_the_sides_of_the_scene(written):
     _, (_, *both) = written
     for deck in both:
@@ -120,23 +76,6 @@ def test_a_contact_has_the_stiffness_and_the_sides_of_the_scene(written):
         friction = decks.of(deck, "FRICTION")
         assert float(friction[-1].rows[0][0]) == 0.7
         assert len(decks.of(deck, "CHANGE FRICTION")) == 1
-
-
-def test_without_friction_no_step_is_complex(tmp_path):
-    _, theirs, abaqus = write_deck(in_contact(**{"contacts.pad_disc.mu": 0.0}), tmp_path)
-    assert not decks.of(decks.cards(abaqus), "COMPLEX FREQUENCY")
-    assert not decks.of(decks.cards(theirs), "FRICTION")
-
-
-def test_held_components_are_those_of_the_supports(tmp_path):
-    deck = decks.cards(write_deck(alone("tetrahedron", 2, supports=ROUND), tmp_path)[1])
-    (boundary,) = decks.of(deck, "BOUNDARY")
-    held = {(row[0], int(row[1]), int(row[2])) for row in boundary.rows}
-    assert held == {("part-inner", 1, 1), ("part-inner", 3, 3), ("part-bottom", 1, 3)}
-    (transform,) = decks.of(deck, "TRANSFORM")
-    assert transform.parameters["TYPE"] == "C"
-    assert decks.members(deck, transform.parameters["NSET"]) == decks.members(deck, "part-inner")
-    assert [float(word) for word in transform.rows[0]] == [0, 0, 0, 0, 0, 1]
 
 
 def test_a_model_read_back_is_the_body_that_was_written(written, tmp_path):
@@ -152,57 +91,3 @@ def test_a_model_read_back_is_the_body_that_was_written(written, tmp_path):
     again = decks.cards(write_deck(scene, tmp_path)[0])
     assert len(decks.nodes(again)) == len(decks.nodes(deck))
     assert decks.faces(again, "pad-bottom", "pad") != []
-
-
-def test_texts_of_a_scene_stay_comments(written, tmp_path):
-    scene = replace(in_contact(), name="*STEP\nä", description="one\n*END STEP\n\ntwo")
-    files = write_deck(scene, tmp_path)
-    assert files[0].name == "_STEP___model.inp"
-    for file, usual in zip(files, written[1], strict=True):
-        assert file.read_bytes().isascii()
-        keywords = [card.keyword for card in decks.cards(file)]
-        assert keywords == [card.keyword for card in usual]
-
-
-def test_the_command_names_what_it_wrote_or_what_is_wrong(tmp_path, monkeypatch, capsys):
-    mesh = 'mesh.fe={cell="hexahedron", degree=1, elements=[3, 16, 1]}'
-    command = [
-        "cea",
-        "scene",
-        "export",
-        "disc",
-        "--out",
-        str(tmp_path),
-        "--set",
-        f"bodies.disc.{mesh}",
-    ]
-    for more, code in ((["--backend", "fe", "--modes", "7"], 0), ([], 1)):
-        monkeypatch.setattr(sys, "argv", [*command, *more])
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert (end.value.code or 0) == code
-    told = capsys.readouterr()
-    files = [Path(line) for line in told.out.splitlines()]
-    assert sorted(files) == sorted(tmp_path.iterdir())
-    assert len(files) == 3
-    (frequency,) = decks.of(decks.cards(tmp_path / "disc_calculix.inp"), "FREQUENCY")
-    assert frequency.rows == [["7"]]
-    assert told.err.startswith("error: bodies.disc.backend = 'iga'")
-
-
-@pytest.mark.mpi
-def test_ranks_write_the_deck_once(written, tmp_path):
-    (model, *_), _ = written
-    overrides = []
-    for field in ("pad.mesh.fe.elements=[2,3,1]", "disc.mesh.fe.elements=[3,16,1]"):
-        overrides += ["--set", f"bodies.{field}"]
-    for name in ("pad", "disc"):
-        for field in ('cell="tetrahedron"', "degree=2", "geometry_degree=1"):
-            overrides += ["--set", f"bodies.{name}.mesh.fe.{field}"]
-        overrides += ["--set", f"bodies.{name}.mesh.fe.through={{}}"]
-    done = cea_on_ranks(
-        2, "scene", "export", "disc_pad", "--backend", "fe", *overrides, "--out", tmp_path
-    )
-    assert done.returncode == 0, done.stderr
-    assert len(done.stdout.splitlines()) == 3
-    assert (tmp_path / model.name).read_bytes() == model.read_bytes()

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from deck_scenes import ELEMENTS, ROUND, alone, in_contact
 
-from scenes import read_scene
 from scenes.export.decks.write import write_deck
 
 LABEL = r"[A-Za-z][\w-]{0,79}"
@@ -116,32 +115,6 @@ def steps(file):
     return found
 
 
-def translated(supports):
-    """Two boxes, of which the lower, with some supports, is pushed along."""
-    box = {"backend": "fe", "material": {"E": 1e9, "nu": 0.3, "rho": 1e3}}
-    mesh = {"fe": {"cell": "tetrahedron", "degree": 1, "elements": [2, 2, 1]}}
-    shapes = {"low": [0.0, 0.0, 0.0], "high": [0.0, 0.0, 0.1]}
-    bodies = {
-        name: box
-        | {"geometry": {"shape": "box", "size": [0.2, 0.1, 0.1], "origin": at}, "mesh": mesh}
-        for name, at in shapes.items()
-    }
-    bodies["low"]["supports"] = supports
-    bodies["high"]["supports"] = [{"surface": "z_max", "components": ["x", "y"]}]
-    contact = {
-        "a": "high.z_min",
-        "b": "low.z_max",
-        "formulation": {"method": "segments"},
-        "p": 1e10,
-        "mu": 0.4,
-        "friction_direction_on_a": {"vector": [0.6, 0.8, 0.0]},
-    }
-    analysis = {"kind": "cea", "max_frequency": 1e4}
-    return read_scene(
-        {"name": "boxes", "bodies": bodies, "contacts": {"c": contact}, "analysis": analysis}
-    )
-
-
 @pytest.mark.parametrize("name", ELEMENTS)
 def test_decks_of_one_body_are_as_the_manual_has_it(name, tmp_path):
     supports = ROUND if name.startswith("C3D") else None
@@ -161,23 +134,6 @@ def test_decks_of_contacts_are_as_the_manual_has_it(mu, tmp_path):
     assert bool(decks.of(decks.cards(file), "FRICTION")) == bool(mu)
 
 
-def test_the_grammar_finds_what_is_wrong(tmp_path):
-    file = write_deck(in_contact(), tmp_path)[2]
-    text = file.read_text()
-    for right, wrong in (
-        ("*MOTION, ROTATION", "*MOTION, TURNING"),
-        ("FRICTION DAMPING=NO", "FRICTION DAMPING=NONE"),
-        ("*CLEARANCE, ", "*CLEARENCE, "),
-        ("*STATIC\n1., 1.", "*STATIC\n1., "),
-        ("disc-inner, 1, 3\n*SURFACE", "disc-inner, 1, 4\n*SURFACE"),
-        ("*END STEP\n** Positive", "** Positive"),
-        ("*CONTACT PAIR", "*STEP\n*CONTACT PAIR"),
-    ):
-        assert right in text
-        file.write_text(text.replace(right, wrong, 1))
-        assert faults(file)
-
-
 def test_static_steps_hold_every_node_and_the_frequency_step_frees_all_but_the_supports(tmp_path):
     file = write_deck(in_contact(), tmp_path)[2]
     closed, sliding, free, flutter = steps(file)
@@ -191,13 +147,6 @@ def test_static_steps_hold_every_node_and_the_frequency_step_frees_all_but_the_s
     assert supports.rows == [["pad-top", "1", "3"], ["disc-inner", "1", "3"]]
 
 
-def test_complex_frequencies_are_sought_in_a_larger_basis(tmp_path):
-    file = write_deck(in_contact(), tmp_path, 12)[2]
-    *_, basis, wanted = (step[0].rows[0] for step in steps(file))
-    assert wanted == ["12", "9000.0"]
-    assert basis == ["24", "18000.0"]
-
-
 def test_abaqus_is_told_the_motion_that_pushes_the_pad_as_the_scene_says(tmp_path):
     deck = decks.cards(write_deck(in_contact(), tmp_path)[2])
     (motion,) = decks.of(deck, "MOTION")
@@ -209,32 +158,3 @@ def test_abaqus_is_told_the_motion_that_pushes_the_pad_as_the_scene_says(tmp_pat
     assert [float(word) for word in axis] == [0, 0, 0, 0, 0, 1]
     (complex_,) = decks.of(deck, "COMPLEX FREQUENCY")
     assert complex_.parameters["FRICTION DAMPING"] == "NO"
-
-
-def test_a_straight_motion_has_the_components_of_the_frames_of_nodes(tmp_path):
-    """Components 1, 2, 3 of a node with *TRANSFORM are radial, circumferential, axial."""
-    plain = write_deck(translated([{"surface": "z_min"}]), tmp_path / "plain")[2]
-    assert faults(plain) == []
-    (motion,) = decks.of(decks.cards(plain), "MOTION")
-    assert motion.rows == [["low", "1", "1", "0.6"], ["low", "2", "2", "0.8"]]
-    around = {"origin": [-1.0, 0.0, 0.0], "axis": [0.0, 0.0, 1.0]}
-    held = [{"surface": "z_min", "components": ["circumferential"], **around}]
-    turned = write_deck(translated(held), tmp_path / "turned")[2]
-    assert faults(turned) == []
-    deck = decks.cards(turned)
-    (motion,) = decks.of(deck, "MOTION")
-    x, local = decks.nodes(deck), {}
-    for node, first, last, value in motion.rows:
-        assert first == last
-        local.setdefault(int(node), {})[int(first)] = float(value)
-    framed = decks.members(deck, "low-frame-1")
-    for node, given in local.items():
-        components = np.array([given[i] for i in (1, 2, 3)])
-        if node in framed:
-            radial = (x[node] - [-1.0, 0.0, 0.0])[:2] / np.hypot(x[node][0] + 1, x[node][1])
-            components[:2] = components[0] * radial + components[1] * np.array(
-                [-radial[1], radial[0]]
-            )
-        assert components == pytest.approx([0.6, 0.8, 0.0])
-    assert framed < set(local)
-    assert len(local) == 3 * 3 * 2

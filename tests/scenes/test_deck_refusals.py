@@ -11,7 +11,7 @@ REFUSED = {
     "NURBS": ({"bodies.pad.backend": "iga"}, "bodies.pad.backend = 'iga'"),
     "nodes inside": (
         {"bodies.pad.mesh.fe": {"cell": "hexahedron", "degree": 2, "elements": [2, 3, 1]}},
-        "bodies.pad.mesh.fe.degree = 2: 1 for a deck, or 2 with cell = 'tetrahedron'",
+        "bodies.pad.mesh.fe.degree = 2: 1, or 2 with cell = 'tetrahedron'",
     ),
     "degree": (
         {"bodies.pad.mesh.fe": {**P2, "degree": 3, "elements": [2, 3, 1]}},

@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 
-from cea.errors import InputError
-from meshes.mesh_file import MeshFile
 from scenes import run_modes
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
@@ -125,12 +123,6 @@ def test_what_is_refused(tmp_path, deck, words):
         read_scene(plate(tmp_path, deck))
 
 
-def test_masses_in_the_set_of_a_body_are_not_lost(tmp_path):
-    deck = f"{BODY}{HELD}*ELSET, ELSET=ALL\nPLATE, 900\n*ELEMENT, TYPE=MASS\n900, 30\n"
-    with pytest.raises(SceneError, match="MASS"):
-        read_scene(plate(tmp_path, deck, part="ALL"))
-
-
 @pytest.mark.parametrize("more", ["2, 30\n", "2, 3, 4, 5\n"])
 def test_nodes_of_a_support_that_make_no_face_are_told(tmp_path, more):
     result = run_modes(read_scene(plate(tmp_path, BODY + HELD.rstrip() + ", " + more)))
@@ -138,12 +130,6 @@ def test_nodes_of_a_support_that_make_no_face_are_told(tmp_path, more):
     (told,) = result.warnings
     assert (told.kind, told.data["nodes"]) == ("nodes-left-out", len(more.split(",")))
     assert told.data["surface"] == "CLAMP"
-
-
-def test_nodes_that_make_no_face_at_all_are_refused(tmp_path):
-    scene = read_scene(plate(tmp_path, BODY + "*NSET, NSET=CLAMP\n1, 6, 30\n"))
-    with pytest.raises(InputError, match="nowhere on the boundary"):
-        run_modes(scene)
 
 
 def test_units_that_do_not_fit_the_metres_of_a_file_are_told(tmp_path):
@@ -166,10 +152,3 @@ def test_units_that_do_not_fit_the_metres_of_a_file_are_told(tmp_path):
         assert [warning.kind for warning in result.warnings] == told
         if not told:
             np.testing.assert_allclose(result.modes.frequencies, FREQUENCIES, rtol=1e-7)
-
-
-def test_the_last_spelling_is_no_name_of_its_own(tmp_path):
-    """Half of a body is not the body: all elements of both spellings are meant."""
-    (tmp_path / "a.inp").write_text(DECKS["sets of elements spelt in two ways"][0])
-    for part in ("Plate", "PLATE", "plate"):
-        assert MeshFile(str(tmp_path / "a.inp"), "m", part=part).num_cells == 8

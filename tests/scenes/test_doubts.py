@@ -1,25 +1,12 @@
 """Doubts about the input come with every run, and never with scenes that are meant as they are."""
 
-from pathlib import Path
-
 import pytest
 from doubtful_scenes import STEEL, TONNES, bar, kinds, pulled, two_bars
-from mpi import on_ranks
-from same_numbers import assert_same
 
-from comparisons.converge.request import Request
-from comparisons.converge.study import run_converge
-from comparisons.kit.progress import Progress
-from comparisons.sweep.points import read_axis
-from comparisons.sweep.study import Asked, run
 from scenes import run_scene
 from scenes.checking.check import inspect_scene
 from scenes.checking.doubts import doubtful_numbers
-from scenes.spec.files import scene_names
-from scenes.spec.reading import load_scene, read_scene
-from scenes.spec.toml import scene_text
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
+from scenes.spec.reading import read_scene
 
 
 def test_steel_in_tonnes_and_millimetres_is_told_by_every_run(backend):
@@ -31,35 +18,6 @@ def test_steel_in_tonnes_and_millimetres_is_told_by_every_run(backend):
     assert warning.data["value"] == pytest.approx(5.172e6, rel=1e-3)
     assert kinds(inspect_scene(scene).warnings) == ["doubtful-units"]
     assert kinds(run_scene(read_scene(bar(backend))).warnings) == []
-
-
-def written(tmp_path, data):
-    file = tmp_path / "bar.toml"
-    file.write_text(scene_text(read_scene(data)))
-    return str(file)
-
-
-@pytest.mark.parametrize(
-    ("E", "rho", "doubted"),
-    [
-        (3e6, 1100.0, False),  # rubber: 52 m/s
-        (1.1e12, 3515.0, False),  # diamond: 17,700 m/s
-        (2.0e6, 1100.0, True),  # 43 m/s
-        (1.6e12, 3515.0, True),  # 21,300 m/s
-    ],
-)
-def test_the_bounds_of_the_speed_of_sound(E, rho, doubted):
-    found = list(doubtful_numbers(read_scene(bar("fe", E=E, rho=rho))))
-    assert bool(found) == doubted
-
-
-@pytest.mark.parametrize(
-    ("length", "doubted"), [(99.0, False), (101.0, True), (1.1e-5, False), (0.9e-5, True)]
-)
-def test_the_bounds_of_sizes(length, doubted):
-    scene = read_scene(bar("fe", size=(length, 0.1 * length)))
-    assert kinds(doubtful_numbers(scene)) == ["doubtful-size"] * doubted
-    assert kinds(inspect_scene(scene).warnings) == ["doubtful-size"] * doubted
 
 
 def test_large_strains_are_told_with_their_number(backend):
@@ -128,33 +86,3 @@ def test_scenes_without_units_say_so_once_and_are_left_alone(backend):
         "doubtful-units",
         "doubtful-size",
     ]
-
-
-@pytest.mark.parametrize(
-    "name", [*scene_names(), EXAMPLES / "hub_pad.toml", EXAMPLES / "two_pads.toml"]
-)
-def test_scenes_of_the_project_raise_no_doubt(name):
-    assert list(doubtful_numbers(load_scene(name))) == []
-
-
-def test_a_sweep_tells_doubts(tmp_path):
-    scene = written(tmp_path, bar("fe", **TONNES, analysis={"kind": "cea", "max_frequency": 2e6}))
-    axis = read_axis("bodies.bar.material.nu=0:0.1:2")
-    found = run(Asked(scene, (axis,), why_in_full="--full"), tmp_path).record
-    assert [w["kind"] for w in found["warnings"]] == ["doubtful-units"]
-
-
-@pytest.mark.slow
-def test_converge_tells_doubts(tmp_path):
-    scene = written(tmp_path, bar("fe", **TONNES, analysis={"kind": "cea", "max_frequency": 2e6}))
-    found = run_converge(Request(scene, 2, backends=("fe",), budget=60.0), Progress(print, print))
-    assert "doubtful-units" in [w["kind"] for w in found["warnings"]]
-
-
-@pytest.mark.mpi
-def test_doubts_are_the_same_on_two_ranks(backend):
-    found, expected = (
-        on_ranks(n, "doubtful_scenes.on_any_number_of_ranks", backend) for n in (2, 1)
-    )
-    assert [each["kind"] for each in expected] == ["bodies-overlap", "large-strain"]
-    assert_same(found, expected)

@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cea.errors import InputError
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, build_interfaces, build_system
 from scenes.spec.problems import SceneError
@@ -32,11 +31,6 @@ def test_rounding_where_friction_vanishes_is_not_negative_friction(backend):
     assert x[:, 0].max() == pytest.approx(2)
     assert law.friction.mu == pytest.approx(0.3 * np.sin(np.pi * x[:, 0] / 2), abs=1e-15)
     assert law.friction.mu.min() == 0
-
-
-def test_stiffness_follows_its_expression(backend):
-    law, x = law_and_points(blocks(backend, p="2 + x*z"))
-    assert law.stiffness == pytest.approx(2 + x[:, 0] * x[:, 2], rel=1e-14)
 
 
 def test_a_direction_by_expressions_is_the_circumferential_one():
@@ -66,13 +60,3 @@ def test_directions_that_are_none_are_refused_when_read(direction, told):
     override = f"contacts.pad_disc.friction_direction_on_a={direction}"
     with pytest.raises(SceneError, match=told):
         load_scene(Path("disc_pad"), [override])
-
-
-def test_a_direction_has_as_many_components_as_space(backend):
-    with pytest.raises(SceneError, match="3 expressions"):
-        law_and_points(blocks(backend, friction_direction_on_a='{field=["1", "0"]}'))
-
-
-def test_negative_friction_is_refused(backend):
-    with pytest.raises(InputError, match=r"mu = -.*zero or positive"):
-        law_and_points(blocks(backend, mu="0.3*sin(pi*x)"))

@@ -5,8 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 from covering import covering
-from file_scenes import built, eigenvalues, from_file, on_any_number_of_ranks
-from mpi import on_ranks
+from file_scenes import built, eigenvalues, from_file
 
 from scenes import run_modes
 from scenes.spec.problems import SceneError
@@ -49,24 +48,6 @@ def test_a_body_of_a_file_touches_built_in_ones_of_either_backend(tmp_path, back
     found, beside = eigenvalues(read_scene(data)), expected("hexahedron", 2)
     tolerance = {"fe": 1e-10, "iga": 0.02}[backend]
     assert np.abs(found - beside).max() < tolerance * np.abs(beside).max()
-
-
-def test_elements_of_higher_degree_on_the_cells_of_a_file(tmp_path):
-    data = from_file(built("hexahedron", 1), tmp_path / "a.msh")
-    for body in data["bodies"].values():
-        body["mesh"] = {"degree": 2}
-    data["analysis"]["max_frequency"] = 0.25
-    reference = expected("hexahedron", 2)
-    found = eigenvalues(read_scene(data))
-    assert np.abs(found - reference).max() < 1e-10 * np.abs(reference).max()
-
-
-def test_results_say_where_nodes_were_added(tmp_path):
-    scene = read_scene(from_file(built("hexahedron", 2), tmp_path / "a.inp", lacking=True))
-    told = run_modes(scene).data["skipped"]
-    assert "upper, lower" in told["serendipity"]
-    whole = read_scene(from_file(built("hexahedron", 2), tmp_path / "a.msh"))
-    assert "serendipity" not in run_modes(whole).data["skipped"]
 
 
 SCENE = """
@@ -120,23 +101,3 @@ def test_what_is_refused_of_a_scene(scene_file, setting, field, words):
         load_scene(scene_file, [f"bodies.cube.{setting}"])
     faults = {fault.field: str(fault) for fault in refused.value.faults}
     assert words in faults[f"bodies.cube.{field}"]
-
-
-def test_a_degree_is_of_files_alone():
-    with pytest.raises(SceneError, match=r"bodies.upper.mesh.degree = 2: left out"):
-        load_scene("blocks_3d", ["bodies.upper.mesh.degree=2"])
-
-
-def test_meshes_of_files_that_do_not_fit_into_memory_are_refused(scene_file, monkeypatch):
-    monkeypatch.setattr("scenes.checking.memory.available_memory", lambda: 2e8)
-    with pytest.raises(ValueError, match=r"bodies.cube.geometry.file.* fits into memory"):
-        run_modes(load_scene(scene_file))
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_any_number_of_ranks(ranks):
-    found, alone = on_ranks(ranks, "file_scenes.on_any_number_of_ranks"), on_any_number_of_ranks()
-    assert "bodies.upper.geometry.faces.y_min" in found["told"] == alone["told"]
-    for part in ("re", "im"):
-        np.testing.assert_allclose(found[part], alone[part], rtol=0, atol=1e-9)

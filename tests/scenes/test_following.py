@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from changed_scenes import scene_of as changed_scene
 from pressed import pressed_blocks
 
 from cea.errors import InputError
@@ -62,58 +61,6 @@ def test_what_moves_no_state_is_neither_warned_of_nor_followed(backend):
         known.threshold(MU, 0.2, 0.4, follow_steady_state=True)
     with pytest.raises(InputError, match="parameter"):
         assembled.threshold("contacts.interface.size", 0.2, 0.4, follow_steady_state=True)
-
-
-def test_sensitivities_of_a_kept_state_are_warned_of(backend):
-    scene = scene_of(backend).change("analysis.max_frequency", 0.3)
-    assert "steady-state-kept" in kinds(run_modes(scene, left=True))
-    assert "steady-state-kept" not in kinds(run_modes(scene))
-    known = scene_of(backend, p=10.0).change("analysis.max_frequency", 0.3)
-    assert "steady-state-kept" not in kinds(run_modes(known, left=True))
-
-
-@pytest.mark.grid(quick=1)
-def test_a_factor_on_an_expression_is_followed(backend):
-    """Friction that varies keeps its shape: fresh runs beside the threshold grow, or do not."""
-    wave = "0.3 + 0.1*sin(7*x)"
-    scene = scene_of(backend).change(MU, wave)
-    assembled = assemble(scene)
-    found = assembled.threshold(MU, 0.5, 1.2, follow_steady_state=True)
-
-    def growth(factor):
-        result = run_modes(scene.change(MU, f"{factor}*({wave})"))
-        near = np.abs(result.frequencies / found.frequency - 1) < 0.01
-        return float(result.growth_rates[near].max())
-
-    assert growth(found.value * (1 - 1e-5)) < 1e-6
-    assert growth(found.value * (1 + 1e-5)) > 1e-5
-
-
-def test_what_moves_the_state_is_told_by_the_stiffness(backend):
-    """The rate of a rotation and the density do where the convective stiffness is part of it."""
-    scene = changed_scene("rotating_pressed", backend)
-    rate, rho = "bodies.inner.rotation.rate", "bodies.inner.material.rho"
-    moving = assemble(scene)
-    for name in (rate, rho, "bodies.outer.material.E", "contacts.interface.mu"):
-        assert moving.depends_on_state([name])
-    assert not moving.depends_on_state(["bodies.outer.material.rho"])
-    still = assemble(scene.change("bodies.inner.rotation.convective_stiffness", False))
-    assert not still.depends_on_state([rate, rho])
-    assert still.depends_on_state([rate, "contacts.interface.mu"])
-    known = assemble(changed_scene("rotating", backend))
-    assert not known.depends_on_state([rate, rho, "contacts.interface.mu"])
-
-
-@pytest.mark.parametrize(
-    ("backend", "nu", "follow"), [("fe", 0.4991, False), ("fe", 0.4991, True), ("iga", 0.496, True)]
-)
-def test_thresholds_have_the_warnings_of_runs_there(backend, nu, follow):
-    """Of a material that keeps its volume, whether the state is kept or followed."""
-    scene = scene_of(backend).change("bodies.lower.material.nu", nu)
-    found = assemble(scene).threshold(MU, 0.2 if follow else 0.01, 0.4, follow_steady_state=follow)
-    fresh = run_modes(scene.change(MU, found.value))
-    assert "volumetric-locking" in kinds(fresh)
-    assert set(kinds(found)) - {"steady-state-kept"} == set(kinds(fresh)) - {"short-modes"}
 
 
 @pytest.mark.parametrize(("stiff", "kept"), [(30.0, False), (1e12, True)])

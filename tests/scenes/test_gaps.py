@@ -33,17 +33,3 @@ def test_bodies_apart_are_refused_unless_reach_allows(gap, method, backend):
     assert interface(allowed).largest_distance == pytest.approx(abs(gap), rel=1e-9)
     coarse[0] = LIFTED.format(1e-9)
     assert interface(load_scene("blocks", coarse, backend)).largest_distance < 2e-9
-
-
-@pytest.mark.parametrize(("outer", "inner"), [(8, 12), (12, 16), (32, 20), (16, 16)])
-def test_gaps_between_straight_facets_of_a_rim_are_none(outer, inner):
-    meshes = [
-        f"bodies.{name}.mesh.fe={{cell='quadrilateral',degree=1,elements=[2,{count}]}}"
-        for name, count in (("outer", outer), ("inner", inner))
-    ]
-    scene = load_scene("drum", meshes, "fe")
-    gap = interface(scene).largest_distance
-    assert gap > 1e-3 if outer != inner else gap < 1e-9
-    apart = [*meshes, "bodies.outer.geometry.inner_radius=1.2"]
-    with pytest.raises(InputError, match=r"apart|face each other"):
-        interface(load_scene("drum", apart, "fe"))

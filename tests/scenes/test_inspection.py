@@ -5,13 +5,10 @@ import pytest
 from PIL import Image
 from wrong_scenes import changed, coarse
 
-from scenes import run_modes, run_scene
+from scenes import run_modes
 from scenes.checking import check as inspection
-from scenes.checking.check import gaps, inspect_scene, told
-from scenes.checking.doubts import doubtful_numbers
-from scenes.checking.steps import needed_by, skipped_by
+from scenes.checking.check import inspect_scene, told
 from scenes.pictures.scene import draw_scene
-from scenes.spec.files import scene_names
 from scenes.spec.reading import load_scene, read_scene
 
 
@@ -74,55 +71,6 @@ def test_a_scene_too_large_is_not_meshed(monkeypatch):
     assert [fault.field for fault in looked.faults] == ["bodies.disc.mesh.iga.elements"]
     assert not looked.bodies
     assert any(line.startswith("about ") for line in told(looked))
-
-
-def test_gaps_are_those_of_the_geometry(backend):
-    scene = load_scene("crowned_pad", backend=backend)
-    looked = inspect_scene(scene)
-    (half,) = looked.halves.values()
-    found = gaps(half)
-    assert found.min() == pytest.approx(0.0, abs=2e-6)
-    wider = inspect_scene(scene.change("contacts.pad_disc.added_gap", 1e-4))
-    (wide,) = wider.halves.values()
-    np.testing.assert_allclose(gaps(wide), found + 1e-4, atol=1e-15)
-
-
-def test_steps_and_what_is_left_out_do_not_overlap(backend):
-    for base in ("disc_pad", "crowned_pad", "disc_pad_damped", "patch_test", "disc"):
-        scene = load_scene(base, backend=backend)
-        needed, skipped = needed_by(scene), skipped_by(scene)
-        assert not needed.keys() & skipped.keys()
-        assert all(needed.values())
-        steps = {"meshing", "search", "friction", "newton"}
-        if scene.analysis.kind == "cea":
-            steps |= {"damping", "gyroscopic"}
-        assert steps <= needed.keys() | skipped.keys()
-        assert ("eigenvalues" in needed) == (scene.analysis.kind == "cea") == ("mass" in needed)
-
-
-def test_a_run_has_the_stages_that_were_told(backend):
-    scene = load_scene("patch_test", ["contacts.interface.formulation.points=3"], backend)
-    stages = run_scene(scene).timer.seconds
-    assert {"meshing", "search"} <= stages.keys() & needed_by(scene).keys()
-
-
-@pytest.mark.parametrize(
-    ("material", "fields"),
-    [
-        ({"E": 210.0, "nu": 0.3, "rho": 7800.0}, ["E"]),
-        ({"E": 2.1e11, "nu": 0.3, "rho": 7.8e6}, ["rho"]),
-        ({"E": 2.1e11, "nu": 0.3, "rho": 7800.0}, []),
-        ({"E": 1.0, "nu": 0.3, "rho": 2.0}, []),
-        ({"E": 210.0, "nu": 0.3, "rho": 7.8e6}, ["E", "rho"]),
-    ],
-)
-def test_units_are_doubted_and_not_refused(material, fields):
-    scene = load_scene("disc").change("bodies.disc.material", material)
-    assert [warning.data["field"] for warning in doubtful_numbers(scene)] == fields
-
-
-def test_catalogue_has_no_doubtful_numbers():
-    assert [w for name in scene_names() for w in doubtful_numbers(load_scene(name))] == []
 
 
 @pytest.mark.parametrize("backend", ["fe", pytest.param("iga", marks=pytest.mark.slow)])

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from blocks import ROTATED, block
 from motions import resultant
-from pressed import AREA, PRESSURE, SOFT, pressed_blocks
+from pressed import SOFT, pressed_blocks
 
 from cea.timing import StageTimer
-from scenes import read_scene, run_scene
+from scenes import read_scene
 from scenes.building.build import build_bodies, build_system
 from scenes.spec.problems import SceneError
 
@@ -37,28 +37,6 @@ def test_a_force_on_every_part_is_its_volume_times_it(backend):
     system = loaded(backend, {"body": "part", "body_force": FORCE})
     expected = np.prod(SIZE) * np.array(FORCE)
     assert resultant(system, system.load, "part")[0] == pytest.approx(expected, rel=1e-12)
-
-
-def test_on_a_flat_surface_a_force_along_the_normal_is_a_pressure(backend):
-    area = SIZE[0] * SIZE[1]
-    pushed, pressed = (
-        loaded(backend, {"surface": "part.z_max"} | load).load.array
-        for load in ({"force": [0.0, 0.0, -2.0 * area]}, {"pressure": 2.0})
-    )
-    assert pushed == pytest.approx(pressed, abs=1e-13)
-
-
-@pytest.mark.parametrize(
-    "load",
-    [
-        {"surface": "upper.z_max", "force": [0.0, 0.0, -PRESSURE * AREA]},
-        {"body": "upper", "body_force": [0.0, 0.0, -PRESSURE / SIZE[2]]},
-    ],
-)
-def test_every_load_presses_the_sides_together(backend, load):
-    data = pressed_blocks(backend, GPTS, c_n=SOFT, m_n=2.0) | {"loads": [load]}
-    state = run_scene(read_scene(data)).steady.contacts["interface"]
-    assert state.normal_force == pytest.approx(PRESSURE * AREA, rel=1e-10)
 
 
 @pytest.mark.parametrize(

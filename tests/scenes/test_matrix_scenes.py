@@ -1,23 +1,16 @@
 """Scenes of matrices: their modes beside dense eigenvalues, what is stored, and what is refused."""
 
-import json
-
 import numpy as np
 import pytest
-from external_data import external
-from matrix_files import N, dense, inside, pieces, scene, write
-from mpi import on_ranks
-from scipy.io import mmwrite, savemat
-from scipy.sparse import csr_array, diags_array, save_npz
-from scipy.sparse.linalg import norm
+from matrix_files import dense, inside, pieces, scene, write
+from scipy.io import mmwrite
+from scipy.sparse import csr_array, diags_array
 
 from cea.errors import InputError
-from scenes import SceneError, load_matrices, load_scene, open_result, save_result
-from scenes.running.matrices import AssembledMatrices, run_matrices, unused_parameters
+from scenes import SceneError, load_matrices, load_scene
+from scenes.running.matrices import AssembledMatrices, run_matrices
 from scenes.spec.files import is_of_matrices
 from scenes.spec.matrices import read_matrix_scene
-
-WINDOW = {"kind": "cea", "max_frequency": 0.6}
 
 
 @pytest.fixture(scope="module")
@@ -58,22 +51,6 @@ def test_a_chain_without_damping_is_a_symmetric_linear_problem(tmp_path):
     assert not result.warnings
 
 
-def test_a_matrix_may_stand_in_several_sums(tmp_path):
-    """Rayleigh damping C = alpha M + beta K has lambda^2 + (alpha + beta k) lambda + k = 0."""
-    data = chain(tmp_path) | {
-        "parameters": {"alpha": 0.01, "beta": "0.1/pi"},
-        "damping": {"M": "alpha", "K": "beta"},
-    }
-    result = run_matrices(read_matrix_scene(data))
-    k = (2 * np.sin(np.arange(1, 31) * np.pi / 62)) ** 2
-    c = 0.01 + 0.1 / np.pi * k
-    true = -c / 2 + 1j * np.sqrt(k - c**2 / 4)
-    top = 2 * np.pi * 0.15
-    true = true[(true.imag <= top) & (true.real >= -0.1 * top)]
-    np.testing.assert_allclose(result.eigenvalues, true, rtol=1e-10)
-    assert result.verdict == "stable"
-
-
 def test_damped_gyroscopic_circulatory_modes_are_all_those_of_lapack(result):
     true = inside(dense(pieces()))
     assert len(true) >= 8
@@ -92,55 +69,6 @@ def test_sums_are_those_of_the_formulas_to_the_last_bits(result):
         np.testing.assert_allclose(sums[name].toarray(), true, rtol=0, atol=1e-15 * abs(true).max())
 
 
-@pytest.mark.parametrize("name", ["v", "mu"])
-def test_sensitivities_are_those_of_differences(result, folder, name):
-    slopes = result.modes.sensitivity(f"parameters.{name}")
-    step, assembled = 1e-5, AssembledMatrices(result.scene)
-    values = {"v": 2.0, "mu": 0.7}
-    up, down = (
-        assembled.modes({f"parameters.{name}": values[name] + s * step}).eigenvalues
-        for s in (1, -1)
-    )
-    assembled.free()
-    np.testing.assert_allclose(slopes, (up - down) / (2 * step), rtol=0, atol=1e-6)
-    assert abs(slopes).max() > 1e-3
-
-
-def test_other_parameters_need_no_reading(folder):
-    made = write(folder, pieces())
-    assembled = AssembledMatrices(read_matrix_scene(scene(made)))
-    (made / "K.npz").rename(made / "away.npz")
-    try:
-        for speed in (0.5, 3.0):
-            found = assembled.modes({"parameters.v": speed}).eigenvalues
-            np.testing.assert_allclose(found, inside(dense(pieces(), speed)), rtol=1e-9)
-    finally:
-        (made / "away.npz").rename(made / "K.npz")
-    with pytest.raises(InputError, match="stiffness"):
-        assembled.modes({"stiffness.K": 2.0})
-    with pytest.raises(SceneError, match=r"parameters\.v"):
-        assembled.modes({"parameters.v": "fast"})
-    assembled.free()
-
-
-def test_unsymmetric_entries_keep_their_bits(tmp_path):
-    """The small of two entries decides: kappa = 1 +- sqrt(1e10 * 1e-12)."""
-    graded = np.array([[1.0, 1e10], [1e-12, 1.0]])
-    data = chain(tmp_path, stiffness=graded, mass=np.eye(2), n=2)
-    data["analysis"]["max_frequency"] = 0.3
-    found = run_matrices(read_matrix_scene(data)).modes
-    true = 1j * np.sqrt([0.9, 1.1])
-    assert (np.abs(found.eigenvalues - true) <= 1e-8 + found.growth_uncertainties).all()
-
-
-def test_a_stiffness_that_is_skew_has_no_symmetric_part_to_begin_with(tmp_path):
-    data = chain(tmp_path, stiffness=np.array([[0, 1.0], [-1.0, 0]]), mass=np.eye(2), n=2)
-    data["analysis"]["max_frequency"] = 1.0
-    result = run_matrices(read_matrix_scene(data))
-    true = [-(0.5**0.5) * (1 - 1j), 0.5**0.5 * (1 + 1j)]
-    np.testing.assert_allclose(sorted(result.eigenvalues, key=lambda v: v.real), true)
-
-
 def test_what_is_symmetric_to_rounding_is_taken_so_and_told(tmp_path):
     K = diags_array([-np.ones(29), 2 * np.ones(30), -np.ones(29)], offsets=[-1, 0, 1]).toarray()
     K[3, 4] *= 1 + 4e-16
@@ -150,18 +78,6 @@ def test_what_is_symmetric_to_rounding_is_taken_so_and_told(tmp_path):
     assert warning.kind == "symmetrised"
     assert "K" in warning.data["asymmetry"]
     assert result.modes.window.symmetric_count is not None
-
-
-def test_results_are_stored_and_opened_again(result, tmp_path):
-    opened = open_result(save_result(result, tmp_path / "result.json"))
-    np.testing.assert_array_equal(opened.eigenvalues, result.eigenvalues)
-    assert opened.scene == result.scene
-    assert opened.table() == result.table()
-    assert opened.dofs == N
-    stored = json.loads((tmp_path / "result.json").read_text())
-    assert stored["matrices"]["G"]["symmetry"] == "skew"
-    assert stored["skipped"]["pictures"] == "matrices have no geometry"
-    assert repr(opened) == repr(result)
 
 
 def test_files_lie_beside_the_scene_or_where_it_is_said(folder, tmp_path):
@@ -269,76 +185,6 @@ def test_a_mass_is_singular_or_not_whatever_its_units(tmp_path):
         run_matrices(data)
 
 
-@pytest.mark.mpi
-@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
-def test_answers_do_not_depend_on_the_number_of_ranks(ranks, folder, result):
-    told = on_ranks(ranks, "matrix_files.on_this_many_ranks", str(folder))
-    found = np.array(told["re"]) + 1j * np.array(told["im"])
-    np.testing.assert_allclose(found, result.eigenvalues, rtol=1e-9)
-    assert told["verdicts"] == result.modes.verdicts()
-    assert told["pieces"] == {name: piece.plain() for name, piece in result.pieces.items()}
-    sums = {name: float(abs(matrix).sum()) for name, matrix in result.matrices().items()}
-    assert told["sums"] == pytest.approx(sums, rel=1e-13)
-
-
-@pytest.mark.mpi
-def test_a_broken_file_is_refused_on_every_rank(tmp_path):
-    savemat(tmp_path / "both.mat", {"D": np.eye(2)})
-    save_npz(tmp_path / "K.npz", csr_array(np.eye(2)))
-    told = on_ranks(2, "matrix_files.refused", str(tmp_path))
-    assert told == ["files.M", "files.M"]
-
-
-PUBLISHED = """
-    119.2+26260i  74.83+17400i  5.474+4932i  0.5738+36380i  9.587e-5+5131i  -0.04333+10090i
-    -1.122+1409i  -1.433+3521i  -1.834+3337i  -1.913+16340i  -2.367+4038i  -3.983+39190i
-    -6.571+22890i
-"""
-
-
-def rounded(value):
-    """A number to four digits."""
-    return f"{value:.3e}"
-
-
-@pytest.fixture(scope="module")
-def brake():
-    folder = external("tu_berlin_brake")
-    return run_matrices(load_matrices("tu_berlin", data=folder))
-
-
-@pytest.mark.slow
-def test_published_eigenvalues_of_the_brake_to_every_printed_digit(brake):
-    """All thirteen of Re in [-10, 1000], Im in [-50, 42000], five of them unstable, none extra."""
-    published = [complex(text.replace("i", "j")) for text in PUBLISHED.split()]
-    printed = sorted((rounded(v.real), rounded(v.imag)) for v in published)
-    found = sorted((rounded(v.real), rounded(v.imag)) for v in brake.eigenvalues)
-    assert found == printed
-    assert brake.modes.window.complete
-    assert brake.modes.verdicts(0.0).count("unstable") == 5
-    assert "undecided" not in brake.modes.verdicts(0.0)
-
-
-@pytest.mark.slow
-def test_backward_errors_of_the_brake(brake):
-    """Of the quadratic problem, beside matrices that are summed once more."""
-    M, C, K = (brake.matrices()[name] for name in "MCK")
-    for value, x in zip(brake.eigenvalues, brake.modes.vectors.T, strict=True):
-        defect = value**2 * (M @ x) + value * (C @ x) + K @ x
-        size = abs(value) ** 2 * norm(M, 1) + abs(value) * norm(C, 1) + norm(K, 1)
-        assert np.linalg.norm(defect) < 1e-10 * size * np.linalg.norm(x)
-        assert np.linalg.norm(defect) < 1e-14 * size * np.linalg.norm(x)
-
-
-@pytest.mark.slow
-def test_matrices_of_the_brake_are_as_they_are_described(brake):
-    kinds = {name: piece.symmetry.kind for name, piece in brake.pieces.items()}
-    assert kinds.pop("KR") == "general"
-    assert kinds.pop("DG") == "skew"
-    assert set(kinds.values()) == {"symmetric"}
-    assert {piece.size for piece in brake.pieces.values()} == {4669}
-
-
 def chains(folder, **parameters):
     """Two oscillators that flutter without damping beyond v = 4, as those of the examples."""
     matrices = {"M": np.eye(2), "K": np.diag([4.0, 5.0]), "F": np.array([[0.0, 1.0], [-1.0, 0.0]])}
@@ -378,14 +224,3 @@ def test_thresholds_of_matrices_are_the_closed_ones(tmp_path):
             assembled.threshold(*arguments)
     near = damped.threshold("parameters.v", 1.0, 8.0, frequency=0.3)
     assert near.value == pytest.approx(v, rel=1e-9)
-
-
-def test_parameters_of_no_coefficient_are_told(tmp_path):
-    scene = read_matrix_scene(chains(tmp_path)).change({"parameters.w": 2.0})
-    assert set(unused_parameters(scene)) == {"parameters.w"}
-    assert not unused_parameters(scene.change("stiffness.F", "v*w/10"))
-    decay = scene.change({"stiffness.F": "w", "parameters.v": 0.1, "analysis.min_growth": -1.0})
-    assert set(unused_parameters(decay)) == {"parameters.v", "analysis.min_growth"}
-    damped = decay.change({"parameters.c": 0.1, "stiffness.F": "v*w"})
-    assert not unused_parameters(damped)
-    assert unused_parameters(decay).items() <= run_matrices(decay).skipped.items()

@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-from scipy.io import mmwrite
 from scipy.sparse import csr_array, diags_array, save_npz, tril
 
 from cea.errors import InputError
-from scenes.matrices.reading import read_matrix
 from scenes.running.matrices import run_matrices
 from scenes.spec.matrices import read_matrix_scene
-from scenes.spec.problems import SceneError
 
 N = 6
 MASS = csr_array(np.eye(N))
@@ -49,11 +46,6 @@ def coordinates(matrix, file):
     return file
 
 
-def of_triangle(matrix, file):
-    save_npz(file, csr_array(tril(matrix)))
-    return file
-
-
 @pytest.fixture
 def mass(tmp_path):
     save_npz(tmp_path / "M.npz", MASS)
@@ -73,37 +65,6 @@ def test_one_triangle_is_refused_until_it_is_said_what_it_is(tmp_path, mass, low
     np.testing.assert_allclose(found, CLOSED_FORM, rtol=1e-9)
 
 
-def test_a_triangle_in_another_order_of_rows_is_refused_too(tmp_path, mass):
-    order = [2, 0, 4, 1, 5, 3]
-    save_npz(tmp_path / "K.npz", csr_array(tril(CHAIN))[order][:, order])
-    with pytest.raises(InputError, match="half of mirrored entries alone"):
-        frequencies(scene(mass, tmp_path / "K.npz"))
-    found = frequencies(scene(mass, tmp_path / "K.npz", symmetric={"K": True}))
-    np.testing.assert_allclose(found, CLOSED_FORM, rtol=1e-9)
-
-
-def test_a_triangular_matrix_may_be_meant(tmp_path, mass):
-    K = np.diag(np.arange(1.0, N + 1) * 1e5)
-    K[0, 1:] = 2e4  # eigenvalues of a triangular matrix are its diagonal entries
-    save_npz(tmp_path / "K.npz", csr_array(K))
-    found = frequencies(scene(mass, tmp_path / "K.npz", symmetric={"K": False}))
-    np.testing.assert_allclose(found, np.sqrt(np.diag(K)) / (2 * np.pi), rtol=1e-9)
-
-
-def test_a_triangle_of_the_mass_is_mirrored_too(tmp_path, mass):
-    M = csr_array(diags_array([0.2, 1.0, 0.2], offsets=[-1, 0, 1], shape=(N, N)))
-    data = scene(of_triangle(M, tmp_path / "M.npz"), of_triangle(CHAIN, tmp_path / "K.npz"))
-    found = frequencies({**data, "symmetric": {"M": True, "K": True}})
-    cosines = np.cos(np.arange(1, N + 1) * np.pi / (N + 1))  # of both matrices, with one basis
-    exact = np.sqrt(1e6 * (2 - 2 * cosines) / (1 + 0.4 * cosines)) / (2 * np.pi)
-    np.testing.assert_allclose(found, np.sort(exact[exact < 400]), rtol=1e-9)
-
-
-def test_symmetric_names_files(mass):
-    with pytest.raises(SceneError, match=r"symmetric\.Q"):
-        read_matrix_scene(scene(mass, mass, symmetric={"Q": True}))
-
-
 @pytest.mark.parametrize("header", ["", "** made by another program\n"])
 def test_files_of_abaqus_with_labels(tmp_path, header):
     nodes = [40, 3, -2, 7, 5, 100]  # negative ones are internal nodes of Abaqus
@@ -121,51 +82,3 @@ def test_files_of_abaqus_with_labels(tmp_path, header):
 def test_files_of_abaqus_with_coordinates(tmp_path):
     M, K = coordinates(MASS, tmp_path / "M.mtx"), coordinates(CHAIN, tmp_path / "K.mtx")
     np.testing.assert_allclose(frequencies(scene(M, K)), CLOSED_FORM, rtol=1e-9)
-
-
-def test_coordinates_of_one_triangle_are_refused(tmp_path):
-    M, K = coordinates(MASS, tmp_path / "M.mtx"), coordinates(tril(CHAIN), tmp_path / "K.mtx")
-    with pytest.raises(InputError, match="lower triangle alone"):
-        frequencies(scene(M, K))
-
-
-def test_unsymmetric_matrices_with_labels_keep_both_triangles(tmp_path):
-    friction = csr_array(CHAIN + csr_array(([5e3], ([0], [3])), shape=(N, N)))
-    found = read_matrix(labelled(friction, tmp_path / "K.mtx"))
-    assert (found != friction).nnz == 0
-
-
-@pytest.mark.parametrize("form", ["other nodes", "coordinates"])
-def test_rows_of_other_nodes_are_refused(tmp_path, form):
-    M = labelled(MASS, tmp_path / "M.mtx")
-    file = tmp_path / "K.mtx"
-    K = coordinates(CHAIN, file) if form == "coordinates" else labelled(CHAIN, file, range(2, 8))
-    with pytest.raises(InputError, match="rows of the same nodes") as refused:
-        frequencies(scene(M, K))
-    assert refused.value.field == "files.K"
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("1,1,1,1\n", "lines of 3 or 5 numbers"),
-        ("nothing of the kind\n", "nor lines of Abaqus"),
-        ("1 1 1.0\n2 2\n", "nor lines of Abaqus"),
-        ("0 1 1.0\n", "counted from 1"),
-        ("1.5 1 1.0\n", "whole numbers"),
-        ("2 2 3\n1 1 1.0\n1 2 1.0\n2 2 1.0\n", "each entry once"),
-        ("nan 1 1.0\n", "whole numbers"),
-        ("1,1,1,1,inf\n", "finite numbers"),
-        ("999999999 1 1.0\n", "rows, not 999999999"),
-        ("** nothing\n", "nor lines of Abaqus|a matrix|lines of 3 or 5"),
-    ],
-)
-def test_what_is_refused(tmp_path, text, words):
-    (tmp_path / "a.mtx").write_text(text)
-    with pytest.raises(InputError, match=words):
-        read_matrix(tmp_path / "a.mtx", field="files.K")
-
-
-def test_a_header_that_says_symmetric_needs_no_word(tmp_path, mass):
-    mmwrite(tmp_path / "K.mtx", CHAIN, symmetry="symmetric", precision=17)
-    np.testing.assert_allclose(frequencies(scene(mass, tmp_path / "K.mtx")), CLOSED_FORM, rtol=1e-9)

@@ -8,7 +8,7 @@ import pytest
 from blocks import two_blocks
 
 from cea.contact import formulations
-from cea.contact.formulations import Formulation, GaussPointToSurface, register, registered
+from cea.contact.formulations import Formulation, register, registered
 from cea.errors import InputError
 from scenes import run_scene
 from scenes.spec.contact_checks import suits
@@ -69,13 +69,6 @@ def test_a_method_that_is_not_registered_is_refused_with_those_that_are():
         read_scene(two_blocks("iga", {"method": "midpoints"}))
 
 
-def test_the_label_tells_name_points_and_options():
-    assert Midpoints().label == "midpoints"
-    assert GaussPointToSurface(5, lumped=True).label == "GPTS 5 × 5, lumped"
-    labels = [registered()[m].name for m in ("node_to_surface", "greville", "bonded")]
-    assert labels == ["node-to-surface", "Greville", "bonded"]
-
-
 def test_abscissae_say_which_backends_a_formulation_suits():
     found = {
         method: [backend for backend in ("fe", "iga") if suits(formulation, backend)]
@@ -83,16 +76,6 @@ def test_abscissae_say_which_backends_a_formulation_suits():
     }
     alone = {m: backends for m, backends in found.items() if len(backends) == 1}
     assert alone == {"node_to_surface": ["fe"], "greville": ["iga"], "botella": ["iga"]}
-
-
-def test_a_second_class_of_one_method_is_refused_and_the_same_once_more_is_not():
-    @dataclass(frozen=True)
-    class Other(Midpoints):
-        """Another class."""
-
-    with pytest.raises(InputError, match=r"Midpoints"):
-        register(Other)
-    assert register(Midpoints) is registered()["midpoints"]
 
 
 def test_a_class_without_a_method_is_refused():

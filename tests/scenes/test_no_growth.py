@@ -1,18 +1,13 @@
 """Problems that cannot flutter: what grows there is rounding, and the results say so."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from blocks import FORMULATIONS
 from covering import covering
-from reference_data import compare, exact, solve
 
-from exact_cea.reference import exact_eigenvalues
 from scenes import run_scene
-from scenes.spec.reading import load_scene, read_scene
+from scenes.spec.reading import read_scene
 
-BACKENDS = ("iga", "fe")
 SOFT = {"E": 0.1, "nu": 0.25, "rho": 0.35}
 
 
@@ -74,54 +69,3 @@ def test_layers_that_mirror_each_other_do_not_flutter(backend, formulation, full
     without = mirrored_layers(backend, formulation, full_pass=full_pass, mu=0.0)
     expected = run_scene(read_scene(without)).modes.eigenvalues
     assert modes.eigenvalues.imag == pytest.approx(expected.imag, rel=1e-6)
-
-
-def test_lumping_is_the_exception_on_splines(backend):
-    """Sliding without a gap costs lumped blocks a normal force, and friction feeds on it.
-
-    Splines overlap more widely than Lagrange functions: only theirs flutter here, less so on finer
-    elements.
-    """
-    growth = []
-    for scale in (1, 2):
-        data = mirrored_layers(backend, {"method": "gpts", "points": 4, "lumped": True})
-        for body in data["bodies"].values():
-            mesh = body["mesh"][backend]
-            mesh["elements"] = [scale * n for n in mesh["elements"]]
-        modes = run_scene(read_scene(data)).modes
-        growth.append(modes.growth_rates[modes.unstable(0.0)].max(initial=0.0))
-    if backend == "fe":
-        assert growth == [0.0, 0.0]
-    else:
-        assert 0.05 < growth[1] < 0.8 * growth[0]
-
-
-@pytest.mark.parametrize(
-    ("backend", "formulation"),
-    covering(BACKENDS, FORMULATIONS, strength=1),
-    indirect=["formulation"],
-)
-def test_order_zero_of_the_drum_does_not_grow(backend, formulation):
-    """Nothing of order zero meets friction, on meshes that know no rotation too."""
-    method = ", ".join(f"{k} = {v!r}" for k, v in formulation.items())
-    if formulation["method"] == "grid":
-        method = method.replace("points = 5", "points = 12")
-    overrides = ["contacts.interface.mu=0.9", f"contacts.interface.formulation={{{method}}}"]
-    modes = run_scene(
-        load_scene(Path("drum"), [*overrides, "analysis.max_frequency=0.46"], backend)
-    ).modes
-    values = exact_eigenvalues("drum", m=0, mu="0.9", max_frequency=2.85)
-    assert len(values) == 3
-    for value in values:
-        nearest = np.argsort(np.abs(modes.eigenvalues - value))[0]
-        assert modes.eigenvalues[nearest].imag == pytest.approx(value.imag, rel=1e-2)
-        assert abs(modes.growth_rates[nearest]) <= modes.growth_uncertainties[nearest]
-
-
-@pytest.mark.slow
-def test_the_drum_turned_the_other_way_is_its_mirror_image(backend):
-    highest = 2.4
-    turned = ["contacts.interface.friction_direction_on_a.circumferential_about=[0.0, 0.0, -1.0]"]
-    found = compare(solve("drum", highest, turned, backend), exact("drum", highest), highest)
-    assert found.complete
-    assert found.errors.max() < 4e-5

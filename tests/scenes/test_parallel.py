@@ -95,52 +95,12 @@ def test_answers_do_not_depend_on_the_number_of_ranks(ranks, name):
     assert_same(found, expected)
 
 
-@pytest.mark.parametrize("ranks", [1, 2, 3])
-def test_every_rank_hears_the_refusal_of_one(ranks):
-    assert on_ranks(ranks, "parallel_cases.refusals") == ["mu = -1.0: zero or positive"] * ranks
-
-
-def test_several_discs_are_searched_for_unstable_modes():
-    found, discs = case(1, "several discs")["count"]
-    assert found > 0
-    assert discs > 1
-
-
-def test_cases_meet_what_they_are_meant_to_meet(backend):
-    """Missed points, copies of one frequency, unstable modes, contacts that bear a force."""
-    overhanging = case(1, f"{backend} overhanging")["contacts"]["interface"]
-    assert overhanging["status"]["missed"] > 0
-    assert case(1, f"{backend} single point")["contacts"]["interface"]["points"] == 1
-    frequencies = np.array(case(1, f"{backend} column")["im"])
-    assert np.diff(frequencies).min() < 1e-9 * frequencies[0]
-    assert case(1, f"{backend} gpts")["unstable"] == 1
-    assert case(1, f"{backend} gpts static")["closing force"] != 0
-
-
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=slow)])
 def test_forces_on_ranks_without_displacements(ranks):
     found, expected = (on_ranks(n, "parallel_cases.saddle") for n in (ranks, 1))
     assert len(found["im"]) > 3
     for name, values in expected.items():
         assert sorted(found[name]) == pytest.approx(sorted(values), rel=1e-9, abs=1e-12)
-
-
-LIFTED_OFF = {(2, "fe", "segments"), (2, "iga", "mortar")}
-"""Number of ranks, backend and formulation of the quick tests."""
-
-
-@pytest.mark.parametrize(
-    ("ranks", "backend", "name"),
-    [
-        pytest.param(*row, marks=() if row in LIFTED_OFF else slow)
-        for row in product((2, 3), ("fe", "iga"), ("gpts", "segments", "mortar"))
-    ],
-)
-def test_contacts_lifted_off_in_part(ranks, backend, name):
-    """Ranks without a closed point take part too."""
-    found, expected = (on_ranks(n, "parallel_cases.lifted_off", backend, name) for n in (ranks, 1))
-    assert len(expected["im"]) > 3
-    assert_same_eigenvalues(found, expected)
 
 
 def with_formulation(ranks, scene, backend, name):
@@ -179,16 +139,6 @@ def test_every_formulation(ranks, scene, backend, name):
 )
 def test_the_disc_and_pad_flutters_on_coarse_meshes(backend, name):
     assert max(with_formulation(1, "disc_pad", backend, name)["re"]) > 100
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("ranks", [2, 3])
-def test_disc_and_pad(ranks):
-    found_on_both, expected_on_both = (on_ranks(n, "parallel_cases.disc_pad") for n in (ranks, 1))
-    for backend, expected in expected_on_both.items():
-        found = found_on_both[backend]
-        assert found["worst_residual"] < 1e-7
-        assert_same_eigenvalues(found, expected)
 
 
 def test_command_line_prints_and_writes_once(tmp_path):

@@ -1,15 +1,11 @@
 """NURBS patches that make one body: closed ones, gaps between them, patches given twice."""
 
-import json
-
 import numpy as np
 import pytest
 from closed_patches import LINE, annulus
 
 from cea.errors import InputError
 from scenes import run_modes, run_scene
-from scenes.running.enrich import richer_scene
-from scenes.running.nested import estimate_errors
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 
@@ -42,71 +38,6 @@ def frequencies(data):
 def test_a_patch_that_closes_on_itself_is_a_ring():
     found = frequencies(scene(annulus(0.06, 0.1), [3, 3], [16, 3], **HELD))
     np.testing.assert_allclose(found[:5], RING, rtol=2e-5)
-
-
-@pytest.mark.parametrize(("degree", "spans"), [(2, 1), (3, 1), (2, 3)])
-def test_one_closed_patch_has_the_modes_of_four(degree, spans):
-    closed = scene(annulus(0.06, 0.1), [degree, 2], [4 * spans, 2], 40000.0, **HELD)
-    four = scene(annulus(0.06, 0.1, quarters=True), [degree, 2], [spans, 2], 40000.0, **HELD)
-    found, expected = frequencies(closed), frequencies(four)
-    assert len(found) == len(expected) > 4
-    np.testing.assert_allclose(found, expected, rtol=1e-9)
-
-
-def extruded(geometry, height):
-    """The same in space, between z = 0 and a height (m)."""
-    patches = [
-        {
-            "degrees": [*patch["degrees"], 1],
-            "knots": [*patch["knots"], LINE],
-            "control_points": [
-                [[[*x, z] for z in (0.0, height)] for x in row] for row in patch["control_points"]
-            ],
-            "weights": [[[w, w] for w in row] for row in patch["weights"]],
-        }
-        for patch in geometry["patches"]
-    ]
-    return geometry | {"patches": patches}
-
-
-def test_a_closed_patch_in_space_has_the_modes_and_error_estimates_of_four():
-    found, expected = (
-        run_modes(read_scene(scene(
-            extruded(annulus(0.06, 0.1, quarters=quarters), 0.02),
-            [2, 2, 2], [spans, 1, 1], 20000.0, **HELD,
-        )))
-        for quarters, spans in ((False, 8), (True, 2))
-    )  # fmt: skip
-    errors = [estimate_errors(one, richer_scene(one.scene, "degree")) for one in (found, expected)]
-    assert len(found.eigenvalues) > 3
-    for one, other in (
-        (found.eigenvalues.imag, expected.eigenvalues.imag),
-        (errors[0].corrected.imag, errors[1].corrected.imag),
-    ):
-        np.testing.assert_allclose(np.sort(one), np.sort(other), rtol=1e-8)
-
-
-def two_rings(formulation, *, quarters):
-    """A ring that turns in another, with friction all round."""
-    spans = 3 if quarters else 12
-    inner = body(annulus(0.04, 0.07, quarters=quarters), [2, 2], [spans, 1])
-    outer = body(annulus(0.07, 0.1, quarters=quarters), [2, 2], [spans, 1])
-    around = {"field": ["-y/sqrt(x**2 + y**2)", "x/sqrt(x**2 + y**2)"]}
-    contact = {"a": "inner.outer", "b": "outer.inner", "formulation": formulation}
-    contact |= {"P": 1e12, "mu": 0.4, "friction_direction_on_a": around}
-    inner["supports"] = [{"surface": "inner"}]
-    outer["supports"] = [{"surface": "outer"}]
-    analysis = {"kind": "cea", "max_frequency": 40000.0}
-    bodies = {"inner": inner, "outer": outer}
-    return {"name": "r", "bodies": bodies, "contacts": {"c": contact}, "analysis": analysis}
-
-
-@pytest.mark.parametrize("method", ["gpts", "greville", "botella", "segments", "mortar"])
-def test_contact_all_round_a_closed_patch_is_that_of_four(method):
-    way = {"method": method} | ({"points": 3} if method == "gpts" else {})
-    found, expected = (eigenvalues(two_rings(way, quarters=q)) for q in (False, True))
-    assert len(found) == len(expected) > 3
-    np.testing.assert_allclose(found, expected, rtol=1e-7)
 
 
 @pytest.mark.parametrize("quarters", [False, True])
@@ -160,14 +91,6 @@ def test_a_gap_is_refused_in_metres_and_closed_by_a_tolerance():
         np.testing.assert_allclose(found, whole, rtol=1e-6)
 
 
-@pytest.mark.parametrize("quarters", [False, True])
-def test_a_gap_in_a_ring_that_holds_together_elsewhere_is_refused(quarters):
-    refused(annulus(0.06, 0.1, quarters=quarters, gap=1e-8), "1e-08 m apart: merge_nodes")
-    merged = annulus(0.06, 0.1, quarters=quarters, gap=1e-8) | {"merge_nodes": 2e-8}
-    found = frequencies(scene(merged, [3, 3], [4 if quarters else 16, 3], **HELD))
-    np.testing.assert_allclose(found[:5], RING, rtol=2e-5)
-
-
 def test_tolerances_that_are_not_small_are_refused():
     for distance in (0.0, -1.0, 0.02):
         with pytest.raises(SceneError, match=r"merge_nodes.*less than half the shortest"):
@@ -183,26 +106,3 @@ def test_a_patch_given_twice_is_refused():
     quarters = annulus(0.06, 0.1, quarters=True)
     quarters["patches"].append(quarters["patches"][2])
     refused(quarters, "none given twice")
-
-
-def test_bodies_apart_are_refused_with_their_distance():
-    refused(halves(0.02), "2 bodies that share no face.*are 0.02 m apart")
-    corner = halves()
-    corner["patches"][1] = square([0.05, 0.03], [0.1, 0.06])
-    refused(corner, "2 bodies that share no face.*are 0 m apart")
-
-
-def test_the_tolerance_of_a_file_is_in_its_unit(tmp_path):
-    gap = 1e-5  # mm
-    patches = [[[0, 0], [50, 0], [0, 30], [50, 30]],
-               [[50 + gap, 0], [100, 0], [50 + gap, 30], [100, 30]]]  # fmt: skip
-    splines = [{"degrees": [1, 1], "knot_vectors": [LINE, LINE], "control_points": p}
-               for p in patches]  # fmt: skip
-    file = tmp_path / "a.json"
-    file.write_text(json.dumps({"Base64Encoding": False, "SplineList": splines}))
-    data = {"shape": "nurbs_file", "file": str(file), "unit": "mm", "faces": {"inner": [[0, 0, 0]]}}
-    refused(data, "are 1e-08 m apart")
-    found = frequencies(scene(data | {"merge_nodes": 1e-4}, [2, 2], [4, 2], **HELD))
-    whole = frequencies(scene(bar(), [2, 2], [8, 2], **HELD))
-    np.testing.assert_allclose(found, whole, rtol=1e-6)
-    refused(data | {"merge_nodes": 20.0}, r"merge_nodes.*less than half")

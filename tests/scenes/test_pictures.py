@@ -6,12 +6,9 @@ import numpy as np
 import pytest
 import pyvista
 from blocks import two_blocks
-from file_pictures import draw_files
 from matplotlib.image import imread
-from PIL import Image
 
 from scenes import run_scene
-from scenes.export.paraview import write_paraview
 from scenes.export.pictures import draw_modes
 from scenes.pictures.drawing import Drawing, largest_deflection
 from scenes.spec.problems import SceneError
@@ -69,37 +66,6 @@ def test_modes_are_drawn(result, backend, tmp_path):
     assert columns.max() < image.shape[1] - 1
 
 
-def colours(file):
-    """Saturated pixels of the left and of the right half of a picture, without its bars."""
-    image = np.asarray(Image.open(file).convert("RGB"), dtype=int)[80:640]
-    halves = image[:, :900], image[:, 900:]
-    return [half[np.ptp(half, axis=2) > 30] for half in halves]
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_files_for_paraview_are_drawn_by_themselves(result, backend, tmp_path):
-    modes, contacts = write_paraview(with_growth(result, [0.0, 0.7]), 1, tmp_path)
-    draw_files(modes, contacts, tmp_path / "files.png")
-    bodies, pressure = colours(tmp_path / "files.png")
-    assert len(bodies) > 20_000
-    assert len(pressure) > 1000
-    # The colours of the displacement lead from yellow to blue.
-    assert (bodies[:, 2] - bodies[:, 0]).max() > 50
-    assert (bodies[:, 2] - bodies[:, 0]).min() < -15
-
-    # What is drawn is what the files hold: with no other pressure at one of the points, all the
-    # rest of them lose their colour.
-    (file,) = (tmp_path / "contacts").iterdir()
-    points = pyvista.read(file)
-    for end in ("real", "imag"):
-        points.point_data[f"pressure_{end}"][0] *= 1e6
-    points.save(file)
-    draw_files(modes, contacts, tmp_path / "changed.png")
-    bodies_again, pressure = colours(tmp_path / "changed.png")
-    assert len(bodies_again) == len(bodies)
-    assert 0 < len(pressure) < 1000
-
-
 def test_images_follow_the_phase():
     square = pyvista.Rectangle([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]).triangulate()
     # Re(u e^(i phase)) = (cos phase, sin phase): every point runs around a circle.
@@ -119,28 +85,6 @@ def test_images_follow_the_phase():
     assert fit[1].real > 10
     assert abs(fit[1].imag) < 0.1 * fit[1].real
     assert np.sqrt(residual[0].real) < 0.1 * fit[1].real
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("backend", ["iga"])
-def test_an_animation_is_a_small_endless_period(result, tmp_path):
-    unstable = with_growth(result, [0.0, 0.7])
-    picture, animation = draw_modes(unstable, 1, tmp_path, animated=True)
-    assert (picture.name, animation.name) == ("mode_iga_2.png", "mode_iga_2.gif")
-    assert animation.stat().st_size < 2_000_000
-    with Image.open(animation) as image:
-        assert (image.format, image.n_frames, image.info["loop"]) == ("GIF", 24, 0)
-        frames = []
-        for frame in range(24):
-            image.seek(frame)
-            frames.append(np.asarray(image.convert("RGB"), dtype=int))
-    changes = [np.abs(a - b).mean() for a, b in zip(frames, np.roll(frames, -1, 0), strict=True)]
-    assert min(changes) > 0
-    # The last frame leads back to the first one.
-    assert changes[-1] < 2 * max(changes[:-1])
-    assert np.abs(frames[12] - frames[0]).mean() > 0.5 * max(changes)
-    still = Image.open(picture).convert("RGB").resize((750, 450))
-    assert np.abs(np.asarray(still, dtype=int) - frames[0]).mean() < 8
 
 
 def test_a_static_scene_has_no_modes_to_draw():

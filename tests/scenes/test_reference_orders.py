@@ -62,29 +62,3 @@ def test_order_is_twice_the_degree(scene, backend, degree, refinements, bound):
     errors = worst_errors(scene, backend, degree, refinements)
     assert order(refinements, errors) == pytest.approx(2 * degree, abs=0.2)
     assert errors[-1] < bound
-
-
-@pytest.mark.slow
-def test_cubic_elements_on_geometry_of_order_four():
-    errors = worst_errors("drum", "fe", 3, (2, 3, 4), geometry_degree=4)
-    assert order((2, 3, 4), errors) == pytest.approx(6, abs=0.2)
-
-
-@pytest.mark.slow
-def test_straight_facets_on_the_drum_cap_the_order_at_two():
-    errors = worst_errors("drum", "fe", 2, (3, 4, 6), geometry_degree=1)
-    assert order((3, 4, 6), errors) == pytest.approx(2, abs=0.2)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("backend", "refinements"), [("fe", (3, 4, 5)), ("iga", (5, 6, 7))])
-def test_constant_friction_ends_in_the_order_of_its_corner_singularity(backend, refinements):
-    """Friction that does not fade at the walls: u behaves like r^s, s = 1.4 or so; order 2 s."""
-    highest = 2.6
-    values = exact("blocks_constant_mu", highest)
-    errors = []
-    for n in refinements:
-        meshes = plane_meshes(backend, 4, MESHES["blocks", backend](n))
-        found = compare(solve("blocks_constant_mu", highest, meshes, backend), values, highest)
-        errors.append(found.errors.max())
-    assert order(refinements, errors) == pytest.approx(2.8, abs=0.3)

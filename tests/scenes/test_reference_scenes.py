@@ -13,7 +13,6 @@ from reference_data import (
     exact,
     solve,
     stored,
-    whole_ring,
 )
 
 from exact_cea.reference import exact_eigenvalues, whole_spectrum
@@ -89,58 +88,6 @@ def test_lumped_blocks_cost_accuracy_on_splines_only(scene, backend, full_pass):
 
 
 @pytest.mark.parametrize(
-    ("scene", "backend", "method", "fields"),
-    covering(
-        ("blocks", "drum"),
-        BACKENDS,
-        ("segments", "mortar"),
-        ({"full_pass": "true"}, {"form": "'saddle'"}),
-    ),
-)
-def test_full_pass_and_saddle_form_of_the_yardsticks(scene, backend, method, fields):
-    chosen = {"formulation": f"{{method = '{method}'}}"} | fields
-    found = compare(
-        solve(scene, HIGHEST[scene], overrides(**chosen), backend),
-        exact(scene, HIGHEST[scene]),
-        HIGHEST[scene],
-    )
-    assert found.complete
-    assert found.errors.max() < 4e-5
-
-
-@slow
-@pytest.mark.parametrize(
-    ("p", "mu", "highest"), [(0.1, "0.7", 2.2), (1000.0, "0.3", 2.6), (1000.0, "0.7", 2.6)]
-)
-def test_the_drum_at_other_stiffness_and_friction_does_not_lock(backend, p, mu, highest):
-    found = compare(
-        solve("drum", highest, overrides(p=p, mu=mu), backend),
-        exact("drum", highest, p=p, mu=mu),
-        highest,
-    )
-    assert found.complete
-    assert found.errors.max() < 3e-5
-
-
-@pytest.mark.parametrize(
-    ("backend", "of_contact"),
-    covering(BACKENDS, (("1", "1"), ("10", "0.3"), ("10", "1")), strength=1),
-)
-def test_the_blocks_at_stored_stiffness_and_friction(backend, of_contact):
-    p, mu = of_contact
-    entry = next(
-        entry
-        for entry in stored("blocks_sine_mu")
-        if (entry["p"], entry["mu0"], entry["kz"]) == (p, mu, None)
-    )
-    highest = 2.8
-    fields = overrides(p=float(p), mu=f"'{mu}*sin(pi*x/2)'")
-    found = compare(solve("blocks", highest, fields, backend), eigenvalues(entry), highest)
-    assert found.complete
-    assert found.errors.max() < 1e-5
-
-
-@pytest.mark.parametrize(
     ("method", "scene", "side_a"),
     covering(("gpts", "segments", "mortar"), ("blocks", "drum"), BACKENDS),
 )
@@ -158,32 +105,6 @@ def test_a_nurbs_body_on_a_lagrange_body_both_ways_round(scene, side_a, method):
     )
     assert found.complete
     assert found.errors.max() < 4e-5
-
-
-@pytest.mark.parametrize("scene", ["drum", "blocks"])
-def test_triangles(scene):
-    mesh = "{cell = 'triangle', degree = 3, size = 0.2}"
-    meshes = [
-        f"bodies.{body}.mesh.fe={mesh}"
-        for body in {"drum": DRUM_BODIES, "blocks": BLOCK_BODIES}[scene]
-    ]
-    found = compare(
-        solve(scene, HIGHEST[scene], meshes, "fe"), exact(scene, HIGHEST[scene]), HIGHEST[scene]
-    )
-    assert found.complete
-    assert found.errors.max() < 1e-4
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=slow), "iga"])
-def test_an_order_and_its_mirror_image_grow_with_opposite_signs(backend):
-    highest = 2.7
-    modes = solve("drum", highest, overrides(mu=0.7), backend)
-    for entry in stored("drum_2d"):
-        if (entry["p"], entry["mu"]) == ("1", "0.7"):
-            values = both_signs(eigenvalues(entry), entry["m"])
-            found = compare(modes, values, highest)
-            assert not len(found.missing)
-            assert found.errors.max() < 4e-5
 
 
 @slow
@@ -213,47 +134,3 @@ def test_the_blocks_in_space(backend):
             found = compare(modes, eigenvalues(entry), highest)
             assert not len(found.missing)
             assert found.errors.max() < {"fe": 4e-3, "iga": 7e-4}[backend]
-
-
-@slow
-def test_the_blocks_in_space_show_every_wave_along_z(backend):
-    highest = 2.15
-    values = whole_spectrum("blocks", depth=2, max_frequency=1.05 * highest, p=1, mu="0.7").values
-    found = compare(solve("blocks_3d", highest, backend=backend), values, highest)
-    assert found.complete
-    assert found.errors.max() < {"fe": 4e-3, "iga": 7e-4}[backend]
-
-
-def ring_is_found(backend, highest, bound, meshes=()):
-    modes = solve("ring", highest, meshes, backend)
-    found = compare(modes, whole_ring(), highest)
-    assert found.complete
-    assert found.errors.max() < bound
-    # The disc turns freely: one eigenvalue is zero.
-    assert np.sum(np.abs(modes.eigenvalues) < 1e-4 * highest) == 1
-
-
-@slow
-def test_the_ring(backend):
-    numbers = {"pad": [2, 20, 1], "disc": [2, 24, 1]}
-    mesh = {"fe": "elements={}", "iga": "degree=[3, 3, 3], elements={}"}[backend]
-    meshes = [f"bodies.{body}.mesh.{backend}={{{mesh.format(n)}}}" for body, n in numbers.items()]
-    ring_is_found(backend, 66e3, {"fe": 3e-2, "iga": 2e-3}[backend], meshes)
-
-
-@slow
-def test_the_ring_on_the_meshes_of_its_scene(backend):
-    ring_is_found(backend, 75e3, {"fe": 8e-3, "iga": 5e-4}[backend])
-
-
-@pytest.mark.parametrize(
-    "scene",
-    [pytest.param("blocks", marks=slow), "blocks_constant_mu", pytest.param("drum", marks=slow)],
-)
-def test_backends_agree_better_than_either_must_with_the_exact_values(scene):
-    highest = HIGHEST[scene]
-    fe, iga = (solve(scene, highest, backend=backend) for backend in ("fe", "iga"))
-    found = compare(fe, iga.eigenvalues, highest)
-    assert found.complete
-    assert found.errors.max() < 1e-5
-    np.testing.assert_array_equal(fe.unstable(1e-4), iga.unstable(1e-4))

@@ -2,16 +2,9 @@
 
 import numpy as np
 import pytest
-from damped_numbers import damped_disc, modally_damped_disc
-from dense_damped_modes import assert_modes_are_dense
-from reduced_cases import enrichment
+from damped_numbers import modally_damped_disc
 
-from cea.eigen.driver import EigenSolver
-from cea.eigen.matching import assign
 from scenes import run_modes
-from scenes.running.assembled import AssembledScene
-from scenes.running.enrich import richer_scene
-from scenes.running.nested import estimate_errors
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 
@@ -63,57 +56,6 @@ def test_a_rim_that_outruns_surface_waves_is_warned_of(backend, part, told):
         assert found[0].data["speed"] == pytest.approx(part * found[0].data["wave_speed"], rel=0.01)
 
 
-@pytest.mark.grid
-@pytest.mark.parametrize("form", ["penalty", "saddle"])
-@pytest.mark.parametrize("made", [damped_disc, modally_damped_disc])
-def test_modes_with_springs_and_stiff_contact_are_dense_ones(backend, made, form):
-    data = made(backend, form=form)
-    data["bodies"]["disc"]["supports"] = [
-        {"surface": "inner", "components": ["radial"], "axis": [0.0, 0.0, 2.0]}
-    ]
-    data["bodies"]["disc"]["springs"] = [{"surface": "bottom", "stiffness": [0.2, 0.2, 0.5]}]
-    assert_modes_are_dense(data)
-
-
-BOX = {
-    "bodies.disc.rotation.rate": (0.0, 0.4),
-    "bodies.disc.damping.beta": (0.0, 0.05),
-    "contacts.interface.mu": (0.0, 0.5),
-}
-
-
-def test_a_map_over_rate_and_damping_is_that_of_full_solves():
-    assembled = AssembledScene(read_scene(damped_disc("iga")))
-    pencil = assembled.driver.pencil
-    built = enrichment(pencil, BOX, 0.3)
-    corners = [(0.0, 0.0, 0.0), (0.4, 0.05, 0.5), (0.2, 0.02, 0.3), (0.4, 0.0, 0.5)]
-    built.cover([dict(zip(BOX, each, strict=True)) for each in corners])
-    full = EigenSolver(pencil)
-    for each in ((0.3, 0.03, 0.2), (0.1, 0.05, 0.45)):
-        point = dict(zip(BOX, each, strict=True))
-        found = built.at(point).window
-        modes = full.solve(0.35, point, min_growth=-built.model.small.settings.reach)
-        rows, columns = assign(np.abs(found.eigenvalues[:, None] - modes.eigenvalues))
-        assert len(rows) == len(found) > 5
-        distances = np.abs(found.eigenvalues[rows] - modes.eigenvalues[columns])
-        assert (distances <= found.uncertainties + 1e-12).all()
-        assert distances.max() < 1e-6
-    full.free()
-    assembled.free()
-
-
-def test_estimated_errors_see_all_of_the_damping():
-    """In a richer space decay comes near that of its own modes, where waves stand still too."""
-    result = run_modes(read_scene(steel_ring("fe", 2265.0, degree=2)), left=True)
-    estimate = estimate_errors(result)
-    fine = run_modes(richer_scene(result.scene)).eigenvalues
-    waves = np.flatnonzero(result.eigenvalues.real < -1.0)
-    assert len(waves) > 3
-    for coarse, corrected in zip(result.eigenvalues[waves], estimate.corrected[waves], strict=True):
-        exact = fine[np.abs(fine - corrected).argmin()]
-        assert abs(corrected.real - exact.real) < 0.15 * abs(coarse.real - exact.real)
-
-
 HALF = [{"surface": "inner", "components": ["x"]}]
 ASIDE = [
     {
@@ -143,11 +85,3 @@ def test_damping_that_cannot_rotate_is_refused(change, named):
         scene.change(change)
     scene.change(change | {"bodies.disc.damping": None})
     scene.change(change | {"bodies.disc.rotation": None})
-
-
-def test_supports_that_go_round_are_not_refused():
-    scene = read_scene(modally_damped_disc("iga"))
-    for components in (["z"], ["x", "y"], ["x", "y", "z"], ["normal"]):
-        scene.change({"bodies.disc.supports": [{"surface": "inner", "components": components}]})
-    both = ASIDE[0] | {"components": ["radial", "circumferential"]}
-    scene.change({"bodies.disc.supports": [both]})

@@ -76,16 +76,3 @@ def test_waves_pass_by_with_their_number_times_the_rate(backend):
     assert {2, 3} <= set(fine)
     assert max(fine[m] for m in (2, 3)) < 5e-3
     assert coarse[2] / fine[2] > 12
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_coriolis_forces_hardly_matter_to_waves_out_of_the_plane(backend):
-    """They are proportional to motion in the plane, of the order of thickness over wave length."""
-    rest = disc(backend, 16)
-    elastic = np.flatnonzero(rest.frequencies > 0.01)
-    lowest = rest.eigenvalues[elastic[:2]].imag.mean()
-    assert (waves(rest, elastic[:2]) == 2).all()
-    turning = disc(backend, 16, coriolis=True).eigenvalues
-    for sign in (-1, 1):
-        error = np.abs(turning - 1j * (lowest + sign * 2 * RATE)).min() / (2 * RATE)
-        assert 1e-3 < error < 0.1

@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from rotating_numbers import pressed_disc
 from scipy.integrate import solve_bvp
 
-from cea.matrices import gather
-from cea.system.support_forces import balances
-from scenes import run_modes, run_static
+from scenes import run_static
 from scenes.spec.reading import read_scene
 
 E, NU, RHO, INNER, OUTER, FORCE, RATE = 1.0, 0.3, 1.5, 0.6, 1.0, 1e-3, 0.9
@@ -104,62 +101,3 @@ def test_rims_bear_what_the_exact_solution_says(backend, case):
     found = run_static(read_scene(ring(backend, case))).reactions["ring"]
     expected = borne(case)
     np.testing.assert_allclose(found, expected, rtol=0, atol=2e-4 * np.abs(expected).max())
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize("case", CASES, ids=names)
-def test_resultants_are_those_of_the_motion_as_a_whole(backend, case):
-    """To rounding, with the first moment S = int rho u.
-
-    Seen from the frame at rest the momentum of the body does not change but for what damping of
-    the mass and, without Coriolis forces, the convective stiffness make of it:
-
-        loads + springs + supports + alpha Omega a x S  (+ Omega^2 S)  =  0.
-    """
-    result = run_static(read_scene(ring(backend, case)))
-    u = result.system.displacement(result.displacement, "ring")
-    loads = [
-        gather(run_static(read_scene(ring(backend, case, force))).bodies["ring"].full_load())
-        for force in ((1.0, 0.0), (0.0, 1.0))
-    ]
-    S = RHO * np.array([load @ u for load in loads])
-    force = np.array([FORCE * np.pi * (OUTER**2 - INNER**2), 0.0])
-    force += case.get("alpha", 0.0) * RATE * np.array([-S[1], S[0]])
-    if case.get("convective_stiffness") and not case.get("coriolis", True):
-        force += RATE**2 * S
-    found = result.reactions["ring"].sum(axis=0)
-    accuracy = 1e-10 if backend == "iga" else 1e-4  # facets of the round rims
-    np.testing.assert_allclose(found, -force, rtol=0, atol=accuracy * np.linalg.norm(force))
-
-
-@pytest.mark.grid
-def test_reactions_turn_with_the_load(backend):
-    """A quarter of a turn, which leaves the mesh as it is."""
-    case = CASES[-1]
-    first, second = (
-        run_static(read_scene(ring(backend, case, force))).reactions["ring"]
-        for force in ((FORCE, 0.0), (0.0, FORCE))
-    )
-    turned = np.column_stack([-first[:, 1], first[:, 0]])
-    np.testing.assert_allclose(second, turned, rtol=0, atol=1e-10 * np.abs(first).max())
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize("coriolis", [True, False])
-def test_a_pressed_disc_is_in_equilibrium(backend, coriolis):
-    """Under friction, on springs: resultants and moments, of both bodies and their contact."""
-    data = pressed_disc(backend, "Rayleigh")
-    data["bodies"]["disc"]["springs"] = [{"surface": "bottom", "stiffness": [0.2, 0.2, 0.5]}]
-    data["bodies"]["disc"]["rotation"] |= {"convective_stiffness": True, "coriolis": coriolis}
-    result = run_modes(read_scene(data))
-    steady = result.system.steady
-    found = balances(result.system, steady.displacement, steady.forces)
-    assert {each.of for each in found} == {"disc", "pad", "contact interface"}
-    labels = {label for each in found if each.of == "disc" for label in each.labels}
-    assert {"damping", "convective stiffness", "springs"} <= labels
-    assert max(each.left for each in found) <= 1
-
-
-def test_modes_that_are_damped_do_not_tell_the_forces_of_supports():
-    result = run_static(read_scene(pressed_disc("iga", "modal", "static")))
-    assert set(result.reactions) == {"pad"}

@@ -11,7 +11,7 @@ from json_schema import complaints
 from scene_mutations import removed, replaced, valid
 
 from scenes.spec.files import OF_MATRICES, SCENES
-from scenes.spec.schema import meanings_of, scene_schema, summary_of
+from scenes.spec.schema import scene_schema
 
 DOCS = Path(__file__).parents[2] / "docs"
 KINDS = {"bodies": "scene.schema.json", "matrices": "matrix_scene.schema.json"}
@@ -103,29 +103,3 @@ def test_wrong_scenes_do_not_validate(path, value):
     del data["bodies"]["pad"]["colour"]
     assert wrong(replaced(data, path, value))
     assert wrong(removed(valid("disc_pad"), ("bodies", "pad", "material", "nu")))
-
-
-def test_docstrings_are_taken_apart():
-    text = """Something.
-
-    More of it.
-
-    Parameters
-    ----------
-    a, b : float
-        Both
-        of them (:class:`cea.body.Body`).
-    c
-        ``three``.
-
-    Raises
-    ------
-    InputError
-        Never.""".replace("\n    ", "\n")
-    assert summary_of(text) == "Something. More of it."
-    assert meanings_of(text) == {
-        "a": (both := "Both of them (cea.body.Body)."),
-        "b": both,
-        "c": "three.",
-    }
-    assert meanings_of("Nothing more.") == {}

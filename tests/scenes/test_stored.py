@@ -1,9 +1,5 @@
 """Records of commands: whole or not at all, with what made them, and opened again as results."""
 
-import json
-import os
-import shutil
-import subprocess
 from dataclasses import asdict
 from math import inf
 from pathlib import Path
@@ -14,10 +10,9 @@ from blocks import two_blocks
 
 from cea.errors import InputError
 from scenes import open_result, read_scene, run_modes, run_static, save_result
-from scenes.results.record import PROVENANCE, commit, commit_of, read_record, record, write_record
+from scenes.results.record import commit, read_record, record, write_record
 
 GPTS = {"method": "gpts", "points": 3}
-ROOT = Path(__file__).parents[2]
 
 
 def test_modes_open_as_they_were(backend, tmp_path):
@@ -73,14 +68,6 @@ def test_any_record_opens(name, tmp_path):
     assert opened.data == {"numbers": [1, 2.5, inf, -inf, None], "words": {"a": "b"}}
 
 
-def test_provenance_stands_beside_the_data(tmp_path):
-    data = json.loads(write_record(made(numbers=[inf]), tmp_path / "r.json").read_text())
-    assert list(data) == [*PROVENANCE, "numbers"]
-    assert data["numbers"] == ["inf"]
-    with pytest.raises(InputError, match="seconds"):
-        made(seconds=3)
-
-
 def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
     file = write_record({"n": 1}, tmp_path / "r.json")
     with pytest.raises(ValueError, match="JSON"):
@@ -97,12 +84,6 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
     assert [each.name for each in tmp_path.iterdir()] == ["r.json"]
 
 
-def test_equal_data_give_equal_compressed_files(tmp_path):
-    first, second = (write_record({"n": [1]}, tmp_path / n / "r.json.gz") for n in "ab")
-    assert first.read_bytes() == second.read_bytes()
-    assert first.read_bytes()[:2] == b"\x1f\x8b"
-
-
 @pytest.mark.parametrize(
     "content", [None, b"", b"{", b"[1]", b'{"eigenvalues": []}', b"\x1f\x8b broken"]
 )
@@ -113,36 +94,3 @@ def test_what_is_no_record_is_refused(content, name, tmp_path):
         file.write_bytes(content)
     with pytest.raises(InputError, match=r"file = .*a stored result"):
         open_result(file)
-
-
-def test_the_commit_is_that_of_the_checkout():
-    if not (ROOT / ".git").exists():
-        pytest.skip("no git checkout, whose commit it would be")
-    git = ["git", "-C", str(ROOT), "rev-parse", "HEAD"]
-    head = subprocess.run(git, capture_output=True, text=True, check=True).stdout.strip()
-    assert commit().removesuffix("-dirty") == head
-
-
-@pytest.mark.skipif(not shutil.which("git"), reason="no git")
-def test_a_checkout_is_read_without_a_lock(tmp_path):
-    def git(*command: str) -> None:
-        who = ["-c", "user.name=a", "-c", "user.email=a@b"]
-        subprocess.run(["git", "-C", str(tmp_path), *who, *command], check=True)
-
-    file = tmp_path / "file"
-    file.write_text("one")
-    git("init", "-q")
-    git("add", "file")
-    git("commit", "-q", "-m", "first")
-    clean = commit_of(tmp_path)
-    assert len(clean) == 40
-
-    (tmp_path / "beside").write_text("is no part of it")
-    os.utime(file, (1e9, 1e9))  # touched, so that git would like to write its index anew
-    before = (tmp_path / ".git" / "index").stat()
-    assert commit_of(tmp_path) == clean
-    after = (tmp_path / ".git" / "index").stat()
-    assert (after.st_ino, after.st_mtime_ns) == (before.st_ino, before.st_mtime_ns)
-
-    file.write_text("two")
-    assert commit_of(tmp_path) == f"{clean}-dirty"

@@ -1,217 +1,27 @@
 """Bodies of both backends as VTK cells: the same volumes, the same displacements."""
 
-from functools import reduce
 from itertools import product
 from xml.etree import ElementTree
 
-import bodies
-import dolfinx
 import numpy as np
 import pytest
 import pyvista
-from blocks import block, two_blocks
-from covering import covering
-from iga_data import STEEL, TILTED, turned
-from iga_data import body as nurbs_body
-from lagrange_bodies import DIMENSION, MATERIAL, ROUND, body_of, csr
+from blocks import two_blocks
 from motions import mode_displacement
-from scipy.interpolate import BSpline
-from vtkmodules.vtkCommonCore import reference
-from vtkmodules.vtkFiltersGeometry import vtkGeometryFilter
-from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import nurbs_shape
-from meshes.shapes import Annulus, Disc, Ring
-from scenes import Result, run_scene
+from scenes import run_scene
 from scenes.export.paraview import write_paraview
-from scenes.pictures.grids import cell_grid, in_space, point_grid
 from scenes.spec.reading import read_scene
 
 RNG = np.random.default_rng(11)
-ANNULUS, RING, DISC = Annulus(0.5, 1.0, 0.0, 0.3), Ring(0.5, 1.0), Disc(1.0, 0.0, 0.3)
 GPTS = {"method": "gpts", "points": 3}
-COSTLY = {("tetrahedron", 4), ("hexahedron", 4)}
 """Cells and degrees of slow tests."""
-
-
-def reread(grid, tmp_path):
-    """What VTK's own reader finds in the file of a grid."""
-    grid.save(tmp_path / "grid.vtu")
-    reader = vtkXMLUnstructuredGridReader()
-    reader.SetFileName(str(tmp_path / "grid.vtu"))
-    reader.Update()
-    return reader.GetOutput()
-
-
-def measure(grid, subdivisions):
-    """Volume inside the skin of a grid, area of a plane one, its cells divided into flat ones."""
-    skin = vtkGeometryFilter()
-    skin.SetInputData(grid)
-    skin.SetNonlinearSubdivisionLevel(subdivisions)
-    skin.Update()
-    flat = pyvista.wrap(skin.GetOutput()).triangulate()
-    return flat.volume if np.ptp(flat.points[:, 2]) > 0 else flat.area
-
-
-def converged_measure(grid):
-    """Measures on three levels: extrapolated, as flat facets err by the square of their size."""
-    levels = [measure(grid, n) for n in (2, 3, 4)]
-    if abs(levels[2] - levels[1]) > 1e-6 * levels[2]:
-        assert (levels[1] - levels[0]) / (levels[2] - levels[1]) == pytest.approx(4, rel=0.1)
-    return levels[2] + (levels[2] - levels[1]) / 3
-
-
-def evaluated(grid, cell, at):
-    """Position and displacement that VTK finds at coordinates of a cell."""
-    vtk_cell = grid.GetCell(cell)
-    x, weights = np.zeros(3), np.zeros(vtk_cell.GetNumberOfPoints())
-    vtk_cell.EvaluateLocation(reference(0), [*at, *[0.0] * (3 - len(at))], x, weights)
-    ids = [vtk_cell.GetPointId(i) for i in range(len(weights))]
-    return x, weights @ pyvista.wrap(grid).point_data["u"][ids]
 
 
 def inside(dim, simplex, n=6):
     """Random coordinates inside a reference cell."""
     x = RNG.dirichlet(np.ones(dim + 1), n)[:, :dim] if simplex else RNG.uniform(size=(n, dim))
     return 0.02 + 0.95 * x
-
-
-def check_lagrange_cells(body, tmp_path):
-    """Volume by the mass, displacement in cells chosen at random by the library's evaluation."""
-    cells = body.volume_cells()
-    u = RNG.normal(size=(body.num_scalar_dofs, body.dim))
-    grid = cell_grid(cells)
-    grid.point_data["u"] = in_space(cells.values @ u)
-    grid = reread(grid, tmp_path)
-    fields = [dolfinx.fem.Function(body.space.scalar) for _ in range(body.dim)]
-    for field, component in zip(fields, u.T, strict=True):
-        field.x.array[:] = component
-    for number in RNG.choice(len(cells.cells), 3, replace=False):
-        for at in inside(body.dim, cells.simplex):
-            x, value = evaluated(grid, int(number), at)
-            expected = np.concatenate([field.eval(x, [number]) for field in fields])
-            np.testing.assert_allclose(value[: body.dim], expected, atol=1e-10)
-    volume = csr(body.mass()).sum() / (body.dim * MATERIAL.rho)
-    assert converged_measure(grid) == pytest.approx(volume, rel=1e-5)
-    assert handedness(grid) > 0
-
-
-@pytest.mark.parametrize(
-    ("cell", "degree"),
-    [
-        pytest.param(*row, marks=pytest.mark.slow if row in COSTLY else ())
-        for row in product(DIMENSION, (1, 2, 3, 4))
-    ],
-)
-def test_lagrange_cells_hold_geometry_and_displacement(cell, degree, tmp_path):
-    body = body_of(ROUND, cell, degree)
-    assert body.volume_cells().degree == degree
-    check_lagrange_cells(body, tmp_path)
-
-
-@pytest.mark.parametrize("cell", DIMENSION)
-def test_left_handed_meshes_give_right_handed_cells(cell, tmp_path):
-    body = body_of(ROUND, cell, 3)
-    body.space.scalar.mesh.geometry.x[:, 0] *= -1
-    check_lagrange_cells(body, tmp_path)
-
-
-@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
-def test_geometry_of_higher_degree_than_the_space_is_kept(cell, tmp_path):
-    body = body_of(ROUND, cell, 1, order=3)
-    assert body.volume_cells().degree == 3
-    check_lagrange_cells(body, tmp_path)
-
-
-def nurbs(patch, coefficients, at):
-    """Rational spline with coefficients (n1, ..., m) at one parameter, by scipy."""
-    factors = [
-        BSpline(knots, np.eye(n), p)(t)
-        for knots, n, p, t in zip(patch.knots, patch.shape, patch.degrees, at, strict=True)
-    ]
-    top = reduce(np.multiply.outer, factors) * patch.weights
-    return np.tensordot(top, coefficients, axes=len(factors)) / top.sum()
-
-
-def check_bezier_cells(part, volume, tmp_path):
-    """Volume, and geometry and displacement in cells chosen at random, against the splines."""
-    cells = part.volume_cells()
-    u = RNG.normal(size=(part.num_scalar_dofs, part.dim))
-    grid = cell_grid(cells)
-    grid.point_data["u"] = in_space(cells.values @ u)
-    grid = reread(grid, tmp_path)
-    spans = [
-        (patch, dofs, corner)
-        for patch, dofs in zip(
-            part.space.multipatch.patches, part.space.multipatch.dofs, strict=True
-        )
-        for corner in product(*(range(n) for n in patch.spans))
-    ]
-    assert len(spans) == grid.GetNumberOfCells()
-    degrees = pyvista.wrap(grid).cell_data["HigherOrderDegrees"]
-    np.testing.assert_array_equal(degrees, max(part.space.degree))
-    for number in RNG.choice(len(spans), 6, replace=False):
-        patch, dofs, corner = spans[number]
-        low, high = (
-            np.array([b[i + k] for b, i in zip(patch.breaks, corner, strict=True)]) for k in (0, 1)
-        )
-        for at in inside(part.dim, False, 3):
-            x, value = evaluated(grid, int(number), at)
-            # Of left-handed patches the first parameter is reversed.
-            both = [low + (high - low) * t for t in (at, [1 - at[0], *at[1:]])]
-            found = [nurbs(patch, patch.control_points, t) for t in both]
-            near = int(np.argmin([np.linalg.norm(f - x[: part.dim]) for f in found]))
-            np.testing.assert_allclose(x[: part.dim], found[near], atol=1e-12)
-            np.testing.assert_allclose(
-                value[: part.dim], nurbs(patch, u[dofs], both[near]), atol=1e-12
-            )
-    assert converged_measure(grid) == pytest.approx(volume, rel=1e-5)
-    assert handedness(grid) > 0
-
-
-def handedness(grid):
-    """Smallest Jacobian, up to a positive factor, in the middle of the cells of a grid."""
-    dim, step = grid.GetCell(0).GetCellDimension(), 1e-4
-    middle = np.full(dim, 0.3)
-    grid = pyvista.wrap(grid)
-    grid.point_data["u"] = grid.points
-    jacobians = []
-    for number in range(grid.n_cells):
-        x = [evaluated(grid, number, middle + step * e)[0] for e in (np.zeros(dim), *np.eye(dim))]
-        jacobians.append(np.linalg.det((np.array(x[1:]) - x[0])[:, :dim]))
-    return min(jacobians)
-
-
-@pytest.mark.parametrize(
-    ("shape", "degree"),
-    covering((ANNULUS, DISC), ((2, 2, 1), (2, 3, 2), (3, 4, 1)), strength=1),
-)
-def test_bezier_cells_are_rational_and_of_mixed_degrees(shape, degree, tmp_path):
-    part = nurbs_body(shape, (2, 8, 1), degree)
-    area = np.pi * (1.0 - (0.25 if shape is ANNULUS else 0.0))
-    check_bezier_cells(part, 0.3 * area, tmp_path)
-
-
-@pytest.mark.parametrize("continuity", [(0, 0), (1, 2)])
-def test_bezier_cells_of_the_plane(continuity, tmp_path):
-    part = nurbs_body(RING, (3, 8), (2, 3), continuity=continuity)
-    check_bezier_cells(part, np.pi * 0.75, tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("axes", "flip"),
-    [
-        ((0, 1, 2), 1),
-        pytest.param((2, 0, 1), 0, marks=pytest.mark.slow),
-        pytest.param((1, 0, 2), 2, marks=pytest.mark.slow),
-    ],
-)
-def test_left_handed_patches_give_right_handed_cells(axes, flip, tmp_path):
-    data = nurbs_shape(ANNULUS, breaks_of(ANNULUS, (2, 4, 2)), TILTED)
-    patches = [turned(patch, axes, flip) for patch in data.patches]
-    part = bodies.nurbs_body("part", patches, {}, (2, 3, 2), material=STEEL)
-    check_bezier_cells(part, 0.3 * np.pi * 0.75, tmp_path)
 
 
 # Files of runs.
@@ -264,14 +74,6 @@ def test_collections_list_every_mode_of_every_body(result, backend, tmp_path):
         assert np.abs(grid.point_data["gap_real"]).max() > 1e-3
 
 
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_most_unstable_modes_are_written_first(result, monkeypatch, tmp_path):
-    monkeypatch.setattr(Result, "most_unstable", lambda result, count: [2, 0][:count])
-    for count, expected in [(1, [3]), (2, [1, 3]), (3, [1, 2, 3])]:
-        modes, _ = write_paraview(result, count, tmp_path)
-        assert sorted({int(time) for time, _, _ in listed(modes)}) == expected
-
-
 @pytest.mark.parametrize(
     ("contact", "has_pressure"),
     [({}, True), ({"form": "saddle", "P": float("inf")}, False)],
@@ -295,21 +97,3 @@ def test_static_displacement_balances_the_load(backend, contact, has_pressure, t
         assert 0 < force < 0.1 * 0.5 * 0.6
     else:
         assert np.abs(points.point_data["gap"]).max() < 1e-9
-
-
-def test_names_that_are_no_file_names_and_scenes_without_contacts(tmp_path):
-    body = block("iga", [1, 1, 1], [0, 0, 0], [1, 1, 1], supports=[{"surface": "z_min"}])
-    data = {
-        "name": "one",
-        "bodies": {"a/b": body},
-        "analysis": {"kind": "cea", "max_frequency": 0.3},
-    }
-    (modes,) = write_paraview(run_scene(read_scene(data)), 1, tmp_path)
-    assert len(listed(modes)) == 1
-    assert not (tmp_path / "contacts.pvd").exists()
-
-
-def test_points_of_the_plane_lie_at_z_zero():
-    grid = point_grid(np.array([[1.0, 2.0], [3.0, 4.0]]))
-    np.testing.assert_array_equal(grid.points, [[1, 2, 0], [3, 4, 0]])
-    assert set(grid.celltypes) == {pyvista.CellType.VERTEX}

@@ -1,18 +1,16 @@
 """Results are warned of where they should be, and easy scenes never."""
 
-import json
 from functools import cache
 
 import numpy as np
 import pytest
-from catalogue import MESHED
 from covering import covering
 
 from comparisons.accuracy.page import uses
 from comparisons.accuracy.problems import PROBLEMS
 from comparisons.accuracy.study import STUDY
 from comparisons.study.result import read
-from scenes import run_modes, run_scene, save_result
+from scenes import run_modes
 from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
 from scenes.running.system import coupled
 from scenes.spec.reading import load_scene, read_scene
@@ -39,28 +37,6 @@ def blocks(backend, **changes):
     return scene.change(mesh | contact)
 
 
-COSTLY = {
-    ("crowned_pad", "fe"),
-    ("crowned_pad", "iga"),
-    ("disc_pad", "iga"),
-    ("drum_3d", "iga"),
-    ("hertz_sphere", "fe"),
-    ("hertz_sphere", "iga"),
-    ("ring", "fe"),
-    ("ring", "iga"),
-    ("ventilated_brake", "fe"),
-}
-"""Scenes that take long to build."""
-
-
-@pytest.mark.parametrize(
-    ("name", "backend"),
-    [pytest.param(*row, marks=pytest.mark.slow if row in COSTLY else ()) for row in MESHED],
-)
-def test_scenes_of_the_catalogue_are_free_of_warnings(name, backend):
-    assert told(load_scene(name, backend=backend)) == {}
-
-
 @pytest.mark.parametrize(
     ("name", "backend"),
     covering(("blocks", "blocks_constant_mu", "drum"), ("fe", "iga"), strength=1),
@@ -69,26 +45,11 @@ def test_modes_of_the_catalogue_are_free_of_warnings(name, backend):
     assert run_modes(load_scene(name, backend=backend)).warnings == ()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "backend"), MESHED)
-def test_results_of_the_catalogue_are_free_of_warnings(name, backend):
-    assert run_scene(load_scene(name, backend=backend)).warnings == ()
-
-
 def test_too_few_points_are_told_with_their_numbers(backend):
     found = told(blocks(backend, formulation={"method": "gpts", "points": 1}))["under-sampled"]
     traces = {"fe": {"upper": 25, "lower": 26}, "iga": {"upper": 14, "lower": 15}}[backend]
     assert (found["points"], found["functions"]) == (12, traces)  # one point lies on a node
     assert "under-sampled" not in told(blocks(backend, formulation={"method": "gpts", "points": 3}))
-
-
-def test_two_halves_count_their_points_together(backend):
-    formulation = {"method": "gpts", "points": 1}
-    full = told(blocks(backend, formulation=formulation, full_pass=True))
-    if backend == "iga":  # 12 + 13 points for 14 and 15 functions
-        assert "under-sampled" not in full
-    else:
-        assert full["under-sampled"]["points"] == 25
 
 
 def test_too_many_points_are_told_where_they_lock():
@@ -101,22 +62,6 @@ def test_too_many_points_are_told_where_they_lock():
         frequencies[method] = result.frequencies[:6]
     off = np.abs(frequencies["segments"] / frequencies["mortar"] - 1).max()
     assert 0.01 < off < 0.1
-
-
-@pytest.mark.parametrize(
-    "changes",
-    [
-        {"contacts.interface.p": 1.0},  # soft
-        {"bodies.lower.mesh.iga.elements": [12, 6]},  # matching
-        {"bodies.lower.mesh.iga.elements": [24, 6]},  # one holds the other
-        {"contacts.interface.formulation": {"method": "gpts", "points": 1}},  # too few instead
-    ],
-    ids=["soft", "matching", "nested", "few points"],
-)
-def test_many_points_on_soft_or_nested_traces_lock_nothing(changes):
-    scene = blocks("iga", formulation={"method": "gpts", "points": 4}, p=1e6)
-    assert "over-constrained" in told(scene)
-    assert "over-constrained" not in told(scene.change(changes))
 
 
 def two_plates(shift=0.0, apart=0.0, **contact):
@@ -145,18 +90,6 @@ def two_plates(shift=0.0, apart=0.0, **contact):
         },
         "analysis": {"kind": "cea", "max_frequency": 1.0},
     }
-
-
-def test_what_finds_nothing_is_told_as_a_part_of_the_side():
-    found = told(read_scene(two_plates(shift=0.3, max_missed=0.5)))
-    assert found["partly-uncovered"]["fraction"] == pytest.approx(0.3, abs=1e-9)
-    assert told(read_scene(two_plates())) == {}
-
-
-def test_the_larger_side_of_a_full_pass_is_meant_to_stand_out():
-    data = two_plates(full_pass=True, formulation={"method": "gpts", "points": 3})
-    data["bodies"]["lower"]["geometry"] |= {"size": [2.0, 0.2], "origin": [-0.5, -0.2]}
-    assert "partly-uncovered" not in told(read_scene(data))
 
 
 def test_a_closed_gap_is_told_with_its_width():
@@ -206,12 +139,6 @@ def test_volumetric_locking_is_told_where_it_is_measured(elements, limit):
     assert locking_error(*elements, limit) > max(0.02, (10 if elements[1] > 1 else 2.5) * known)
     assert told(cantilever(*elements, limit))["volumetric-locking"]["nu"] == limit
     assert told(cantilever(*elements, below)) == {}
-
-
-@pytest.mark.parametrize("elements", [("fe", 3), ("fe", 4), ("iga", 4)])
-def test_elements_that_do_not_lock_are_not_told(elements):
-    assert locking_error(*elements, 0.4999) < 0.01
-    assert told(cantilever(*elements, 0.4999)) == {}
 
 
 RULES = {
@@ -281,18 +208,3 @@ def test_modes_too_short_for_their_mesh_are_named(backend):
     assert 0 < short.sum() < 0.5 * len(short)
     assert errors[~short].max() < 0.03
     assert errors[short].mean() > 5 * errors[~short].mean()
-
-
-def test_warnings_are_stored_with_the_result(tmp_path):
-    result = run_modes(blocks("iga", formulation={"method": "gpts", "points": 1}))
-    file = save_result(result, tmp_path / "result.json")
-    stored = json.loads(file.read_text())["warnings"]
-    assert stored == [warning.plain() for warning in result.warnings]
-    assert {warning["kind"] for warning in stored} == {"under-sampled"}
-
-
-def test_a_window_without_modes_has_shapes_and_no_warnings(backend):
-    result = run_modes(load_scene("blocks", ["analysis.max_frequency=0.01"], backend=backend))
-    assert len(result.modes) == 0
-    assert result.warnings == ()
-    assert result.mode_shapes("upper").shape[1:] == (2, 0)

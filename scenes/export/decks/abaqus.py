@@ -13,9 +13,8 @@ import numpy as np
 
 from cea.contact.friction import Circumferential
 from scenes.export.decks.bodies import DeckBody
-from scenes.export.decks.contacts import DeckContact, deck_contacts
+from scenes.export.decks.contacts import DeckContact, RigidMotion, deck_contacts, moving_bodies
 from scenes.export.decks.lines import comments, joined, keyword, number, numbers
-from scenes.export.decks.sliding import RigidMotion, moving_bodies
 from scenes.export.decks.supports import boundary_lines, displacement_lines, local_frames
 from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.reading import Scene

@@ -14,9 +14,8 @@ slip CalculiX gives a point its stick stiffness, which the scene has not: it is 
 from collections.abc import Iterator, Mapping
 
 from scenes.export.decks.bodies import DeckBody
-from scenes.export.decks.contacts import DeckContact, deck_contacts
+from scenes.export.decks.contacts import DeckContact, RigidMotion, deck_contacts, moving_bodies
 from scenes.export.decks.lines import comments, joined, keyword, numbers
-from scenes.export.decks.sliding import RigidMotion, moving_bodies
 from scenes.export.decks.supports import boundary_lines, displacement_lines
 from scenes.spec.reading import Scene
 

@@ -5,9 +5,10 @@ Scenes that a deck cannot hold are refused before a mesh is made.
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from math import isfinite
 from pathlib import Path
+from typing import Any
 
 from cea.errors import InputError
 from cea.files import check_writable, write_whole
@@ -16,13 +17,11 @@ from cea.ranks import made_on_first
 from meshes.mesh_file import MeshFile
 from scenes.building.body_meshes import used_surfaces
 from scenes.export.decks.abaqus import abaqus_text
-from scenes.export.decks.bodies import DeckBody, deck_bodies, set_name
+from scenes.export.decks.bodies import ELEMENTS, DeckBody, deck_bodies, set_name
 from scenes.export.decks.calculix import calculix_text
-from scenes.export.decks.elements import ELEMENTS
 from scenes.export.decks.model import model_text
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
-from scenes.spec.mesh import FeMesh
 from scenes.spec.names import file_name
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import Scene
@@ -33,102 +32,88 @@ _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
 
 def check_exportable(scene: Scene) -> None:
     """Refuse a scene that a deck cannot hold."""
-    faults = list(_faults(scene))
+    faults = [
+        InputError(field, value, f"{allowed} for a deck")
+        for field, value, wrong, allowed in _asked_of(scene)
+        if wrong
+    ]
     if faults:
         raise SceneError(faults)
 
 
-def _faults(scene: Scene) -> Iterator[InputError]:
-    if scene.analysis.kind != "cea":
-        yield InputError("analysis.kind", scene.analysis.kind, "'cea' for a deck")
-    if scene.loads:
-        field, allowed = "loads", "none for a deck: without c_n they move no eigenvalue"
-        yield InputError(field, f"{len(scene.loads)} of them", allowed)
+def _asked_of(scene: Scene) -> Iterator[tuple[str, Any, Any, str]]:
+    """Fields with their values, whether these are wrong, and what is allowed."""
+    kind = scene.analysis.kind
+    yield "analysis.kind", kind, kind != "cea", "'cea'"
+    count = f"{len(scene.loads)} of them"
+    yield "loads", count, scene.loads, "none, which without c_n move no eigenvalue,"
     for name, body in scene.bodies.items():
-        yield from _name_faults(f"bodies.{name}", name)
-        yield from _body_faults(f"bodies.{name}", body)
+        yield from _asked_of_name(f"bodies.{name}", name)
+        yield from _asked_of_body(f"bodies.{name}", body)
     for name, contact in scene.contacts.items():
-        yield from _name_faults(f"contacts.{name}", name)
-        yield from _contact_faults(f"contacts.{name}", contact)
-        dim = len(scene.bodies[contact.a.split(".")[0]].geometry.directions)
-        if dim == 2:
-            allowed = "none in the plane for a deck; bodies in space touch"
-            yield InputError(f"contacts.{name}", f"{contact.a}, {contact.b}", allowed)
-    yield from _repeated_names(scene)
-
-
-def _name_faults(field: str, name: str) -> Iterator[InputError]:
-    if not _LABEL.fullmatch(name):
-        allowed = "a letter, then at most 29 letters, digits, _ or -, for a deck"
-        yield InputError(field, name, allowed)
-
-
-def _repeated_names(scene: Scene) -> Iterator[InputError]:
-    """Sets whose names become one: capitals count as small letters, and a dot as a hyphen."""
-    places = [f"bodies.{name}" for name in scene.bodies]
-    names = [name.lower() for name in scene.bodies]
+        yield from _asked_of_name(f"contacts.{name}", name)
+        yield from _asked_of_contact(f"contacts.{name}", contact)
+        planar = len(scene.bodies[contact.a.split(".")[0]].geometry.directions) == 2
+        sides = f"{contact.a}, {contact.b}"
+        yield f"contacts.{name}", sides, planar, "none in the plane, where no bodies touch"
+    # Sets whose names become one: capitals count as small letters, and a dot as a hyphen.
+    sets = {f"bodies.{name}": name.lower() for name in scene.bodies}
     for name, body in scene.bodies.items():
         from_file = isinstance(body.geometry, MeshFile)
         surfaces = used_surfaces(scene, name) if from_file else body.geometry.surfaces
-        places += [f"bodies.{name}.geometry.{each}" for each in surfaces]
-        names += [set_name(f"{name}.{each}").lower() for each in surfaces]
-    count = Counter(names)
-    for place, name in zip(places, names, strict=True):
-        if count[name] > 1:
-            yield InputError(place, name, "a name for its set that no other has, for a deck")
+        for each in surfaces:
+            sets[f"bodies.{name}.geometry.{each}"] = set_name(f"{name}.{each}").lower()
+    uses = Counter(sets.values())
+    for place, name in sets.items():
+        yield place, name, uses[name] > 1, "a name for its set that no other has"
 
 
-def _body_faults(field: str, body: BodySpec) -> Iterable[InputError]:
-    if body.backend != "fe":
-        allowed = "'fe': a deck holds Lagrange elements, no NURBS (--backend fe)"
-        yield InputError(f"{field}.backend", body.backend, allowed)
-        return
-    if body.mesh.fe is not None:
-        yield from _element_faults(f"{field}.mesh.fe", body, body.mesh.fe)
-    for name in ("springs", "damping", "rotation"):
-        if value := getattr(body, name):
-            yield InputError(f"{field}.{name}", value, "left out for a deck: it is not written")
-    for i, support in enumerate(body.supports):
-        if "normal" in support.components:
-            allowed = "x, y, z, or radial, circumferential, axial, for a deck"
-            yield InputError(f"{field}.supports.{i}.components", ["normal"], allowed)
-        if support.value is not None:
-            allowed = "left out for a deck: supports hold at zero"
-            yield InputError(f"{field}.supports.{i}.value", support.value, allowed)
+def _asked_of_name(field: str, name: str) -> Iterator[tuple[str, Any, Any, str]]:
+    allowed = "a letter, then at most 29 letters, digits, _ or -,"
+    yield field, name, not _LABEL.fullmatch(name), allowed
 
 
-def _element_faults(field: str, body: BodySpec, fe: FeMesh) -> Iterator[InputError]:
-    """Elements that no deck has; those of mesh files show when the file is read."""
-    if (fe.cell, fe.degree) not in ELEMENTS:
+def _asked_of_body(field: str, body: BodySpec) -> Iterator[tuple[str, Any, Any, str]]:
+    allowed = "'fe', Lagrange elements and no NURBS (--backend fe),"
+    yield f"{field}.backend", body.backend, body.backend != "fe", allowed
+    fe = body.mesh.fe if body.backend == "fe" else None
+    if fe is not None:  # elements of mesh files show when the file is read
+        known = (fe.cell, fe.degree) in ELEMENTS
         wanted = "tetrahedron" if len(body.geometry.directions) == 3 else "triangle"
         allowed = (
-            f"1 for a deck, or 2 with cell = {wanted!r}, geometry_degree = 1: no element there has "
-            f"the nodes of a {fe.cell} of degree {fe.degree}"
+            f"1, or 2 with cell = {wanted!r}, geometry_degree = 1, as no element there has the "
+            f"nodes of a {fe.cell} of degree {fe.degree},"
         )
-        yield InputError(f"{field}.degree", fe.degree, allowed)
-    elif (fe.geometry_degree or fe.degree) not in {1, fe.degree}:
-        allowed = f"1 or {fe.degree} for a deck"
-        yield InputError(f"{field}.geometry_degree", fe.geometry_degree, allowed)
+        yield f"{field}.mesh.fe.degree", fe.degree, not known, allowed
+        curved = known and (fe.geometry_degree or fe.degree) not in {1, fe.degree}
+        place = f"{field}.mesh.fe.geometry_degree"
+        yield place, fe.geometry_degree, curved, f"1 or {fe.degree}"
+    for name in ("springs", "damping", "rotation"):
+        value = getattr(body, name)
+        yield f"{field}.{name}", value, value, "left out, as it is not written,"
+    for i, support in enumerate(body.supports):
+        place, components = f"{field}.supports.{i}", list(support.components)
+        allowed = "x, y, z, or radial, circumferential, axial,"
+        yield f"{place}.components", components, "normal" in components, allowed
+        allowed = "left out, where supports hold at zero,"
+        yield f"{place}.value", support.value, support.value is not None, allowed
 
 
-def _contact_faults(field: str, contact: ContactSpec) -> Iterator[InputError]:
-    if contact.c_n is not None:
-        yield InputError(f"{field}.c_n", contact.c_n, "left out for a deck: P or p is given")
+def _asked_of_contact(field: str, contact: ContactSpec) -> Iterator[tuple[str, Any, Any, str]]:
+    allowed = "left out, P or p given instead,"
+    yield f"{field}.c_n", contact.c_n, contact.c_n is not None, allowed
     for name in ("P", "p"):
         value = getattr(contact, name)
-        if value is not None and not (isinstance(value, float | int) and isfinite(value)):
-            yield InputError(f"{field}.{name}", value, "a finite number for a deck")
-    if not isinstance(contact.mu, float | int):
-        yield InputError(f"{field}.mu", contact.mu, "a number for a deck")
-    if contact.full_pass:
-        allowed = "false for a deck: points lie on side a, the slave"
-        yield InputError(f"{field}.full_pass", contact.full_pass, allowed)
-    if contact.sliding is not None:
-        allowed = "left out for a deck: it is not written"
-        yield InputError(f"{field}.sliding", contact.sliding, allowed)
-    if contact.formulation.coupling == "bonded":
-        allowed = "one that is not bonded for a deck"
-        yield InputError(f"{field}.formulation.method", contact.formulation.method, allowed)
+        wrong = value is not None and not (isinstance(value, float | int) and isfinite(value))
+        yield f"{field}.{name}", value, wrong, "a finite number"
+    yield f"{field}.mu", contact.mu, not isinstance(contact.mu, float | int), "a number"
+    allowed = "false, since points lie on side a, the slave,"
+    yield f"{field}.full_pass", contact.full_pass, contact.full_pass, allowed
+    allowed = "left out, as it is not written,"
+    yield f"{field}.sliding", contact.sliding, contact.sliding is not None, allowed
+    bonded = contact.formulation.coupling == "bonded"
+    method = contact.formulation.method
+    yield f"{field}.formulation.method", method, bonded, "one that is not bonded"
 
 
 MAX_MODES = 10_000
