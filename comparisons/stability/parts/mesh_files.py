@@ -14,7 +14,7 @@ from comparisons.stability.parts.problems import Answer, OfScene
 from meshes.breaks import breaks_of
 from meshes.mesh_file import METRES, Unit
 from meshes.shape_mesh import shape_mesh
-from scenes.export.decks.elements import element_nodes
+from scenes.export.decks.bodies import element_nodes
 from scenes.export.decks.lines import element_lines, set_lines
 from scenes.spec.reading import read_scene
 from scenes.spec.scene import SceneSpec
