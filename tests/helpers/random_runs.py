@@ -117,16 +117,6 @@ def graded_damped_outcome(seed):
     )
 
 
-OUTCOMES = {
-    "matrix": matrix_outcome,
-    "quadratic": quadratic_outcome,
-    "low_rank": low_rank_outcome,
-    "graded": graded_outcome,
-    "graded_damped": graded_damped_outcome,
-}
-"""Outcomes of random pencils by kind."""
-
-
 def judged(seeds, outcome_of):
     """Outcomes of seeds; faults in any of them, reported together, are a failure."""
     outcomes = [outcome_of(seed) for seed in seeds]
