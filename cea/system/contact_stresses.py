@@ -59,19 +59,7 @@ class StressMap:
 def contact_stresses(
     system: CoupledSystem, contact_name: str, x: Any, samples: int
 ) -> dict[str, NormalStress]:
-    """Stresses of sides "a" and "b" of a contact.
-
-    Parameters
-    ----------
-    system
-        The coupled system.
-    contact_name
-        Name of the contact.
-    x
-        Unknowns, PETSc vector.
-    samples
-        Points across a surface, and along the line.
-    """
+    """Stresses of sides "a" and "b" of a contact, at so many points across and along a line."""
     contact = _contact(system, contact_name)
     line, arc, direction = _diagonal(contact, 2 * samples - 1)
     stresses = {}
@@ -90,24 +78,7 @@ def contact_stresses(
 
 
 def stress_map(system: CoupledSystem, contact_name: str, x: Any, samples: int) -> StressMap:
-    """Stresses of both sides of a flat contact on one grid over side a.
-
-    Parameters
-    ----------
-    system
-        The coupled system.
-    contact_name
-        Name of the contact.
-    x
-        Unknowns, PETSc vector.
-    samples
-        Points along each direction.
-
-    Raises
-    ------
-    InputError
-        In the plane, where a contact is a curve.
-    """
+    """Stresses of both sides of a flat contact on one grid over side a."""
     contact = _contact(system, contact_name)
     a = contact.interface.a
     if a.dim != 3:
@@ -135,26 +106,7 @@ def stress_map(system: CoupledSystem, contact_name: str, x: Any, samples: int) -
 def pressure_along(
     system: CoupledSystem, contact_name: str, x: Any, stiffness: float, samples: int
 ) -> Floats:
-    """Pressure p g (N/m^2) along the line of :func:`contact_stresses`, positive in compression.
-
-    Parameters
-    ----------
-    system
-        The coupled system.
-    contact_name
-        Name of the contact.
-    x
-        Unknowns, PETSc vector.
-    stiffness
-        Contact stiffness p (N/m^3).
-    samples
-        As there.
-
-    Returns
-    -------
-    ndarray
-        Shape (2 * samples - 1,); NaN where the line leaves a side.
-    """
+    """Pressure p g (N/m^2) along the line of :func:`contact_stresses`, positive in compression."""
     contact = _contact(system, contact_name)
     line, _, direction = _diagonal(contact, 2 * samples - 1)
     gap = np.zeros(len(line))

@@ -42,45 +42,24 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CoupledSystem:
-    """Matrices of all bodies and contacts.
+    """Matrices of all bodies and contacts."""
 
-    Parameters
-    ----------
-    bodies
-        Bodies by name, in the order of the unknowns.
-    contacts
-        Contacts with their operators, the half passes one after another.
-    template
-        PETSc vector of the layout of the unknowns.
-    index_sets
-        Unknowns of each body, PETSc index sets by name.
-    load
-        Forces (N), PETSc vector, None where none were asked for.
-    stiffness_diagonal
-        Diagonal of K of all bodies (N/m), PETSc vector.
-    penalty_digits
-        Digits that the penalty form costs, or would cost, by contact.
-    pieces
-        Pieces of a pencil that each body brings, with its damping and rotation.
-    with_mass
-        Whether bodies have mass, and velocities count.
-    steady
-        The state of steady sliding that contacts were linearised about; None where none was sought.
-    prestress
-        Geometric stiffness of the stresses of that state by body, PETSc AIJ (N/m); empty where it
-        was not asked for.
-    """
-
-    bodies: Mapping[str, Body]
+    bodies: Mapping[str, Body]  # bodies by name, in the order of the unknowns
+    # contacts with their operators, the half passes one after another
     contacts: tuple[Contact, ...]
-    template: Any
-    index_sets: Mapping[str, Any]
-    load: Any | None
-    stiffness_diagonal: Any
+    template: Any  # PETSc vector of the layout of the unknowns
+    index_sets: Mapping[str, Any]  # unknowns of each body, PETSc index sets by name
+    load: Any | None  # forces (N), PETSc vector, None where none were asked for
+    stiffness_diagonal: Any  # diagonal of K of all bodies (N/m), PETSc vector
+    # digits that the penalty form costs, or would cost, by contact
     penalty_digits: Mapping[str, float]
+    # pieces of a pencil that each body brings, with its damping and rotation
     pieces: Mapping[str, BodyTerms]
-    with_mass: bool
+    with_mass: bool  # whether bodies have mass, and velocities count
+    # the state of steady sliding that contacts were linearised about; None where none was sought
     steady: "SteadySliding | None" = None
+    # geometric stiffness of the stresses of that state by body, PETSc AIJ (N/m); empty where it
+    # was not asked for
     prestress: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -214,16 +193,7 @@ class CoupledSystem:
     def linearised(
         self, steady: "SteadySliding", *, geometric_stiffness: bool = False
     ) -> "CoupledSystem":
-        """The system of small motions about a state of steady sliding.
-
-        Parameters
-        ----------
-        steady
-            The state.
-        geometric_stiffness
-            Whether its stresses stiffen, or soften, the bodies; the forces of contacts and loads
-            keep their directions.
-        """
+        """The system of small motions about a state of steady sliding."""
         contacts = [
             replace(contact, closure=steady.contacts[contact.name].closure)
             if contact.name in steady.contacts
@@ -262,15 +232,6 @@ class CoupledSystem:
         """Full displacement (m) of one body under loads, shape (dim * num_scalar_dofs,).
 
         With what its supports prescribe.
-
-        Parameters
-        ----------
-        x
-            Unknowns, PETSc vector.
-        body
-            Name of the body.
-        everywhere
-            Whether every rank gets it; otherwise rank 0 does, and others get an empty array.
         """
         part = x.getSubVector(self.index_sets[body])
         full = self.bodies[body].expansion.createVecLeft()
@@ -355,11 +316,6 @@ def _force_of_prescribed(contact: Contact) -> Any:
 
     The closure is G x + e with e prescribed; contact forces that stay unknowns are then those of
     G x alone, of the same stiffness.
-
-    Raises
-    ------
-    InputError
-        When the contact is projected, lumped or tied, whose forces are not those at its points.
     """
     if contact.coupling != "pointwise" or not contact.has_pressure:
         allowed = (

@@ -198,7 +198,7 @@ class SteadyEquations:
         return factor * self._load.array_r
 
     def springs(self, factor: float) -> list[Floats]:
-        """Secant slope of each contact where a part of the load presses evenly (N/m^3)."""
+        """Secant slope of each contact that a part of the load presses evenly (N/m^3)."""
         slopes = []
         for contact, gap in zip(self.contacts, self._gaps, strict=True):
             law, interface, nearest = _law(contact), contact.interface, float(gap.min())
