@@ -182,11 +182,14 @@ class WindowSearch(ABC):
         """Eigenvalues of the transposed pencil and so many rows of their vectors, of all found."""
         assert self.found is not None
         values, found = self.found.eigenvalues, None
-        for disc in sorted(
+        discs = sorted(
             self.discs, key=lambda each: self._op is None or each.centre != self._op.shift
-        ):
+        )
+        beyond = [np.abs(values - disc.centre) - disc.radius for disc in discs]
+        nearest = np.argmin(beyond, axis=0)  # some converged outside of all discs
+        for number, disc in enumerate(discs):
             distances = np.abs(values - disc.centre)
-            inside = self.whole | (distances < disc.radius * _INSIDE)
+            inside = self.whole | (distances < disc.radius * _INSIDE) | (nearest == number)
             farthest = max(float(distances[inside].max(initial=0.0)), ASIDE * disc.radius)
             op = self.at(disc.centre).transposed()
             with self._timer("krylov"):

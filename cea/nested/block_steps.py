@@ -40,13 +40,24 @@ from cea.nested.ritz import (
 
 @dataclass(frozen=True)
 class _Spanned:
-    """M-orthonormal vectors V, and A(sigma) [V; F] = [forces; 0], or that with A^T."""
+    """M-orthonormal vectors V, A(sigma) [V; F] = [forces; 0] or that with A^T, and M V.
 
-    own: Floats
-    forces: Floats
+    The three below each other, so that combinations of vectors are those of all three.
+    """
 
-    def beside(self, other: "_Spanned") -> "_Spanned":
-        return _Spanned(beside(self.own, other.own), beside(self.forces, other.forces))
+    rows: Floats
+
+    @property
+    def own(self) -> Floats:
+        return self.rows[: len(self.rows) // 3]
+
+    @property
+    def forces(self) -> Floats:
+        return self.rows[len(self.rows) // 3 : 2 * len(self.rows) // 3]
+
+    @property
+    def inertia(self) -> Floats:
+        return self.rows[2 * len(self.rows) // 3 :]
 
 
 class BlockSteps:
@@ -67,24 +78,25 @@ class BlockSteps:
 
     def improved(self, old: Approximation, steps: int) -> tuple[Approximation, list[Floats]]:
         """Vectors and eigenvalues after some steps, and what each changed eigenvalues by (1/s)."""
-        none = np.empty((len(old.right), 0), order="F")
-        right = left = _Spanned(none, none)
+        right = left = _Spanned(np.empty((3 * len(old.right), 0), order="F"))
         alike = self.matrices.symmetric and self.matrices.gyroscopic is None
         changes = []
         for _ in range(steps):
             before = old.eigenvalues
-            right = right.beside(self._outside(right, before, old.right))
+            fresh = self._outside(right, before, old.right)
+            right = _Spanned(beside(right.rows, fresh.rows))
             if not alike:
                 fresh = self._outside(left, before.conj(), old.left, transposed=True)
-            left = right if alike else left.beside(fresh)
+            left = right if alike else _Spanned(beside(left.rows, fresh.rows))
             old = self._projected(before, right, left)
             changes.append(np.abs(old.eigenvalues - before))
         return old, changes
 
     def _projected(self, wanted: Complexes, right: _Spanned, left: _Spanned) -> Approximation:
         """Eigenvalues of the projected problem that belong to those wanted."""
-        M, V, W = self.matrices.mass, right.own, left.own
-        works, masses = self._inner(W, self._internal(right)), self._inner(W, times(M, V))
+        V, W = right.own, left.own
+        internal = right.forces + self.factors.kappa * right.inertia  # K V + L^T F
+        works, masses = self._inner(W, internal), self._inner(W, right.inertia)
         if self.matrices.quadratic:
             drags = self._inner(W, self._damping.times(V))
             found, c, d = quadratic_ritz(works, drags, masses)
@@ -92,36 +104,31 @@ class BlockSteps:
             kappa, c, d = ritz(works, masses, symmetric=self.matrices.symmetric)
             found = growing(kappa)
         order = matched(wanted, found)
-        x, y = self._scaled(V @ c[:, order]), self._scaled(W @ d[:, order])
-        return Approximation(found[order], x, y)
-
-    def _internal(self, space: _Spanned) -> Floats:
-        """K V + L^T F of displacements V and the forces F that come with them."""
-        return np.asarray(space.forces + self.factors.kappa * times(self.matrices.mass, space.own))
+        c, d = (each[:, order] / np.linalg.norm(each[:, order], axis=0) for each in (c, d))
+        return Approximation(found[order], V @ c, W @ d)
 
     def _outside(
         self, space: _Spanned, values: Complexes, x: Complexes, *, transposed: bool = False
     ) -> _Spanned:
         """What a step of vectors spans beside a space, in real numbers."""
-        M, comm = self.matrices.mass, self.matrices.stiffness.comm
         if not self.matrices.quadratic:
             chosen = one_of_each_pair(values)
             values, x = values[chosen], x[:, chosen]
         loads, alone = self._real_parts(values, self._forces(values, x, transposed=transposed))
         own = self._solved(loads, transposed=transposed)
-        squares = columns_inner(own, times(M, own), comm)
+        inertia = times(self.matrices.mass, own)
+        squares = columns_inner(own, inertia, self.matrices.stiffness.comm)
         parts = squares[alone:].reshape(2, -1)  # real and imaginary ones have one length together
         lengths = np.sqrt(np.concatenate([squares[:alone], np.tile(parts.sum(axis=0), 2)]))
-        own, loads = own / lengths, loads / lengths
+        new = _Spanned(np.asfortranarray(np.vstack([own, loads, inertia]) / lengths))
         for _ in range(2):
-            inside = self._inner(space.own, times(M, own))
-            own, loads = own - combined(space.own, inside), loads - combined(space.forces, inside)
-            gram = self._inner(own, times(M, own))
+            inside = self._inner(space.own, new.inertia)
+            new = _Spanned(new.rows - combined(space.rows, inside))
+            gram = self._inner(new.own, new.inertia)
             sizes, axes = np.linalg.eigh(0.5 * (gram + gram.T))
             kept = sizes > DEPENDENT
-            axes = axes[:, kept] / np.sqrt(sizes[kept])
-            own, loads = combined(own, axes), combined(loads, axes)
-        return _Spanned(own, loads)
+            new = _Spanned(combined(new.rows, axes[:, kept] / np.sqrt(sizes[kept])))
+        return new
 
     def _real_parts(self, values: Complexes, columns: Complexes) -> tuple[Floats, int]:
         """Real columns, and how many of them come first that have no imaginary parts.
@@ -154,12 +161,6 @@ class BlockSteps:
 
     def _inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
         return all_inner(left, right, self.matrices.stiffness.comm)
-
-    def _scaled(self, vectors: Complexes) -> Complexes:
-        """Vectors with x^H M x = 1."""
-        images = times(self.matrices.mass, vectors)
-        squares = columns_inner(vectors, images, self.matrices.stiffness.comm).real
-        return np.asarray(vectors / np.sqrt(squares))
 
 
 def middle_shift(eigenvalues: Complexes) -> float:

@@ -31,7 +31,7 @@ class Bar:
 
     size: float
     converges: bool = True  # whether differences fall
-    estimates: int = 2  # 1 where meshes are too few or have no ratio, or there is no correction
+    estimates: int = 2  # 1 where meshes are too few or have no ratio, 0 without correction
 
 
 def bar_of(
@@ -44,26 +44,26 @@ def bar_of(
     numbers
         The numbers; Richardson's error takes the last three, of meshes of the same ratio.
     corrected
-        The last one corrected in a richer space, if it was.
+        The last one corrected in a richer space; without that there is no bar.
     degree
         Degree p of the elements: differences fall by the ratio to 2 p at most.
     rounding
         Error of each number by rounding.
     """
     change = None if corrected is None else abs(corrected - numbers[-1])
+    if change is None:
+        return Bar(inf, estimates=0)
     if len(numbers) < MESHES:
-        size = inf if change is None else FACTOR * change + rounding
-        return Bar(size, estimates=0 if change is None else 1)
+        return Bar(FACTOR * change + rounding, estimates=1)
     first, second = np.abs(np.diff(numbers[-MESHES:])).tolist()
-    estimates = 1 if change is None else 2
+    size = max(first + second, FACTOR * change)
     if first + second <= 2 * rounding:  # nothing but rounding differs
-        return Bar(max(first + second, FACTOR * (change or 0.0)) + rounding, True, estimates)
+        return Bar(size + rounding)
     if first < CONVERGING * second:
-        size = max(first + second, FACTOR * (change or 0.0))
-        return Bar(size + rounding, False, estimates)
+        return Bar(size + rounding, converges=False)
     most = RATIO ** (2 * degree)
     ratio = min(max(first / second if second else most, RATIO**LEAST_ORDER), most)
-    return Bar(FACTOR * max(second / (ratio - 1), change or 0.0) + rounding, True, estimates)
+    return Bar(FACTOR * max(second / (ratio - 1), change) + rounding)
 
 
 @dataclass(frozen=True)

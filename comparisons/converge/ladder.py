@@ -67,6 +67,7 @@ class Ladder:
         on = on_backend_of_shapes(scene, backend)
         self.scene, self.backend = scene, backend
         self.by_degree = any(map(from_file, on.bodies.values()))
+        self.least = 1 if self.by_degree else MESHES  # meshes that a bar takes
         self._layered = has_singular_edges(on)
         self._slower = 1.0
         shapes = [body.mesh for body in on.bodies.values() if not from_file(body)]

@@ -10,7 +10,7 @@ from cea.petsc import MPI
 from comparisons.converge.bars import Estimated
 from comparisons.converge.combine import combine
 from comparisons.converge.follow import Followed, estimated
-from comparisons.converge.ladder import MESHES, Ladder, window_of
+from comparisons.converge.ladder import Ladder, Mesh, window_of
 from comparisons.converge.request import Request
 from comparisons.converge.told import data_of
 from comparisons.kit.progress import Progress
@@ -85,21 +85,15 @@ class Course:
         return all(max(both) <= 1 for both in asked)
 
     def advance(self, clock: _Clock, progress: Progress) -> None:
-        """One more mesh, the correction of the last one, or the end."""
-        meshes = self.followed.meshes
-        needed = 1 if self.ladder.by_degree else MESHES
+        """One more mesh, or the end."""
+        number = len(self.followed.meshes)
         try:
-            if len(meshes) >= needed and meshes[-1].corrected is None:
-                if not self.holds and not self.ladder.by_degree and self._next_fits(clock):
-                    self._run(clock, progress)
-                else:
-                    self._correct(clock, progress)
-            elif len(meshes) >= needed and self.holds:
+            if number >= self.ladder.least and self.holds:
                 self.done = True
             elif self._next_fits(clock):
-                self._run(clock, progress)
+                self._add(number, clock, progress)
             else:
-                more = self.ladder.seconds(len(meshes))
+                more = self.ladder.seconds(number)
                 reason = "elements on the cells of mesh files have degree 4 at most"
                 if more is not None:
                     reason = f"one more mesh would take about {more:.2g} s"
@@ -114,19 +108,19 @@ class Course:
         seconds = self.ladder.seconds(len(self.followed.meshes))
         return seconds is not None and seconds <= clock.left
 
-    def _run(self, clock: _Clock, progress: Progress) -> None:
-        number = len(self.followed.meshes)
+    def _add(self, number: int, clock: _Clock, progress: Progress) -> None:
+        """A further mesh; those that bars are made of count once they are corrected."""
         progress.step(f"{self.backend}, mesh {number + 1}, {max(clock.left, 0):.0f} s left")
         mesh = self.ladder.run(number, clock.guarded(progress))
+        if number + 1 >= self.ladder.least:
+            mesh = self._corrected(mesh, clock, progress)
         progress.stage("matching")
         self.followed.add(mesh)
 
-    def _correct(self, clock: _Clock, progress: Progress) -> None:
-        mesh = self.followed.meshes[-1]
-        progress.step(
-            f"{self.backend}, correction in a richer space, {max(clock.left, 0):.0f} s left"
-        )
-        self.followed.meshes[-1] = self.ladder.correct(mesh, clock.guarded(progress))
+    def _corrected(self, mesh: Mesh, clock: _Clock, progress: Progress) -> Mesh:
+        left = f"{max(clock.left, 0):.0f} s left"
+        progress.step(f"{self.backend}, correction in a richer space, {left}")
+        return self.ladder.correct(mesh, clock.guarded(progress))
 
     def _end(self, clock: _Clock, progress: Progress, reason: str) -> None:
         """No mesh follows; the last one is corrected where there are time and memory."""
@@ -135,7 +129,7 @@ class Course:
             return
         if self.ladder.seconds_to_correct(meshes[-1].scene) <= clock.left:
             with suppress(InputError, ConvergenceError):
-                self._correct(clock, progress)
+                meshes[-1] = self._corrected(meshes[-1], clock, progress)
 
 
 def backends_of(scene: Scene, request: Request) -> tuple[Backend, ...]:

@@ -65,7 +65,7 @@ def data_of(
         "ended": dict(ended),
         "mortar": moved_to_mortar(scene),
         "scenes": {name: scene_text(each) for name, each in scenes.items()},
-        "warnings": _warnings(followed, inside, top),
+        "warnings": _warnings(followed, ended if held else {}, inside, top),
     }
 
 
@@ -146,9 +146,17 @@ def _errors(mesh: Mesh, modes: list[Mode]) -> dict[str, Any]:
 
 
 def _warnings(
-    followed: Mapping[Backend, Followed], modes: list[Mode], top: float
+    followed: Mapping[Backend, Followed],
+    ended: Mapping[Backend, str],
+    modes: list[Mode],
+    top: float,
 ) -> list[dict[str, Any]]:
     """What the result must be read with; what runs warn of is that of the finest meshes."""
+    found = [
+        {"kind": "backend-ended", "message": f"{backend}: {reason}", "data": {"backend": backend}}
+        for backend, reason in ended.items()
+        if reason
+    ]
     lost = [v for each in followed.values() for v in each.lost.tolist() if v.imag <= tau * top]
     kinds = {
         "backends-disagree": (
@@ -172,7 +180,7 @@ def _warnings(
             [value.imag / tau for value in lost],
         ),
     }
-    found = [
+    found += [
         {
             "kind": kind,
             "message": f"{text} {len(where)} mode{'s' * (len(where) > 1)}",

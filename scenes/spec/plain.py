@@ -1,7 +1,7 @@
 """Scenes as plain data, and plain data as scenes."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, fields, is_dataclass
 from functools import cache
 from typing import Any
@@ -54,12 +54,27 @@ def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
     except (TypeError, ValueError, RecursionError) as error:
         if isinstance(error, SceneError):
             raise
+        if isinstance(error, UnicodeEncodeError):
+            raise SceneError(list(_half_characters(plain_data(data)))) from error
         allowed = f"text, numbers, lists, and tables of them by name, not too deep: {error}"
         raise SceneError([InputError("scene", "...", allowed)]) from error
     try:
         return kind.validate_json(content)
     except ValidationError as error:
         raise SceneError(problems(error, json.loads(content), _schema(kind))) from error
+
+
+def _half_characters(data: Any, path: str = "") -> Iterator[InputError]:
+    """A refusal of every text that holds half of a character, which no file can."""
+    if isinstance(data, str) and not data.isascii() and any("\ud800" <= c < "\ue000" for c in data):
+        yield InputError(path or "scene", data, "text of whole characters")
+    elif isinstance(data, Mapping):
+        for name, part in data.items():
+            yield from _half_characters(name, path)
+            yield from _half_characters(part, f"{path}.{name}".removeprefix("."))
+    elif isinstance(data, list | tuple):
+        for number, part in enumerate(data):
+            yield from _half_characters(part, f"{path}[{number}]")
 
 
 @cache

@@ -186,6 +186,14 @@ def test_what_lies_around_the_window_need_not_converge():
     assert (np.abs(found - 1.07) < 1e-9).sum() == 1
 
 
+def test_what_converged_beyond_the_disc_has_left_vectors_too():
+    values = np.cumsum(np.random.default_rng(8).uniform(0.05, 0.15, 120))
+    pencil = pencil_of([*([[value]] for value in values), pair(0.7, 0.05)], seed=8)
+    modes = solve_modes(pencil, HERTZ, options=KRYLOV, left=True)
+    assert modes.left is not None
+    assert len(modes) == (values < 1.0).sum() + 2
+
+
 class Searched:
     """A disc about 0.5, as wide as 1.15, searched once."""
 

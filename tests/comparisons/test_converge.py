@@ -13,7 +13,7 @@ from mpi import on_ranks
 from typer.testing import CliRunner
 
 from cea.eigen.matching import assign
-from cea.errors import InputError
+from cea.errors import ConvergenceError, InputError
 from comparisons.cli.app import app
 from comparisons.converge import ladder
 from comparisons.converge.bars import CONVERGING, FACTOR, Estimated, bar_of, pair
@@ -61,7 +61,6 @@ def shares(data, exact):
 def test_a_bar_is_twice_the_error_of_a_sequence_that_keeps_its_order(order):
     numbers = [7.0 + RATIO ** (-order * i) for i in range(3)]
     error = numbers[-1] - 7.0
-    assert bar_of(numbers, None, 3).size == pytest.approx(2 * error)
     assert bar_of(numbers, 7.0 + error / 2, 3).size == pytest.approx(2 * error)
     assert bar_of(numbers, 7.0 - error, 3, 0.1 * error).size == pytest.approx(4.1 * error)
     assert bar_of(numbers, 7.0, 3).estimates == 2
@@ -69,15 +68,15 @@ def test_a_bar_is_twice_the_error_of_a_sequence_that_keeps_its_order(order):
 
 def test_orders_above_theory_and_below_one_are_not_trusted():
     fast, slow = [1 + 1.0, 1 + 1e-6, 1.0], [2.3, 1.0, 0.0]
-    assert bar_of(fast, None, 2).size == pytest.approx(FACTOR * 1e-6 / (RATIO**4 - 1))
-    assert bar_of(slow, None, 2).size == pytest.approx(FACTOR * 1.0 / (RATIO - 1))
+    assert bar_of(fast, 1.0, 2).size == pytest.approx(FACTOR * 1e-6 / (RATIO**4 - 1))
+    assert bar_of(slow, 0.0, 2).size == pytest.approx(FACTOR * 1.0 / (RATIO - 1))
 
 
 @pytest.mark.parametrize("numbers", [[1.0, 1.2, 1.7], [1.0, 1.5, 1.0], [1.0, 1.11, 1.01]])
 def test_where_differences_do_not_fall_the_bar_is_their_sum(numbers):
     first, last = np.abs(np.diff(numbers))
     assert first < CONVERGING * last
-    bar = bar_of(numbers, None, 3)
+    bar = bar_of(numbers, numbers[-1], 3)
     assert bar.size == pytest.approx(first + last)
     assert not bar.converges
     assert bar_of([1.0, 1.0 + 1e-15, 1.0], 1.0, 3, 1e-14).converges  # rounding has no order
@@ -86,7 +85,7 @@ def test_where_differences_do_not_fall_the_bar_is_their_sum(numbers):
 def test_few_meshes_leave_one_estimate():
     assert bar_of([2.0, 1.0], 0.9, 3).size == pytest.approx(0.2)
     assert bar_of([2.0, 1.0], 0.9, 3).estimates == 1
-    assert bar_of([2.0, 1.0], None, 3).size == inf
+    assert bar_of([3.0, 2.0, 1.0], None, 3).size == inf
 
 
 @pytest.mark.parametrize("splitting", [0.04, 0.0, -0.04])
@@ -100,7 +99,7 @@ def test_bars_of_a_pair_hold_its_members_through_a_coalescence(splitting, damped
     ]
     exact = -9 + np.sqrt(splitting + 0j) * np.array([1, -1])
     lam, truth = (z, exact) if damped else ([np.sqrt(each) for each in z], np.sqrt(exact))
-    for own, true in zip(pair(np.array(lam), None, 2, 0.0, damped=damped), truth, strict=True):
+    for own, true in zip(pair(np.array(lam), lam[-1], 2, 0.0, damped=damped), truth, strict=True):
         assert abs(own.value.imag - true.imag) <= own.frequency_bar * (1 + 1e-6)
         assert abs(own.value.real - true.real) <= own.growth_bar * (1 + 1e-6)
         if not damped:
@@ -269,6 +268,38 @@ def test_the_command_prints_modes_and_doubts_once_and_names_its_page(tmp_path):
     assert str(tmp_path / "x" / "report.html") in done.output.replace("\n", "")
     again = run("blocks", "--redraw", out=tmp_path / "x")
     assert again.exit_code == 0, again.output
+
+
+def test_a_backend_whose_meshes_fail_is_warned_of(monkeypatch):
+    run = Ladder.run
+
+    def failing(ladder, number, progress):
+        if ladder.backend == "iga":
+            raise ConvergenceError("lost")
+        return run(ladder, number, progress)
+
+    monkeypatch.setattr(Ladder, "run", failing)
+    data = converged("blocks", digits=2)
+    assert data["held"]
+    (warning,) = [each for each in data["warnings"] if each["kind"] == "backend-ended"]
+    assert warning["message"] == "iga: the next mesh failed: lost"
+
+
+def test_a_mesh_that_cannot_be_corrected_does_not_count(monkeypatch):
+    """Differences of meshes alone would be bars far too small where one is small by chance."""
+    correct = Ladder.correct
+
+    def failing(ladder, mesh, progress):
+        if mesh.resolution == ladder.resolution(3):
+            raise InputError("mesh", mesh.dofs, "one that fits into memory")
+        return correct(ladder, mesh, progress)
+
+    monkeypatch.setattr(Ladder, "correct", failing)
+    data = converged("blocks", digits=7, backends=("iga",))
+    assert len(data["levels"]) == 3
+    assert "iga: the next mesh failed: mesh = " in data["first"]
+    assert all(mode["estimates"] == 2 for mode in data["modes"])
+    assert (shares(data, ExactScene("blocks").exact())[0] <= 1).all()
 
 
 def test_a_budget_that_is_gone_leaves_no_mesh():
