@@ -19,7 +19,7 @@ from cea.errors import InputError
 from cea.warned import ResultWarning
 from comparisons.kit.progress import Progress
 from scenes import Result, run_modes
-from scenes.checking.memory import estimated_memory
+from scenes.checking.memory import check_memory, estimated_memory
 from scenes.refinement.meshes import (
     Resolution,
     from_file,
@@ -90,11 +90,16 @@ class Ladder:
         )
 
     def seconds(self, number: int) -> float | None:
-        """Time that a mesh and its correction are expected to take (s); None where none is left."""
+        """Time that a mesh and its correction are expected to take (s); None where none is left.
+
+        One that bars are made of is refused where its correction does not fit into memory.
+        """
         resolution = self.resolution(number)
         if resolution is None:
             return None
         finer = refined(self.scene, self.backend, resolution)
+        if number + 1 >= self.least:
+            check_memory(enriched_scene(_widened(finer)), on_disk=False)
         own = self._slower * _estimated_seconds(_widened(finer))
         return own + self.seconds_to_correct(finer)
 

@@ -7,7 +7,6 @@ from typing import Any
 
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
-from comparisons.converge.bars import Estimated
 from comparisons.converge.combine import combine
 from comparisons.converge.follow import Followed, estimated
 from comparisons.converge.ladder import Ladder, Mesh, window_of
@@ -69,16 +68,12 @@ class Course:
         return sum(mesh.seconds for mesh in self.followed.meshes)
 
     @property
-    def bars(self) -> list[Estimated]:
-        """Modes of the finest mesh with their error bars."""
-        return estimated(self.followed, self.ladder)
-
-    @property
     def holds(self) -> bool:
         """Whether every mode of the window holds its digits."""
         window = window_of(self.scene)
         threshold, top = window.growth_threshold, window.max_frequency
-        modes = combine({self.backend: self.followed}, {self.backend: self.bars}, threshold)
+        bars = {self.backend: estimated(self.followed, self.ladder)}
+        modes = combine({self.backend: self.followed}, bars, threshold)
         asked = [
             mode.shortfalls(self.request, threshold) for mode in modes if mode.frequency <= top
         ]
@@ -99,7 +94,7 @@ class Course:
                     reason = f"one more mesh would take about {more:.2g} s"
                 self._end(clock, progress, reason)
         except (InputError, ConvergenceError) as error:
-            self._end(clock, progress, f"the next mesh failed: {error}")
+            self._end(clock, progress, f"no further mesh: {error}")
         except _OutOfTimeError:
             self.ended = "the budget: a mesh that took longer than expected was given up"
         self.done = self.done or bool(self.ended)
@@ -175,7 +170,7 @@ def run_converge(
         min(active, key=lambda course: course.spent).advance(clock, progress)
     progress.stage("report")
     followed = {b: course.followed for b, course in courses.items() if course.followed.meshes}
-    bars = {backend: courses[backend].bars for backend in followed}
+    bars = {b: estimated(each, courses[b].ladder) for b, each in followed.items()}
     modes = combine(followed, bars, window_of(scene).growth_threshold)
     ended = {backend: course.ended for backend, course in courses.items()}
     data = data_of(followed, ended, modes, request, scene)

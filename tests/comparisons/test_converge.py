@@ -282,7 +282,7 @@ def test_a_backend_whose_meshes_fail_is_warned_of(monkeypatch):
     data = converged("blocks", digits=2)
     assert data["held"]
     (warning,) = [each for each in data["warnings"] if each["kind"] == "backend-ended"]
-    assert warning["message"] == "iga: the next mesh failed: lost"
+    assert warning["message"] == "iga: no further mesh: lost"
 
 
 def test_a_mesh_that_cannot_be_corrected_does_not_count(monkeypatch):
@@ -297,7 +297,7 @@ def test_a_mesh_that_cannot_be_corrected_does_not_count(monkeypatch):
     monkeypatch.setattr(Ladder, "correct", failing)
     data = converged("blocks", digits=7, backends=("iga",))
     assert len(data["levels"]) == 3
-    assert "iga: the next mesh failed: mesh = " in data["first"]
+    assert "iga: no further mesh: mesh = " in data["first"]
     assert all(mode["estimates"] == 2 for mode in data["modes"])
     assert (shares(data, ExactScene("blocks").exact())[0] <= 1).all()
 
