@@ -1,9 +1,7 @@
 """The report of one run, `cea run --report`: its record and the shapes of its modes on a page."""
 
-from collections.abc import Mapping
 from math import hypot, tau
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -11,8 +9,9 @@ from cea.petsc import MPI
 from comparisons.kit.interactive import VERDICT_MARKS, sign
 from comparisons.kit.numbers import growth, number, plain, shown
 from comparisons.kit.page import REPORT
+from comparisons.kit.records import Data
 from comparisons.kit.shapes import Shapes, by_importance
-from comparisons.study.closing import machine, parameters
+from comparisons.study.closing import machine, parameters, warned
 from comparisons.study.columns import Column
 from comparisons.study.page import write
 from comparisons.study.sections import Plot, Section, Table
@@ -20,7 +19,6 @@ from scenes import Result
 from scenes.results.record import read_record
 from scenes.spec.names import backend_name
 
-Data = Mapping[str, Any]
 _KEY = "run"
 """Name of the modes on the page."""
 
@@ -161,13 +159,6 @@ def stages(data: Data) -> pd.DataFrame:
     """Seconds of each stage."""
     taken = [(stage, seconds) for stage, seconds in data["timings"].items() if seconds > 0]
     return pd.DataFrame(taken, columns=["stage", "seconds"])
-
-
-def warned(data: Data) -> pd.DataFrame:
-    """What the result must be read with."""
-    hints = [{"warning": "hint", "message": hint} for hint in data.get("hints", ())]
-    rows = [{"warning": w["kind"], "message": w["message"]} for w in data["warnings"]]
-    return pd.DataFrame(hints + rows)
 
 
 def left_out(data: Data) -> pd.DataFrame:

@@ -12,20 +12,9 @@ from cea.errors import InputError
 class Parameter:
     """A number that a pencil depends on.
 
-    Parameters
-    ----------
-    name
-        Its name, by the path of the field in a scene, e.g. ``contacts.pad_disc.mu``.
-    value
-        Its value where none is given.
-    unit
-        Its unit, in words where it is a factor on a field.
-    positive
-        Whether zero is refused.
-    finite
-        Whether infinity is refused.
-    signed
-        Whether it may be below zero.
+    Its name is the path of the field in a scene, e.g. ``contacts.pad_disc.mu``; its value holds
+    where none is given. Zero is refused where it is to be positive, infinity where it is to be
+    finite; only signed ones may be below zero.
     """
 
     name: str

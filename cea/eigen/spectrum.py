@@ -43,13 +43,11 @@ class Window:
         Whether it was shown that none can grow faster.
     odd
         Whether the sign of a determinant shows that a real eigenvalue was not found.
-    upper
-        Upper end of kappa for the count, a little above the window's; with damping omega (1/s).
-    found_below
-        Eigenvalues found with Re kappa below ``upper``, or with 0 <= Im lambda <= ``upper``.
+    upper, found_below
+        Upper end of kappa for the count, a little above the window's, and eigenvalues found with
+        Re kappa below it; with damping omega (1/s), and those with 0 <= Im lambda <= omega.
     symmetric_count
-        Without friction, eigenvalues below ``upper`` by inertia; None with friction, where
-        nothing counts them.
+        Eigenvalues below ``upper`` by inertia; None with friction, where nothing counts them.
     growing_above
         Frequency (Hz) and growth rate (1/s) of modes up to 5 percent above the window's end whose
         growth is above their errors.

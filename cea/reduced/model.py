@@ -109,7 +109,7 @@ class ReducedModel:
         nothing = np.empty((0, 0))
         none = (nothing, nothing, nothing, nothing)
         settings = Settings(max_frequency, self.norm.shift)
-        if pencil.damped:
+        if any(piece.role == "damping" for piece in self._pieces.all):
             decay = _DECAY * settings.end if min_growth is None else -min_growth
             settings = replace(settings, decay=decay)
         self.small = SmallPencil(

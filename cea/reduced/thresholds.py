@@ -159,9 +159,20 @@ class _Search:
                 for one, other in pairwise(parts):
                     heappush(queue, (one - other, why.noise, one, other))
         self._found.thresholds.sort(key=lambda each: each.value)
+        if not self._adds_up():
+            self._found.unresolved.append(self._unresolved(self._values[0], self._values[-1]))
         self._found.unresolved = _joined(self._found.unresolved)
         self._found.spectra = len(self._known)
         return self._found
+
+    def _adds_up(self) -> bool:
+        """Whether what was found explains the numbers of growing modes at both ends of the axis.
+
+        Growth that is zero within its error up to a coalescence begins at no root.
+        """
+        told = sum(each.change for each in self._found.thresholds)
+        told += sum(each.after - each.before for each in self._found.unresolved)
+        return told == self._number(self._values[-1]) - self._number(self._values[0])
 
     def _patience_ends(self, width: float) -> bool:
         """Whether an interval whose signs bounds leave open is not to be halved again."""

@@ -36,9 +36,9 @@ def converge(
     """Refine a scene until its modes hold the digits asked for, and tell their error bars."""
     begun = perf_counter()
     from comparisons.cli.options import deliver, need, refuse_another, refuse_with_redraw
-    from comparisons.cli.output import console, print_table, print_warnings
+    from comparisons.cli.output import console, print_frame, print_warnings
     from comparisons.cli.progress import working
-    from comparisons.converge.page import levels_table, modes_table, read_converge, write_converge
+    from comparisons.converge.page import LEVELS, MODES, read_converge, write_converge
     from comparisons.converge.request import Request
     from comparisons.converge.study import run_converge
     from comparisons.kit.progress import Progress
@@ -68,8 +68,8 @@ def converge(
         page = deliver(lambda folder: write_converge(data, folder), out)
     for line in (data["first"], data["words"], *data["hints"]):
         typer.echo(line)
-    print_table(modes_table(data))
-    print_table(levels_table(data))
+    print_frame(MODES, data)
+    print_frame(LEVELS, data)
     print_warnings(data["warnings"])
     typer.echo(f"The page to open: {page}")
     if not data["held"]:

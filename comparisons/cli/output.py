@@ -13,7 +13,6 @@ from rich.table import Table
 from rich.text import Text
 
 from cea.errors import printable
-from comparisons.kit.tables import Table as ReportTable
 
 if TYPE_CHECKING:
     from comparisons.study.sections import Table as FrameTable
@@ -31,20 +30,6 @@ _ROOM = 1 << 12
 
 Column = tuple[str, Sequence[str], bool]
 """Heading, texts, and whether they are numbers, which are never wrapped."""
-
-
-def print_table(table: ReportTable, to: Console = console) -> None:
-    """Print a table of a report."""
-    rows = table.cells()
-    columns = [
-        (
-            f"{column.title} ({column.unit})" if column.unit else column.title,
-            [row[i] for row in rows],
-            column.show is not None,
-        )
-        for i, column in enumerate(table.columns)
-    ]
-    _print(_table(columns, table.caption), to)
 
 
 def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None:

@@ -83,24 +83,25 @@ def _check_bodies(scene: str, set_: list[str], backend: Backend | None, file: Pa
 @app.command(name="list")
 def list_() -> None:
     """List the scenes that come with the project."""
-    from comparisons.cli.output import print_table
-    from comparisons.kit.tables import Column, Table
+    import pandas as pd
+
+    from comparisons.cli.output import print_frame
+    from comparisons.study.columns import Column
+    from comparisons.study.sections import Table
     from scenes.spec.files import matrix_scene_names, scene_names, tables_of
     from scenes.spec.reading import load_scene
     from scenes.spec.sizes import dofs_of
 
-    rows: list[tuple[str | float | None, ...]] = []
+    rows = []
     for name in scene_names():
         chosen = load_scene(name)
-        dofs = sum(map(dofs_of, chosen.bodies.values()))
+        dofs: float | None = sum(map(dofs_of, chosen.bodies.values()))
         rows.append((name, dofs, ", ".join(chosen.bodies), _first(chosen.description)))
     for name in matrix_scene_names():
         rows.append((name, None, "matrices", _first(tables_of(name).get("description", ""))))
-    columns = (
-        *(Column("scene", "scene"), Column("dofs", "dofs, about", "{:.0f}".format)),
-        *(Column("bodies", "bodies"), Column("what", "what it is")),
-    )
-    print_table(Table("scenes", "", columns, rows))
+    frame = pd.DataFrame(rows, columns=["scene", "dofs", "bodies", "what"])
+    own = {"dofs": Column("dofs, about", show="{:.0f}".format), "what": Column("what it is")}
+    print_frame(Table("scenes", "", lambda _: frame, own), None)
 
 
 def _first(description: str) -> str:

@@ -1,99 +1,100 @@
 """What ``cea converge`` leaves behind: result.json, tables, scene files, a page."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+import pandas as pd
 
 from cea.eigen.classify import threshold_text
 from cea.files import write_whole
 from cea.petsc import MPI
 from comparisons.converge.study import COMMAND
 from comparisons.kit.interactive import sign
-from comparisons.kit.numbers import MISSING, number, shown
-from comparisons.kit.page import REPORT, write_page
-from comparisons.kit.provenance import machine
-from comparisons.kit.records import read_result
-from comparisons.kit.tables import VERDICTS, Column, Data, Table
-from scenes.spec.names import backend_name
+from comparisons.kit.numbers import number, shown
+from comparisons.kit.page import REPORT
+from comparisons.kit.records import RESULT, Data, read_result
+from comparisons.study.closing import machine, warned
+from comparisons.study.columns import Column
+from comparisons.study.page import write
+from comparisons.study.sections import Section, Table
+from scenes.results.record import write_record
 
-TEMPLATE = Path(__file__).with_name("page.html")
 
-
-def modes_table(data: Data) -> Table:
+def modes(data: Data) -> pd.DataFrame:
     """Every mode with value, bars and verdict."""
-    rows = [
-        (
-            i,
-            sign(mode["verdict"]),
-            mode["frequency"],
-            mode["frequency_bar"],
-            mode["growth"],
-            mode["growth_bar"],
-            backend_name(mode["backend"]),
-            mode["estimates"],
-            MISSING if mode["agree"] is None else VERDICTS[mode["agree"]],
-        )
-        for i, mode in enumerate(data["modes"], 1)
-    ]
-    return Table(
-        "modes",
-        "Modes with error bars. Unstable: growth above its bar and above the "
-        f"{threshold_text(data['growth_threshold'])}; it grows slowly above its bar alone; "
-        "undecided where its bar holds zero.",
-        (
-            Column("mode", "mode", number),
-            Column("verdict", "verdict"),
-            Column("frequency", "frequency", shown(9), "Hz"),
-            Column("frequency_bar", "± bar", shown(2), "Hz"),
-            Column("growth", "growth rate", shown(6), "1/s"),
-            Column("growth_bar", "± bar", shown(2), "1/s"),
-            Column("backend", "value of"),
-            Column("estimates", "estimates", number),
-            Column("agree", "bars of both meet"),
-        ),
-        rows,
+    shown = ("frequency", "frequency_bar", "growth", "growth_bar", "backend", "estimates", "agree")
+    return pd.DataFrame(
+        [
+            {"mode": i, "verdict": sign(mode["verdict"])} | {name: mode[name] for name in shown}
+            for i, mode in enumerate(data["modes"], 1)
+        ]
     )
 
 
-def levels_table(data: Data) -> Table:
+def levels(data: Data) -> pd.DataFrame:
     """Every mesh with its error and time."""
-    rows = [
-        (
-            backend_name(level["backend"]),
-            level["degree"] if level["file_degree"] is None else level["file_degree"],
-            level["layers"],
-            elements_text(level["elements"]),
-            level["dofs"],
-            level["seconds"],
-            VERDICTS[level["corrected"]],
-            level["worst"],
-        )
-        for level in data["levels"]
-    ]
-    return Table(
-        "levels",
-        "Every mesh. Errors are the largest distances of lambda from the final values, relative; "
-        "those of the meshes that gave the final values are their bars.",
-        (
-            Column("backend", "backend"),
-            Column("degree", "degree", number),
-            Column("layers", "layers", number),
-            Column("elements", "elements"),
-            Column("dofs", "dofs", number),
-            Column("seconds", "time", shown(3), "s"),
-            Column("corrected", "corrected"),
-            Column("worst", "worst error", shown(2)),
-        ),
-        rows,
+    return pd.DataFrame(
+        [
+            {
+                "backend": level["backend"],
+                "degree": level["degree"] if level["file_degree"] is None else level["file_degree"],
+                "layers": level["layers"],
+                "elements": elements_text(level["elements"]),
+                **{name: level[name] for name in ("dofs", "seconds", "corrected", "worst")},
+            }
+            for level in data["levels"]
+        ]
     )
 
 
-def elements_text(elements: Data) -> str:
+def elements_text(elements: Mapping[str, Any]) -> str:
     """Elements of all bodies in words."""
     parts = []
     for name, counts in elements.items():
         along = " × ".join(map(str, counts)) if isinstance(counts, list) else number(counts)
         parts.append(f"{name} {along}{' m' * isinstance(counts, float)}")
     return "; ".join(parts)
+
+
+def threshold(data: Data) -> str:
+    """The growth that decides."""
+    return f"Threshold: {threshold_text(data['growth_threshold'])}."
+
+
+COLUMNS = {
+    "frequency": Column("frequency", "Hz", shown(9)),
+    "frequency_bar": Column("± bar", "Hz", shown(2)),
+    "growth": Column("growth rate", "1/s", shown(6)),
+    "growth_bar": Column("± bar", "1/s", shown(2)),
+    "estimates": Column("estimates", show=number),
+    "agree": Column("bars of both meet"),
+    "layers": Column("layers", show=number),
+    "elements": Column("elements"),
+    "worst": Column("worst error", show=shown(2)),
+}
+MODES = Table(
+    "modes",
+    "Modes with error bars. Unstable: growth above its bar and above the threshold; it grows "
+    "slowly above its bar alone; undecided where its bar holds zero.",
+    *(modes, COLUMNS),
+)
+LEVELS = Table(
+    "levels",
+    "Every mesh. Errors are the largest distances of lambda from the final values, relative; those "
+    "of the meshes that gave the final values are their bars.",
+    *(levels, COLUMNS),
+)
+SECTIONS = [
+    Section(
+        "Modes",
+        headline=lambda data: f"{data['first']} {data['words']} {threshold(data)}",
+        tables=[MODES],
+    ),
+    Section("Warnings", tables=[Table("warnings", "To be read with the result.", warned)]),
+    Section("Meshes", tables=[LEVELS]),
+    Section("Machine and versions", tables=[Table("machine", "", machine)]),
+]
 
 
 def read_converge(out: Path) -> dict[str, Any]:
@@ -119,6 +120,13 @@ def write_converge(data: dict[str, Any], out: Path) -> Path:
     if MPI.COMM_WORLD.rank == 0:
         for name, text in data["scenes"].items():
             write_whole(text.encode(), out / f"{name}.toml")
-        write_page(TEMPLATE, data, [modes_table(data), levels_table(data), machine(data)], out)
+        write_record(data, out / RESULT)
+        mortar = (
+            f"Contact {name}: mortar in the place of {method}, whose error would not fall with the "
+            "mesh."
+            for name, method in data["mortar"].items()
+        )
+        title = f"{data['inputs']['scene']}: modes with error bars"
+        write(title, SECTIONS, data, out, text=" ".join(mortar))
     MPI.COMM_WORLD.Barrier()
     return out / REPORT

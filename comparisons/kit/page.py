@@ -1,18 +1,13 @@
 """What every page shares: its layout, tables, plots and images in it, and what lies beside it."""
 
 from base64 import b64encode
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from cea.files import write_whole
 from comparisons.kit.interactive import library, scripts, style
-from comparisons.kit.records import RESULT
-from comparisons.kit.tables import Table
-from scenes.results.record import write_record
 
 if TYPE_CHECKING:
     from comparisons.kit.shapes import Shapes
@@ -78,33 +73,3 @@ def render(
         library=library() if plots else "",
         shapes=shapes,
     )
-
-
-def write_page(
-    template: Path, data: dict[str, Any], tables: Iterable[Table], out: Path, **context: Any
-) -> Path:
-    """Write a record, its tables and the page that holds them.
-
-    Parameters
-    ----------
-    template
-        Template of the page; it knows ``data``, ``tables`` by name, and the context.
-    data
-        The record.
-    tables
-        Its tables.
-    out
-        Folder for ``result.json``, CSV files and ``report.html``.
-
-    Returns
-    -------
-    Path
-        The page: one file that needs no other.
-    """
-    named = {table.name: table for table in tables}
-    write_record(data, out / RESULT)
-    for table in named.values():
-        table.write_csv(out)
-    page = out / REPORT
-    write_whole(render(template, data=data, tables=named, **context).encode(), page)
-    return page

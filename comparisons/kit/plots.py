@@ -4,13 +4,13 @@ from collections.abc import Callable
 from functools import wraps
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from cea.files import write_whole
-from comparisons.kit.tables import Data
 
 DPI = 200
 """Pixels per inch of the files: twice those a page shows."""
@@ -42,11 +42,11 @@ _STYLE = {
 }
 
 
-def styled(draw: Callable[[Data], Figure]) -> Callable[[Data], Figure]:
+def styled(draw: Callable[[Any], Figure]) -> Callable[[Any], Figure]:
     """Give a figure the style of the report."""
 
     @wraps(draw)
-    def styled(data: Data) -> Figure:
+    def styled(data: Any) -> Figure:
         with rc_context(_STYLE):
             figure = draw(data)
             FigureCanvasAgg(figure)

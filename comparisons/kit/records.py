@@ -3,12 +3,16 @@
 ``RESULT`` is its file: everything computed; tables, figures and words are drawn from it.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from cea.errors import InputError
 from scenes.results.folder import RESULT as RESULT
 from scenes.results.record import read_record
+
+Data = Mapping[str, Any]
+"""Plain data, as JSON holds them."""
 
 
 def read_result(out: Path, command: str) -> dict[str, Any]:

@@ -132,7 +132,7 @@ class Shapes:
             "a": literal(contact.a),
             "points": self.binary.add(np.round(places).T, "uint16"),
         }
-        friction = contact.K_f
+        friction = contact.friction
         if friction is None or not friction.acts or len(points) == 0:
             return told
         some = points[_spread(len(points), _ARROWS)]

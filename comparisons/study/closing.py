@@ -100,6 +100,13 @@ def _left_out(result: StudyResult) -> pd.DataFrame:
     return counts.reset_index(name="count").assign(runs=len(runs))
 
 
+def warned(data: Mapping[str, Any]) -> pd.DataFrame:
+    """What the result must be read with."""
+    hints = [{"warning": "hint", "message": hint} for hint in data.get("hints", ())]
+    rows = [{"warning": w["kind"], "message": w["message"]} for w in data["warnings"]]
+    return pd.DataFrame(hints + rows)
+
+
 def parameters(runs: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     """Fields of the scenes as run; several values, parted by bars, where runs differ."""
     values: dict[str, dict[str, None]] = {}

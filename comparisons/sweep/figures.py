@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from cea.arrays import Ints
 from comparisons.kit.plots import AXIS, BLUE, GREY, VERMILION, styled
-from comparisons.kit.tables import Data
+from comparisons.kit.records import Data
 from comparisons.sweep.points import Points
 from comparisons.sweep.spectra import HINT, UNSTABLE
 

@@ -7,8 +7,8 @@ import pandas as pd
 
 from cea.eigen.classify import GROWING, WORDS, counted_words
 from comparisons.kit.numbers import counted, plain, shown
+from comparisons.kit.records import Data
 from comparisons.kit.run_warnings import kinds_at
-from comparisons.kit.tables import Data
 from comparisons.study.columns import Column
 from comparisons.study.sections import Drawing, Section, Table
 from comparisons.sweep.spectra import UNSTABLE

@@ -13,6 +13,7 @@ import numpy as np
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
+from cea.files import regular
 from meshes.files.content import ElementBlock, FileContent, block, without_copies
 from meshes.files.elements import KINDS
 
@@ -52,6 +53,9 @@ def xdmf_content(file: Path) -> FileContent:
     except ImportError:
         raise _needs(file, "meshio and h5py") from None
     root = ElementTree.parse(file).getroot()
+    for item in root.iter("DataItem"):
+        if item.get("Format", "XML").upper() != "XML":  # a reader would wait for a pipe
+            regular(file.parent / (item.text or "").strip().partition(":")[0])
     geometry = next(root.iter("Geometry"))
     meshes = []
     for grid in root.iter("Grid"):

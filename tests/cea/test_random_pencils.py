@@ -3,15 +3,30 @@
 from functools import partial
 
 import pytest
-import random_runs
+from random_runs import (
+    graded_damped_outcome,
+    graded_outcome,
+    judged,
+    low_rank_outcome,
+    matrix_outcome,
+    quadratic_outcome,
+)
 
 from cea.eigen import driver
 from cea.eigen.krylov_schur import KrylovOptions
 
+OUTCOMES = {
+    "matrix": matrix_outcome,
+    "quadratic": quadratic_outcome,
+    "low_rank": low_rank_outcome,
+    "graded": graded_outcome,
+    "graded_damped": graded_damped_outcome,
+}
+
 
 def check(kind, seeds, refused=0.0):
     """Nothing is wrong, little but of graded pencils is refused or left open."""
-    outcomes = random_runs.judged(seeds, getattr(random_runs, f"{kind}_outcome"))
+    outcomes = judged(seeds, OUTCOMES[kind])
     assert sum(outcome.modes for outcome in outcomes) > len(seeds)
     graded = kind.startswith("graded")
     assert graded or sum(bool(o.refused) for o in outcomes) <= refused * len(outcomes)

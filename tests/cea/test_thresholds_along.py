@@ -97,6 +97,16 @@ def test_constructed_pairs_begin_where_they_were_made_to(where, damping):
                 assert not 0 < t < 1 or near(found, t)
 
 
+@pytest.mark.parametrize("count", [2, 3, 11])
+def test_growth_of_nothing_but_rounding_before_a_coalescence_is_not_lost(count):
+    """Damped by nothing, no sign of growth tells where flutter begins."""
+    line = coupled_pairs([(1.0, 0.5, 0.31, 2.0)], end=3.0, damping=0.0)
+    found = thresholds_along(line, list(np.linspace(0, 1, count)))
+    places = [(each.value, each.value) for each in found.thresholds]
+    places += [(each.low, each.high) for each in found.unresolved]
+    assert any(low - 1e-6 <= 0.31 <= high + 1e-6 for low, high in places)
+
+
 def test_a_fluttering_pair_that_three_modes_cross_stays_one():
     singles = [(0.6, 0.9), (1.6, -1.1), (0.2, 1.3)]
     line = coupled_pairs([(1.0, 0.3, 0.2, 2.0)], end=3.0, singles=singles)

@@ -5,6 +5,7 @@ from io import StringIO
 from math import inf
 
 import numpy as np
+import pandas as pd
 import pytest
 from rich.console import Console
 from typer.testing import CliRunner
@@ -14,10 +15,11 @@ from cea.errors import InputError
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from comparisons.cli.app import app
-from comparisons.cli.output import print_result, print_table
+from comparisons.cli.output import print_frame, print_result
 from comparisons.cli.progress import working
 from comparisons.kit.numbers import shown
-from comparisons.kit.tables import Column, Table
+from comparisons.study.columns import Column
+from comparisons.study.sections import Table
 from scenes import Result, load_scene
 from scenes.running.analysis import analysis_of
 
@@ -108,37 +110,26 @@ def test_a_file_has_room_for_everything(result):
     assert max(map(len, lines)) > 120
 
 
-SIX = range(6)
-TABLE = Table(
-    "made",
-    "A table whose caption is longer than most terminals are wide, as many of them are.",
-    (
-        Column("backend", "backend"),
-        Column("formulation", "formulation"),
-        *(Column(f"n{i}", f"number {i}", shown(7), "N/m³") for i in SIX),
-        Column("words", "what it means"),
-    ),
+WIDE = pd.DataFrame(
     [
-        (
-            "NURBS",
-            "Gauss-point-to-surface, lumped",
-            *(1.234567e-9 * 10.0**i for i in range(6)),
-            "a b",
-        ),
-        ("finite elements", "mortar", *(1.234567e8 * 10.0**i for i in range(6)), "some words " * 9),
+        ["Gauss-point-to-surface, lumped", *(1.234567e-9 * 10.0**i for i in range(6)), "a b"],
+        ["mortar", *(1.234567e8 * 10.0**i for i in range(6)), "some words " * 9],
     ],
+    columns=["formulation", *map(str, range(6)), "words"],
 )
+OWN = {str(i): Column(f"number {i}", "N/m³", shown(7)) for i in range(6)}
+CAPTION = "A table whose caption is longer than most terminals are wide, as many of them are."
 
 
 @pytest.mark.parametrize("width", WIDTHS)
 def test_tables_of_reports_keep_their_digits(width):
     console = terminal(width)
-    print_table(TABLE, console)
+    print_frame(Table("made", CAPTION, lambda _: WIDE, OWN), None, console)
     lines = lines_of(console)
     text = "\n".join(lines)
     assert "…" not in text
-    for row in TABLE.cells():
-        for cell in row[2:8]:
+    for i in range(6):
+        for cell in map(shown(7), WIDE[str(i)]):
             assert any(re.search(rf"(^| ){re.escape(cell)}( |$)", line) for line in lines), cell
     assert {"Gauss-point-to-surface,", "lumped", "some", "words"} <= set(text.split())
 

@@ -77,7 +77,8 @@ def test_only_regular_files_are_read(pipe, tmp_path):
 
 
 INCLUDE = "*NODE\n1, 0.0, 0.0, 0.0\n*INCLUDE, INPUT=pipe\n"
-XDMF = """<Xdmf Version="3.0"><Domain><Grid><Geometry>
+XDMF = """<Xdmf Version="3.0"><Domain><Grid><Topology TopologyType="Tetrahedron">
+<DataItem Dimensions="1 4">0 1 2 3</DataItem></Topology><Geometry>
 <DataItem Dimensions="4 3" Format="{}">pipe{}</DataItem></Geometry></Grid></Domain></Xdmf>"""
 
 

@@ -98,24 +98,6 @@ def shaft(backend, degree, k, clearance=2e-5):
     })  # fmt: skip
 
 
-def shoe(backend, degree, k):
-    """A brake shoe on a drum, with friction."""
-    ring = {"shape": "ring", "inner_radius": 0.08, "outer_radius": 0.1}
-    sector = {"shape": "ring_sector", "inner_radius": 0.1, "outer_radius": 0.12}
-    ends = [{"surface": name, "stiffness": [1e9, 1e9]} for name in ("start", "end")]
-    bodies = {
-        "shoe": body(
-            *(backend, sector | {"start": 60.0, "end": 120.0}, (2 * k, 6 * k), degree, 5e9),
-            springs=ends,
-        ),
-        "drum": body(backend, ring, (2, 32 * k), degree, 2e11, supports=[{"surface": "inner"}]),
-    }
-    contact = {"a": "shoe.inner", "b": "drum.outer", "formulation": MORTAR, "c_n": 1e15}
-    around = {"circumferential_about": [0.0, 0.0, 1.0]}
-    contact |= {"m_n": 1.5, "mu": 0.3, "friction_direction_on_a": around, "reach": 3e-3}
-    return static(bodies, contact, {"surface": "shoe.outer", "pressure": 1e5})
-
-
 def in_files(data, folder):
     """The scene with its Lagrange bodies from mesh files that gmsh writes."""
     for name, each in read_scene(data).bodies.items():

@@ -4,11 +4,15 @@ import traceback
 from dataclasses import dataclass, field
 
 import numpy as np
-from dense_reference import UnsureError, dense_eigenvalues
-from judge import Fault, judge
+from dense_reference import UnsureError, dense_eigenvalues, dense_quadratic
+from judge import Fault, judge, judge_quadratic
+from random_graded import random_graded, random_graded_damped
+from random_matrices import random_pencil
+from random_quadratic import random_low_rank, random_quadratic
 from random_scenes import random_scene
 
 import cea.petsc  # noqa: F401  (ahead of all that needs PETSc)
+from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import release
 from cea.errors import ConvergenceError, InputError
 from scenes import run_modes
@@ -66,6 +70,51 @@ def scene_outcome(seed):
         return result.modes, result.analysis.growth_threshold
 
     return _outcome(f"scene {seed}", run, _by_dense)
+
+
+def matrix_outcome(seed):
+    """A random pencil."""
+    return _outcome(
+        f"matrices {seed}", lambda: (solve_modes(*random_pencil(seed)), None), _by_dense
+    )
+
+
+def quadratic_outcome(seed, problem_of=random_quadratic):
+    """A random damped pencil."""
+    problem = problem_of(seed)
+    end = 2 * np.pi * problem.max_frequency
+    truth = dense_quadratic(problem.mass, problem.whole_damping, problem.stiffness, end)
+
+    def run():
+        pencil, low = problem.pencil(), problem.min_growth
+        return solve_modes(pencil, problem.max_frequency, min_growth=low), None
+
+    return _outcome(f"damped {seed}", run, lambda modes, _: judge_quadratic(modes, *truth))
+
+
+def low_rank_outcome(seed):
+    """A random pencil with damping of low rank."""
+    return quadratic_outcome(seed, random_low_rank)
+
+
+def graded_outcome(seed):
+    """A random graded pencil, judged by the one that was graded."""
+    problem = random_graded(seed)
+    return _outcome(
+        f"graded {seed}: {problem.name}",
+        lambda: (solve_modes(problem.pencil(), problem.max_frequency), None),
+        lambda modes, threshold: judge(modes, problem.dense(), threshold),
+    )
+
+
+def graded_damped_outcome(seed):
+    """The same with damping or rotation."""
+    problem = random_graded_damped(seed)
+    return _outcome(
+        f"graded {seed}: {problem.name}",
+        lambda: (solve_modes(problem.pencil(), problem.max_frequency), None),
+        lambda modes, _: judge_quadratic(modes, *problem.dense_quadratic()),
+    )
 
 
 def judged(seeds, outcome_of):

@@ -1,4 +1,4 @@
-"""A stored run, and a patch, as plain data."""
+"""A stored run as plain data."""
 
 from math import inf
 
@@ -9,13 +9,6 @@ from scenes.results.record import record
 WINDOW = {
     **{"max_frequency": 1.0, "shift": 2.0, "radius": inf, "found": 1, "discs": 1, "upper": 3.0},
     **{"found_below": 1, "symmetric_count": 1, "max_growth": inf, "bounded": True, "odd": False},
-}
-
-PATCH = {
-    "degrees": (1, 1),
-    "knots": ((0.0, 0.0, 1.0, 1.0), (0.0, 0.0, 1.0, 1.0)),
-    "control_points": (((0.0, 0.0), (0.0, 0.5)), ((0.5, 0.0), (0.5, 0.5))),
-    "weights": ((1.0, 1.0), (1.0, 1.0)),
 }
 
 

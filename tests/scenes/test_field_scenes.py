@@ -14,7 +14,7 @@ from scenes.spec.reading import load_scene
 def law_and_points(scene):
     bodies = build_bodies(scene, StageTimer())
     interfaces = build_interfaces(scene, bodies, StageTimer())
-    law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0].half
+    law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0]
     return law, interfaces["interface"].points.x
 
 
@@ -42,7 +42,7 @@ def test_a_direction_by_expressions_is_the_circumferential_one():
         scene = load_scene(Path("disc_pad"), [f"{name}={direction}", *coarse], "fe")
         bodies = build_bodies(scene, StageTimer())
         interfaces = build_interfaces(scene, bodies, StageTimer())
-        law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0].half
+        law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0]
         points = interfaces["pad_disc"].points
         both.append(law.friction.direction.at(points.x, points.normal))
     assert both[1] == pytest.approx(both[0], abs=1e-14)

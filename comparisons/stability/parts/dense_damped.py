@@ -114,7 +114,7 @@ def _of_body(spec: DampingSpec, M: Floats, K: Floats, springs: Floats) -> Floats
 
 def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floats:
     """What a half pass that slides adds to the damping."""
-    points, friction = contact.interface.points, contact.K_f
+    points, friction = contact.interface.points, contact.friction
     assert friction is not None
     x, n = points.x, points.normal
     share = 1 / sum(other.pair == contact.pair for other in system.contacts)
