@@ -227,7 +227,10 @@ def _varying(ratio: float) -> tuple[Rows, Rows]:
 
 
 def _large_windows(mu: float, p: float) -> list[Rows]:
-    """Systems of 11,000 unknowns, for which bounds of friction are needed."""
+    """Systems of 11,000 unknowns, for which bounds of friction are needed.
+
+    Those of strong friction reach too far for a search: windows say up to which growth they hold.
+    """
     elements: dict[Backend, Any] = {"fe": ((22, 12), (20, 17)), "iga": ((64, 32), (60, 48))}
     row, friction = f"mu = {mu:g}, p = {p:.0e} N/m³", f"{mu}*abs(sin(pi*x/2))"
     return [
@@ -235,6 +238,7 @@ def _large_windows(mu: float, p: float) -> list[Rows]:
             {row: _fine_layers(p, friction, *sizes)},
             chosen(_MORTAR, backend=backend),
             _exact_layers(p, mu),
+            expected=HONEST if mu > 1 else ACCURATE,
             tolerance=1e-3,
         )
         for backend, sizes in elements.items()
