@@ -103,20 +103,7 @@ def read_converge(out: Path) -> dict[str, Any]:
 
 
 def write_converge(data: dict[str, Any], out: Path) -> Path:
-    """Write the record, its tables, the scene files and the page on rank 0; collective.
-
-    Parameters
-    ----------
-    data
-        What :func:`comparisons.converge.study.run_converge` found.
-    out
-        Folder for all of it.
-
-    Returns
-    -------
-    Path
-        The page.
-    """
+    """Write the record, its tables, the scene files and the page on rank 0; collective."""
     if MPI.COMM_WORLD.rank == 0:
         for name, text in data["scenes"].items():
             write_whole(text.encode(), out / f"{name}.toml")
