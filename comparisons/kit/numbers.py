@@ -58,11 +58,6 @@ def growth(value: float | None) -> str:
     return "0" if abs(value) < _STILL else number(value, 3, sign=True)
 
 
-def capitalised(text: str) -> str:
-    """Text as a sentence begins, its other letters as they are."""
-    return text[:1].upper() + text[1:]
-
-
 def counted(count: int, singular: str, plural: str = "") -> str:
     """Count with its noun: "1 mode", "3 modes"."""
     return f"{number(count)} {singular if count == 1 else plural or singular + 's'}"

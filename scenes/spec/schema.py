@@ -18,19 +18,11 @@ from scenes.spec.scene import SceneSpec
 
 Kind = Literal["bodies", "matrices"]
 
-_KINDS: dict[Kind, tuple[type, str]] = {
-    "bodies": (SceneSpec, "scene.schema.json"),
-    "matrices": (MatrixScene, "matrix_scene.schema.json"),
-}
-"""Class of a kind of scene, and the file in docs/."""
+_KINDS: dict[Kind, type] = {"bodies": SceneSpec, "matrices": MatrixScene}
+"""Class of a kind of scene."""
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _SAYS_WHICH = {"shape": "geometry", "method": "formulation", "kind": "analysis"}
 """Fields that say of which kind a section is."""
-
-
-def schema_file(kind: Kind) -> str:
-    """Name of the file of a schema in ``docs``."""
-    return _KINDS[kind][1]
 
 
 def schema_text(kind: Kind) -> str:
@@ -41,7 +33,7 @@ def schema_text(kind: Kind) -> str:
 @cache
 def scene_schema(kind: Kind) -> dict[str, Any]:
     """The schema of a kind of scene: each section with its summary, each field with its meaning."""
-    made = _KINDS[kind][0]
+    made = _KINDS[kind]
     schema = TypeAdapter(made).json_schema()
     schema["description"] = cleandoc(made.__doc__ or "")
     schema["title"] = f"scene of {kind}"
