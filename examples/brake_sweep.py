@@ -34,7 +34,7 @@ def draw(frictions: np.ndarray, growth: list[float], threshold: float, file: Pat
 
 if __name__ == "__main__":
     brake, frictions = assemble(SCENE), np.linspace(0.0, 0.5, 11)
-    onset = brake.threshold(MU, real=0.0, flutter=0.5)
-    print(f"flutter from mu = {onset.value:.4f} on, at {onset.frequency:.0f} Hz")
-    draw(frictions, sweep(brake, frictions), onset.value, Path("brake_sweep.png"))
+    threshold = brake.threshold(MU, real=0.0, flutter=0.5)
+    print(f"flutter from mu = {threshold.value:.4f} on, at {threshold.frequency:.0f} Hz")
+    draw(frictions, sweep(brake, frictions), threshold.value, Path("brake_sweep.png"))
     brake.modes(mu=0.5).plot().save("fastest_mode.png")

@@ -157,7 +157,7 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
             continue
         mean = values[members].mean()
         if mean.imag < -rounding:
-            continue  # they are mended with those they are the conjugates of
+            continue  # corrected with their conjugates
         shift = mean.real if mean.imag <= rounding else mean
         _, sizes, axes = svd(matrix - shift * np.eye(len(matrix)), lapack_driver="gesvd")
         if sizes[-len(members)] <= rounding:

@@ -1,6 +1,6 @@
 """Search of a window: discs about real shifts, and what shows that none of its modes is missing.
 
-Each disc is searched beside what the discs before it hold. Without damping the first lies about the
+Modes that earlier discs hold are locked while a disc is searched. Without damping the first lies about the
 middle of the window, in kappa = -lambda^2. Where friction leaves no more than a cone about the real
 axis it covers the window; else further discs, left of all, cover it as far as friction may move
 eigenvalues (:mod:`cea.eigen.regions`). With damping or rotation the window holds the lambda with

@@ -71,9 +71,8 @@ Fields = dict[str, Any]
 class Result:
     """What running a scene gave.
 
-    A mode that is named by a number has one from 1, as tables, files, pictures show it; arrays of
-    modes are indexed from 0, as all arrays are. A result that was read back has no matrices and
-    no vectors: what needs them refuses.
+    Modes are numbered from 1 in tables, files and pictures, and indexed from 0 in arrays. A result
+    that was read back has no matrices and no vectors: what needs them refuses.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ WANTED = 6
 
 
 def matrices(seed=1, *, friction=0.3, turning=0.2, damping=0.02):
-    """M, D, K of size N: stiff springs in a row, damped, turning, rubbing."""
+    """M, D, K of size N: stiff springs in a row, damped, rotating, with friction."""
     random = np.random.default_rng(seed)
     mass = np.diag(random.uniform(1.0, 2.0, N))
     stiffness = np.diag(np.linspace(1.0, 60.0, N) ** 2)

@@ -12,7 +12,7 @@ from cea.reduced.greedy import TOLERANCE
 
 TOP = 0.4
 BONDED = {"formulation": {"method": "bonded"}, "P": 1e6, "mu": 0.0}
-RUBBING = {
+SLIDING = {
     "formulation": {"method": "gpts", "points": 3},
     "P": 1e6,
     "mu": 0.4,
@@ -65,7 +65,7 @@ def ratios(found, true):
 
 
 @pytest.mark.parametrize("damped", [False, pytest.param(True, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("contact", [BONDED, RUBBING], ids=["bonded", "rubbing"])
+@pytest.mark.parametrize("contact", [BONDED, SLIDING], ids=["bonded", "sliding"])
 def test_no_bound_is_passed_however_stiff_a_contact_is(backend, contact, damped):
     pencil = plane_blocks_pencil(backend, contact, alpha=0.02 * damped)
     assert pencil.forces
@@ -73,7 +73,7 @@ def test_no_bound_is_passed_however_stiff_a_contact_is(backend, contact, damped)
     stiff = np.geomspace(1e4, 1e9, 4).tolist()
     box = {P: (stiff[0], stiff[-1])}
     points = [{P: p} for p in stiff]
-    if contact is RUBBING:
+    if contact is SLIDING:
         box[MU], points = (0.0, 1.0), grid(mu=[0.0, 1.0], P=stiff)
     built = enrichment(pencil, box, TOP)
     built.cover(points)

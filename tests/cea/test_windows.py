@@ -95,16 +95,16 @@ def test_what_was_not_searched_is_told(monkeypatch):
 
 @pytest.mark.parametrize("options", [KRYLOV, KrylovOptions()])
 @pytest.mark.parametrize("copies", [2, 9, 30])
-@pytest.mark.parametrize("rubs", [False, True])
-def test_copies_are_all_found(copies, rubs, options):
+@pytest.mark.parametrize("friction", [False, True])
+def test_copies_are_all_found(copies, friction, options):
     blocks = [*band(120), *[[[0.7]]] * copies, *[[[0.0]]] * copies]
-    blocks += [pair(0.6, 0.02)] if rubs else [[[0.6]]]
+    blocks += [pair(0.6, 0.02)] if friction else [[[0.6]]]
     modes = solve_modes(pencil_of(blocks), HERTZ, options=options)
     kappa = -(modes.eigenvalues**2)
     assert (np.abs(kappa - 0.7) < 1e-9).sum() == copies
     assert (np.abs(kappa) < 1e-9).sum() == copies
     assert modes.window.complete
-    assert set(modes.verdicts()) == {"stable", "rigid", *(["unstable"] * rubs)}
+    assert set(modes.verdicts()) == {"stable", "rigid", *(["unstable"] * friction)}
 
 
 @pytest.mark.parametrize("form", ["penalty", "saddle"])

@@ -81,3 +81,23 @@ def test_every_package_offers_its_types():
     found = project["tool"]["setuptools"]["packages"]["find"]["include"]
     assert {name.rstrip("*") for name in found} == set(ROOMS)
     assert all((ROOT / name / "py.typed").is_file() for name in ROOMS)
+
+
+PRIVATE = re.compile(
+    r"\b(rubs|rubbing|mended|leanest|thrift|districts?|surroundings|zero_growth|onsets?|told_by)\b"
+    r"|turned[ _]test|searched[ _]beside",
+    re.IGNORECASE,
+)
+"""Words that no textbook has for what they stood for."""
+
+
+def test_no_private_words_are_used():
+    files = [path for path in DOCUMENTS if path.name != "CHANGELOG.md"]
+    for folder in (*ROOMS, "examples"):
+        files += [path for path in (ROOT / folder).rglob("*") if path.suffix in (".py", ".html")]
+    found = {
+        str(path.relative_to(ROOT)): match.group()
+        for path in files
+        if (match := PRIVATE.search(re.sub(r"\s+", " ", path.read_text(encoding="utf-8"))))
+    }
+    assert not found

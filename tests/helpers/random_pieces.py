@@ -20,7 +20,7 @@ class Draw:
         self.contrast = self.choice([0.5, 2.0, 6.0], weights=[0.4, 0.4, 0.2])
         self.backends = self.choice([["fe"], ["iga"], ["fe", "iga"]], weights=[0.35, 0.35, 0.3])
         self.dofs = int(self.log(60.0, 260.0) if self.chance(0.9) else self.log(200.0, MOST_DOFS))
-        self.rubs = not self.chance(0.15)
+        self.has_friction = not self.chance(0.15)
 
     def choice(self, options, weights=None):
         """One of some."""
@@ -103,7 +103,7 @@ def a_contact(draw: Draw, bodies: dict, a: str, b: str, *, width: float, bonded=
         contact["full_pass"] = True
     name, value = _stiffness(draw, contact["form"], width)
     contact[name] = value
-    if draw.rubs and not bonded:
+    if draw.has_friction and not bonded:
         contact["mu"] = _friction(draw)
         contact["friction_direction_on_a"] = {"vector": [draw.choice([1.0, -1.0]), 0.0]}
     return contact

@@ -1,4 +1,4 @@
-"""Random damped, rotating and rubbing pencils, with clusters and defective pairs among them."""
+"""Random damped, rotating pencils, with friction, with clusters and defective pairs among them."""
 
 from dataclasses import dataclass, replace
 
@@ -129,7 +129,7 @@ def _special(rng) -> list[tuple[np.ndarray, np.ndarray]]:
     """Damping and stiffness of two-by-two pencils at which two eigenvalues meet."""
     kinds = [
         (np.diag([2.0, 0.0]), np.diag([1.0, 0.7])),  # critically damped
-        (np.zeros((2, 2)), np.array([[2.5, -0.125], [0.5, 2.0]])),  # mode coupling at its onset
+        (np.zeros((2, 2)), np.array([[2.5, -0.125], [0.5, 2.0]])),  # mode coupling at its threshold
         (0.04 * np.eye(2), np.array([[2.5, -0.125], [0.5, 2.0]])),  # the same, damped alike
         (np.array([[0.0, -2.0], [2.0, 0.0]]), -np.eye(2)),  # held by rotation, just
         (np.array([[0.02, -0.4], [0.4, 0.02]]), np.array([[1.0, -0.3], [0.3, 1.0]])),

@@ -61,12 +61,12 @@ class DeckContact:
 
     def behaviour_lines(self, friction: list[float]) -> list[str]:
         """Its surface interaction: a linear law, and the numbers of friction where there is any."""
-        rubbing = [keyword("FRICTION"), numbers(friction)] if self.mu else []
+        friction_lines = [keyword("FRICTION"), numbers(friction)] if self.mu else []
         return [
             keyword("SURFACE INTERACTION", NAME=self.interaction),
             "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR",
             number(self.stiffness),
-            *rubbing,
+            *friction_lines,
         ]
 
     def pair_lines(self, *parameters: str) -> list[str]:
