@@ -1,10 +1,10 @@
 """Search of a window: discs about real shifts, and what shows that none of its modes is missing.
 
-Modes that earlier discs hold are locked while a disc is searched. Without damping the first lies about the
-middle of the window, in kappa = -lambda^2. Where friction leaves no more than a cone about the real
-axis it covers the window; else further discs, left of all, cover it as far as friction may move
-eigenvalues (:mod:`cea.eigen.regions`). With damping or rotation the window holds the lambda with
-0 <= Im lambda <= omega and Re lambda >= -d, and a disc about a real shift c > 0,
+Modes that earlier discs hold are locked while a disc is searched. Without damping the first lies
+about the middle of the window, in kappa = -lambda^2. Where friction leaves no more than a cone
+about the real axis it covers the window; else further discs, left of all, cover it as far as
+friction may move eigenvalues (:mod:`cea.eigen.regions`). With damping or rotation the window holds
+the lambda with 0 <= Im lambda <= omega and Re lambda >= -d, and a disc about a real shift c > 0,
 
     abs(lambda - c)^2 <= (c + d)^2 + omega^2,
 
