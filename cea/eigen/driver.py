@@ -381,6 +381,8 @@ def _lowest(driver: EigenSolver, end: float, changes: Mapping[str, float] | None
     """Frequency (Hz) of the lowest mode, which lies above the end of an empty window (Hz)."""
     try:
         found = driver.nearest(0.5 * (2 * np.pi * end) ** 2, 1, changes).frequencies
-    except ConvergenceError:  # there may be no mode at all
-        return None
+    except ConvergenceError as error:
+        if isinstance(error.best, Modes):  # rounding may have moved them out of the window
+            raise
+        return None  # there may be no mode at all
     return min(found[found > end].tolist(), default=None)

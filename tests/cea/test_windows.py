@@ -11,7 +11,7 @@ from covering import covering
 from petsc_matrices import to_numpy, to_petsc
 
 from cea.eigen import window
-from cea.eigen.driver import EigenSolver, solve_modes
+from cea.eigen.driver import EigenSolver, run_window, solve_modes
 from cea.eigen.field_of_values import FieldOfValues, field_of_values
 from cea.eigen.krylov_schur import KrylovOptions, krylov_schur
 from cea.eigen.pencil import Pencil
@@ -296,3 +296,18 @@ def test_displacements_of_bodies_that_nothing_holds_are_refused(backend):
     system = assemble(data)
     with pytest.raises(ConvergenceError, match="not held"):
         solve_static(system.pencil(), system.load)
+
+
+@pytest.mark.parametrize("options", [KrylovOptions(), KRYLOV], ids=["LAPACK", "Krylov"])
+def test_a_mode_that_rounding_moved_out_of_an_empty_window_is_told(options):
+    """Rounding of 1e12 moves kappa = 1e-8 by 1e-4: it may lie anywhere about the window."""
+    pencil = pencil_of([np.diag([1e-8, *np.logspace(6, 12, 29)])])
+    with EigenSolver(pencil, options) as driver, pytest.raises(ConvergenceError, match="rounding"):
+        run_window(driver, 1e-4 * HERTZ * 2)
+
+
+def test_an_empty_window_names_the_lowest_mode_above():
+    with EigenSolver(pencil_of([np.diag([4.0, 9.0, 16.0])])) as driver:
+        modes = run_window(driver, 1.0 * HERTZ)
+    assert len(modes) == 0
+    assert modes.window.lowest == pytest.approx(2.0 * HERTZ, rel=1e-9)

@@ -126,10 +126,14 @@ _BENDING = np.array([1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349, 14
 
 
 def _strip(slenderness: float) -> Rows:
-    """A cantilever of length 2 in plane strain, E = rho = 1, beside Euler and Bernoulli."""
+    """A cantilever of length 2 in plane strain, E = rho = 1, beside Euler and Bernoulli.
+
+    Half as many elements lock: cubic splines are then off by 2 percent in the fourth mode, which is
+    an error of the mesh that no run tells.
+    """
     height = 2.0 / slenderness
     held = [{"surface": "x_min"}]
-    strip = body(rectangle((2.0, height)), (20, 1), degree=3, nu=0.3, supports=held)
+    strip = body(rectangle((2.0, height)), (40, 1), degree=3, nu=0.3, supports=held)
     omega = (_BENDING / 2.0) ** 2 * height / np.sqrt(12 * (1 - 0.3**2))
     expected = ACCURATE if slenderness < 1e3 else HONEST
     true = formula([1j * value for value in omega])

@@ -34,7 +34,7 @@ _LOW = 24
 """Modes whose size sets the shift."""
 _ABOUT = 30.0
 """How far from the best place the near eigenvalues may give way to the far ones."""
-_INFINITE = 1e-13
+_INFINITE = 1e-11
 """Eigenvalues of the inverse below this part of the largest are those of tied gaps: none."""
 
 Constraint = tuple[Floats, Floats, Floats]
