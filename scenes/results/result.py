@@ -41,9 +41,6 @@ class Analysis(Protocol):
     def run(self, scene: Any, /, **options: Any) -> "Result":
         """Run a scene; options are those of a run, and of this analysis."""
 
-    def steps(self, scene: Any) -> tuple[dict[str, str], dict[str, str]]:
-        """Steps of a run and what it leaves out, with the reasons."""
-
     def describe(self, result: "Result") -> dict[str, Any]:
         """What the record of a result holds of this analysis, plain data."""
 
