@@ -41,8 +41,8 @@ def run(
 ) -> None:
     """Run one scene and write its result.json."""
     from comparisons.cli.progress import working
+    from scenes.spec.body import file_name
     from scenes.spec.files import is_of_matrices
-    from scenes.spec.names import file_name
 
     inputs: dict[str, Any] = {"scene": scene, "set": set_ or [], "backend": backend}
     chosen: Scene | MatrixScene

@@ -22,7 +22,7 @@ from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.results.shapes import displacements_at, summed_matrices, system_matrices
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 if TYPE_CHECKING:
     from PIL.Image import Image

@@ -23,8 +23,7 @@ from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.swept import at_parameters, parameters_changed, parameters_meant
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
 _STEP = 1e-5
 """Step of difference quotients of matrices, relative to the value."""

@@ -19,8 +19,7 @@ from scenes.results.describe import describe_modes, described_run
 from scenes.results.result import Fields, Result
 from scenes.running.analysis import analysis_of
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
 if TYPE_CHECKING:
     from scenes.results.opened import RunRecord

@@ -15,8 +15,7 @@ from scenes.results.opened import RunRecord, SideStress
 from scenes.results.result import Fields, Result
 from scenes.running.analysis import analysis_of
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.analysis import StaticAnalysis
-from scenes.spec.reading import Scene
+from scenes.spec.reading import Scene, StaticAnalysis
 
 
 def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
