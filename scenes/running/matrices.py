@@ -53,9 +53,7 @@ class AssembledMatrices:
         When a file holds no such matrix, their sizes differ, or the mass is not symmetric.
     """
 
-    def __init__(
-        self, scene: MatrixScene, listener: Callable[[str], None] | None = None
-    ) -> None:
+    def __init__(self, scene: MatrixScene, listener: Callable[[str], None] | None = None) -> None:
         self.scene = scene
         self.timer = StageTimer(listener)
         with self.timer("reading"):
