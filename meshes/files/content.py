@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,22 +83,28 @@ def without_nodes(kind: str, numbers: Ints, role: Role) -> ElementBlock:
 
 
 class Sets(Mapping[str, Ints]):
-    """Sets by name, each worked out when it is asked for."""
+    """Sets by name, each worked out when it is asked for; some are found whatever their case."""
 
-    def __init__(self, items: Mapping[str, Any], make: Callable[[Any], Ints]) -> None:
-        self._items, self._make = items, make
+    def __init__(
+        self, names: Iterable[str], find: Callable[[str], Ints], *, any_case: bool = False
+    ) -> None:
+        self._find, self.any_case, self._names = find, any_case, dict.fromkeys(names)
+        self._keys = {self._key(name) for name in self._names}
+
+    def _key(self, name: str) -> str:
+        return name.upper() if self.any_case else name
 
     def __getitem__(self, name: str) -> Ints:
-        return self._make(self._items[name])
+        return self._find(name)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._items
+        return isinstance(name, str) and self._key(name) in self._keys
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._items)
+        return iter(self._names)
 
     def __len__(self) -> int:
-        return len(self._items)
+        return len(self._names)
 
 
 @dataclass(frozen=True, eq=False)

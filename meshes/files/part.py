@@ -123,8 +123,10 @@ def merged(content: FileContent, distance: float) -> FileContent:
     require(distance < shortest / 2, "merge_nodes", distance, allowed)
     number = first_of_near(content.points, distance)
     blocks = [replace(block, nodes=number[block.nodes]) for block in content.blocks]
-    sets = Sets(content.node_sets, lambda rows: np.unique(number[rows]))
-    return replace(content, blocks=blocks, node_sets=sets)
+    sets = content.node_sets
+    any_case = isinstance(sets, Sets) and sets.any_case
+    moved = Sets(sets, lambda name: np.unique(number[sets[name]]), any_case=any_case)
+    return replace(content, blocks=blocks, node_sets=moved)
 
 
 def check_nodes(content: FileContent, part: Part, name: str | None) -> None:
