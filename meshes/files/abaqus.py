@@ -110,19 +110,19 @@ class Scope:
         elif of == "ELEMENT":
             self.sets.append(("surface", name, keyword))
 
-    def placed(self, first_node: int, first_element: int) -> tuple["Scope", Floats]:
-        """The scope with nodes and elements counted on from others, and where its nodes are."""
-        numbers, points = np.empty(0, dtype=np.int64), np.empty((0, 3))
+    def place(self, first_node: int, first_element: int) -> Floats:
+        """Count nodes and elements on from others; where its nodes are, (n, 3)."""
+        self.first_node, self.first_element = first_node, first_element
+        points = np.empty((0, 3))
         if self.nodes:  # of those given again the last
             every, at = (np.concatenate(parts) for parts in zip(*self.nodes, strict=True))
-            numbers, place = np.unique(every[::-1], return_index=True)
-            points = at[::-1][place]
-        blocks = [
-            replace(each, nodes=first_node + rows_of(numbers, each.nodes, "a node"))
+            self.numbers, last = np.unique(every[::-1], return_index=True)
+            points = at[::-1][last]
+        self.elements = [
+            replace(each, nodes=first_node + rows_of(self.numbers, each.nodes, "a node"))
             for each in self.elements
         ]
-        counted = {"first_node": first_node, "first_element": first_element}
-        return replace(self, elements=blocks, numbers=numbers, **counted), self._moved(points)
+        return self._moved(points)
 
     def _moved(self, points: Floats) -> Floats:
         """Points of a part where its instance stands: shifted, then turned about an axis."""
@@ -178,24 +178,24 @@ def abaqus_content(file: Path) -> FileContent:
     and, behind the name of the instance and a dot, those of each. All elements of an instance are a
     set by its name.
     """
-    scopes, points = {}, []
-    for scope in _scopes(file):
-        first = sum(map(len, points)), sum(len(b) for s in scopes.values() for b in s.elements)
-        scopes[scope.name.upper()], at = scope.placed(*first)
-        points.append(at)
+    every = _scopes(file)
+    points: list[Floats] = []
+    count = 0
+    for scope in every:
+        points.append(scope.place(sum(map(len, points)), count))
+        count += sum(map(len, scope.elements))
     require(sum(map(len, points)) > 0, "file", "no nodes", "a deck with *NODE and *ELEMENT")
-    every = scopes.values()
     content = FileContent(
         np.concatenate(points),
         np.concatenate([scope.numbers for scope in every]),
         [each for scope in every for each in scope.elements],
         told=list(dict.fromkeys(each for scope in every for each in scope.told)),
     )
-    return _Resolver(content, scopes).with_sets()
+    return _Resolver(content, {scope.name.upper(): scope for scope in every}).with_sets()
 
 
 def _scopes(file: Path) -> list[Scope]:
-    """What stands outside of parts, then the instances of parts; where there are none, the parts."""
+    """What stands outside of parts, then the instances of parts, or the parts without any."""
     flat, parts, instances = Scope(), dict[str, Scope](), list[Scope]()
     inside = flat
     for keyword in keywords_of(file):
@@ -340,8 +340,8 @@ class _Resolver:
             names = [name for line in keyword.lines for name in line if name]
             return np.concatenate([*found, *(self.members("surface", key, n) for n in names)])
         of_sides: dict[str, list[str]] = {}
-        for name, *label in keyword.lines:
-            of_sides.setdefault("".join(label[:1]).upper(), []).append(name)
+        for line in keyword.lines:
+            of_sides.setdefault("".join(line[1:2]).upper(), []).append(line[0])
         for label, names in of_sides.items():
             named = Keyword("SURFACE", {}, "\n".join(names))
             elements = self._listed("element", key, *named.members())

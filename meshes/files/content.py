@@ -148,6 +148,10 @@ class FileContent:
         """Dimension of the elements that bodies are made of."""
         return max((b.dim for b in self.blocks if b.role == "solid" and len(b)), default=0)
 
+    def sets(self, kind: str) -> Mapping[str, Ints]:
+        """Sets of ``faces``, ``elements`` or ``nodes``."""
+        return {"faces": self.face_sets, "elements": self.element_sets}.get(kind, self.node_sets)
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of all sets."""

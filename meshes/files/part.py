@@ -1,6 +1,6 @@
 """The elements of a mesh file that make a body."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -14,7 +14,7 @@ from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.mesh import Cell
 from meshes.files.content import ElementBlock, FileContent, Sets, first_of_near, shown
-from meshes.files.elements import DIVIDED
+from meshes.files.elements import DIVIDED, FACES, side_nodes
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""
@@ -59,6 +59,15 @@ class Part:
     def used(self) -> Ints:
         """Nodes that it has in the file, as rows of the points, rising."""
         return np.unique(np.concatenate([block.nodes.ravel() for block in self.blocks]))
+
+    def faces(self) -> Iterator[tuple[slice, int, Ints, Ints]]:
+        """Faces of one number of all elements of a kind: rows of these, number, corners, nodes."""
+        start = 0
+        for block in self.blocks:
+            rows = slice(start, start := start + len(block))
+            sides = zip(FACES[block.cell], side_nodes(block.cell, block.reference), strict=True)
+            for i, (face, side) in enumerate(sides):
+                yield rows, i, block.corners[:, face], block.nodes[:, side]
 
     @property
     def incomplete(self) -> bool:
