@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,10 @@ class ElementBlock:
 
     def __len__(self) -> int:
         return len(self.numbers)
+
+    def only(self, rows: NDArray[Any]) -> "ElementBlock":
+        """Some of the elements."""
+        return replace(self, numbers=self.numbers[rows], nodes=self.nodes[rows])
 
     @property
     def dim(self) -> int:
@@ -181,7 +185,7 @@ def without_copies(content: FileContent) -> FileContent:
     kept[first] = True
     number = (np.cumsum(kept) - 1)[first][same]
     blocks = [
-        replace(block, numbers=block.numbers[own], nodes=block.nodes[own])
+        block.only(own)
         for block, own in zip(content.blocks, np.split(kept, content.starts[1:-1]), strict=True)
     ]
     sets = {name: np.unique(number[members]) for name, members in content.element_sets.items()}

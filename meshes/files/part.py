@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -34,6 +33,11 @@ class Part:
         """Whether its mesh has its elements divided into tetrahedra."""
         cells = {block.cell for block in self.blocks}
         return len(cells) > 1 or not cells.isdisjoint(DIVIDED)
+
+    @property
+    def num_cells(self) -> int:
+        """Number of cells of its mesh; of elements that are divided, about that of tetrahedra."""
+        return len(self.elements) * (5 if self.is_divided else 1)
 
     @property
     def cell(self) -> Cell:
@@ -91,37 +95,31 @@ def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[s
     taken = np.zeros(starts[-1], dtype=bool)
     for mark in marks:
         taken[content.element_sets.get(mark, np.empty(0, dtype=int))] = True
-    of_block = [chosen[a:b] for a, b in pairwise(starts)]
-    free = [(chosen & ~taken)[a:b] for a, b in pairwise(starts)]
-    every = list(zip(content.blocks, of_block, free, starts, strict=False))
-
-    others = {b.kind for b, _, left, _ in every if b.role == "structural" and left.any()}
+    solid, elements, others = list[ElementBlock](), list[Ints](), set[str]()
+    for block, start, end in zip(content.blocks, starts, starts[1:], strict=False):
+        own = start + np.flatnonzero(chosen[start:end])
+        if block.role == "structural" and not taken[own].all():
+            others.add(block.kind)
+        if block.role == "solid" and len(own) and block.dim in (0, dim):
+            solid.append(block.only(own - start))
+            elements.append(own)
+    sets = f"sets of elements: {shown(content.element_sets)}"
     if others:
-        allowed = f"a set of solid elements alone, here are {shown(sorted(others))} too"
-        raise InputError("part", name, f"{allowed}; sets: {shown(content.element_sets)}")
-    solid = [
-        (b, own, start)
-        for b, own, _, start in every
-        if b.role == "solid" and own.any() and b.dim in (0, dim)
-    ]
-    cells = sorted({(b.cell, b.order) for b, _, _ in solid})
-    kinds = shown(sorted({b.kind for b, _, _ in solid}))
-    strange = shown(sorted({b.kind for b, _, _ in solid if b.dim == 0}))
-    if strange != "none":
+        allowed = f"a set of solid elements alone, here are {shown(sorted(others))} too; {sets}"
+        raise InputError("part", name, allowed)
+    if strange := sorted({b.kind for b in solid if b.dim == 0}):
         where = f" in the part {name}" if name else ""
-        raise InputError("file", f"{file}: {strange}{where}", f"solid elements that are {_SOLIDS}")
-    orders = {order for _, order in cells}
-    mixed = len(cells) > 1 or (len(cells) == 1 and cells[0][0] in DIVIDED)
-    if dim < 2 or not cells or (mixed and (dim < 3 or len(orders) > 1 or max(orders) > 2)):
+        told = f"{file}: {shown(strange)}{where}"
+        raise InputError("file", told, f"solid elements that are {_SOLIDS}")
+    cells, orders = {b.cell for b in solid}, {b.order for b in solid}
+    alike = len(cells) == len(orders) == 1 and dim > 1 and cells.isdisjoint(DIVIDED)
+    if not alike and (dim < 3 or orders not in ({1}, {2})):
         allowed = (
             f"solid elements, {_SOLIDS}, of one kind; or of several in space, all of order 1 or "
-            f"all of order 2; in {file} are: {kinds}"
+            f"all of order 2; in {file} are: {shown(sorted({b.kind for b in solid}))}; {sets}"
         )
-        sets = shown(content.element_sets)
-        raise InputError("part", name, f"{allowed}; sets of elements: {sets}")
-    blocks = [replace(b, numbers=b.numbers[own], nodes=b.nodes[own]) for b, own, _ in solid]
-    elements = [start + np.flatnonzero(own) for _, own, start in solid]
-    return Part(tuple(blocks), np.concatenate(elements))
+        raise InputError("part", name, allowed)
+    return Part(tuple(solid), np.concatenate(elements))
 
 
 def merged(content: FileContent, distance: float) -> FileContent:

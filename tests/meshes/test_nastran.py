@@ -122,7 +122,7 @@ def test_every_spelling_is_the_same_mesh(tmp_path, name):
     box = KINDS["hexahedron8"].reference * [0.02, 0.015, 0.01] - [0.0, 0.015, 0.0]
     np.testing.assert_allclose(corners, box, rtol=0, atol=1e-16)
     assert {name: rows.tolist() for name, rows in found.element_sets.items()} == {"PSOLID 7": [0]}
-    assert MeshFile(str(tmp_path / "a.bdf"), "m").num_cells == 1
+    assert MeshFile(str(tmp_path / "a.bdf"), "m").elements.num_cells == 1
 
 
 EDGES = {
@@ -267,7 +267,7 @@ def test_any_other_card_is_told_and_left_out_by_the_choice_of_a_part(tmp_path, c
     with pytest.raises(InputError, match=f"here are {name} too") as refused:
         MeshFile(str(file), "m")
     assert refused.value.field == "part"
-    assert MeshFile(str(file), "m", part="PSOLID 7").num_cells == 1
+    assert MeshFile(str(file), "m", part="PSOLID 7").elements.num_cells == 1
 
 
 def test_elements_of_a_fluid_are_no_body(tmp_path):
