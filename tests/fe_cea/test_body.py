@@ -5,14 +5,11 @@ import numpy as np
 import pytest
 from bodies import dolfinx_body, lagrange_body
 from fe_shapes import (
-    ANNULUS,
     BOX,
     ELEMENTS,
     MATERIAL,
-    body_of,
     box,
     coordinates,
-    exact_measures,
 )
 from lagrange_bodies import csr
 from mpi4py import MPI
@@ -20,7 +17,6 @@ from mpi4py import MPI
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.mesh import reference_nodes
-from cea.supports.boundary import Pressure, Spring, Support
 from meshes.shape_mesh import shape_mesh
 
 every_element = pytest.mark.parametrize(("cell", "degree"), ELEMENTS)
@@ -61,26 +57,6 @@ def test_another_quadrature_of_the_mass_has_its_points():
         lagrange_body("part", mesh, degree=2, material=MATERIAL, mass_quadrature=-1)
 
 
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_volume_and_areas_of_a_ring_converge_with_the_order_of_its_geometry(cell):
-    exact = exact_measures(ANNULUS)
-    for degree, rate in ((1, 2), (2, 4)):
-        errors = []
-        for n in (1, 2):
-            body = body_of(ANNULUS, cell, degree, elements=((n, 12 * n, n),), size=0.3 / n)
-            ones = body.expansion.createVecRight()
-            ones.set(1.0)
-            measured = {name: surface.area for name, surface in body.surfaces.items()}
-            measured["volume"] = ones.dot(body.mass() * ones) / 3 / MATERIAL.rho
-            errors.append([abs(measured[name] / exact[name] - 1) for name in ("volume", "outer")])
-            for name in exact:
-                assert measured[name] == pytest.approx(
-                    exact[name], rel={1: 0.05, 2: 5e-4}[degree] / n**rate
-                )
-        if cell == "hexahedron":
-            np.testing.assert_allclose(np.log2(np.divide(*errors)), rate, atol=0.1)
-
-
 @every_element
 def test_volume_sample_fills_the_body(cell, degree):
     body = box(cell, degree)
@@ -99,26 +75,6 @@ def test_volume_sample_fills_the_body(cell, degree):
         whole = volume.sum() / (1 if cell == "hexahedron" else 6)
         assert whole == pytest.approx(np.prod(BOX.size), rel=1e-12)
         assert len(sample.cells) == n**3 * len(body.volume_sample(1).cells)
-
-
-@pytest.mark.parametrize(
-    ("field", "options"),
-    [
-        ("bodies.part.degree", {"degree": 5}),
-        ("bodies.part.supports[0].surface", {"supports": [Support("lid", (0,))]}),
-        ("bodies.part.springs[0].surface", {"springs": [Spring("lid", (1.0, 1.0, 1.0))]}),
-        ("bodies.part.pressures[0].surface", {"pressures": [Pressure("lid", 1.0)]}),
-        ("bodies.part.springs[0].stiffness", {"springs": [Spring("top", (1.0, 1.0))]}),
-    ],
-)
-def test_wrong_input_is_refused_by_name(field, options):
-    options = {"degree": 1, "material": MATERIAL} | options
-    made = shape_mesh(ANNULUS, "tetrahedron", 1, size=0.5)
-    with pytest.raises(InputError) as refused:
-        lagrange_body("part", made, **options)
-    assert refused.value.field == field
-    if field.endswith("surface"):
-        assert all(name in refused.value.allowed for name in ANNULUS.surfaces)
 
 
 def test_a_tag_without_facets_is_refused():

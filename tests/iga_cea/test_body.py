@@ -8,7 +8,6 @@ from iga_data import STEEL, body, scipy_of, slow_matrices, turned
 from scipy.linalg import eigh
 
 from cea.errors import InputError
-from cea.supports.boundary import Pressure, Spring, Support
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.shapes import Box, Disc, Sector
@@ -86,9 +85,6 @@ def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
         ({"degree": (2, 9, 2)}, "whole numbers from 1 to 8"),
         ({"degree": (2, 2)}, "3 whole numbers"),
         ({"continuity": (2, 1, 1)}, "bodies.part.continuity"),
-        ({"supports": [Support("side", (0,))]}, r"supports\[0\].surface = 'side': one of .*outer"),
-        ({"springs": [Spring("top", (1.0, 2.0))]}, r"springs\[0\].stiffness"),
-        ({"pressures": [Pressure("tpo", 1.0)]}, r"pressures\[0\].surface = 'tpo'"),
     ],
 )
 def test_wrong_input_is_refused(options: dict, message: str) -> None:
