@@ -35,7 +35,11 @@ def test_a_volume_in_two_groups_is_there_once(tmp_path, version):
         gmsh.write(str(file))
     whole, half = (MeshFile(str(file), "m", part=part) for part in ("whole", "half"))
     assert (whole.extent[0], half.extent[0]) == ((0.0, 2.0), (1.0, 2.0))
-    assert MeshFile(str(file), "m").elements.num_cells == whole.elements.num_cells == 2 * half.elements.num_cells
+    assert (
+        MeshFile(str(file), "m").elements.num_cells
+        == whole.elements.num_cells
+        == 2 * half.elements.num_cells
+    )
     mesh = whole.mesh(["low"])
     assert (mesh.points[mesh.surfaces["low"]][..., 0] == 0).all()
 
