@@ -17,7 +17,7 @@ from comparisons.study.page import write
 from comparisons.study.sections import Plot, Section, Table
 from scenes import Result
 from scenes.results.record import read_record
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 _KEY = "run"
 """Name of the modes on the page."""

@@ -30,9 +30,8 @@ from scenes.refinement.meshes import (
 )
 from scenes.running.enrich import enriched_scene
 from scenes.running.nested import estimate_errors
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.body import Backend
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
 MESHES = 3
 """Meshes of a bar: two differences show the order of convergence."""

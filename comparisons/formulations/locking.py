@@ -25,11 +25,8 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
 from exact_cea.reference import exact_eigenvalues
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.names import backend_name
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import on_backend
+from scenes.spec.body import FeMesh, IgaMesh, MeshSpec, backend_name
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene, load_scene, on_backend
 
 _MARGIN = 1.15
 """How far beyond the exact eigenvalues is searched: locked ones lie too high."""

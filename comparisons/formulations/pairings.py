@@ -20,11 +20,8 @@ from comparisons.study.session import Session
 from comparisons.study.study import Case
 from scenes import Result
 from scenes.results.matching import match_unstable
-from scenes.spec.body import Backend, BodySpec
-from scenes.spec.mesh import MeshSpec
-from scenes.spec.names import backend_name
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import BACKENDS, with_contact
+from scenes.spec.body import Backend, BodySpec, MeshSpec, backend_name
+from scenes.spec.reading import BACKENDS, Scene, load_scene, with_contact
 
 FREQUENCY_BOUND = 0.01
 """Largest relative difference of frequencies that agree."""

@@ -30,8 +30,7 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
 from scenes.building.build import build_bodies, build_interfaces, build_system
-from scenes.spec.body import Backend
-from scenes.spec.load import LoadSpec
+from scenes.spec.body import Backend, LoadSpec
 from scenes.spec.reading import Scene, load_scene
 
 PRESSURE = 1000.0
