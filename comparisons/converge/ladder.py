@@ -17,7 +17,7 @@ from cea.eigen.driver import ABOVE
 from cea.eigen.spectrum import Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
-from comparisons.kit.progress import Progress
+from comparisons.study.progress import Progress
 from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes
 from scenes.checking.memory import check_memory, estimated_memory
