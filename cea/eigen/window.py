@@ -48,9 +48,9 @@ _ALMOST = 1 - 1e-9
 """Growth that is searched, relative to the largest: what is beyond is rounding."""
 _CROWDED, _FEW = 4, 100
 """Eigenvalues in a disc that are too many: modes of the window without damping, and a number."""
-_AWAY, _SLIM = 4.0, 2.0
-"""Growth of a real shift where eigenvalues crowd, and the shift relative to omega from which on a
-disc reaches little beyond the decay asked for."""
+_AWAY, _SLIM, _FARTHEST = 4.0, 2.0, 256.0
+"""Growth of a real shift where eigenvalues crowd, the shift relative to omega from which on a
+disc reaches little beyond the decay asked for, and the farthest."""
 _INSIDE = 1 + SAME
 """Radius of a disc of left eigenvalues relative to the farthest right one in it: those that are the
 same but for rounding, which is large of rigid motions and near coalescence, are inside."""
@@ -188,17 +188,33 @@ class UndampedSearch(WindowSearch):
         return ShiftInvert(self._matrices, shift, self._end)
 
     def run(self) -> None:
-        """Find every eigenvalue of the window."""
-        middle = 0.5 * self._top
-        plain = upper_end(self._top) - middle
-        if self.counted is not None:
-            self._fill(middle, plain)
-            self._until_counted(self.counted)
-        elif self._matrices.size <= self._options.dense_limit:
+        """Find every eigenvalue of the window, as far to the left as friction may move them."""
+        top, middle = self._top, 0.5 * self._top
+        plain = upper_end(top) - middle
+        if self.counted is not None or self._matrices.size <= self._options.dense_limit:
             self._fill(middle, plain)
             self.growth, self.bounded = np.inf, True
-        else:
-            self._with_friction(middle, plain)
+            if self.counted is not None:
+                self._until_counted(self.counted)
+            return
+        with self._timer("factorisation"):
+            self.factorisations += 1
+            field = field_of_values(self._matrices, DEPTH * top, cone=True)
+        self.growth, self.bounded = float(np.sqrt(field.depth)), field.bounded
+        radius = distance_of_cone(top, middle, field.depth, field.slope)
+        covered = field.bounded and radius <= _AROUND * plain
+        self._fill(middle, max(plain, radius) if covered else plain)
+        reached, depth = -top, field.depth if field.bounded else _DEEP * top
+        while not covered and len(self.discs) <= self._options.max_discs:
+            centre, left = touching_disc(top, depth), (1.0 if self.bounded else _REACHED) * depth
+            self._fill(centre, distance_within(top, centre, -left, -reached))
+            reached, depth = left, _FARTHER * depth
+            self.growth = float(np.sqrt(reached))
+            if not self.bounded:
+                with self._timer("factorisation"):
+                    self.factorisations += 1
+                    self.bounded = field_of_values(self._matrices, reached).bounded
+            covered = self.bounded
 
     def _until_counted(self, counted: int) -> None:
         """Further discs until all that the inertia counts was found."""
@@ -212,31 +228,6 @@ class UndampedSearch(WindowSearch):
     def _below(self, upper: float) -> int:
         assert self.found is not None
         return int(np.sum(self.found.eigenvalues.real < upper))
-
-    def _with_friction(self, middle: float, plain: float) -> None:
-        """Discs as far to the left as friction may move eigenvalues."""
-        top = self._top
-        with self._timer("factorisation"):
-            self.factorisations += 1
-            field = field_of_values(self._matrices, DEPTH * top, cone=True)
-        self.growth, self.bounded = float(np.sqrt(field.depth)), field.bounded
-        radius = distance_of_cone(top, middle, field.depth, field.slope)
-        if field.bounded and radius <= _AROUND * plain:
-            self._fill(middle, max(plain, radius))
-            return
-        self._fill(middle, plain)
-        reached, depth = -top, field.depth if field.bounded else _DEEP * top
-        for _ in range(self._options.max_discs):
-            centre, left = touching_disc(top, depth), (1.0 if self.bounded else _REACHED) * depth
-            self._fill(centre, distance_within(top, centre, -left, -reached))
-            reached, depth = left, _FARTHER * depth
-            self.growth = float(np.sqrt(reached))
-            if not self.bounded:
-                with self._timer("factorisation"):
-                    self.factorisations += 1
-                    self.bounded = field_of_values(self._matrices, reached).bounded
-            if self.bounded:
-                return
 
 
 class DampedSearch(WindowSearch):
@@ -265,45 +256,40 @@ class DampedSearch(WindowSearch):
         return float(np.hypot(centre - left, (1 + MARGIN) * self._end))
 
     def run(self) -> None:
-        """Find every eigenvalue of the window: discs from the decay to the right."""
+        """Find every eigenvalue of the window: discs from the decay to the right.
+
+        Overdamped modes may crowd at one rate of decay. About a shift farther to the right a disc
+        reaches less beyond the decay asked for; where that does not help it is reduced, if nobody
+        asked.
+        """
         end = self._end
         if 2 * self._matrices.size <= self._options.dense_limit:
             self._fill(_SHIFT * end, self._radius(_SHIFT * end, -self.decay))
             self.growth, self.bounded = np.inf, True
             return
         with self._timer("factorisation"):
-            self.factorisations += 2
+            self.factorisations += 3
             largest = largest_growth(self._matrices, end)
+            most = _CROWDED * count_below(self._matrices, end**2) + _FEW
         centre = max(_LEAST_SHIFT * end, 0.5 * (largest - self.decay))
-        centre = self._first(centre if centre <= _FARTHEST_SHIFT * end else _SHIFT * end)
+        centre = centre if centre <= _FARTHEST_SHIFT * end else _SHIFT * end
+        while not self.discs:
+            try:
+                self._fill(centre, self._radius(centre, -self.decay), most)
+            except CrowdedError as error:
+                if centre > _FARTHEST * end:
+                    raise ConvergenceError(
+                        f"{error}: modes crowd near or above the growth rate {-self.decay:.4g} "
+                        "1/s; a higher min_growth leaves them out"
+                    ) from error
+                self.free()
+                if centre >= _SLIM * end and not self._asked:
+                    self.decay /= _AWAY
+                centre *= _AWAY
+        centre = self.discs[0].centre
         self.growth = 2 * centre + self.decay
         while self.growth < _ALMOST * largest and len(self.discs) <= self._options.max_discs:
             left, centre = self.growth, _FARTHER * centre
             self._fill(centre, self._radius(centre, left))
             self.growth = 2 * centre - left
         self.bounded = self.growth >= _ALMOST * largest
-
-    def _first(self, centre: float) -> float:
-        """Search the first disc about shifts farther to the right until its modes do not crowd.
-
-        Overdamped modes may crowd at one rate of decay. From farther to the right a disc reaches
-        less beyond the decay asked for; where that does not help it is reduced, if nobody asked.
-        """
-        self.factorisations += 1
-        with self._timer("factorisation"):
-            most = _CROWDED * count_below(self._matrices, self._end**2) + _FEW
-        for _ in range(ATTEMPTS):
-            try:
-                self._fill(centre, self._radius(centre, -self.decay), most)
-            except CrowdedError as error:
-                crowded = error
-            else:
-                return self.discs[0].centre
-            self.free()
-            if centre >= _SLIM * self._end and not self._asked:
-                self.decay /= _AWAY
-            centre *= _AWAY
-        raise ConvergenceError(
-            f"{crowded}: modes crowd near or above the growth rate {-self.decay:.4g} 1/s; "
-            "a higher min_growth leaves them out"
-        )
