@@ -15,7 +15,7 @@ from cea.files import check_writable, write_whole
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from meshes.mesh_file import MeshFile
-from scenes.building.body_meshes import used_surfaces
+from scenes.building.build import used_surfaces
 from scenes.export.decks.abaqus import abaqus_text
 from scenes.export.decks.bodies import ELEMENTS, DeckBody, deck_bodies, set_name
 from scenes.export.decks.calculix import calculix_text
