@@ -20,13 +20,7 @@ _SAMPLES = 2001
 
 
 def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -> Floats:
-    """Element boundaries as even as possible that pass through given coordinates.
-
-    Returns
-    -------
-    ndarray
-        ``count + 1`` rising coordinates.
-    """
+    """``count + 1`` element boundaries as even as possible that pass through given coordinates."""
     stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
     inside = bool(stops[0] == low and stops[-1] == high)
     require(inside, "through", list(through), f"{low} to {high}")
@@ -90,13 +84,7 @@ def fewest(shape: Shape, through: Mapping[str, Sequence[float]]) -> tuple[int, .
 
 
 def layered(breaks: Floats, towards: Sequence[float], layers: int, ratio: float) -> Floats:
-    """Breaks with geometric layers towards some of them, as corners of stress ask for.
-
-    Returns
-    -------
-    ndarray
-        Rising coordinates, the given ones among them.
-    """
+    """Breaks with geometric layers towards some of them, as corners of stress ask for."""
     require(0 < ratio < 0.5 and layers >= 0, "ratio", ratio, "below 1/2: layers may meet")
     shares = ratio ** np.arange(1, layers + 1)
     new = [breaks]
@@ -114,23 +102,7 @@ def graded(
     """Element boundaries that crowd towards some coordinates, as near edges where stress is large.
 
     Elements are at most ``largest`` long, and ``fine[c] + growth * distance`` at a distance from
-    the coordinate c.
-
-    Parameters
-    ----------
-    stops
-        Rising coordinates that must be element boundaries, the ends of the range among them.
-    largest
-        Largest size.
-    fine
-        Size at each coordinate to crowd towards.
-    growth
-        Increase of the size with distance.
-
-    Returns
-    -------
-    ndarray
-        Rising coordinates.
+    the coordinate c; the rising ``stops``, which begin and end the range, are boundaries.
     """
     require(len(stops) > 1 and largest > 0 and growth > 0, "stops", list(stops), "a range to grade")
 
