@@ -17,7 +17,7 @@ from cea.eigen.driver import ABOVE
 from cea.eigen.spectrum import Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
-from comparisons.kit.progress import Progress
+from comparisons.study.progress import Progress
 from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes
 from scenes.checking.memory import check_memory, estimated_memory
@@ -30,9 +30,8 @@ from scenes.refinement.meshes import (
 )
 from scenes.running.enrich import enriched_scene
 from scenes.running.nested import estimate_errors
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.body import Backend
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
 MESHES = 3
 """Meshes of a bar: two differences show the order of convergence."""
