@@ -9,8 +9,8 @@ import pandas as pd
 from cea.timing import STAGES
 from comparisons.accuracy.cases import INTEGRATING, YARDSTICKS
 from comparisons.accuracy.problems import PROBLEMS
-from comparisons.kit.numbers import counted, number, shown
 from comparisons.study.columns import Column, wide
+from comparisons.study.numbers import counted, number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from scenes.spec.body import backend_name

@@ -22,8 +22,8 @@ from cea.eigen.classify import classify, thresholds
 from cea.errors import InputError
 from comparisons.bench import ccx
 from comparisons.bench.ccx import Measured, run_measured
-from comparisons.kit.numbers import counted, decimals, number, shown
 from comparisons.study.columns import Column, wide
+from comparisons.study.numbers import counted, decimals, number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session

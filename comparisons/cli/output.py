@@ -74,13 +74,13 @@ def working(title: str, *, steps: int | None = None, to: Console = console) -> I
 
 def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None:
     """Print a table of a study, whose frame is made of a result."""
-    from comparisons.study.page import ShownTable
+    from comparisons.study.page import table_cells
 
-    made = ShownTable.of(replace(table, group=""), result)
-    cells = [row["cells"] for _, rows in made.groups() for row in rows]
+    made = table_cells(replace(table, group=""), table.frame(result))
+    cells = [row["cells"] for _, rows in made["groups"] for row in rows]
     columns = [
-        (shown.axis, [str(row[i][0]) for row in cells], head["number"])
-        for i, ((_, shown), head) in enumerate(zip(made.columns, made.heads(), strict=True))
+        (head["axis"], [str(row[i][0]) for row in cells], head["number"])
+        for i, head in enumerate(made["heads"])
     ]
     if cells:
         _print(to, columns, f"{table.name}.csv", title=table.caption)

@@ -145,7 +145,7 @@ def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str
     files: dict[str, list[Path]] = {}
     output = result.scene.output
     if output.pictures:
-        from comparisons.kit.contact_pictures import draw_contacts
+        from comparisons.contact_pictures import draw_contacts
 
         work.stage("pictures")
         files["pictures"] = draw_contacts(result, folder)

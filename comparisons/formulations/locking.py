@@ -17,9 +17,9 @@ import pandas as pd
 
 from cea.arrays import Complexes
 from cea.eigen.matching import match_spectrum
-from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column, wide
 from comparisons.study.formulations import Variant, variants
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session

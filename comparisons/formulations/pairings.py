@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from cea.contact.formulations import Mortar
-from comparisons.kit.numbers import decimals, number, per_cent, shown
 from comparisons.study.columns import Column
+from comparisons.study.numbers import decimals, number, per_cent, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session

@@ -17,8 +17,8 @@ import pandas as pd
 
 from cea.contact.formulations import Mortar
 from cea.eigen.matching import GroupMatch
-from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session

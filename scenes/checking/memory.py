@@ -106,10 +106,11 @@ def _node_counts(body: BodySpec) -> list[tuple[float, ...]]:
     """Nodes along each direction of boxes that stand for a mesh, one for each patch."""
     shape, fe, iga, lengths = body.geometry, body.mesh.fe, body.mesh.iga, body.lengths
     if isinstance(shape, MeshFile):
-        degree, dim = body.fe_degree or shape.order, len(lengths)
-        nodes = shape.num_nodes * (degree / shape.order) ** dim
-        if shape.fills_in:
-            nodes = max(nodes, float(shape.num_cells * degree**dim))
+        own, dim = shape.elements, len(lengths)
+        degree = body.fe_degree or own.order
+        nodes = len(own.used) * (degree / own.order) ** dim
+        if own.incomplete:
+            nodes = max(nodes, float(own.num_cells * degree**dim))
         even = (nodes / prod(lengths)) ** (1 / dim)
         return [tuple(max(1.0, even * length) for length in lengths)]
     if body.backend == "fe" and fe is not None:

@@ -81,8 +81,9 @@ def _unused(scene: Scene) -> Iterator[tuple[str, str]]:
 def _changed_elements(scene: Scene) -> dict[str, str]:
     """What becomes of elements of mesh files that meshes here do not have, with the bodies."""
     files = {n: b.geometry for n, b in scene.bodies.items() if isinstance(b.geometry, MeshFile)}
-    divided = [name for name, file in files.items() if file.is_divided]
-    filled = [name for name, file in files.items() if file.fills_in and name not in divided]
+    parts = {name: file.elements for name, file in files.items()}
+    divided = [name for name, part in parts.items() if part.is_divided]
+    filled = [name for name, part in parts.items() if part.incomplete and name not in divided]
     told = {}
     if filled:
         told["serendipity"] = (
@@ -94,6 +95,8 @@ def _changed_elements(scene: Scene) -> dict[str, str]:
             f"elements of {', '.join(divided)}, of several kinds, are divided into tetrahedra: "
             "nodes are kept, those on diagonals are put by the elements' own shape functions"
         )
-    if left_out := [f"{name}: {each}" for name, file in files.items() for each in file.told]:
+    if left_out := [
+        f"{name}: {each}" for name, file in files.items() for each in file.content.told
+    ]:
         told["mesh files"] = f"not taken from the file of {'; '.join(left_out)}"
     return told

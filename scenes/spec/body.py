@@ -334,8 +334,10 @@ class BodySpec:
     def fe_degree(self) -> int | None:
         """Degree of its Lagrange elements; None where it has none."""
         if isinstance(self.geometry, MeshFile):
-            least = 2 if self.geometry.is_divided else 1  # straight tetrahedra are too stiff
-            return self.mesh.degree or max(self.geometry.order, least)
+            least = (
+                2 if self.geometry.elements.is_divided else 1
+            )  # straight tetrahedra are too stiff
+            return self.mesh.degree or max(self.geometry.elements.order, least)
         return self.mesh.fe.degree if self.mesh.fe is not None else None
 
 

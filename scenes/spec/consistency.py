@@ -9,8 +9,8 @@ from cea.errors import InputError
 from cea.expressions import Expression
 from cea.suggestions import did_you_mean
 from cea.supports.boundary import check_surface
-from meshes.breaks import breaks_of, check_breaks
-from meshes.edge_layers import check_edges, check_room
+from meshes.breaks import breaks_of
+from meshes.edge_layers import check_room, run_along
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.spec.body import BodySpec, FeMesh, IgaMesh, LoadSpec, MeshSpec
@@ -213,12 +213,14 @@ def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iter
         return
     edges = mesh.edges if isinstance(mesh, FeMesh) else ()
     through = mesh.boundaries if isinstance(mesh, FeMesh) else mesh.through
-    faults = list(fault_of(check_edges, body.geometry, edges, place)) if edges else []
-    faults = faults or list(fault_of(check_breaks, body.geometry, elements, through, place))
-    yield from faults
+    shape = body.geometry
+    faults = list(fault_of(run_along, shape, edges)) if edges else []
+    faults = faults or list(fault_of(breaks_of, shape, elements, through))
     if edges and not faults:
-        breaks = breaks_of(body.geometry, elements, through)
-        yield from fault_of(check_room, body.geometry, breaks, edges, place)
+        faults = list(fault_of(check_room, shape, breaks_of(shape, elements, through), edges))
+    for fault in faults:
+        value = tuple(elements) if fault.field == "elements" else fault.value
+        yield InputError(f"{place}.{fault.field}", value, fault.allowed)
 
 
 def _size_checks(place: str, body: BodySpec) -> Iterator[InputError]:
