@@ -63,18 +63,6 @@ def test_files_that_are_no_scene(content, tmp_path):
     assert all(len(line) < 2000 for line in str(caught.value).splitlines())
 
 
-def test_messages_are_one_line_whatever_they_tell():
-    for field, value in (
-        ("a\nb", "x"),
-        ("a", "x\n" * 9),
-        ("a", list(range(10**5))),
-        ("a", 10**5000),
-    ):
-        text = str(InputError(field, value, "nothing\nlike it"))
-        assert "\n" not in text
-        assert len(text) < 500
-
-
 def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path, monkeypatch):
     monkeypatch.setattr("scenes.results.record._LARGEST", 10**6)
     file = tmp_path / "r.json.gz"
