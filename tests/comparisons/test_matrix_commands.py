@@ -98,16 +98,6 @@ def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
     assert stored["verdict"] == "unstable"
 
 
-def test_run_takes_a_scene_with_its_folder_and_settings(folder, tmp_path):
-    toml = folder / "elsewhere" / "speed.toml"
-    options = ["--data", folder, "--set", "parameters.v=pi - 2", "--out", tmp_path]
-    done = cea("run", toml, *options)
-    assert done.returncode == 0, done.stderr
-    stored = json.loads((tmp_path / "result.json").read_text())
-    found = np.array([v["re"] + 1j * v["im"] for v in stored["eigenvalues"]])
-    np.testing.assert_allclose(found, inside(dense(pieces(), np.pi - 2)), rtol=1e-9)
-
-
 @pytest.mark.parametrize(
     ("arguments", "field", "told"),
     [
@@ -165,17 +155,6 @@ def test_a_race_is_one_of_the_same_eigenvalues(folder):
     (folder / "undamped.toml").write_text(toml_of(undamped))
     with pytest.raises(InputError, match="damping"):
         matrices.loaded(matrices.Options(str(folder / "undamped.toml"), data=str(folder)))
-
-
-def test_other_files_of_matrices_are_other_cases(tmp_path):
-    write(tmp_path, pieces())
-    (tmp_path / "speed.toml").write_text(toml_of(scene()))
-    options = matrices.Options(str(tmp_path / "speed.toml"), data=str(tmp_path))
-    before = list(matrices.cases(options))
-    assert list(matrices.cases(options)) == before
-    changed = {name: 2 * matrix for name, matrix in pieces().items()}
-    write(tmp_path, changed)
-    assert list(matrices.cases(options)) != before
 
 
 def test_the_stored_sweep_of_the_brake_passes_through_what_is_published():

@@ -29,6 +29,12 @@ def test_hostile_expressions_run_nothing_and_ask_for_nothing(text, tmp_path, mon
     assert not any(tmp_path.iterdir())
 
 
+@pytest.mark.parametrize("name", ["n" * 101, "\x1b[31mred", "two\nlines", " ", ""])
+def test_names_of_scenes_fit_files_and_terminals(name):
+    with pytest.raises(SceneError, match="printable"):
+        read_scene(valid("disc") | {"name": name})
+
+
 @pytest.mark.parametrize("name", ["a.b", "", " a", "a,b", "a\nb", "x" * 200, "\0"])
 @pytest.mark.parametrize("kind", ["bodies", "contacts"])
 def test_names_part_no_paths(name, kind):
