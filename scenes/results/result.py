@@ -1,6 +1,6 @@
 """What running a scene gives, fresh or read back from its record."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any, Protocol, cast
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
     from cea.system.contact_stresses import NormalStress
     from cea.system.steady_state import SteadySliding
-    from scenes.pictures.drawing import Drawing
 
 
 class Analysis(Protocol):
@@ -349,12 +348,11 @@ class Result:
         InputError
             When there is no such mode.
         """
-        drawings = self.drawings([self.index(mode)])
-        return drawings[0].images([0.0])[0] if drawings else None
+        return next(self.images([self.index(mode)]), None)
 
-    def drawings(self, modes: Sequence[int]) -> list["Drawing"]:
-        """Modes, by their indices, ready to be drawn at any phase; none but on rank 0."""
-        from scenes.pictures.drawing import SUBDIVISIONS, Drawing  # brings pyvista
+    def images(self, modes: Sequence[int]) -> Iterator["Image"]:
+        """Modes drawn, by their indices; none but on rank 0; collective as it begins."""
+        from scenes.pictures.drawing import SUBDIVISIONS, draw_mode  # brings pyvista
         from scenes.pictures.grids import merged, outside
 
         cells = {name: merged(body.volume_cells()) for name, body in self.bodies.items()}
@@ -362,15 +360,12 @@ class Result:
             name: self.mode_shapes(name, each.values, modes, everywhere=False)
             for name, each in cells.items()
         }
-        drawings = []
         for i, mode in enumerate(modes if self.comm.rank == 0 else ()):
-            outsides = {}
+            surfaces = []
             for name, each in cells.items():
                 u = shapes[name][..., i]
-                parts = {"real": u.real, "imaginary": u.imag}
-                outsides[name] = outside(each, parts, SUBDIVISIONS)
-            drawings.append(Drawing.of(outsides, self.title(mode)))
-        return drawings
+                surfaces.append(outside(each, {"real": u.real, "imaginary": u.imag}, SUBDIVISIONS))
+            yield draw_mode(surfaces, self.title(mode))
 
     def steady_lines(self) -> list[str]:
         """What contacts carry in steady sliding; where supports prescribe, what they bear too."""
