@@ -21,7 +21,7 @@ from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.results.shapes import displacements_at, summed_matrices, system_matrices
+from scenes.results.shapes import displacements, summed_matrices, system_matrices
 from scenes.spec.names import backend_name
 
 if TYPE_CHECKING:
@@ -47,13 +47,7 @@ class Analysis(Protocol):
         """What the record of a result holds of this analysis, plain data."""
 
     def opened(self, record: Any) -> "Fields":
-        """Fields of :class:`Result` from a :class:`scenes.results.record.RunRecord`.
-
-        Raises
-        ------
-        InputError
-            When the data are those of another kind of analysis.
-        """
+        """Fields of a result from a record; refused where it is of another kind of analysis."""
 
     def table(self, result: "Result") -> list[dict[str, Any]]:
         """Rows that say what was found."""
@@ -248,16 +242,6 @@ class Result:
             f"growth rate {self.growth_rates[index]:+.2f} 1/s"
         )
 
-    def relative_stiffness(self, contact: str) -> float:
-        """P of a contact where the modes were solved for, over that of the system's matrices.
-
-        1 where steady sliding makes it, and nothing changes it.
-        """
-        name = f"contacts.{contact}.P"
-        if name not in self.modes.values:
-            return 1.0
-        return self.modes.values[name] / self.modes.pencil.parameters[name].value
-
     def matrices(self) -> dict[str, csr_array]:
         """Matrices by name, at the parameters that were solved at; collective.
 
@@ -297,26 +281,18 @@ class Result:
 
         Parameters
         ----------
-        place
-            A body; or a surface, "body.surface".
-        at
-            On a surface, coordinates of the points, as locating gives them. On a body, the values
-            of its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes
-            the scalar dofs themselves.
+        place, at, everywhere
+            As :func:`scenes.results.shapes.displacements` has them.
         modes
             Indices of the modes, from 0, as in :attr:`eigenvalues`; None takes all.
-        everywhere
-            Whether every rank gives the points and gets the answer; otherwise rank 0 does, and
-            others get an empty array.
 
         Returns
         -------
         ndarray
             Shape (n, dim, modes).
         """
-        system, vectors = self.system, self.modes.vectors
-        chosen = vectors if modes is None else vectors[:, list(modes)]
-        return displacements_at(system, place, at, chosen, everywhere=everywhere)
+        vectors = self.modes.vectors if modes is None else self.modes.vectors[:, list(modes)]
+        return displacements(self.system, place, at, vectors, everywhere=everywhere)
 
     def displacements(
         self,
@@ -327,8 +303,8 @@ class Result:
     ) -> Floats:
         """Displacements (m) at points, shape (n, dim), as :meth:`mode_shapes`; collective."""
         vectors = self.displacement.array[:, None].astype(complex)
-        options: Any = {"everywhere": everywhere, "prescribed": 1.0}
-        return displacements_at(self.system, place, at, vectors, **options)[..., 0].real
+        u = displacements(self.system, place, at, vectors, prescribed=1.0, everywhere=everywhere)
+        return u[..., 0].real
 
     def plot(self, mode: int | None = None) -> "Image | None":
         """Draw a mode at the phase of its largest deflection.
