@@ -94,9 +94,9 @@ def moving_bodies(
 ) -> dict[str, RigidMotion]:
     """Motions of the bodies that move, by name; all others rest."""
     motions: dict[str, RigidMotion] = {}
-    rubbing = {name: contact for name, contact in contacts.items() if contact.mu}
-    resting = {contact.a.split(".")[0] for contact in rubbing.values()}
-    for name, contact in rubbing.items():
+    sliding = {name: contact for name, contact in contacts.items() if contact.mu}
+    resting = {contact.a.split(".")[0] for contact in sliding.values()}
+    for name, contact in sliding.items():
         direction, field = contact.friction_direction_on_a, f"contacts.{name}"
         body = contact.b.split(".")[0]
         if body in resting:
