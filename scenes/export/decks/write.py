@@ -20,12 +20,10 @@ from scenes.export.decks.bodies import ELEMENTS, deck_bodies, set_name
 from scenes.export.decks.contacts import deck_contacts, moving_bodies
 from scenes.export.decks.model import boundary_lines, comments, model_lines
 from scenes.export.decks.steps import STEPS, Deck, contact_lines
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.body import BodySpec
+from scenes.spec.body import BodySpec, file_name
 from scenes.spec.contact import ContactSpec
-from scenes.spec.names import file_name
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
 MAX_MODES = 10_000
 """Modes that a deck may ask for."""
