@@ -189,14 +189,16 @@ COLUMNS = {
     "largest_gap": Column("largest gap", "m", shown(2)),
 }
 DIAGRAM = Plot(
-    *("stability", "What lies above zero grows. Marks tell verdicts apart as colours do."),
+    "stability",
+    "What lies above zero grows. Marks tell verdicts apart as colours do.",
     *(by_verdict, "frequency", "growth", ("verdict",)),
     own=COLUMNS,
     style="markers",
 )
 STRESSES = Plot(
-    *("stress", "Normal stress along a line over the contact, both sides.", stresses),
-    *("arc", "stress", ("side",), "contact"),
+    "stress",
+    "Normal stress along a line over the contact, both sides.",
+    *(stresses, "arc", "stress", ("side",), "contact"),
     own=COLUMNS,
 )
 SECTIONS = [
