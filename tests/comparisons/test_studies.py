@@ -13,7 +13,7 @@ from comparisons.study.run import run
 from comparisons.study.sections import rows
 
 # `make stability ARGS=--quick` is a step of its own; test_stability.py runs one of its cases.
-LONG = ("stability", "accuracy")
+LONG = ("stability", "accuracy", "agreement")
 QUICK = [
     *(
         pytest.param(name, place, marks=pytest.mark.slow if name in LONG else ())
