@@ -32,11 +32,8 @@ from comparisons.study.shapes import by_importance
 from comparisons.study.study import Case, Study
 from scenes import Result
 from scenes.results.matching import match_unstable
-from scenes.spec.body import Backend, BodySpec
-from scenes.spec.mesh import MeshSpec
-from scenes.spec.names import backend_name
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import BACKENDS, on_backend, with_contact
+from scenes.spec.body import Backend, BodySpec, MeshSpec, backend_name
+from scenes.spec.reading import BACKENDS, Scene, load_scene, on_backend, with_contact
 
 EXPECTED = {
     ("Greville", 25, 1e14): 1722.0,

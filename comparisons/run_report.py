@@ -16,7 +16,7 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.shapes import Shapes, by_importance
 from scenes import Result
 from scenes.results.record import read_record
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 _KEY = "run"
 """Name of the modes on the page."""

@@ -11,7 +11,7 @@ from comparisons.study.columns import Column, wide
 from comparisons.study.numbers import counted, number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 TOLERABLE = 0.01
 """Error of growth, relative to the largest growth rate, up to which a rule is called usable."""

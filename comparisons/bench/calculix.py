@@ -29,11 +29,10 @@ from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study, at_least_one
 from fe_cea import LagrangeSpace
 from scenes import run_modes
-from scenes.building.body_meshes import body_mesh
+from scenes.building.build import body_mesh
 from scenes.export.decks.write import write_deck
-from scenes.spec.mesh import FeMesh, MeshSpec
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import with_contact
+from scenes.spec.body import FeMesh, MeshSpec
+from scenes.spec.reading import Scene, load_scene, with_contact
 
 MASS_QUADRATURE = 2
 """Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""

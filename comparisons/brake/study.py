@@ -28,8 +28,7 @@ from comparisons.study.shapes import by_importance
 from comparisons.study.study import Case, Study
 from scenes.checking.memory import estimated_memory
 from scenes.results.matching import match_runs
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import with_contact
+from scenes.spec.reading import Scene, load_scene, with_contact
 
 SCENE = "ventilated_brake"
 _KILOBYTE = 1024

@@ -24,7 +24,7 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
 from exact_cea.reference import exact_eigenvalues
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 from scenes.spec.reading import Scene, load_scene
 
 _MARGIN = 1.15

@@ -25,8 +25,7 @@ from comparisons.study.session import Session
 from comparisons.study.study import Case
 from scenes import Result
 from scenes.running.system import coupled
-from scenes.spec.body import Backend
-from scenes.spec.load import LoadSpec
+from scenes.spec.body import Backend, LoadSpec
 from scenes.spec.reading import Scene, load_scene
 
 PRESSURE = 1000.0

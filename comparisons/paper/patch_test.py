@@ -33,9 +33,8 @@ from comparisons.study.plots import BLUE, GREY, VERMILION
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import on_backend, with_contact
+from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.reading import Scene, load_scene, on_backend, with_contact
 
 EXACT = -1000.0
 """Normal stress on the interface (N/m^2)."""

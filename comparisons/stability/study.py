@@ -22,7 +22,7 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 VERDICTS: tuple[str, ...] = get_args(Verdict)
 """Every verdict, the best first."""

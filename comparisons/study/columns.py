@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from comparisons.study.numbers import MISSING, growth, number, shown
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 
 @dataclass(frozen=True)
