@@ -186,12 +186,8 @@ def warnings_of(modes: Modes) -> tuple[ResultWarning, ...]:
     """What modes must be read with."""
     warnings, window = [], modes.window
     if np.isfinite(window.max_frequency) and not window.complete:
-        message = (
-            "the sign of a determinant shows that a mode of growth without oscillation is missing"
-            if window.odd
-            else f"modes that grow faster than {window.max_growth:.3g} 1/s are not excluded"
-        )
-        data = {"max_growth": window.max_growth, "odd": window.odd}
+        message = f"modes that grow faster than {window.max_growth:.3g} 1/s are not excluded"
+        data = {"max_growth": window.max_growth}
         warnings.append(ResultWarning("window-not-complete", message, data))
     unsure = np.flatnonzero(~modes.trusted)
     if len(unsure):

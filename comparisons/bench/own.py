@@ -10,7 +10,7 @@ from typing import Any
 from cea.body import Body
 from fe_cea import LagrangeSpace
 from scenes import run_modes
-from scenes.building.body_meshes import body_mesh
+from scenes.building.build import body_mesh
 from scenes.results.record import read_record, write_record
 from scenes.spec.reading import read_scene
 

@@ -32,7 +32,8 @@ from cea.contact.interface import along
 from cea.expressions import Expression, evaluate
 from cea.system.coupled import CoupledSystem
 from scenes.running.system import coupled
-from scenes.spec.motion import DampingSpec, SlidingSpec
+from scenes.spec.body import DampingSpec
+from scenes.spec.contact import SlidingSpec
 from scenes.spec.reading import Scene, read_scene
 
 _SHIFT = 0.37

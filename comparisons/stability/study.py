@@ -8,11 +8,11 @@ from typing import Any, get_args
 
 import pandas as pd
 
-from comparisons.kit.numbers import decimals, number, shown
 from comparisons.stability.case import Verdict
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
 from comparisons.stability.verdicts import judged
 from comparisons.study.columns import Column
+from comparisons.study.numbers import decimals, number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session

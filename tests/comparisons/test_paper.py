@@ -40,7 +40,7 @@ def test_every_figure_comes_with_the_project(tmp_path):
 
 
 def _progress(step):
-    from comparisons.kit.progress import Progress
+    from comparisons.study.progress import Progress
 
     return Progress(step=step, stage=lambda stage: None)
 

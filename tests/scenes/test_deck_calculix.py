@@ -8,7 +8,7 @@ from deck_scenes import ELEMENTS, ROUND, SLIDING, alone, in_contact
 
 from comparisons.bench import ccx
 from scenes import run_modes
-from scenes.building.body_meshes import body_mesh
+from scenes.building.build import body_mesh
 from scenes.export.decks.write import write_deck
 
 MASS = {"C3D8": None, "C3D10": 2, "C3D4": 1, "CPE4": None}

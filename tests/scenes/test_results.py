@@ -66,7 +66,6 @@ def test_bodies_and_contact_points_are_used_again(result):
     scene = result.scene.change({MU: 0.2, "contacts.interface.P": 5.0})
     anew = run_modes(scene)
     again = run_modes(scene, bodies=result.bodies, interfaces=result.interfaces)
-    assert again.interfaces is result.interfaces
     assert again.timer.seconds["search"] == again.timer.seconds["meshing"] == 0.0
     np.testing.assert_allclose(again.eigenvalues, anew.eigenvalues, rtol=1e-9, atol=1e-9)
 
@@ -134,13 +133,13 @@ def test_a_sweep_assembles_nothing_and_finds_the_same(assembled, changes):
 
 def test_an_assembled_scene_builds_again_what_changed(assembled):
     finer = assembled.modes({"contacts.interface.formulation.points": 4})
-    assert finer.bodies is assembled.bodies
+    assert finer.bodies["upper"] is assembled.bodies["upper"]
     assert len(finer.interfaces["interface"].points) > len(assembled.interfaces["interface"].points)
 
     varying = assembled.modes(mu="0.3 + 0*x")
-    assert varying.interfaces is assembled.interfaces
+    assert varying.interfaces["interface"] is assembled.interfaces["interface"]
     constant = assembled.modes(mu=0.3)
-    assert constant.interfaces is varying.interfaces
+    assert constant.interfaces["interface"] is varying.interfaces["interface"]
     np.testing.assert_allclose(varying.eigenvalues, constant.eigenvalues, rtol=1e-9, atol=1e-9)
 
     other = assembled.modes({"bodies.upper.material.nu": 0.2})

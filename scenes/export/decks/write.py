@@ -15,14 +15,13 @@ from cea.files import check_writable, write_whole
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from meshes.mesh_file import MeshFile
-from scenes.building.body_meshes import used_surfaces
+from scenes.building.build import used_surfaces
 from scenes.export.decks.abaqus import abaqus_text
 from scenes.export.decks.bodies import ELEMENTS, DeckBody, deck_bodies, set_name
 from scenes.export.decks.calculix import calculix_text
 from scenes.export.decks.model import model_text
-from scenes.spec.body import BodySpec
+from scenes.spec.body import BodySpec, file_name
 from scenes.spec.contact import ContactSpec
-from scenes.spec.names import file_name
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import Scene
 
