@@ -150,9 +150,9 @@ def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str
         work.stage("pictures")
         files["pictures"] = draw_contacts(result, folder)
         if result.spectrum is not None:
-            from scenes.export.pictures import draw_modes
+            from scenes.export.pictures import write_modes
 
-            files["pictures"] += draw_modes(result, output.pictures, folder, animated=True)
+            files["pictures"] += write_modes(result, output.pictures, folder)
     if output.paraview:
         from scenes.export.paraview import write_load_steps, write_paraview
 
