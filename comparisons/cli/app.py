@@ -7,12 +7,10 @@ from io import TextIOWrapper
 from typing import Annotated, Any
 
 import typer
-from typer.core import TyperGroup
-from typer.main import get_command
 
 import cea
 from cea.errors import InputError
-from comparisons.cli.options import PLAIN
+from comparisons.cli.options import PLAIN, LazyGroup
 from comparisons.cli.ranks import launched_together, one_voice
 
 COMMANDS = {
@@ -45,11 +43,15 @@ RENAMED = {
 """Commands under the names that they had, and what they are called now."""
 
 
-class _LightGroup(TyperGroup):
-    """Commands whose modules are imported when they are called, and whose help needs no pydantic.
+class _Commands(LazyGroup):
+    """All commands, whose help needs no pydantic.
 
     Typer brings it to find what an option means that is not given; ``--help`` then means no.
     """
+
+    def helps(self) -> dict[str, str]:
+        """Help of each command."""
+        return {name: help for name, (_, help) in COMMANDS.items()}
 
     def get_help_option(self, ctx: Any) -> Any:
         """The option ``--help``, no by default."""
@@ -67,31 +69,19 @@ class _LightGroup(TyperGroup):
                 raise InputError(option[2:] or "argument", "", "something that is not empty")
         return super().parse_args(ctx, args)
 
-    def list_commands(self, ctx: Any) -> list[str]:
-        """Names of the commands."""
-        return list(COMMANDS)
-
     def get_command(self, ctx: Any, name: str) -> Any:
-        """A command, imported now."""
+        """A command; old names end by telling the new one."""
         if name in RENAMED:
             raise InputError("command", name, f"its new name: cea {RENAMED[name]}")
-        if name not in COMMANDS:
-            return None
+        return super().get_command(ctx, name)
+
+    def make(self, name: str) -> Any:
+        """A command, imported now."""
         module, _, attribute = COMMANDS[name][0].partition(":")
-        found = getattr(import_module(f"comparisons.cli.{module}"), attribute)
-        if isinstance(found, typer.Typer):
-            return get_command(found)
-        alone = typer.Typer(**PLAIN)
-        alone.command(name)(found)
-        return get_command(alone)
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write names and help of the commands, whose modules need not be known for that."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, help) for name, (_, help) in COMMANDS.items()])
+        return getattr(import_module(f"comparisons.cli.{module}"), attribute)
 
 
-app = typer.Typer(cls=_LightGroup, no_args_is_help=True, pretty_exceptions_enable=False, **PLAIN)
+app = typer.Typer(cls=_Commands, no_args_is_help=True, pretty_exceptions_enable=False, **PLAIN)
 
 
 def _tell_version(wanted: bool) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TypedDict
+from typing import TypedDict, Unpack
 
 from cea.body import Body
 from cea.contact.interface import Interface
@@ -41,21 +41,14 @@ class RunOptions(TypedDict, total=False):
 
 
 def coupled(
-    scene: Scene,
-    *,
-    bodies: Mapping[str, Body] | None = None,
-    interfaces: Mapping[str, Interface] | None = None,
-    leave_out: bool = True,
-    listener: Callable[[str], None] | None = None,
+    scene: Scene, **options: Unpack[RunOptions]
 ) -> tuple[CoupledSystem, Mapping[str, Interface], StageTimer]:
-    """Coupled matrices of a scene, its contact points and the seconds they took.
-
-    Parameters are those of :class:`RunOptions`.
-    """
-    timer = StageTimer(listener)
+    """Coupled matrices of a scene, its contact points and the seconds they took."""
+    timer = StageTimer(options.get("listener"))
     check_memory(scene)
-    bodies = build_bodies(scene, timer, bodies)
-    interfaces = build_interfaces(scene, bodies, timer, interfaces)
+    bodies = build_bodies(scene, timer, options.get("bodies"))
+    interfaces = build_interfaces(scene, bodies, timer, options.get("interfaces"))
+    leave_out = options.get("leave_out", True)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     if scene.slides_steadily:
         system = _linearised(scene, system, timer)
