@@ -134,7 +134,7 @@ def with_backend(scene: str, overrides: Sequence[str], backend: Backend | None) 
     """Overrides that put every body of a scene on one backend, behind others."""
     if backend is None:
         return tuple(overrides)
-    from scenes.spec.files import is_of_matrices
+    from scenes.spec.plain import is_of_matrices
     from scenes.spec.reading import load_scene
 
     if is_of_matrices(scene):

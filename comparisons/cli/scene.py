@@ -29,7 +29,7 @@ def check(
     out: Out = Path("results/check"),
 ) -> None:
     """Tell every fault of a scene, else what it would take; nothing is solved."""
-    from scenes.spec.files import is_of_matrices
+    from scenes.spec.plain import is_of_matrices
 
     if is_of_matrices(scene):
         from scenes.matrices.pencil import matrix_pencil, read_pieces
@@ -77,7 +77,7 @@ def list_() -> None:
     """List the scenes that come with the project."""
     from comparisons.cli.output import console, print_columns
     from scenes.checking.memory import dofs_of
-    from scenes.spec.files import matrix_scene_names, scene_names, tables_of
+    from scenes.spec.plain import matrix_scene_names, scene_names, tables_of
     from scenes.spec.reading import load_scene
 
     rows = []

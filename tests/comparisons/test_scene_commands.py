@@ -9,7 +9,7 @@ from PIL import Image
 
 import cea
 from comparisons.cli.app import main
-from scenes.spec.files import matrix_scene_names, scene_names
+from scenes.spec.plain import matrix_scene_names, scene_names
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from scenes.spec.files import SCENES
+from scenes.spec.plain import SCENES
 
 NAMES = sorted(file.stem for file in SCENES.glob("*.toml"))
 POSITIVE = {

@@ -9,8 +9,8 @@ from scipy.sparse import csr_array, diags_array
 from cea.errors import InputError
 from scenes import SceneError, load_matrices, load_scene
 from scenes.running.matrices import AssembledMatrices, run_matrices
-from scenes.spec.files import is_of_matrices
 from scenes.spec.matrices import read_matrix_scene
+from scenes.spec.plain import is_of_matrices
 
 
 @pytest.fixture(scope="module")
