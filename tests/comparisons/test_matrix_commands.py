@@ -102,7 +102,7 @@ def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
     ("arguments", "field", "told"),
     [
         (["run", "tu_berlin"], "data", "do not come with it"),
-        (["run", "tu_berlin", "--data", "nowhere"], "files.M", "there is none"),
+        (["run", "tu_berlin", "--data", "nowhere"], "files.M", "a file that is there"),
         (["run", "tu_berlin", "--data", "x", "--set", "parameters.Omega=0"], "damping.DR",
          "finite value"),
         (["run", "tu_berlin", "--data", "x", "--backend", "fe"], "backend", "no bodies"),

@@ -8,7 +8,7 @@ import sys
 import pytest
 from blocks import two_blocks
 
-from cea.errors import InputError
+from cea.errors import InputError, printable
 from cea.files import check_writable, regular
 from comparisons.cli.app import main
 from comparisons.sweep.points import read_axis
@@ -111,21 +111,6 @@ def test_empty_arguments_are_refused(arguments, field, cea, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_terminal_obeys_no_name(cea, scene_file, tmp_path):
-    """What stands in a folder of results is named as it is kept."""
-    file = scene_file("own.toml", "own")
-    assert cea("run", file, "--out", "out")[0] == 0
-    told = tmp_path / "out" / "manifest.json"
-    files = json.loads(told.read_text())
-    files["files"]["\x1b[31mred"] = ["0"]
-    told.write_text(json.dumps(files))
-    (tmp_path / "out" / "\x1b[31mred").write_text("somebody's")
-    code, out, _ = cea("run", file, "--out", "out")
-    assert code == 0
-    assert "and kept: \\x1b[31mred" in out
-    assert "\x1b" not in out
-
-
 @pytest.mark.parametrize(
     "axis",
     ["mu=1e-320:1e308:log:5", "mu=0:1e308:3", "mu=-1e308:0:3", "P=1e-31:1.0:log:3", "mu=0:nan:3"],
@@ -195,3 +180,8 @@ def test_files_that_name_a_device_end(name, text, pipe, tmp_path):
     )  # fmt: skip
     assert done.stderr.splitlines()[-1].startswith("cea.errors.InputError: file = ")
     assert "not a regular file" in done.stderr or "no device or folder" in done.stderr
+
+
+def test_signs_that_terminals_obey_are_written_out():
+    assert printable("a\x1b[2J\r\x9bb\n") == "a\\x1b[2J\\r\\x9bb\n"
+    assert printable("µ = 0.3 → ±") == "µ = 0.3 → ±"
