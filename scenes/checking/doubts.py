@@ -139,7 +139,6 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
 
 
 def _middles_inside(one: VolumeSample, other: VolumeSample) -> int:
-    """How many cells of each of two bodies have their middle in the other."""
     return _inside(one, other) + _inside(other, one)
 
 

@@ -230,7 +230,6 @@ def _coarse_closed_zone(
 
 
 def _functions(body: BodySpec) -> int:
-    """Trace functions in an element along a direction, the fewest of any."""
     iga = body.mesh.iga
     if body.backend == "fe" and body.fe_degree is not None:
         return body.fe_degree

@@ -33,7 +33,6 @@ _DIRECTIONS = {
 
 
 def _kind_of_direction(value: Any) -> str | None:
-    """The kind of a direction of friction; None where none of the fields is given."""
     if not isinstance(value, dict):
         return type(value).__name__
     return next((kind for name, kind in _DIRECTIONS.items() if name in value), None)
@@ -207,7 +206,6 @@ class ContactSpec:
 
 
 def _constant(value: float | str | None) -> float | None:
-    """Value of a field that is the same everywhere, else None."""
     return Expression(value).constant if isinstance(value, str) else value
 
 
