@@ -135,7 +135,7 @@ def test_two_ranks_find_what_one_finds(result, tmp_path):
     more = ["--stiffnesses", "5e13", "--out", tmp_path]
     done = cea_on_ranks(2, "study", "brake", "--sizes", "0.03", *overrides, *more)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("The report to open: ") == 1
+    assert done.stdout.count("The page to open: ") == 1
     theirs = read("brake", tmp_path).frame("modes")
     ours = result.frame("modes").query("size == 0.03 and p == 5e13")
     for key in ("frequency", "growth"):
