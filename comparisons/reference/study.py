@@ -26,8 +26,8 @@ from comparisons.study.study import Case, Study
 from meshes.breaks import graded
 from scenes import Result
 from scenes.results.matching import match_runs
-from scenes.spec.body import Backend, FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, load_scene, on_backend, with_contact
+from scenes.spec.body import Backend
+from scenes.spec.reading import Scene, load_scene, with_contact
 
 GROWTH = 10.0
 """Growth rate (1/s) above which digits of it are asked for."""
@@ -94,7 +94,7 @@ class Options:
 
 def cases(options: Options) -> Iterator[Case]:
     """All levels together: they are compared."""
-    yield {"scene": "disc_pad"}
+    yield {"part": "disc_pad"}
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -103,16 +103,11 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     changes: dict[Backend, dict[int, tuple[float, float]]] = {}
     runs, modes = [], []
     for backend, pair in session.options.levels.items():
-        results = []
-        for grading in pair:
-            scene = graded_scene(backend, grading)
-            meshes = {name: _elements(body.mesh, backend) for name, body in scene.bodies.items()}
-            session.stage(f"{backend}, degree {grading.degree}, {meshes}")
-            result = session.solve(scene)
+        results = [session.solve(graded_scene(backend, grading)) for grading in pair]
+        for grading, result in zip(pair, results, strict=True):
             labels = {"backend": backend, "degree": grading.degree}
-            runs.append(labels | meshes | {"dofs": result.dofs, "seconds": result.timer.total})
+            runs.append(labels | {"dofs": result.dofs, "seconds": result.timer.total})
             modes += [labels | value for value in _values(result, np.arange(len(result.modes)))]
-            results.append(result)
         coarse, finest[backend] = results
         changes[backend] = _changes(coarse, finest[backend])
     match = match_runs(finest["iga"], finest["fe"])
@@ -124,66 +119,48 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 def graded_scene(backend: Backend, grading: Grading) -> Scene:
     """``disc_pad`` with mortar contact on graded meshes."""
-    scene = with_contact(on_backend(load_scene(Path("disc_pad")), backend), formulation=Mortar())
-    disc, pad = scene.bodies["disc"], scene.bodies["pad"]
+    scene = with_contact(load_scene("disc_pad", backend=backend), formulation=Mortar())
+    inner, outer = scene.bodies["disc"].geometry.extent[0]
+    low, high = scene.bodies["disc"].geometry.extent[2]
+    pad_z = high, scene.bodies["pad"].geometry.extent[2][1]
     turn = grading.boundary / _MEAN_RADIUS * 180 / pi
-    fine = {
-        "r": dict.fromkeys(_BOUNDARY["r"], grading.boundary),
-        "theta": dict.fromkeys(_BOUNDARY["theta"], turn),
+    fine_r = dict.fromkeys(_BOUNDARY["r"], grading.boundary)
+    fine_theta = dict.fromkeys(_BOUNDARY["theta"], turn)
+    around = (0.0, *_BOUNDARY["theta"], 90.0, 180.0, 270.0, 360.0)
+    corners = dict.fromkeys((low, high), grading.corner)
+    places: dict[str, list[tuple[tuple[float, ...], float, dict[float, float]]]] = {
+        "disc": [
+            (
+                *((inner, *_BOUNDARY["r"], outer), grading.disc[0]),
+                fine_r | {inner: grading.corner},
+            ),
+            (around, grading.disc[1], fine_theta),
+            ((low, high), grading.disc[2], corners),
+        ],
+        "pad": [
+            (_BOUNDARY["r"], grading.pad[0], fine_r),
+            (_BOUNDARY["theta"], grading.pad[1], fine_theta),
+            (pad_z, grading.pad[2], dict.fromkeys(pad_z, grading.boundary)),
+        ],
     }
-    disc_r, _, disc_z = (dict(zip(("low", "high"), e, strict=True)) for e in disc.geometry.extent)
-    pad_z = disc_z["high"], pad.geometry.extent[2][1]
-    growth = grading.growth
-    disc_breaks = (
-        graded(
-            (disc_r["low"], *_BOUNDARY["r"], disc_r["high"]),
-            grading.disc[0],
-            fine["r"] | {disc_r["low"]: grading.corner},
-            growth,
-        ),
-        graded(
-            (0.0, 25.0, 65.0, 90.0, 180.0, 270.0, 360.0), grading.disc[1], fine["theta"], growth
-        ),
-        graded(
-            tuple(disc_z.values()),
-            grading.disc[2],
-            dict.fromkeys(disc_z.values(), grading.corner),
-            growth,
-        ),
-    )
-    pad_breaks = (
-        graded(_BOUNDARY["r"], grading.pad[0], fine["r"], growth),
-        graded(_BOUNDARY["theta"], grading.pad[1], fine["theta"], growth),
-        graded(pad_z, grading.pad[2], dict.fromkeys(pad_z, grading.boundary), growth),
-    )
-    bodies = {
-        name: replace(scene.bodies[name], mesh=_mesh(backend, grading.degree, breaks))
-        for name, breaks in (("pad", pad_breaks), ("disc", disc_breaks))
-    }
-    whole = bodies["disc"].mesh.fe
-    if grading.layers and whole is not None:
-        edges = tuple({"r": disc_r["low"], "z": z} for z in disc_z.values())
-        layered = replace(whole, edges=edges, layers=grading.layers)
-        bodies["disc"] = replace(disc, mesh=MeshSpec(fe=layered))
-    return replace(scene, bodies=bodies)
-
-
-def _mesh(backend: Backend, degree: int, breaks: tuple[Any, ...]) -> MeshSpec:
-    elements = tuple(len(each) - 1 for each in breaks)
-    through = {
-        name: tuple(float(x) for x in each[1:-1])
-        for name, each in zip(("r", "theta", "z"), breaks, strict=True)
-    }
-    if backend == "fe":
-        return MeshSpec(fe=FeMesh("hexahedron", degree, elements=elements, through=through))
-    return MeshSpec(iga=IgaMesh((degree,) * 3, elements, through=through))
-
-
-def _elements(mesh: MeshSpec, backend: Backend) -> str:
-    chosen = mesh.fe if backend == "fe" else mesh.iga
-    assert chosen is not None
-    assert chosen.elements is not None
-    return " x ".join(map(str, chosen.elements))
+    changes: dict[str, Any] = {}
+    for name, directions in places.items():
+        breaks = [graded(*each, grading.growth) for each in directions]
+        mesh: dict[str, Any] = {
+            "degree": grading.degree if backend == "fe" else [grading.degree] * 3,
+            "elements": [len(each) - 1 for each in breaks],
+            "through": {
+                direction: [float(x) for x in each[1:-1]]
+                for direction, each in zip(("r", "theta", "z"), breaks, strict=True)
+            },
+        }
+        if backend == "fe":
+            mesh["cell"] = "hexahedron"
+        if grading.layers and name == "disc":
+            mesh["edges"] = [{"r": inner, "z": z} for z in (low, high)]
+            mesh["layers"] = grading.layers
+        changes[f"bodies.{name}.mesh"] = {backend: mesh}
+    return scene.change(changes)
 
 
 def _values(result: Result, modes: Any) -> list[dict[str, float]]:
@@ -195,12 +172,12 @@ def _values(result: Result, modes: Any) -> list[dict[str, float]]:
 
 def _changes(coarse: Result, fine: Result) -> dict[int, tuple[float, float]]:
     """Relative change of frequency and change of growth rate (1/s), by mode of the fine run."""
-    changes = {}
-    for each in match_runs(coarse, fine).groups:
-        old, new = each.means
-        for mode in each.second:
-            changes[int(mode)] = (abs(old.imag / new.imag - 1), abs(old.real - new.real))
-    return changes
+    return {
+        int(mode): (abs(old.imag / new.imag - 1), abs(old.real - new.real))
+        for group in match_runs(coarse, fine).groups
+        for old, new in [group.means]
+        for mode in group.second
+    }
 
 
 def _mode(
@@ -208,15 +185,7 @@ def _mode(
 ) -> dict[str, Any]:
     """One mode, or a group that nearly coalesces: means of both backends and what they share."""
     iga, fe = pair.means
-    nothing = (float("nan"), float("nan"))
-    sides: tuple[tuple[Backend, Any], ...] = (("iga", pair.first), ("fe", pair.second))
-    change = {backend: changes[backend].get(int(m[0]), nothing) for backend, m in sides}
-    known = {
-        f"change_{b}{what}": None if np.isnan(v) else v
-        for b, c in change.items()
-        for what, v in zip(("", "_growth"), c, strict=True)
-    }
-    return {
+    row = {
         "members": len(pair.second),
         "frequency": iga.imag / tau,
         "growth": iga.real,
@@ -225,8 +194,12 @@ def _mode(
         "assurance": pair.assurance,
         "digits_frequency": shared_digits(iga.imag, fe.imag),
         "digits_growth": shared_digits(iga.real, fe.real) if abs(iga.real) > GROWTH else None,
-        **known,
     }
+    sides: tuple[tuple[Backend, Any], ...] = (("iga", pair.first), ("fe", pair.second))
+    for backend, modes in sides:
+        change = changes[backend].get(int(modes[0]), (None, None))
+        row |= {f"change_{backend}": change[0], f"change_{backend}_growth": change[1]}
+    return row
 
 
 def shared_digits(x: float, y: float) -> int:
@@ -238,20 +211,14 @@ def shared_digits(x: float, y: float) -> int:
     return max(0, floor(floor(log10(abs(y))) + 1 - log10(2 * abs(x - y))))
 
 
-def table(name: str) -> Any:
-    """Makes the frame of a table."""
-    return lambda result: result.frame(name).drop(columns="scene", errors="ignore")
-
-
 def converged(result: StudyResult) -> pd.DataFrame:
     """Modes of both backends, the digits they share, the last changes."""
-    frame: pd.DataFrame = table("modes")(result)
-    return frame[list(OWN)]
+    return result.frame("modes")[list(OWN)]
 
 
 def headline(result: StudyResult) -> str:
     """How many digits both backends share at least."""
-    frame = table("modes")(result)
+    frame = result.frame("modes")
     return (
         f"{frame['members'].sum()} modes; both backends share {frame['digits_frequency'].min()} "
         f"digits of each frequency or more, and {frame['digits_growth'].min():g} of each "
@@ -276,10 +243,11 @@ SECTION = Section(
     headline,
     [
         Table("disc_pad_reference", "Converged modes.", converged, OWN, printed=True),
-        Table("alone", "Modes without a partner.", table("alone")),
-        Table("levels", "Every run.", table("runs")),
-        Table("level_modes", "", table("run_modes"), shown=False),
+        Table("alone", "Modes without a partner.", "alone"),
+        Table("levels", "Every run.", "runs"),
+        Table("level_modes", "", "run_modes", shown=False),
     ],
+    of="modes",
 )
 COARSE = Grading(2, 0.02, 0.02, (0.02, 30.0, 0.012), (0.03, 20.0, 0.015))
 """Elements of a quick study; the finer ones have a degree more."""
