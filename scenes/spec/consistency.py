@@ -16,7 +16,6 @@ from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.spec.body import BodySpec, FeMesh, IgaMesh, LoadSpec, MeshSpec
 from scenes.spec.contact import ContactSpec, suits
 from scenes.spec.problems import fault_of
-from scenes.spec.sizes import MAX_ELEMENTS, box_lengths
 
 Scene = Any
 """:class:`scenes.spec.reading.Scene`, whose module imports this one."""
@@ -24,6 +23,8 @@ Scene = Any
 LARGEST, SMALLEST = 1e30, 1e-30
 """Range of numbers, in the unit of each: lengths, stiffness and densities of any units fit, and
 products of a few of them stay in the range of floating point numbers."""
+MAX_ELEMENTS = 10**6
+"""Elements along one direction."""
 MAX_ITEMS = 200
 """Bodies, contacts and loads of a scene, supports and springs of a body, of each so many."""
 _LONGEST = 100
@@ -226,7 +227,7 @@ def _size_checks(place: str, body: BodySpec) -> Iterator[InputError]:
     """Sizes of elements that are none beside the length of their body."""
     fe = body.mesh.fe
     if body.backend == "fe" and fe is not None and fe.size is not None:
-        length = max(box_lengths(body.geometry))
+        length = max(body.lengths)
         if not length / MAX_ELEMENTS <= fe.size <= length:
             allowed = f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body"
             yield InputError(f"{place}.mesh.fe.size", fe.size, allowed)

@@ -15,7 +15,7 @@ from meshes.breaks import breaks_of
 from meshes.mesh_file import METRES, Unit
 from meshes.shape_mesh import shape_mesh
 from scenes.export.decks.bodies import element_nodes
-from scenes.export.decks.lines import element_lines, set_lines
+from scenes.export.decks.model import element_lines, set_lines
 from scenes.spec.reading import Scene, read_scene
 
 _ELEMENTS = {1: ("CPE4", 4), 2: ("CPE8R", 8)}
