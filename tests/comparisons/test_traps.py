@@ -150,21 +150,6 @@ def test_names_of_scenes_fit_files_and_terminals(name):
         read_scene(valid("disc") | {"name": name})
 
 
-def test_a_terminal_obeys_no_name(cea, scene_file, tmp_path):
-    """What stands in a folder of results is named as it is kept."""
-    file = scene_file("own.toml", "own")
-    assert cea("run", file, "--out", "out")[0] == 0
-    told = tmp_path / "out" / "manifest.json"
-    files = json.loads(told.read_text())
-    files["files"]["\x1b[31mred"] = ["0"]
-    told.write_text(json.dumps(files))
-    (tmp_path / "out" / "\x1b[31mred").write_text("somebody's")
-    code, out, _ = cea("run", file, "--out", "out")
-    assert code == 0
-    assert "and kept: \\x1b[31mred" in out
-    assert "\x1b" not in out
-
-
 @pytest.mark.parametrize(
     "axis",
     ["mu=1e-320:1e308:log:5", "mu=0:1e308:3", "mu=-1e308:0:3", "P=1e-31:1.0:log:3", "mu=0:nan:3"],
