@@ -13,8 +13,8 @@ import numpy as np
 
 from cea.contact.contact import Contact
 from cea.contact.formulations import Form
+from cea.errors import ResultWarning
 from cea.matrices import destroy, distributed, local_part
-from cea.warned import ResultWarning
 
 MOST_DIGITS = 6.0
 """Digits that the penalty form may cost."""

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats
-from cea.errors import InputError
-from cea.suggestions import did_you_mean
+from cea.errors import InputError, did_you_mean
 from cea.supports.frames import Cartesian, Cylindrical, Frame
 
 _CARTESIAN = Cartesian()

@@ -21,7 +21,7 @@ from cea.contact.saddle import forces_of_contacts
 from cea.contact.sliding import sliding_parameters, sliding_terms
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
 from cea.petsc import MPI, PETSc
@@ -34,7 +34,6 @@ from cea.system.contact_terms import (
     stiffnesses,
     with_own_friction,
 )
-from cea.warned import ResultWarning
 
 if TYPE_CHECKING:
     from cea.system.steady_state import SteadySliding

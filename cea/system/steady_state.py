@@ -17,9 +17,9 @@ from cea.arrays import Floats
 from cea.contact.contact import Contact
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted, count_below
+from cea.errors import ResultWarning
 from cea.matrices import destroy
 from cea.petsc import Vec
-from cea.warned import ResultWarning
 
 _NEAR = 1e-2
 """Least eigenvalue, of the tangent relative to its symmetric part, that is not nearly zero."""

@@ -2,9 +2,8 @@
 
 from collections.abc import Iterable, Iterator
 
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.mesh import Mesh
-from cea.warned import ResultWarning
 from meshes.mesh_file import MeshFile
 from scenes.spec.body import BodySpec
 from scenes.spec.scene import SceneSpec

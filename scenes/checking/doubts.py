@@ -15,10 +15,10 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.errors import ResultWarning
 from cea.ranks import made_on_first
 from cea.system.coupled import CoupledSystem
 from cea.volume import VolumeSample
-from cea.warned import ResultWarning
 from scenes.spec.scene import SceneSpec
 from scenes.spec.sizes import box_lengths
 

@@ -14,11 +14,11 @@ from cea.arrays import Complexes, Floats
 from cea.body import Body
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
+from cea.errors import ResultWarning
 from cea.expressions import Expression, evaluate
 from cea.rotation import Rotation
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
-from cea.warned import ResultWarning
 from meshes.ventilated_disc import VentilatedDisc
 from scenes.building.body_meshes import nodes_left_out
 from scenes.checking.wave_resolution import unresolved, waves

@@ -8,8 +8,7 @@ import numpy as np
 from pydantic import BaseModel, TypeAdapter
 
 from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import InputError
-from cea.warned import ResultWarning
+from cea.errors import InputError, ResultWarning
 
 
 class Record(BaseModel):

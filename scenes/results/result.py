@@ -15,12 +15,11 @@ from cea.contact.interface import Interface
 from cea.eigen.classify import RunWord
 from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.mode_table import SIGNS, html_table
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.results.shapes import displacements_at, summed_matrices, system_matrices
 from scenes.spec.names import backend_name
 

@@ -9,12 +9,11 @@ import numpy as np
 from cea.body import Body
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.reduced.following import Window
 from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.checking.steady import kept_state_warning
 from scenes.results.result import Result
 from scenes.running.following import FollowedState

@@ -4,8 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from cea.errors import InputError
-from cea.suggestions import did_you_mean
+from cea.errors import InputError, did_you_mean
 from meshes.breaks import breaks_of, check_breaks
 from meshes.edge_layers import check_edges, check_room
 from meshes.mesh_file import MeshFile

@@ -7,9 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from cea.errors import InputError
+from cea.errors import InputError, did_you_mean
 from cea.files import regular
-from cea.suggestions import did_you_mean
 from scenes.spec.paths import set_by_text
 from scenes.spec.problems import SceneError
 

@@ -5,8 +5,7 @@ import tomllib
 from collections.abc import Iterable
 from typing import Any
 
-from cea.errors import InputError
-from cea.suggestions import did_you_mean
+from cea.errors import InputError, did_you_mean
 
 Part = str | int
 

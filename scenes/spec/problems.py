@@ -9,8 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from cea.errors import InputError
-from cea.suggestions import did_you_mean
+from cea.errors import InputError, did_you_mean
 
 _SHOWN = 20
 """Faults that a message tells."""

@@ -11,9 +11,8 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from comparisons.cli.app import app
 from comparisons.cli.output import print_frame, print_result
 from comparisons.cli.progress import working

@@ -14,11 +14,11 @@ from cea.eigen.classify import classify_run, thresholds
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.spectrum import Spectrum
+from cea.errors import ResultWarning
 from cea.matrices import distributed
 from cea.petsc import MPI
 from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
-from cea.warned import ResultWarning
 from scenes import run_scene
 from scenes.results.record import as_json
 from scenes.running.system import coupled
