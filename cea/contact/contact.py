@@ -21,9 +21,16 @@ from cea.contact.formulations import Coupling, Form
 from cea.contact.interface import Interface, jump_along
 from cea.contact.laws import Friction, NormalLaw, Sliding
 from cea.contact.lumping import lumped_matrices
-from cea.contact.mortar import MortarProjection, ProjectedLaw, eliminated, repeated
+from cea.contact.mortar import MortarProjection, ProjectedLaw, eliminated
 from cea.errors import InputError
-from cea.matrices import destroy, gather, one_below_the_other, product, symmetric_product
+from cea.matrices import (
+    block_diagonal,
+    destroy,
+    gather,
+    one_below_the_other,
+    product,
+    symmetric_product,
+)
 from cea.ranks import agreed
 
 
@@ -33,10 +40,8 @@ class Contact:
 
     Parameters
     ----------
-    name
-        Its name.
-    pair
-        Name of the contact it belongs to: a full pass has two halves.
+    name, pair
+        Its name, and that of the contact it belongs to: a full pass has two halves.
     a, b
         Names of the bodies on its two sides.
     interface
@@ -68,11 +73,6 @@ class Contact:
     prescribed
         What displacements that supports prescribe close of the gap at all points (m), shape (n,);
         None where they close nothing.
-
-    Raises
-    ------
-    InputError
-        When law, friction, coupling and form do not go together.
     """
 
     name: str
@@ -92,23 +92,6 @@ class Contact:
     projection: MortarProjection | None = None
     lumped: tuple[Any, Any | None] | None = None
     prescribed: Floats | None = None
-
-    def __post_init__(self) -> None:
-        if self.tied and (self.form == "penalty" or self.coupling == "lumped"):
-            allowed = "finite; or, in the saddle form, infinite everywhere"
-            raise InputError("p", float("inf"), allowed)
-        if self.coupling == "bonded" and self.friction is not None and self.friction.acts:
-            mu = float(np.max(self.friction.mu))
-            raise InputError("mu", mu, "0 where both sides are bonded")
-        if self.coupling == "lumped" and self.form == "saddle":
-            allowed = "penalty: lumped contact is not of the form G^T D G"
-            raise InputError("form", self.form, allowed)
-        if not self.law.linear and self.coupling in ("lumped", "bonded"):
-            allowed = "pointwise or mortar for a law of the gap: here no gap at the points decides"
-            raise InputError("coupling", self.coupling, allowed)
-        if not self.law.linear and self.is_projected and self.form == "saddle":
-            allowed = "penalty where a law meets projected gaps: open parts have no compliance"
-            raise InputError("form", self.form, allowed)
 
     @cached_property
     def slope(self) -> Floats:
@@ -213,15 +196,11 @@ class Contact:
         """What a motion x closes of the gap at all points (m), as the law meets it, (n,)."""
         if self.projection is not None:
             return self._projected.closing(x)
-        closed = self.gap.createVecLeft()
-        self.gap.mult(x, closed)
-        values = gather(closed)
-        destroy(closed)
-        return values
+        return _times(self.gap, x)
 
-    def met(self, gap: Floats) -> Floats:
-        """A gap given at all points (m) as the law meets it: itself, or projected."""
-        return gap if self.projection is None else self._projected.met(gap)
+    def projected_gap(self, gap: Floats) -> Floats:
+        """A gap given at all points (m) as the law meets it: projected with mortar contact."""
+        return gap if self.projection is None else self._projected.projected(gap)
 
     def force(self, pressure: Floats, *, friction: bool) -> Any:
         """Forces (N), PETSc vector, that a pressure at all points puts against the motion."""
@@ -253,11 +232,7 @@ class Contact:
             raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
         if self.projection is None or not self.law.linear:
             return self.slope * self.closing(x)
-        closed = self.gap.createVecLeft()
-        self.gap.mult(x, closed)
-        pressure = self.projection.pressure(self.slope, closed)
-        destroy(closed)
-        return pressure
+        return self.projection.pressure(self.slope, _times(self.gap, x))
 
     @cached_property
     def _projected(self) -> ProjectedLaw:
@@ -276,13 +251,16 @@ class Contact:
         one = self.projection.compliance(p)
         if self.coupling != "bonded":
             return one
-        every = repeated(one, self.interface.a.dim)
+        every = block_diagonal([one] * self.interface.a.dim).convert("aij")
         destroy(one)
         return every
 
 
 def assembled(bodies: Mapping[str, Body], contact: Contact, *, leave_out: bool = True) -> Contact:
-    """A contact with its operators on the unknowns of all bodies; collective."""
+    """A contact with its operators on the unknowns of all bodies; collective.
+
+    Slip operators are left out where there is no friction, or kept for later friction.
+    """
     interface, points = contact.interface, contact.interface.local_points
     bonded = contact.coupling == "bonded"
     projection = None
@@ -338,12 +316,19 @@ def approach_along(
 ) -> Floats:
     """What unknowns x, and what supports prescribe, close along directions at all points (m)."""
     jump = jump_operator(bodies, contact, direction)
-    approach = jump.createVecLeft()
-    jump.mult(x, approach)
-    values = gather(approach)
-    destroy(jump, approach)
+    values = _times(jump, x)
+    destroy(jump)
     closed = _closed_by_supports(bodies, contact, direction)
     return values if closed is None else values + closed
+
+
+def _times(operator: Any, x: Any) -> Floats:
+    """An operator times unknowns, on every rank."""
+    image = operator.createVecLeft()
+    operator.mult(x, image)
+    values = gather(image)
+    destroy(image)
+    return values
 
 
 def _closed_by_supports(

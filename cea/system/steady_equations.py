@@ -35,8 +35,6 @@ LOST = 0.1
 """Rounding, relative to the largest displacement, at which a tangent counts as singular."""
 _OVERLAP = 1e-9
 """Overlap of the sides, relative to the mesh size, that rounding and facets may make."""
-_RESOLVED = 1e-6
-"""Rounding of displacements, in parts of the pressure it makes, up to which states are found."""
 
 type Slopes = Sequence[Floats]
 """Slope p at all points (N/m^3) of each contact with a law, shape (n,) each."""
@@ -73,8 +71,6 @@ class SteadyEquations:
     ----------
     system
         The system, with loads; some contact has a law that is not linear.
-    friction
-        Whether with the friction of contacts that have such a law.
 
     Attributes
     ----------
@@ -82,16 +78,18 @@ class SteadyEquations:
         What pressures and slopes of the laws are divided by; 1 but on the way to a solution.
     """
 
-    def __init__(self, system: CoupledSystem, *, friction: bool = True) -> None:
+    def __init__(self, system: CoupledSystem) -> None:
         assert system.load is not None
         self.system, self._load, self.softness = system, system.load, 1.0
         self.comm = system.template.comm.tompi4py()
         self.contacts = tuple(c for c in system.contacts if not c.law.linear)
-        self.frictional = tuple(friction and c.has_friction for c in self.contacts)
+        self.frictional = tuple(c.has_friction for c in self.contacts)
         self.matrices = self._linear()
-        self._gaps = tuple(contact.met(initial_gap(contact)) for contact in self.contacts)
+        self._gaps = tuple(contact.projected_gap(initial_gap(contact)) for contact in self.contacts)
         self._prescribed = tuple(
-            np.zeros(len(gap)) if contact.prescribed is None else contact.met(contact.prescribed)
+            np.zeros(len(gap))
+            if contact.prescribed is None
+            else contact.projected_gap(contact.prescribed)
             for contact, gap in zip(self.contacts, self._gaps, strict=True)
         )
         self._x = system.vector()
@@ -171,8 +169,8 @@ class SteadyEquations:
 
     def slopes(self, closures: Sequence[Floats]) -> tuple[Floats, ...]:
         """Slopes of the laws at given closures."""
-        laws = (contact.law for contact in self.contacts)
-        return tuple(law.slope(g) / self.softness for law, g in zip(laws, closures, strict=True))
+        pairs = zip(self.contacts, closures, strict=True)
+        return tuple(c.law.slope(g) / self.softness for c, g in pairs)
 
     def tangent(self, slopes: Slopes, *, friction: bool = True) -> Matrices:
         """Derivative of R at given slopes; free it with :func:`free_tangent`."""
@@ -234,22 +232,6 @@ class SteadyEquations:
                 self.contacts, slopes, self._spring_lengths(factor), strict=True
             )
         )
-
-    def too_stiff(self, factor: float, x: Floats) -> str | None:
-        """Whether rounding of displacements as large as x comes to too much of a pressure."""
-        largest = self.comm.allreduce(float(np.abs(x).max(initial=0.0)), MPI.MAX)
-        for contact in self.contacts:
-            law, pressure = _law(contact), self._even_pressure(contact, factor)
-            slope = float(law.slope(np.array(law.closure(pressure))))
-            part = slope * np.finfo(float).eps * largest / pressure
-            if part > _RESOLVED:
-                allowed = law.c * (_RESOLVED / part) ** law.m
-                return (
-                    f"contacts.{contact.pair} is so stiff that rounding of displacements comes to "
-                    f"{part:.1e} of its pressure: c_n = {law.c:.3g}, about {allowed:.1g} or less "
-                    "is allowed; or P or p in its place, in the saddle form up to infinity"
-                )
-        return None
 
     def checked_residual(self, state: State, tangent: Matrices) -> float:
         """Forces left over in a state under the whole load, relative to the load; collective.

@@ -173,16 +173,14 @@ class _Path:
         """Equilibrium under a part of the load by way of softer laws, each from the one before."""
         x, f = self._start(factor)
         found = False
-        try:
-            for softness in _SOFTNESSES:
-                self._equations.softness = softness
-                run = self._newton.solve(x, f, factor)
-                if run.converged:
-                    x, f, found = run.state.x, run.state.f, True
-                elif found:
-                    break
-        finally:
-            self._equations.softness = 1.0
+        for softness in _SOFTNESSES:
+            self._equations.softness = softness
+            run = self._newton.solve(x, f, factor)
+            if run.converged:
+                x, f, found = run.state.x, run.state.f, True
+            elif found:
+                break
+        self._equations.softness = 1.0
         return run
 
     def _start(self, factor: float) -> tuple[Floats, Floats]:
@@ -265,20 +263,10 @@ class _Path:
             )
         if not run.state.closed_points or self._pulls(factor):
             return OPENS
-        reason = (
-            f"no state of steady sliding was found at {factor:.3g} of the load: the residual is "
-            f"{run.state.relative:.1e} of the forces"
+        return (
+            f"no state of steady sliding was found at {factor:.3g} of the load: residual "
+            f"{run.state.relative:.1e} of the forces; friction or stiffness may be too large"
         )
-        stiff = self._equations.too_stiff(factor, self._start(factor)[0])
-        if stiff is not None:
-            return f"{reason}; {stiff}"
-        if any(self._equations.frictional):
-            smooth = SteadyEquations(self._equations.system, friction=False)
-            without = SteadyNewton(smooth, self._springs, self._timer)
-            if without.solve(*self._start(factor), factor).converged:
-                reason += "; without friction there is one: friction is too large"
-            smooth.free()
-        return reason
 
     def _pulls(self, factor: float) -> bool:
         """Whether springs that hold the sides together are in tension, taken together.

@@ -151,7 +151,7 @@ def geometry_error(
         tilt = interface.a.normal_error(interface.local_points.at)
         local = interface.geometry_error
     seeming = approach_along(system.bodies, contact, tilt, steady.displacement)
-    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.met(seeming))
+    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.projected_gap(seeming))
     force = interface.points.weight * state.pressure
     if not force.any():
         return
