@@ -1,6 +1,6 @@
 """Errors that say what was wrong, suggestions of what was meant, and warnings as data."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
 from typing import Any
@@ -46,23 +46,18 @@ class InputError(ValueError):
         The value that was given.
     allowed
         What is allowed, in words.
-    others
-        Further faults of the same section, for those who tell every one.
     """
 
-    def __init__(
-        self, field: str, value: object, allowed: str, others: "Sequence[InputError]" = ()
-    ) -> None:
+    def __init__(self, field: str, value: object, allowed: str) -> None:
         self.field = field
         self.value = value
         self.allowed = allowed
-        self.others = tuple(others)
         message = f"{_short(field)} = {_shown(value)}: {_short(allowed, _WORDS)}"
         super().__init__(printable(" ".join(message.split())))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel between ranks by what it was made from, not by its message."""
-        return type(self), (self.field, self.value, self.allowed, self.others)
+        return type(self), (self.field, self.value, self.allowed)
 
 
 class WriteError(OSError):
@@ -93,14 +88,6 @@ def require(condition: bool, field: str, value: object, allowed: str) -> None:
     """Raise :class:`InputError` unless a condition holds."""
     if not condition:
         raise InputError(field, value, allowed)
-
-
-def refuse(faults: Iterable[InputError]) -> None:
-    """Raise the first of some faults, which tells of the others; nothing where there is none."""
-    found = list(faults)
-    if found:
-        first, *others = found
-        raise InputError(first.field, first.value, first.allowed, others)
 
 
 def did_you_mean(name: object, known: Iterable[object]) -> str:

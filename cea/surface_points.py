@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from enum import IntEnum
-from itertools import product
 from typing import Any
 
 import numpy as np
@@ -22,18 +21,10 @@ class Status(IntEnum):
 
 @dataclass(frozen=True)
 class SurfaceCoordinates:
-    """Points of a surface in its own coordinates.
+    """Points of a surface in its own coordinates."""
 
-    Parameters
-    ----------
-    element
-        Surface element (facet, or face of a patch) that holds each point, shape (n,).
-    xi
-        Reference coordinates in that element, shape (n, dim - 1).
-    """
-
-    element: Ints
-    xi: Floats
+    element: Ints  # facet, or face of a patch, that holds each point, shape (n,)
+    xi: Floats  # reference coordinates in that element, shape (n, dim - 1)
 
     def __len__(self) -> int:
         return len(self.element)
@@ -44,24 +35,12 @@ class SurfaceCoordinates:
 
 @dataclass(frozen=True)
 class SurfacePoints:
-    """Points of a rule on a surface.
-
-    Parameters
-    ----------
-    at
-        Where the points lie, in coordinates of the surface.
-    x
-        Positions (m), shape (n, dim).
-    normal
-        Outward unit normals, shape (n, dim).
-    weight
-        Area weights (m^2; m in 2D), shape (n,).
-    """
+    """Points of a rule on a surface."""
 
     at: SurfaceCoordinates
-    x: Floats
-    normal: Floats
-    weight: Floats
+    x: Floats  # positions (m), shape (n, dim)
+    normal: Floats  # outward unit normals, shape (n, dim)
+    weight: Floats  # area weights (m^2; m in 2D), shape (n,)
 
     def __len__(self) -> int:
         return len(self.x)
@@ -72,24 +51,12 @@ class SurfacePoints:
 
 @dataclass(frozen=True)
 class SurfaceCells:
-    """Cells of a surface, inside which its traces are smooth: facets, or knot spans of patches.
+    """Cells of a surface, inside which its traces are smooth: facets, or knot spans of patches."""
 
-    Parameters
-    ----------
-    element
-        Surface element of each cell, shape (n,).
-    corners
-        Corners in the element's coordinates, in cyclic order, shape (n, corners, dim - 1).
-    degree
-        Highest degree of the traces along a direction.
-    tensor
-        Whether traces have that degree along each direction, rather than in all.
-    """
-
-    element: Ints
-    corners: Floats
-    degree: int
-    tensor: bool
+    element: Ints  # surface element of each cell, shape (n,)
+    corners: Floats  # in coordinates of the element, in cyclic order, shape (n, corners, dim - 1)
+    degree: int  # highest degree of the traces along a direction
+    tensor: bool  # whether traces have that degree along each direction, rather than in all
 
     def coordinates(self, t: Floats) -> tuple[SurfaceCoordinates, Floats]:
         """The same points of each cell, cell by cell, and the extent of each in xi, (n,)."""
@@ -103,28 +70,14 @@ class SurfaceCells:
 
 @dataclass(frozen=True)
 class Location:
-    """Points found, or missed, on a surface along given directions.
+    """Points found, or missed, on a surface along given directions."""
 
-    Parameters
-    ----------
-    at
-        Where each point was found; the nearest candidate where it was missed.
-    distance
-        Signed distance (m) along the direction from the point to the surface, shape (n,).
-    miss
-        Distance (m) by which the line through the point misses the surface, shape (n,);
-        infinite where no element was near enough to try.
-    status
-        One :class:`Status` per point, shape (n,).
-    tolerance
-        Miss allowed, relative to the local mesh size.
-    """
-
-    at: SurfaceCoordinates
-    distance: Floats
+    at: SurfaceCoordinates  # where each was found; the nearest candidate where it was missed
+    distance: Floats  # signed distance (m) along the direction to the surface, shape (n,)
+    # distance (m) by which the line misses the surface, infinite where nothing was near, (n,)
     miss: Floats
-    status: NDArray[np.int8]
-    tolerance: float
+    status: NDArray[np.int8]  # one :class:`Status` per point, shape (n,)
+    tolerance: float  # miss allowed, relative to the local mesh size
 
     def __getitem__(self, rows: Any) -> "Location":
         distance, miss, status = self.distance[rows], self.miss[rows], self.status[rows]
@@ -136,17 +89,10 @@ class Location:
         return self.status == Status.MISSED
 
 
-def lattice(n: int, dim: int, *, simplex: bool) -> Ints:
-    """Points i, j >= 0 of a lattice in C order: i, j <= n, or i + j <= n, shape (m, dim)."""
-    points = np.array(list(product(range(n + 1), repeat=dim)))
-    return points[points.sum(axis=1) <= n] if simplex else points
-
-
 def gauss_rule(n: int, dim: int, *, simplex: bool) -> tuple[Floats, Floats]:
     """Points (m, dim) and weights (m,), n per direction, of the unit interval, square or triangle.
 
-    In a triangle collapsed, with Gauss-Jacobi points along the first direction. Weights add up to
-    the length or area.
+    In a triangle collapsed, with Gauss-Jacobi points along the first direction.
     """
     t, w = roots_legendre(n)
     t, w = (1 + t) / 2, w / 2

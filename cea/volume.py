@@ -10,22 +10,13 @@ from cea.arrays import Floats, Ints
 
 @dataclass(frozen=True)
 class VolumeSample:
-    """Points through a body joined to straight cells, for pictures and for comparing modes.
+    """Points through a body joined to straight cells, for pictures and for comparing modes."""
 
-    Parameters
-    ----------
-    points
-        Positions (m), shape (n, dim).
-    cells
-        Point numbers of each cell, shape (n_cells, 4) tetrahedra or (n_cells, 8) hexahedra in 3D,
-        (n_cells, 3) or (n_cells, 4) in 2D, in VTK order.
-    values
-        Values of the scalar basis functions at the points, shape (n, num_scalar_dofs).
-    """
-
-    points: Floats
+    points: Floats  # positions (m), shape (n, dim)
+    # points of each cell in VTK order: (n_cells, 4) tetrahedra or (n_cells, 8) hexahedra; in the
+    # plane 3 or 4
     cells: Ints
-    values: csr_array
+    values: csr_array  # of the scalar basis functions at the points, shape (n, num_scalar_dofs)
 
 
 @dataclass(frozen=True)

@@ -100,18 +100,10 @@ def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
 
 
 class _Compression:
-    """The tree, worked through from its leaves.
+    """The tree of rows G and T at points, worked through from its leaves.
 
-    Parameters
-    ----------
-    gap, slip
-        Rows at the points.
-    size
-        Length of each column of G over all points.
-    touching
-        Points that touch it.
-    least
-        What is rounding of each column of T.
+    Of each column of G the length over all points and the number of points that touch it are known,
+    and what is rounding of each column of T.
     """
 
     def __init__(

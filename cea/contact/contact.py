@@ -18,8 +18,9 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.body.unknowns import system_operator
 from cea.contact.formulations import Coupling, Form
+from cea.contact.friction import Friction
 from cea.contact.interface import Interface, jump_along
-from cea.contact.laws import Friction, NormalLaw, Sliding
+from cea.contact.laws import NormalLaw, Sliding
 from cea.contact.lumping import lumped_matrices
 from cea.contact.mortar import MortarProjection, ProjectedLaw, eliminated
 from cea.errors import InputError

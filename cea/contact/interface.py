@@ -40,37 +40,19 @@ class Interface:
     """Points of a rule on side a paired with side b.
 
     The points are the same on every rank; each rank locates and traces its own rows of them.
-
-    Parameters
-    ----------
-    a, b
-        The two surfaces.
-    points
-        Points of the rule on a that were found on b, all of them on every rank.
-    rows
-        Rows of the points that are this rank's; ranks follow each other without gaps.
-    opposite
-        Where the points of this rank were found on b along the normal of a.
-    trace_a, trace_b
-        Values of the scalar basis functions of both sides at the points of this rank.
-    statuses
-        Number of points of each status over all ranks, those missed and left out too.
-    largest_distance
-        Largest distance (m) between the sides as meshed along the normal over all ranks.
-    comm
-        MPI communicator (mpi4py).
     """
 
     a: Surface
     b: Surface
-    points: SurfacePoints
-    rows: slice
-    opposite: Location
+    points: SurfacePoints  # points of the rule on a that were found on b, of all ranks
+    rows: slice  # rows of the points that are this rank's; ranks follow each other
+    opposite: Location  # where the points of this rank were found on b along the normal of a
+    # values of the scalar basis functions of both sides at the points of this rank
     trace_a: csr_array
     trace_b: csr_array
-    statuses: Mapping[str, int]
-    largest_distance: float
-    comm: Any
+    statuses: Mapping[str, int]  # number of points of each status, those missed too
+    largest_distance: float  # between the sides as meshed along the normal (m)
+    comm: Any  # MPI communicator (mpi4py)
 
     @cached_property
     def geometry_error(self) -> Floats:
@@ -126,9 +108,8 @@ def pair(
     field
         Name of the contact, for messages.
     reach
-        Largest distance (m) between the surfaces along the normal. By default points are looked
-        for within half the larger mesh size, and the surfaces must touch: the gap must not exceed
-        what curved surfaces leave between straight facets.
+        Largest distance (m) between the surfaces along the normal. By default half the larger mesh
+        size, and the gap must not exceed what curved surfaces leave between straight facets.
     max_missed
         Largest fraction of the rule's area that may find nothing on b; such points are dropped.
     comm
@@ -137,8 +118,8 @@ def pair(
     Raises
     ------
     InputError
-        On every rank, when a weight is negative, too many points are missed, the surfaces do not
-        face each other, or they do not touch and no reach allows for it.
+        On every rank, when a weight is negative, too many points are missed, or the surfaces do not
+        face each other or do not touch.
     """
     must_touch = reach is None
     if reach is None:
@@ -155,9 +136,12 @@ def pair(
     missed_area = points.weight[~found].sum() / a.area
     fraction = float(missed_area + (left_out if left_out > _QUADRATURE else 0.0))
     if fraction > max_missed:
-        told = _uncovered(int((~found).sum()), len(points), 100 * fraction, 100 * max_missed)
-        within = f"surfaces that face each other within {reach:.3g} m: "
-        raise InputError(field, f"{a.name} on {b.name}", within + told)
+        allowed = (
+            f"surfaces that face each other within {reach:.3g} m: points on {100 * fraction:.2g} % "
+            f"of the area of side a find nothing on side b, at most {100 * max_missed:.2g} % may; "
+            "take more elements, or raise max_missed"
+        )
+        raise InputError(field, f"{a.name} on {b.name}", allowed)
     if not found.all():
         points, opposite = points[found], opposite[found[start:stop]]
     rows = slice(*(int(found[:end].sum()) for end in (start, stop)))
@@ -224,15 +208,6 @@ def _check_weights(weights: Floats, field: str) -> None:
         value = float(weights[wrong][0]) if wrong.any() else 0.0
         allowed = "area weights of points that are zero or positive, and some positive"
         raise InputError(f"{field}.formulation.weights", value, allowed)
-
-
-def _uncovered(missed: int, count: int, part: float, limit: float) -> str:
-    """What is said of a contact whose points find too little on the other side (%)."""
-    found = f"{part:.2g} % of the area of side a has no points that find something on side b"
-    if missed:
-        told = f"{missed} of {count} points ({part:.2g} % of the area of side a)"
-        found = f"{told} find nothing on side b"
-    return f"{found}, at most {limit:.2g} % may: take more elements, or raise max_missed"
 
 
 def _check_gap(

@@ -41,29 +41,12 @@ class _Pairs:
 
 
 def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> SurfacePoints:
-    """Gauss points on the common refinement of two surfaces.
+    """Gauss points on a, weights with its Jacobian, on the common refinement of two surfaces.
 
-    Parameters
-    ----------
-    a
-        Surface that carries the points.
-    b
-        Opposite surface.
-    points
-        Gauss points per direction in each segment; None takes what is exact for the degrees of
-        both traces on flat interfaces.
-    reach
-        Largest distance (m) between the surfaces.
-
-    Returns
-    -------
-    SurfacePoints
-        Points on a, weights with the Jacobian of a; parts of a that face no cell of b hold none.
-
-    Raises
-    ------
-    ConvergenceError
-        When a cell of b cannot be mapped to the coordinates of a cell of a.
+    So many points per direction in each segment; None takes what is exact for the degrees of both
+    traces on flat interfaces. Surfaces are within a reach (m); parts of a that face no cell of b
+    hold none. A cell of b that cannot be mapped to the coordinates of one of a ends in a
+    ConvergenceError.
     """
     cells_a, cells_b = a.cells(), b.cells()
     pairs = _near(a, cells_a, b, cells_b, reach)
@@ -223,11 +206,10 @@ def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int)
 def _crossing(
     a: Surface, cells_a: SurfaceCells, b: Surface, cells_b: SurfaceCells, pairs: _Pairs
 ) -> tuple[_Pairs, NDArray[np.bool_]]:
-    """Pairs whose cells may overlap in the coordinates of a.
+    """Pairs whose cells may overlap, and whether the cell of b has straight edges there.
 
-    Comes with whether all edges of the cell of b are straight there, as far as they may touch the
-    cell of a. Between its samples an edge is taken to leave the box around them by half their
-    largest second difference at most, four times what a parabola does.
+    Between its samples an edge is taken to leave the box around them by half their largest second
+    difference at most, four times what a parabola does.
     """
     outline = _to_reference(a, cells_a, pairs, _outlines(b, cells_b, pairs.b, 4))
     own = cells_a.corners[pairs.a]

@@ -9,8 +9,13 @@ from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
-from cea.supports.constraint_forces import ConstraintForces, RowForces
-from cea.supports.constraints import Constraints, components, first_free_at
+from cea.supports.constraints import (
+    ConstraintForces,
+    Constraints,
+    RowForces,
+    components,
+    first_free_at,
+)
 from cea.supports.directions import Directions, complement, orthonormal
 
 _NEGLIGIBLE = 1e-14

@@ -199,7 +199,8 @@ class SteadyEquations:
         """Secant slope of each contact that a part of the load presses evenly (N/m^3)."""
         slopes = []
         for contact, gap in zip(self.contacts, self._gaps, strict=True):
-            law, interface, nearest = _law(contact), contact.interface, float(gap.min())
+            law, interface, nearest = contact.law, contact.interface, float(gap.min())
+            assert isinstance(law, NormalCompliance)
             size = min(interface.a.mesh_size, interface.b.mesh_size)
             overlap = -nearest if -nearest > _OVERLAP * size else 0.0
             closure = max(law.closure(self._even_pressure(contact, factor)), overlap)
@@ -290,8 +291,3 @@ def solved_regularly(matrices: Matrices, b: Floats) -> tuple[Floats, Floats] | N
     uncertainty = rounding_uncertainty(matrices, factors, x, f)
     factors.free()
     return (x[:, 0], f[:, 0]) if uncertainty < LOST else None
-
-
-def _law(contact: Contact) -> NormalCompliance:
-    assert isinstance(contact.law, NormalCompliance)
-    return contact.law

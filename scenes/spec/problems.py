@@ -76,15 +76,14 @@ def _siblings(section: Any, wrong: Any, sections: Sequence[Mapping[str, Any]]) -
 def _faults_of(
     detail: Mapping[str, Any], data: Any, sections: Sequence[Mapping[str, Any]]
 ) -> Iterator[InputError]:
-    """One error of pydantic; of those that a section tells of itself, each."""
+    """One error of pydantic."""
     kind, value, (place, parent) = detail["type"], detail["input"], _place(detail, data)
     names = [name for section in sections for name in section]
     context = detail.get("ctx", {})
     cause, name = context.get("error"), detail["loc"][-1] if detail["loc"] else ""
     given = value if isinstance(value, Mapping) else {}
     if isinstance(cause, InputError):
-        for each in (cause, *cause.others):
-            yield InputError(_joined(place, each.field, given), each.value, each.allowed)
+        yield InputError(_joined(place, cause.field, given), cause.value, cause.allowed)
         return
     allowed = _words(detail)
     if kind in _UNKNOWN:

@@ -20,9 +20,9 @@ from cea.contact.formulations import (
     NodeToSurface,
     Segments,
 )
-from cea.contact.friction import AlongVector
+from cea.contact.friction import AlongVector, Friction
 from cea.contact.interface import default_reach, pair
-from cea.contact.laws import Friction, LinearLaw
+from cea.contact.laws import LinearLaw
 from cea.eigen.driver import solve_modes
 from cea.material import IsotropicMaterial
 from cea.mesh import Mesh, facet_nodes
