@@ -22,7 +22,6 @@ from cea.supports.boundary import Force, Pressure, Spring, Support, check_bounda
 from cea.supports.constraints import Constraints
 from cea.supports.loads import foundation, surface_forces
 from cea.surface import Surface
-from cea.volume import VolumeCells, VolumeSample
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,13 +102,7 @@ class Body:
 
     @property
     def density(self) -> float:
-        """Density (kg/m^3).
-
-        Raises
-        ------
-        InputError
-            When the material has none.
-        """
+        """Density (kg/m^3), refused where the material has none."""
         return self.material.density(f"bodies.{self.name}.material")
 
     @property
@@ -131,12 +124,8 @@ class Body:
     def reduced(self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised) -> Any:
         """Z^T A Z of a matrix A of all dofs, PETSc AIJ (free x free); A is freed.
 
-        Parameters
-        ----------
-        matrix
-            A, symmetric or skew to the last bit.
-        exactly
-            Makes a matrix so again where Z is more than a selection of dofs.
+        A is symmetric or skew to the last bit, and ``exactly`` makes the product so again where Z
+        is more than a selection of dofs.
         """
         free = self.constraints.restrict(matrix, self.expansion)
         if free is not matrix:
@@ -200,18 +189,14 @@ class Body:
 
     @cached_property
     def prescribed(self) -> Any | None:
-        """u_D, displacement of all dofs that supports prescribe (m), PETSc vector (full).
-
-        None where they hold all at zero. The displacement is this and what the free dofs add.
-        """
+        """u_D, displacement of all dofs that supports prescribe (m), PETSc; None where zero."""
         return self.constraints.prescribed_displacement(*self._own, self.expansion)
 
     def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
-        """Forces of each support, along the directions that it holds and no other.
+        """Of a sum of forces on all dofs (N), (num_scalar_dofs, dim), those of each support.
 
-        Of the sum of all of them on all dofs (N), shape (num_scalar_dofs, dim), the scalar dofs
-        that supports hold, shape (m,), and the forces of each support on the body there (N), shape
-        (supports, m, dim).
+        The scalar dofs that supports hold, shape (m,), and the forces there, (supports, m, dim),
+        along the directions that each holds and no other.
         """
         return self.constraints.support_forces(force, len(self.supports))
 
@@ -243,21 +228,3 @@ class Body:
             volumes.multAdd(uniform, full, full)
             destroy(volumes, uniform)
         return full
-
-    @property
-    def dof_positions(self) -> Floats | None:
-        """Coefficients of the position x in the space (m), as :attr:`Space.dof_positions`."""
-        return self.space.dof_positions
-
-    @property
-    def node_positions(self) -> Floats | None:
-        """Where the scalar dofs of this rank lie (m), as :attr:`Space.node_positions`."""
-        return self.space.node_positions
-
-    def volume_sample(self, subdivisions: int) -> VolumeSample:
-        """Sample of the whole body, as :meth:`Space.volume_sample`."""
-        return self.space.volume_sample(subdivisions)
-
-    def volume_cells(self) -> VolumeCells:
-        """Cells of the whole body, as :meth:`Space.volume_cells`."""
-        return self.space.volume_cells()

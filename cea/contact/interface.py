@@ -136,12 +136,12 @@ def pair(
     missed_area = points.weight[~found].sum() / a.area
     fraction = float(missed_area + (left_out if left_out > _QUADRATURE else 0.0))
     if fraction > max_missed:
-        allowed = (
+        told = (
             f"surfaces that face each other within {reach:.3g} m: points on {100 * fraction:.2g} % "
             f"of the area of side a find nothing on side b, at most {100 * max_missed:.2g} % may; "
             "take more elements, or raise max_missed"
         )
-        raise InputError(field, f"{a.name} on {b.name}", allowed)
+        raise InputError(field, f"{a.name} on {b.name}", told)
     if not found.all():
         points, opposite = points[found], opposite[found[start:stop]]
     rows = slice(*(int(found[:end].sum()) for end in (start, stop)))

@@ -144,17 +144,15 @@ class CoupledSystem:
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
         ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
         where it varies. Without friction, if that was left out, there is no mu. Where p is the
-        slope of a law in a state of steady sliding there is no P, and the state stays what it is
-        whatever the parameters. Damping, rotation and sliding add theirs
-        (:mod:`cea.system.body_terms`, :mod:`cea.contact.sliding`).
+        slope of a law in a state of steady sliding there is no P, and the state stays. Damping,
+        rotation and sliding add theirs (:mod:`cea.system.body_terms`, :mod:`cea.contact.sliding`).
 
         Parameters
         ----------
         leave_out
             Whether friction that is zero is left out of what is solved.
         eliminate
-            Whether all contact forces are eliminated, where gaps are projected into matrices that
-            are full on the interface; no contact is tied.
+            Whether all contact forces are eliminated; no contact is tied.
         """
         friction, counted = friction_references(self.contacts), with_own_friction(self.contacts)
         kept = [c for c in self.contacts if c.has_multipliers and not eliminate]
@@ -260,10 +258,8 @@ def couple(
         Bodies by name.
     contacts
         Contacts without their operators, the half passes one after another.
-    with_mass
-        Whether the mass is needed.
-    with_load
-        Whether the loads are needed.
+    with_mass, with_load
+        Whether mass and loads are needed.
     leave_out
         Whether slip operators and K_f are left out where mu = 0.
     motions
@@ -311,11 +307,7 @@ def _load(
 
 
 def _force_of_prescribed(contact: Contact) -> Any:
-    """Forces (N) of a closure that is prescribed, PETSc vector (free), against the motion.
-
-    The closure is G x + e with e prescribed; contact forces that stay unknowns are then those of
-    G x alone, of the same stiffness.
-    """
+    """Forces (N) against the motion of a closure that is prescribed, PETSc vector (free)."""
     if contact.coupling != "pointwise" or not contact.has_pressure:
         allowed = (
             "pointwise and of finite stiffness where a support that prescribes a displacement "

@@ -65,17 +65,9 @@ class State:
 
 
 class SteadyEquations:
-    """The equations of steady sliding of a coupled system.
+    """The equations of steady sliding of a coupled system with loads and a law that is not linear.
 
-    Parameters
-    ----------
-    system
-        The system, with loads; some contact has a law that is not linear.
-
-    Attributes
-    ----------
-    softness
-        What pressures and slopes of the laws are divided by; 1 but on the way to a solution.
+    Pressures and slopes of the laws are divided by ``softness``, 1 but on the way to a solution.
     """
 
     def __init__(self, system: CoupledSystem) -> None:
@@ -101,10 +93,9 @@ class SteadyEquations:
 
     @cached_property
     def unstable(self) -> bool:
-        """Whether the stiffness of bodies as they rotate, without these contacts, is indefinite.
+        """Whether bodies as they rotate, without these contacts, have an indefinite stiffness.
 
-        That is so where the rate of a rotation with convective stiffness is beyond a critical
-        one; without friction there may then be several equilibria or none.
+        There may then be several equilibria without friction, or none.
         """
         return self.system.softens and count_below(self.matrices, 0.0) > 0
 

@@ -62,8 +62,7 @@ def steady_sliding(
     Parameters
     ----------
     system
-        Bodies with their loads, and contacts of which some have a law that is not linear; those of
-        a linear law are closed, and their gaps none.
+        Bodies with their loads, and contacts of which some have a law that is not linear.
     timer
         Counts assembly and factorisation.
     steps
@@ -78,7 +77,7 @@ def steady_sliding(
         When the system has no load, no such contact, or steps do not rise to 1.
     ConvergenceError
         When the load opens the contact, a rigid motion is free, or no equilibrium is found; the
-        last :class:`cea.system.steady_equations.State` is attached.
+        last state is attached.
     """
     if system.load is None:
         raise InputError("load", None, "forces: the system was coupled without")

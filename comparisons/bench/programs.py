@@ -103,7 +103,7 @@ class Ours:
 
     def motions(self) -> Floats:
         """Coefficients of the rigid motions."""
-        cells = self._body.volume_cells()
+        cells = self._body.space.volume_cells()
         # Positions are a field of the space: those coefficients that give it at the points.
         values = csc_array(cells.values)
         return rigid_motions(spsolve(values.T @ values, values.T @ cells.points))

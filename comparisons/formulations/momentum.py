@@ -19,7 +19,7 @@ def rigid_motions(body: Body) -> Floats:
     reproduce the coordinates are found by least squares from a sample of the body.
     """
     comm, dim = body.comm, body.dim
-    sample = body.volume_sample(4)
+    sample = body.space.volume_sample(4)
     x = None
     if comm.rank == 0:
         values = csr_array(sample.values)

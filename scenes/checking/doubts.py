@@ -96,7 +96,7 @@ def _doubtful_material(E: float, rho: float | None) -> Iterator[tuple[str, float
 def doubtful_motions(scene: SceneSpec, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
     """Displacements larger than their body and strains that linear elasticity has no right to."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
-        sample, full = body.volume_sample(1), system.displacement(x, name, everywhere=False)
+        sample, full = body.space.volume_sample(1), system.displacement(x, name, everywhere=False)
         found = made_on_first(body.comm, partial(_motion, sample, full))
         motion, length, strain = body.comm.bcast(found)
         if motion > length:
@@ -130,13 +130,15 @@ def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> Iterator
     """Pairs of bodies without a contact, one with middles of cells in the other; collective."""
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
-    boxes = {name: _box(bodies[name]) for name in {name for pair in pairs for name in pair}}
+    named = sorted({name for pair in pairs for name in pair})
+    samples = {name: bodies[name].space.volume_sample(1) for name in named}
+    boxes = {name: _box(bodies[name].comm, sample) for name, sample in samples.items()}
     for pair in pairs:
         (low, high), (least, greatest) = (boxes[name] for name in pair)
         if (np.maximum(low, least) >= np.minimum(high, greatest)).any():
             continue
-        comm, samples = bodies[pair[0]].comm, [bodies[name].volume_sample(1) for name in pair]
-        cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *samples)))
+        comm, parts = bodies[pair[0]].comm, [samples[name] for name in pair]
+        cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *parts)))
         if cells:
             yield ResultWarning(
                 "bodies-overlap",
@@ -146,13 +148,11 @@ def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> Iterator
             )
 
 
-def _box(body: Body) -> tuple[Floats, Floats]:
-    """Least and greatest coordinates (m) of a body's nodes or control points; collective."""
-    x = body.node_positions if body.node_positions is not None else body.dof_positions
-    assert x is not None
-    ends = x.min(axis=0, initial=np.inf), x.max(axis=0, initial=-np.inf)
-    lows, highs = zip(*body.comm.allgather(ends), strict=True)
-    return np.min(lows, axis=0), np.max(highs, axis=0)
+def _box(comm: Any, sample: VolumeSample) -> tuple[Floats, Floats]:
+    """Least and greatest coordinates (m) of a body; collective."""
+    ends = (sample.points.min(axis=0), sample.points.max(axis=0)) if comm.rank == 0 else None
+    low, high = comm.bcast(ends)
+    return low, high
 
 
 def _middles_inside(one: VolumeSample, other: VolumeSample) -> int:

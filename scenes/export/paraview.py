@@ -48,7 +48,7 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     """
     of_modes, contacts = result.spectrum is not None, result.system.contacts
     modes = _chosen(result, count) if of_modes else []
-    cells = {name: body.volume_cells() for name, body in result.bodies.items()}
+    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
     u = {
         name: result.mode_shapes(name, each.values, modes, everywhere=False)
         if of_modes
@@ -104,7 +104,7 @@ def write_load_steps(result: Result, out: Path) -> list[Path]:
     if not steps:
         return []
     is_root = result.comm.rank == 0
-    cells = {name: body.volume_cells() for name, body in result.bodies.items()}
+    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
     bodies = {name: cell_grid(each) for name, each in cells.items()} if is_root else {}
     with _collections(out, ["load_steps"], is_root) as (add,):
         for number, (factor, state) in enumerate(steps, start=1):

@@ -356,7 +356,7 @@ class Result:
         from scenes.pictures.drawing import SUBDIVISIONS, Drawing  # brings pyvista
         from scenes.pictures.grids import merged, outside
 
-        cells = {name: merged(body.volume_cells()) for name, body in self.bodies.items()}
+        cells = {name: merged(body.space.volume_cells()) for name, body in self.bodies.items()}
         shapes = {
             name: self.mode_shapes(name, each.values, modes, everywhere=False)
             for name, each in cells.items()

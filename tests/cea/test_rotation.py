@@ -89,7 +89,7 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
 
 def positions(part):
     """Nodes, or control points, of the scalar dofs: where linear fields are taken."""
-    return part.dof_positions
+    return part.space.dof_positions
 
 
 def quadratic_eigenvalues(M, D, K):

@@ -86,7 +86,7 @@ def test_volume_sample_fills_the_body(cell, degree):
     body = box(cell, degree)
     x = coordinates(body, degree)
     for n in (1, 3):
-        sample = body.volume_sample(n)
+        sample = body.space.volume_sample(n)
         np.testing.assert_allclose(sample.values @ x, sample.points, atol=1e-13)
         distinct = np.unique(np.round(sample.points, 9), axis=0)
         assert len(distinct) == len(sample.points)
@@ -98,7 +98,7 @@ def test_volume_sample_fills_the_body(cell, degree):
         assert volume.min() > 0
         whole = volume.sum() / (1 if cell == "hexahedron" else 6)
         assert whole == pytest.approx(np.prod(BOX.size), rel=1e-12)
-        assert len(sample.cells) == n**3 * len(body.volume_sample(1).cells)
+        assert len(sample.cells) == n**3 * len(body.space.volume_sample(1).cells)
 
 
 @pytest.mark.parametrize(

@@ -64,7 +64,7 @@ def values(body, u, x):
 
 def inside(body, count=60):
     """Random points within the cells of a body."""
-    sample = body.volume_sample(1)
+    sample = body.space.volume_sample(1)
     share = RNG.dirichlet(np.ones(sample.cells.shape[1]), count)
     cells = sample.cells[RNG.integers(len(sample.cells), size=count)]
     return np.einsum("nk,nki->ni", share, sample.points[cells])
@@ -100,7 +100,7 @@ def test_curved_cells_of_one_geometry():
     assert step.defect < 1e-10
     P = csr(step.matrix)
     u = RNG.uniform(-1, 1, P.shape[1])
-    a, b = coarse.volume_sample(3), fine.volume_sample(3)
+    a, b = coarse.space.volume_sample(3), fine.space.volume_sample(3)
     order = [np.lexsort(np.round(each.points, 9).T) for each in (a, b)]
     np.testing.assert_allclose(a.points[order[0]], b.points[order[1]], atol=1e-12)
     found = (b.values @ (P @ u).reshape(-1, 3))[order[1]]

@@ -37,7 +37,7 @@ def make(kind, cell, degree, placement=PLACEMENT):
 
 
 def coordinates(body, degree):
-    sample = body.volume_sample(degree)
+    sample = body.space.volume_sample(degree)
     return sample.values.T @ sample.points
 
 

@@ -34,7 +34,7 @@ def annulus(cell, degree, **options):
 
 def coordinates(body, degree):
     """Positions of the scalar dofs: at the nodes, basis functions are one or zero."""
-    sample = body.volume_sample(degree)
+    sample = body.space.volume_sample(degree)
     rounded = sample.values.copy()
     rounded.data = np.rint(rounded.data)
     assert abs(rounded - sample.values).max() < 1e-13

@@ -15,7 +15,7 @@ def unknowns(system, motions):
 
 def control_points(body):
     """Coefficients that reproduce x, from the body's own trace of a fine volume sample."""
-    sample = body.volume_sample(3)
+    sample = body.space.volume_sample(3)
     values = sample.values.toarray()
     return np.linalg.lstsq(values, sample.points, rcond=None)[0]
 

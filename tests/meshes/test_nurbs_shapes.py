@@ -63,7 +63,7 @@ def test_hub(hub: Hub, layers: int) -> None:
             outward = np.tile([0, 0, 1 if name.endswith("top") else -1], (len(points), 1))
         normal = points.normal @ TILTED.rotation
         assert np.abs(normal - outward * (-1 if name == "bore" else 1)).max() < 1e-13
-    assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
+    assert len(np.unique(np.round(part.space.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
 def given(patch: NurbsPatch) -> GivenPatch:
