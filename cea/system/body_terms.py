@@ -124,8 +124,8 @@ class BodyTerms:
     def strain(self, x: Any) -> Any | None:
         """Displacement that elastic forces of beta K belong to: beta Omega M^-1 B of one in space.
 
-        Of displacements of all unknowns (m), PETSc vector, that of all dofs of the body; None without
-        damping of its stiffness.
+        Of displacements of all unknowns (m), PETSc vector, that of all dofs of the body; None
+        without damping of its stiffness.
         """
         damping, rotation = self.motion.damping, self.motion.rotation
         if damping is None or rotation is None or not damping.beta * rotation.rate:
