@@ -162,6 +162,13 @@ def absolute(matrix: Any) -> Any:
     return distributed(rows, matrix.getSizes()[1], matrix.comm, shared=True)
 
 
+def squared(matrix: Any) -> Any:
+    """Squares of the entries of a PETSc AIJ matrix, a new one."""
+    part = local_part(matrix)
+    part.data = part.data**2
+    return distributed(part, matrix.getSizes()[1], matrix.comm)
+
+
 def block_diagonal(blocks: Sequence[Any]) -> Any:
     """Nest of matrices along the diagonal; convert it to AIJ to compute with it."""
     n = len(blocks)

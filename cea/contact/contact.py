@@ -54,7 +54,7 @@ class Contact:
     coupling
         What becomes of the gaps at the points.
     form
-        Penalty or saddle form; None leaves the choice to :func:`cea.contact.forms.with_forms`.
+        Penalty or saddle form; None leaves the choice to the digits a penalty would cost.
     added_gap
         What is added to the distance of the sides (m), at all points, shape (n,), or one number; a
         linear law takes the sides to touch.

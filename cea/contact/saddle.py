@@ -23,7 +23,6 @@ from scipy.sparse import csr_array, diags_array, vstack
 from cea.arrays import Floats
 from cea.contact.compression import compressed
 from cea.contact.contact import Contact
-from cea.contact.forms import squared
 from cea.eigen.multipliers import ForcesOfContact
 from cea.eigen.parameters import NOTHING, Coefficient
 from cea.matrices import (
@@ -33,6 +32,7 @@ from cea.matrices import (
     identity,
     local_part,
     one_below_the_other,
+    squared,
 )
 from cea.petsc import MPI
 

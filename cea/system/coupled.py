@@ -16,7 +16,6 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact, assembled
-from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.saddle import forces_of_contacts
 from cea.contact.sliding import sliding_parameters, sliding_terms
 from cea.eigen.parameters import Coefficient, Parameter
@@ -30,8 +29,12 @@ from cea.system.contact_terms import (
     by_pair,
     contact_parameters,
     contact_terms,
+    form_for,
     friction_references,
+    penalty_digits,
+    penalty_warnings,
     stiffnesses,
+    with_forms,
     with_own_friction,
 )
 

@@ -229,22 +229,11 @@ class _Path:
 
     def _load_step(self, factor: float, run: Iteration) -> LoadStep:
         how = (tuple(run.residuals), tuple(run.lengths), tuple(run.closed), run.parity)
-        return LoadStep(factor, *how, self._step_state(run.state) if self._history else None)
-
-    def _step_state(self, state: State) -> StepState:
-        """The equilibrium under a part of the load, and how far it is from another one."""
-        equations, margin = self._equations, None
-        tangent = equations.tangent(equations.slopes(state.closures))
-        try:
-            with self._timer("factorisation"):
-                factors = _factorised(tangent, state)
-                unique = uniqueness_at(tangent, factors, {}, unstable=equations.unstable)
-                factors.free()
-            margin = unique.margin if unique is not None else None
-        except ConvergenceError:  # a later step may hold the bodies
-            pass
-        free_tangent(tangent)
-        return StepState(equations.vector(state.x), self._contact_states(state), margin)
+        state = None
+        if self._history:
+            x = self._equations.vector(run.state.x)
+            state = StepState(x, self._contact_states(run.state))
+        return LoadStep(factor, *how, state)
 
     def _contact_states(self, state: State) -> dict[str, ContactState]:
         return {

@@ -51,8 +51,6 @@ class StepState:
 
     displacement: Vec  # free displacements (m), PETSc vector
     contacts: Mapping[str, ContactState]  # state of each half pass with a law, by its name
-    # that of :class:`Uniqueness`; None where the tangent is symmetric or singular
-    margin: float | None
 
 
 @dataclass(frozen=True)

@@ -101,7 +101,6 @@ def _step_data(step: "LoadStep") -> dict[str, Any]:
         data |= {
             "iterations": len(step.lengths),
             "contacts": {name: _contact_data(s) for name, s in step.state.contacts.items()},
-            "margin": step.state.margin,
         }
     return data
 

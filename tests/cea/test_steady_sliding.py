@@ -108,20 +108,6 @@ def test_a_crowned_gap_closes_in_part(backend, formulation):
     assert state.normal_force == pytest.approx(PRESSURE * AREA, rel=1e-10)
 
 
-def test_parts_of_the_load_lead_to_the_same_state(backend):
-    system = coupled_blocks(backend, GPTS, c_n=1e4, m_n=2.0, mu=0.4)
-    once, often = (steady_sliding(system, steps=steps) for steps in (1, 5))
-    assert [step.factor for step in often.path] == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
-    pressures = [each.contacts["interface"].pressure for each in (once, often)]
-    assert pressures[1] == pytest.approx(pressures[0], abs=1e-9 * pressures[0].max())
-
-
-def test_without_friction_the_tangent_is_symmetric_and_the_state_alone(backend):
-    steady = steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT, m_n=2.0, mu=0.0))
-    assert steady.uniqueness is None
-    assert steady.contacts["interface"].friction_force == 0.0
-
-
 @pytest.mark.parametrize("law", [{"c_n": SOFT}, {"c_n": SOFT, "m_n": 2.5}])
 def test_a_load_that_opens_the_contact_is_refused(backend, law):
     system = coupled_blocks(backend, GPTS, pressure=-PRESSURE, **law)
