@@ -116,15 +116,10 @@ class Mesh:
         if twice.any():
             worst = self.cells[np.argmax(twice)].tolist()
             raise InputError("cells", worst, "different nodes in each cell")
-        # Sums of random numbers tell apart cells without sorting them all.
-        marks = np.random.default_rng(0).integers(2**63, size=len(self.points), dtype=np.uint64)
-        sums = marks[self.cells].sum(axis=1, dtype=np.uint64)
-        order = np.argsort(sums, kind="stable")
-        alike = np.flatnonzero(np.diff(sums[order]) == 0)
-        same = (ordered[order[alike]] == ordered[order[alike + 1]]).all(axis=1)
-        if same.any():
-            worst = self.cells[order[alike[np.argmax(same)]]].tolist()
-            raise InputError("cells", worst, "each cell once")
+        group = _same_rows(ordered)
+        alike = np.flatnonzero(np.bincount(group)[group] > 1)
+        if alike.size:
+            raise InputError("cells", self.cells[alike[0]].tolist(), "each cell once")
 
     def _numbers(self, field: str, nodes: ArrayLike, per_row: int) -> Ints:
         """Node numbers as an array, checked."""

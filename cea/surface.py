@@ -5,7 +5,7 @@ scalar dof numbers of one layer of cells, so that points, location and trace nee
 
 Where its normal jumps the surface has a corner. Corners divide it into smooth parts: a point at a
 corner has the normal of the element whose coordinates it bears, and rules have one point there for
-each part (:mod:`cea.corners`).
+each part (:mod:`cea.surface_points`).
 """
 
 from abc import ABC, abstractmethod
@@ -19,7 +19,6 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
-from cea.corners import connected, equal_shares, pairs_of_equal, smooth_parts, split_functions
 from cea.errors import InputError
 from cea.location import CellBounds, locate_along
 from cea.mesh import lattice
@@ -28,7 +27,12 @@ from cea.surface_points import (
     SurfaceCells,
     SurfaceCoordinates,
     SurfacePoints,
+    connected,
+    equal_shares,
     gauss_rule,
+    pairs_of_equal,
+    smooth_parts,
+    split_functions,
 )
 
 _MERGE = 1e-7

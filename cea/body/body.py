@@ -11,16 +11,24 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array, kron
 
 from cea.arrays import Floats, Ints
 from cea.body.space import Space
 from cea.material import IsotropicMaterial
-from cea.matrices import antisymmetrised, destroy, symmetrised, total
+from cea.matrices import antisymmetrised, destroy, distributed, symmetrised, total
 from cea.petsc import PETSc
 from cea.rotation import Rotation
-from cea.supports.boundary import Force, Pressure, Spring, Support, check_boundary, through_body
+from cea.supports.boundary import (
+    Force,
+    Pressure,
+    Spring,
+    Support,
+    check_boundary,
+    on_surfaces,
+    through_body,
+)
 from cea.supports.constraints import Constraints
-from cea.supports.loads import foundation, surface_forces
 from cea.surface import Surface
 
 
@@ -162,7 +170,7 @@ class Body:
         if not self.springs:
             return None
         own = slice(*(self.dim * number for number in self._own))
-        parts = [foundation(self.surfaces[s.surface], s, own, self.comm) for s in self.springs]
+        parts = [_foundation(self.surfaces[s.surface], s, own, self.comm) for s in self.springs]
         whole = total(parts)
         destroy(*parts)
         return whole
@@ -219,7 +227,7 @@ class Body:
     def full_load(self) -> Any:
         """F: forces of loads on all dofs, PETSc vector (full), N."""
         shape = (self.num_scalar_dofs, self.dim)
-        forces = surface_forces(self.surfaces, self.pressures, self.forces, shape)
+        forces = _surface_forces(self.surfaces, self.pressures, self.forces, shape)
         full = self.expansion.createVecLeft()
         full.setArray(forces[slice(*self._own)].ravel())
         if (through := through_body(self.forces)) is not None:
@@ -228,3 +236,34 @@ class Body:
             volumes.multAdd(uniform, full, full)
             destroy(volumes, uniform)
         return full
+
+
+def _foundation(surface: Surface, spring: Spring, own: slice, comm: Any) -> Any:
+    """Matrix of a spring: int k_c phi_m phi_n on the diagonal of components c."""
+    points = surface.gauss_points(surface.cells().degree + 1)
+    scaled = diags_array(np.sqrt(points.weight)) @ surface.trace(points.at)
+    scalar = csr_array(scaled.T @ scaled)
+    whole = csr_array(kron(scalar, diags_array(np.asarray(spring.stiffness)), format="csr"))
+    rows = csr_array(whole[own])
+    return distributed(rows, rows.shape, comm)
+
+
+def _surface_forces(
+    surfaces: Mapping[str, Surface],
+    pressures: Sequence[Pressure],
+    forces: Sequence[Force],
+    shape: tuple[int, int],
+) -> Floats:
+    """Forces of loads on surfaces on all scalar dofs (N); those on every part are left out."""
+    total = np.zeros(shape)
+    for pressure in pressures:
+        surface = surfaces[pressure.surface]
+        # Of facets of degree q, function times normal times area element has up to 3 q - 1.
+        points = surface.gauss_points((3 * surface.cells().degree + 1) // 2)
+        traction = -pressure.value * points.normal
+        total += surface.trace(points.at).T @ (points.weight[:, None] * traction)
+    for name, value in on_surfaces(forces):
+        points = surfaces[name].gauss_points(surfaces[name].cells().degree + 1)
+        share = surfaces[name].trace(points.at).T @ points.weight
+        total += share[:, None] * value / points.weight.sum()
+    return total

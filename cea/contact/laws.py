@@ -90,7 +90,7 @@ NormalLaw = LinearLaw | NormalCompliance
 
 @dataclass(frozen=True)
 class Sliding:
-    """Steady sliding, as far as small velocities feel it (:mod:`cea.contact.sliding`).
+    """Steady sliding, as far as small velocities feel it (:mod:`cea.system.contact_terms`).
 
     Parameters
     ----------

@@ -17,7 +17,6 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact, assembled
 from cea.contact.saddle import forces_of_contacts
-from cea.contact.sliding import sliding_parameters, sliding_terms
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
@@ -33,6 +32,8 @@ from cea.system.contact_terms import (
     friction_references,
     penalty_digits,
     penalty_warnings,
+    sliding_parameters,
+    sliding_terms,
     stiffnesses,
     with_forms,
     with_own_friction,
@@ -148,7 +149,7 @@ class CoupledSystem:
         ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
         where it varies. Without friction, if that was left out, there is no mu. Where p is the
         slope of a law in a state of steady sliding there is no P, and the state stays. Damping,
-        rotation and sliding add theirs (:mod:`cea.system.body_terms`, :mod:`cea.contact.sliding`).
+        rotation and sliding add theirs.
 
         Parameters
         ----------
