@@ -5,7 +5,7 @@ import pytest
 from blocks import assemble, two_blocks
 
 from cea.errors import InputError
-from comparisons.stability.parts.dense import array
+from comparisons.stability.dense import array
 
 FREE = "where(x < 0.37, 0, 3.0)"
 """The closed part begins inside of elements of either side; side a reaches from 0.2 to 0.7."""
