@@ -245,14 +245,17 @@ def parsed(text: str) -> ast.expr:
         raise ValueError(error.msg) from None
     except (RecursionError, MemoryError):
         raise ValueError(_TOO_DEEP) from None
-    level: list[ast.AST] = [tree]
-    for _ in range(MAX_DEPTH):
-        for node in level:
-            _check_node(node)
-        level = [child for node in level for child in ast.iter_child_nodes(node)]
-    if level:
-        raise ValueError(_TOO_DEEP)
+    _check(tree, MAX_DEPTH)
     return tree
+
+
+def _check(node: ast.AST, depth: int) -> None:
+    """Refuse what is nested too deep or no arithmetic, all the way down."""
+    if not depth:
+        raise ValueError(_TOO_DEEP)
+    _check_node(node)
+    for child in ast.iter_child_nodes(node):
+        _check(child, depth - 1)
 
 
 def _check_node(node: ast.AST) -> None:

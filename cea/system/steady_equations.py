@@ -76,7 +76,9 @@ class SteadyEquations:
         self.comm = system.template.comm.tompi4py()
         self.contacts = tuple(c for c in system.contacts if not c.law.linear)
         self.frictional = tuple(c.has_friction for c in self.contacts)
-        self.matrices = self._linear()
+        # The pencil at rest without contacts that have a law.
+        linear = (replace(c, sliding=None) for c in system.contacts if c.law.linear)
+        self.matrices = replace(system, contacts=tuple(linear)).pencil().at_rest().at()
         self._gaps = tuple(contact.projected_gap(initial_gap(contact)) for contact in self.contacts)
         self._prescribed = tuple(
             np.zeros(len(gap))
@@ -85,11 +87,6 @@ class SteadyEquations:
             for contact, gap in zip(self.contacts, self._gaps, strict=True)
         )
         self._x = system.vector()
-
-    def _linear(self) -> Matrices:
-        """The pencil at rest without contacts that have a law; to be released."""
-        linear = (replace(c, sliding=None) for c in self.system.contacts if c.law.linear)
-        return replace(self.system, contacts=tuple(linear)).pencil().at_rest().at()
 
     @cached_property
     def unstable(self) -> bool:
@@ -226,19 +223,14 @@ class SteadyEquations:
         )
 
     def checked_residual(self, state: State, tangent: Matrices) -> float:
-        """Forces left over in a state under the whole load, relative to the load; collective.
-
-        They are measured with the pieces of the pencil that is linearised about it.
-        """
-        own, x, f = self._linear(), state.x[:, None], state.f[:, None]
+        """Forces left over in a state under the whole load, relative to the load; collective."""
         contact, load = self.contact_forces(state.closures), self.load_at(1.0)
-        left = internal_forces(own, x, f)[:, 0] + contact - load
-        release(own)
-        norm, of_load, of_contact = self.norms(left, load, contact)
+        norm, of_load, of_contact = self.norms(state.residual, load, contact)
         size = of_load or of_contact or 1.0
         if norm > LEFT_OVER * size:
             sizes = Sizes(tangent)
-            (rounding,) = self.norms(np.finfo(float).eps * sizes.forces(x, f)[:, 0])
+            forces = sizes.forces(state.x[:, None], state.f[:, None])
+            (rounding,) = self.norms(np.finfo(float).eps * forces[:, 0])
             sizes.free()
             if norm > rounding:
                 raise ConvergenceError(
