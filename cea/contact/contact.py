@@ -71,6 +71,8 @@ class Contact:
         Projection on the traces of side a; None where points stand for themselves.
     lumped
         K_n and K_f of lumped contact; None of others.
+    of_unit_friction
+        Whether slip operators are made with a coefficient of 1, as that of the contact is zero.
     prescribed
         What displacements that supports prescribe close of the gap at all points (m), shape (n,);
         None where they close nothing.
@@ -92,6 +94,7 @@ class Contact:
     slip: Any | None = None
     projection: MortarProjection | None = None
     lumped: tuple[Any, Any | None] | None = None
+    of_unit_friction: bool = False
     prescribed: Floats | None = None
 
     @cached_property
@@ -141,21 +144,17 @@ class Contact:
         return self.friction is not None and self.friction.acts
 
     @property
-    def _mu(self) -> Floats:
-        """Friction coefficient, at all points or one for all; 1 where it is zero everywhere."""
-        mu = np.asarray(self.friction.mu if self.friction is not None else 0.0, dtype=float)
-        return mu if mu.any() else np.ones_like(mu)
-
-    @property
     def mu(self) -> float:
         """Friction coefficient that the slip operator is made with; 1 where it varies."""
-        return 1.0 if np.ptp(self._mu) else float(self._mu.flat[0])
+        mu = np.asarray(self.friction.mu if self.friction is not None else 0.0)
+        return 1.0 if self.of_unit_friction or np.ptp(mu) else float(mu.flat[0])
 
     @property
     def mu_at_points(self) -> Floats:
-        """Friction coefficient at the points of this rank; 1 where it is zero everywhere."""
-        interface = self.interface
-        return np.broadcast_to(self._mu, len(interface.points))[interface.rows]
+        """Friction coefficient that slips at the points of this rank are taken times."""
+        assert self.friction is not None
+        mu = 1.0 if self.of_unit_friction else self.friction.mu
+        return np.broadcast_to(mu, len(self.interface.points))[self.interface.rows]
 
     def friction_direction(self) -> Floats:
         """Direction k at the points of this rank, shape (n_local, dim); collective."""
@@ -257,11 +256,22 @@ class Contact:
         return every
 
 
-def assembled(bodies: Mapping[str, Body], contact: Contact, *, leave_out: bool = True) -> Contact:
+def assembled(
+    bodies: Mapping[str, Body], contact: Contact, *, frictional: bool, leave_out: bool
+) -> Contact:
     """A contact with its operators on the unknowns of all bodies; collective.
 
-    Slip operators are left out where there is no friction, or kept for later friction.
+    Parameters
+    ----------
+    bodies, contact
+        The bodies, the contact.
+    frictional
+        Whether it has friction, or the other half of the full pass has.
+    leave_out
+        Whether slip operators are left out where it has none.
     """
+    if contact.friction is not None and not frictional:
+        contact = replace(contact, of_unit_friction=True)
     interface, points = contact.interface, contact.interface.local_points
     bonded = contact.coupling == "bonded"
     projection = None
@@ -286,15 +296,14 @@ def assembled(bodies: Mapping[str, Body], contact: Contact, *, leave_out: bool =
         destroy(*axes)
     else:
         gap = operator(points.normal)
-    slip = direction = lumped = None
-    keeps = contact.friction is not None and not leave_out and not bonded
-    if contact.has_friction or keeps:
-        direction = contact.friction_direction()
-        slip = operator(contact.mu_at_points[:, None] * direction)
+    slip = lumped = None
+    pushed = None
+    if contact.friction is not None and not bonded and (frictional or not leave_out):
+        pushed = contact.mu_at_points[:, None] * contact.friction_direction()
+        slip = operator(pushed)
     if contact.coupling == "lumped":
         weight = points.weight * contact.slope[interface.rows]
-        sides = (contact.a, contact.b)
-        lumped = lumped_matrices(bodies, sides, interface, weight, direction, contact.mu_at_points)
+        lumped = lumped_matrices(bodies, (contact.a, contact.b), interface, weight, pushed)
     closed = _closed_by_supports(bodies, contact, points.normal)
     return replace(
         contact,

@@ -36,7 +36,6 @@ from cea.system.contact_terms import (
     sliding_terms,
     stiffnesses,
     with_forms,
-    with_own_friction,
 )
 
 if TYPE_CHECKING:
@@ -158,11 +157,9 @@ class CoupledSystem:
         eliminate
             Whether all contact forces are eliminated; no contact is tied.
         """
-        friction, counted = friction_references(self.contacts), with_own_friction(self.contacts)
+        friction = friction_references(self.contacts)
         kept = [c for c in self.contacts if c.has_multipliers and not eliminate]
         others = [c for c in self.contacts if c not in kept]
-        # Where one half of a full pass alone has friction, the other has none.
-        own = [c if c in counted else replace(c, slip=None) for c in self.contacts]
         terms = [
             *(term for each in self.pieces.values() for term in each.terms),
             *(
@@ -171,13 +168,12 @@ class CoupledSystem:
             ),
             *contact_terms(self.contacts, others, friction),
         ]
-        forces = [c for c in own if c.has_multipliers and not eliminate]
         if self.with_mass:
-            terms += sliding_terms(self.bodies, own, friction)
+            terms += sliding_terms(self.bodies, self.contacts, friction)
         return Pencil(
             terms,
             self._parameters(friction),
-            list(forces_of_contacts(forces, self.stiffness_diagonal, friction)),
+            list(forces_of_contacts(kept, self.stiffness_diagonal, friction)),
             [term for each in self.pieces.values() for term in each.modal],
             [term for each in self.pieces.values() for term in each.circulatory],
             leave_out=leave_out,
@@ -275,7 +271,11 @@ def couple(
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
     template, diagonal = nest.createVecRight(), nest.createVecRight()
     destroy(nest)
-    made = [assembled(bodies, contact, leave_out=leave_out) for contact in contacts]
+    frictional = {contact.pair for contact in contacts if contact.has_friction}
+    made = [
+        assembled(bodies, contact, frictional=contact.pair in frictional, leave_out=leave_out)
+        for contact in contacts
+    ]
     parts = [body.stiffness().getDiagonal() for body in bodies.values()]
     diagonal.array[:] = np.concatenate([part.array_r for part in parts])
     destroy(*parts)

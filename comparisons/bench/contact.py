@@ -120,7 +120,9 @@ def contact_cost(scene: Scene) -> dict[str, float]:
     at, opposite = interface.points.at, interface.opposite.at
     _, basis = _timed(lambda: (a.trace(at), b.trace(opposite)))
     (half,) = build_contacts(scene, {"contact": interface})
-    contact, operators = _timed(lambda: assembled(bodies, half))
+    contact, operators = _timed(
+        lambda: assembled(bodies, half, frictional=half.has_friction, leave_out=True)
+    )
     if contact.projection is None:
         made, matrices = _timed(lambda: (contact.K_n, contact.K_f))
         destroy(*made)
