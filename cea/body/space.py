@@ -14,7 +14,7 @@ from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.surface import Surface
-from cea.volume import VolumeCells, VolumeSample
+from cea.volume import VolumeCells
 
 
 class Space(Protocol):
@@ -89,10 +89,6 @@ class Space(Protocol):
         coarse function and these, relative to its coefficients. Refused where the spaces are not
         those of one body.
         """
-        ...
-
-    def volume_sample(self, subdivisions: int) -> VolumeSample:
-        """Sample of the whole body, cells divided so many times a direction; complete on rank 0."""
         ...
 
     def volume_cells(self) -> VolumeCells:

@@ -18,7 +18,7 @@ from cea.body import Body
 from cea.errors import ResultWarning
 from cea.ranks import made_on_first
 from cea.system.coupled import CoupledSystem
-from cea.volume import VolumeSample
+from cea.volume import StraightCells
 from scenes.spec.reading import Scene
 
 _SOFTEST = 1e3
@@ -95,8 +95,9 @@ def _doubtful_material(E: float, rho: float | None) -> Iterator[tuple[str, float
 def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
     """Displacements larger than their body and strains that linear elasticity has no right to."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
-        sample, full = body.space.volume_sample(1), system.displacement(x, name, everywhere=False)
-        found = made_on_first(body.comm, partial(_motion, sample, full))
+        full = system.displacement(x, name, everywhere=False)
+        cells = body.space.volume_cells().straight()
+        found = made_on_first(body.comm, partial(_motion, cells, full))
         motion, length, strain = body.comm.bcast(found)
         if motion > length:
             yield ResultWarning(
@@ -114,7 +115,7 @@ def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[Re
             )
 
 
-def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
+def _motion(sample: StraightCells, full: Floats) -> tuple[float, float, float]:
     """Largest displacement (m), length of the body (m), largest mean principal strain of a cell."""
     u = sample.values @ full.reshape(-1, sample.points.shape[1])
     x, moved = sample.points[sample.cells], u[sample.cells]
@@ -130,7 +131,7 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
     named = sorted({name for pair in pairs for name in pair})
-    samples = {name: bodies[name].space.volume_sample(1) for name in named}
+    samples = {name: bodies[name].space.volume_cells().straight() for name in named}
     boxes = {name: _box(bodies[name].comm, sample) for name, sample in samples.items()}
     for pair in pairs:
         (low, high), (least, greatest) = (boxes[name] for name in pair)
@@ -147,19 +148,19 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
             )
 
 
-def _box(comm: Any, sample: VolumeSample) -> tuple[Floats, Floats]:
+def _box(comm: Any, sample: StraightCells) -> tuple[Floats, Floats]:
     """Least and greatest coordinates (m) of a body; collective."""
     ends = (sample.points.min(axis=0), sample.points.max(axis=0)) if comm.rank == 0 else None
     low, high = comm.bcast(ends)
     return low, high
 
 
-def _middles_inside(one: VolumeSample, other: VolumeSample) -> int:
+def _middles_inside(one: StraightCells, other: StraightCells) -> int:
     """How many cells of each of two bodies have their middle in the other."""
     return _inside(one, other) + _inside(other, one)
 
 
-def _inside(one: VolumeSample, other: VolumeSample) -> int:
+def _inside(one: StraightCells, other: StraightCells) -> int:
     """How many cells of one have their middle in straight cells of the other."""
     middles = one.points[one.cells].mean(axis=1)
     dim = middles.shape[1]
