@@ -45,7 +45,7 @@ RENAMED = {
     "formulations": "study formulations",
     "peers": "bench calculix",
     "race": "bench matrices",
-    "reference": "study reference",
+    "reference": "converge disc_pad",
 }
 """Commands under the names that they had, and what they are called now."""
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from comparisons.study.study import Study
 
 STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
-    "agreement": ("agreement:STUDY", "Both backends on the same scenes, every formulation.", ()),
+    "agreement": ("agreement:STUDY", "Both backends on disc and pad, in every pairing.", ()),
     "accuracy": ("accuracy.study:STUDY", "Error of every method against run time.", ("exact",)),
     "formulations": (
         *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
@@ -32,13 +32,11 @@ STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
         ("exact",),
     ),
     "brake": ("brake.study:STUDY", "A ventilated brake on several meshes.", ()),
-    "reference": ("reference.study:STUDY", "Converged modes of disc and pad, as stored.", ()),
     "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),
 }
 """Place of each study below comparisons, its help, and the extras that it needs beside pictures."""
 BENCHMARKS: dict[str, tuple[str, str, tuple[str, ...]]] = {
-    "assembly": ("bench.assembly:STUDY", "Stiffness and mass, beside dolfinx and others.", ()),
-    "contact": ("bench.contact:STUDY", "Search and assembly of up to a million points.", ()),
+    "assembly": ("bench.assembly:STUDY", "Stiffness and mass, beside dolfinx.", ()),
     "solve": ("bench.solve:STUDY", "Modes of disc_pad, beside SLEPc, scipy, projection.", ()),
     "scaling": ("bench.scaling:STUDY", "More ranks, finer meshes, higher degrees.", ()),
     "matrices": ("bench.matrices:STUDY", "Matrices from files, beside scipy.", ()),

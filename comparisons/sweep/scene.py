@@ -11,10 +11,9 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil, release
 from cea.eigen.shifted import count_below
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.reduced.norm import shift_of
 from cea.reduced.pieces import check_pencil
-from cea.warned import ResultWarning
 from comparisons.sweep.points import Field, Points, table_of
 from scenes import Result
 from scenes.running.assembled import AssembledScene

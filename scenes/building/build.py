@@ -14,9 +14,9 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body, Space
 from cea.contact.contact import Contact
-from cea.contact.friction import FrictionDirection, Reversed
+from cea.contact.friction import Friction, FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
-from cea.contact.laws import Friction, LinearLaw, NormalLaw, Sliding
+from cea.contact.laws import LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError
 from cea.expressions import Expression, evaluate
 from cea.mesh import Mesh

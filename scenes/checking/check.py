@@ -7,9 +7,8 @@ import numpy as np
 
 from cea.body import Body
 from cea.contact.contact import Contact
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.building.build import below, build_bodies, build_contacts, build_interfaces
 from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import check_memory, estimated_memory

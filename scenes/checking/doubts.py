@@ -16,10 +16,10 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.errors import ResultWarning
 from cea.ranks import made_on_first
 from cea.system.coupled import CoupledSystem
-from cea.volume import VolumeSample
-from cea.warned import ResultWarning
+from cea.volume import StraightCells
 from scenes.spec.reading import Scene
 
 _SOFTEST = 1e3
@@ -90,8 +90,9 @@ def doubtful_numbers(scene: Scene) -> Iterator[ResultWarning]:
 def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
     """Displacements larger than their body and strains that linear elasticity has no right to."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
-        sample, full = body.volume_sample(1), system.displacement(x, name, everywhere=False)
-        found = made_on_first(body.comm, partial(_motion, sample, full))
+        full = system.displacement(x, name, everywhere=False)
+        cells = body.space.volume_cells().straight()
+        found = made_on_first(body.comm, partial(_motion, cells, full))
         motion, length, strain = body.comm.bcast(found)
         if motion > length:
             yield ResultWarning(
@@ -109,7 +110,7 @@ def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[Re
             )
 
 
-def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
+def _motion(sample: StraightCells, full: Floats) -> tuple[float, float, float]:
     """Largest displacement (m), length of the body (m), largest mean principal strain of a cell."""
     u = sample.values @ full.reshape(-1, sample.points.shape[1])
     x, moved = sample.points[sample.cells], u[sample.cells]
@@ -125,7 +126,7 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
     names = dict.fromkeys(name for pair in pairs for name in pair)  # in one order on all ranks
-    samples = {name: bodies[name].volume_sample(1) for name in names}
+    samples = {name: bodies[name].space.volume_cells().straight() for name in names}
     for one, other in pairs:
         counted = partial(_middles_inside, samples[one], samples[other])
         cells = bodies[one].comm.bcast(made_on_first(bodies[one].comm, counted))
@@ -138,11 +139,11 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
             )
 
 
-def _middles_inside(one: VolumeSample, other: VolumeSample) -> int:
+def _middles_inside(one: StraightCells, other: StraightCells) -> int:
     return _inside(one, other) + _inside(other, one)
 
 
-def _inside(one: VolumeSample, other: VolumeSample) -> int:
+def _inside(one: StraightCells, other: StraightCells) -> int:
     """How many cells of one have their middle in straight cells of the other."""
     middles = one.points[one.cells].mean(axis=1)
     dim = middles.shape[1]

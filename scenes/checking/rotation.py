@@ -7,8 +7,8 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact
+from cea.errors import ResultWarning
 from cea.rotation import Rotation
-from cea.warned import ResultWarning
 from scenes.spec.reading import Scene
 
 _SURFACE_WAVES = 0.8
@@ -68,7 +68,9 @@ def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Resu
         rotation = scene.bodies[name].rotation
         if rotation is None or not rotation.convective_stiffness or body.material.rho is None:
             continue
-        speeds = np.linalg.norm(_velocity(rotation, body.volume_sample(1).points), axis=1)
+        speeds = np.linalg.norm(
+            _velocity(rotation, body.space.volume_cells().straight().points), axis=1
+        )
         speed = float(max(body.comm.allgather(speeds.max(initial=0.0))))
         wave = float(np.sqrt(body.material.lame[1] / body.material.rho))
         if speed > _SURFACE_WAVES * wave:

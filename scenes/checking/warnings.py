@@ -16,10 +16,10 @@ from cea.arrays import Complexes, Floats
 from cea.body import Body
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
+from cea.errors import ResultWarning
 from cea.expressions import Expression, evaluate
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
-from cea.warned import ResultWarning
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import VentilatedDisc
 from scenes.building.build import used_surfaces

@@ -6,9 +6,9 @@ from typing import TypedDict, Unpack
 
 from cea.body import Body
 from cea.contact.interface import Interface
+from cea.errors import ResultWarning
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.building.build import build_bodies, build_interfaces, build_system
 from scenes.checking.doubts import doubtful_motions, doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import check_memory

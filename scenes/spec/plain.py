@@ -12,9 +12,8 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from cea.errors import InputError
+from cea.errors import InputError, did_you_mean
 from cea.files import regular
-from cea.suggestions import did_you_mean
 from scenes.spec.problems import SceneError, problems
 
 SCENES = Path(__file__).parents[1] / "catalogue"

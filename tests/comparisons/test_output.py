@@ -10,8 +10,8 @@ import pytest
 from rich.console import Console
 
 from cea.eigen.spectrum import Spectrum, Window
+from cea.errors import ResultWarning
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from comparisons.cli.output import print_frame, print_result, working
 from comparisons.study.columns import Column
 from comparisons.study.numbers import shown
