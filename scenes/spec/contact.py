@@ -159,17 +159,22 @@ class ContactSpec:
         _check_field("added_gap", self.added_gap)
         self._check_stiffness()
         method, coupling = self.formulation.method, self.formulation.coupling
-        rubs, slides = self.mu != 0, self.sliding is not None
+        frictional, slides = self.mu != 0, self.sliding is not None
         undirected = self.friction_direction_on_a is None
         stiffness = "P" if self.P is not None else "p"
         tied, lumped = inf in (self.P, self.p), coupling == "lumped"
         bonded = coupling == "bonded"
         refuse_first(
-            (rubs and undirected, "friction_direction_on_a", None, "needed when mu is not zero"),
+            (
+                frictional and undirected,
+                "friction_direction_on_a",
+                None,
+                "needed when mu is not zero",
+            ),
             (tied and self.form == "penalty", stiffness, inf, "finite, or form = 'saddle'"),
             (tied and lumped, stiffness, inf, "finite where lumped"),
             (lumped and self.form == "saddle", "form", "saddle", "penalty where lumped"),
-            (bonded and rubs, "formulation.method", method, "a half pass with mu = 0"),
+            (bonded and frictional, "formulation.method", method, "a half pass with mu = 0"),
             (bonded and self.full_pass, "formulation.method", method, "a half pass with mu = 0"),
             (bonded and slides, "formulation", method, "one that is not bonded where it slides"),
             (slides and undirected, "friction_direction_on_a", None, "needed where it slides"),
