@@ -1,17 +1,87 @@
-"""Linear isotropic elasticity."""
+"""Linear elastic solids: isotropic, transversely isotropic, orthotropic, fully anisotropic.
 
-from collections.abc import Iterator
+The compliance of an orthotropic solid in its axes (Ting, Anisotropic Elasticity, 1996, sec. 2.6):
+
+    eps_ii = sigma_ii / E_i - sum_j nu_ji / E_j sigma_jj,    nu_ij / E_i = nu_ji / E_j,
+    2 eps_ij = sigma_ij / G_ij.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cea.arrays import is_number
+from cea.arrays import Floats, is_number
+from cea.elasticity import Axes, CylindricalAxes, Elasticity
 from cea.errors import InputError, refuse
 
 
+class Material(ABC):
+    """What all solids have; ``rho`` (kg/m^3) is None where no mass is needed (static scenes)."""
+
+    rho: float | None
+    axes: Axes | CylindricalAxes | None = None
+
+    @property
+    @abstractmethod
+    def constants(self) -> dict[str, float]:
+        """Constants that are parameters of a pencil, by the names of their fields."""
+
+    @abstractmethod
+    def matrix_of(self, constants: Mapping[str, Any]) -> Any:
+        """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
+
+    @cached_property
+    def matrix(self) -> Floats:
+        """Constants in its axes (N/m^2), (6, 6)."""
+        return self.matrix_of(self.constants)
+
+    def __post_init__(self) -> None:
+        refuse(self._faults())
+
+    def _faults(self) -> Iterator[InputError]:
+        if self.rho is not None and not (is_number(self.rho) and self.rho > 0):
+            yield InputError("material.rho", self.rho, "a positive number (kg/m^3)")
+
+    def density(self, field: str) -> float:
+        """Density (kg/m^3), which is needed here; refused where there is none."""
+        if self.rho is None:
+            raise InputError(f"{field}.rho", None, "a density (kg/m^3) is needed for eigenvalues")
+        return self.rho
+
+    @cached_property
+    def elasticity(self) -> Elasticity:
+        """Stress of a displacement gradient."""
+        return Elasticity(self.matrix, self.axes)
+
+    @cached_property
+    def means(self) -> tuple[float, float]:
+        """Bulk and shear modulus (N/m^2) of many grains in random directions at one stress.
+
+        Reuss's means (Hill, Proc. Phys. Soc. A 65 (1952) 349), of isotropic solids their own.
+        """
+        s = np.linalg.inv(self.matrix)
+        normal, cross, shear = np.trace(s[:3, :3]), s[0, 1] + s[0, 2] + s[1, 2], np.trace(s[3:, 3:])
+        return 1 / (normal + 2 * cross), 15 / (4 * (normal - cross) + 3 * shear)
+
+    @property
+    def modulus(self) -> float:
+        """Young's modulus (N/m^2) that tells how stiff the solid is, a mean of all directions."""
+        bulk, shear = self.means
+        return 9 * bulk * shear / (3 * bulk + shear)
+
+    @property
+    def lateral(self) -> float:
+        """Poisson's ratio that tells how nearly incompressible the solid is."""
+        bulk, shear = self.means
+        return (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)
+
+
 @dataclass(frozen=True)
-class IsotropicMaterial:
+class IsotropicMaterial(Material):
     """Linear isotropic elastic solid.
 
     Parameters
@@ -27,23 +97,14 @@ class IsotropicMaterial:
     E: float
     nu: float
     rho: float | None = None
-
-    def __post_init__(self) -> None:
-        refuse(self._faults())
+    kind: Literal["isotropic"] = "isotropic"
 
     def _faults(self) -> Iterator[InputError]:
         if not (is_number(self.E) and self.E > 0):
             yield InputError("material.E", self.E, "a positive number (N/m^2)")
         if not (is_number(self.nu) and -1 < self.nu < 0.5):
             yield InputError("material.nu", self.nu, "between -1 and 0.5, both excluded")
-        if self.rho is not None and not (is_number(self.rho) and self.rho > 0):
-            yield InputError("material.rho", self.rho, "a positive number (kg/m^3)")
-
-    def density(self, field: str) -> float:
-        """Density (kg/m^3), which is needed here; refused where there is none."""
-        if self.rho is None:
-            raise InputError(f"{field}.rho", None, "a density (kg/m^3) is needed for eigenvalues")
-        return self.rho
+        yield from super()._faults()
 
     @property
     def lame(self) -> tuple[float, float]:
@@ -51,20 +112,198 @@ class IsotropicMaterial:
         lam = self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu))
         return lam, self.E / (2 * (1 + self.nu))
 
-    def stress(self, gradient: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Cauchy stress from displacement gradients.
+    @property
+    def constants(self) -> dict[str, float]:
+        """The constant that is a parameter."""
+        return {"E": self.E}
 
-        Parameters
-        ----------
-        gradient
-            ``gradient[..., i, j] = d u_i / d x_j``, shape (..., dim, dim).
-
-        Returns
-        -------
-        ndarray
-            Stress (N/m^2), shape (..., dim, dim).
-        """
+    def matrix_of(self, constants: Mapping[str, Any]) -> Any:
+        """Constants (N/m^2), (6, 6), at another modulus."""
         lam, mu = self.lame
-        dim = gradient.shape[-1]
-        trace = np.trace(gradient, axis1=-2, axis2=-1)[..., None, None]
-        return lam * trace * np.eye(dim) + mu * (gradient + gradient.swapaxes(-2, -1))
+        matrix = mu * np.diag([2.0, 2, 2, 1, 1, 1])
+        matrix[:3, :3] += lam
+        return constants["E"] / self.E * matrix
+
+    @property
+    def modulus(self) -> float:
+        """Young's modulus (N/m^2)."""
+        return self.E
+
+    @property
+    def lateral(self) -> float:
+        """Poisson's ratio."""
+        return self.nu
+
+
+class EngineeringMaterial(Material):
+    """What solids given by moduli and Poisson's ratios have in common."""
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """Its own constants by the names of their fields."""
+        return {name: value for name, value in vars(self).items() if name[0] in "EnG"}
+
+    def matrix_of(self, constants: Mapping[str, Any]) -> Any:
+        """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
+        return np.linalg.inv(_compliance(self._nine(constants)))
+
+    def _nine(self, constants: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Constants of an orthotropic solid."""
+        return constants
+
+    def _faults(self) -> Iterator[InputError]:
+        yield from super()._faults()
+        wrong = [
+            InputError(f"material.{name}", value, "a positive number (N/m^2)")
+            if name[0] in "EG"
+            else InputError(f"material.{name}", value, "a number")
+            for name, value in self.constants.items()
+            if not is_number(value) or (name[0] in "EG" and value <= 0)
+        ]
+        yield from wrong
+        if wrong:
+            return
+        nine = self._nine(self.constants)
+        for i, j in ("12", "13", "23"):
+            ratio, bound = nine[f"nu_{i}{j}"], (nine[f"E_{i}"] / nine[f"E_{j}"]) ** 0.5
+            if not abs(ratio) < bound:
+                allowed = f"below sqrt(E_{i} / E_{j}) = {bound:g} in size"
+                yield InputError(f"material.nu_{i}{j}", ratio, allowed)
+                return
+        if (least := _least(_compliance(nine))) <= 0:
+            ratios = {name: value for name, value in self.constants.items() if name[0] == "n"}
+            allowed = f"ratios whose compliance is positive definite: its least is {least:.2g} here"
+            yield InputError("material", ratios, allowed)
+
+
+@dataclass(frozen=True)
+class OrthotropicMaterial(EngineeringMaterial):
+    """Solid with three planes of symmetry.
+
+    Parameters
+    ----------
+    E_1, E_2, E_3
+        Young's moduli along its axes (N/m^2).
+    nu_12, nu_13, nu_23
+        Poisson's ratios: nu_ij is the contraction along j under a tension along i.
+    G_12, G_13, G_23
+        Shear moduli (N/m^2).
+    rho
+        Density (kg/m^3), positive; None where no mass is needed (static scenes).
+    axes
+        Axes of the material; those of space if left out.
+    """
+
+    kind: Literal["orthotropic"]
+    E_1: float
+    E_2: float
+    E_3: float
+    nu_12: float
+    nu_13: float
+    nu_23: float
+    G_12: float
+    G_13: float
+    G_23: float
+    rho: float | None = None
+    axes: Axes | CylindricalAxes | None = None
+
+
+@dataclass(frozen=True)
+class TransverselyIsotropicMaterial(EngineeringMaterial):
+    """Solid that is isotropic about its axis 3.
+
+    Parameters
+    ----------
+    E_1, E_3
+        Young's moduli across and along axis 3 (N/m^2).
+    nu_12, nu_13
+        Poisson's ratios: nu_ij is the contraction along j under a tension along i.
+    G_13
+        Shear modulus of planes that hold axis 3 (N/m^2).
+    rho
+        Density (kg/m^3), positive; None where no mass is needed (static scenes).
+    axes
+        Axes of the material; those of space if left out.
+    """
+
+    kind: Literal["transversely_isotropic"]
+    E_1: float
+    E_3: float
+    nu_12: float
+    nu_13: float
+    G_13: float
+    rho: float | None = None
+    axes: Axes | CylindricalAxes | None = None
+
+    def _nine(self, constants: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Constants of an orthotropic solid."""
+        E, nu = constants["E_1"], constants["nu_12"]
+        across = {"E_2": E, "nu_23": constants["nu_13"], "G_23": constants["G_13"]}
+        return {**constants, **across, "G_12": E / (2 * (1 + nu)) if nu != -1 else np.inf}
+
+
+@dataclass(frozen=True)
+class AnisotropicMaterial(Material):
+    """Solid without any symmetry.
+
+    Parameters
+    ----------
+    C
+        Constants (N/m^2) by name: ``C_11`` to ``C_66``, the first number not above the second, in
+        the order 11, 22, 33, 23, 13, 12. Those left out are zero.
+    rho
+        Density (kg/m^3), positive; None where no mass is needed (static scenes).
+    axes
+        Axes of the material; those of space if left out.
+    """
+
+    kind: Literal["anisotropic"]
+    C: Mapping[str, float]
+    rho: float | None = None
+    axes: Axes | CylindricalAxes | None = None
+
+    def _faults(self) -> Iterator[InputError]:
+        yield from super()._faults()
+        for name, value in self.C.items():
+            if name not in _ENTRIES:
+                yield InputError(f"material.C.{name}", value, "one of C_11, C_12, ... C_66")
+                return
+        for size in range(1, 7):
+            if _least(self.matrix[:size, :size]) <= 0:
+                name = f"C_{size}{size}"
+                allowed = "so large that the constants up to it are positive definite"
+                yield InputError(f"material.C.{name}", self.C.get(name, 0.0), allowed)
+                return
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """Its constants by the paths of their fields."""
+        return {f"C.{name}": value for name, value in self.C.items()}
+
+    def matrix_of(self, constants: Mapping[str, Any]) -> Any:
+        """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
+        matrix = np.zeros((6, 6), dtype=np.result_type(*constants.values()))
+        for name, value in constants.items():
+            i, j = _ENTRIES[name.removeprefix("C.")]
+            matrix[i, j] = matrix[j, i] = value
+        return matrix
+
+
+_ENTRIES = {f"C_{i + 1}{j + 1}": (i, j) for i in range(6) for j in range(i, 6)}
+
+
+def _compliance(c: Mapping[str, Any]) -> Any:
+    """Compliance (m^2/N) of nine constants by name, (6, 6)."""
+    inverse = np.diag([1 / c[name] for name in ("E_1", "E_2", "E_3", "G_23", "G_13", "G_12")])
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        inverse[i, j] = inverse[j, i] = -c[f"nu_{i + 1}{j + 1}"] / c[f"E_{i + 1}"]
+    return inverse
+
+
+def _least(matrix: Floats) -> float:
+    """Smallest eigenvalue of a symmetric matrix scaled to a unit diagonal, where that is positive."""
+    diagonal = np.diag(matrix)
+    if not (np.isfinite(matrix).all() and diagonal.min() > 0):
+        return -np.inf
+    scale = 1 / np.sqrt(diagonal)
+    return float(np.linalg.eigvalsh(scale[:, None] * matrix * scale)[0])

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
+from cea.elasticity import Elasticity
 from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
@@ -56,14 +57,8 @@ class Space(Protocol):
         """
         ...
 
-    def stiffness(self, lame: tuple[float, float]) -> Any:
-        """Elastic stiffness (N/m), symmetric.
-
-        Parameters
-        ----------
-        lame
-            Lame parameters (lambda, mu) (N/m^2).
-        """
+    def stiffness(self, elasticity: Elasticity) -> Any:
+        """Elastic stiffness (N/m), symmetric."""
         ...
 
     def mass(self, rho: float) -> Any:
@@ -78,7 +73,7 @@ class Space(Protocol):
         """Z of a rotation (:mod:`cea.rotation`) at a density (kg/m^3), symmetric, kg."""
         ...
 
-    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+    def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Stiffness that stresses make: int sigma_ij d_i u . d_j v, symmetric, N/m.
 
         Sigma is the stress of a displacement by the law of the material (Wriggers, Nonlinear Finite
@@ -86,8 +81,8 @@ class Space(Protocol):
 
         Parameters
         ----------
-        lame
-            Lame parameters (lambda, mu) (N/m^2).
+        elasticity
+            Law of the material.
         displacement
             Displacement of all dofs (m), the same on every rank, shape (dim * num_scalar_dofs,).
         """

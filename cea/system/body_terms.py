@@ -13,8 +13,8 @@ where they are in space.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,9 +24,11 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.blocks import image_of
-from cea.eigen.parameters import Coefficient, Monomial, Parameter
+from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, CirculatoryTerm, LowRankTerm
+from cea.elasticity import Elasticity
+from cea.material import Material
 from cea.matrices import (
     block_diagonal,
     destroy,
@@ -88,7 +90,8 @@ class BodyTerms:
     @cached_property
     def terms(self) -> tuple[Term, ...]:
         """K and M, what damping and rotation make of them, and the sparse part of what rotates."""
-        return (*self._of_body(), *self._of_rotation(), *self._carried[0])
+        own = (*self._of_body(), *self._of_constants(), *self._of_rotation())
+        return (*own, *self._carried[0])
 
     @property
     def circulatory(self) -> tuple[CirculatoryTerm, ...]:
@@ -110,7 +113,11 @@ class BodyTerms:
         """Parameters of the body."""
         path, motion, material = self.path, self.motion, self.body.material
         convective = motion.rotation is not None and motion.rotation.convective_stiffness
-        yield Parameter(f"{path}.material.E", material.E, "N/m^2", positive=True)
+        if self._constant_by_constant or "E" in material.constants:
+            for name, value in material.constants.items():
+                positive, unit = name[0] in "EG", "1" if name[0] == "n" else "N/m^2"
+                own = f"{path}.material.{name}"
+                yield Parameter(own, value, unit, positive=positive, signed=not positive)
         if self.with_mass or motion.circulates or convective:
             rho = float(material.rho or 0)
             yield Parameter(f"{path}.material.rho", rho, "kg/m^3", positive=True)
@@ -148,8 +155,18 @@ class BodyTerms:
 
     @property
     def _stiffness(self) -> Coefficient:
-        """Young's modulus, relative to its own."""
-        return Coefficient.of({f"{self.path}.material.E": (self.body.material.E, 1.0)})
+        """Young's modulus, relative to its own; 1 of a solid that has several."""
+        E = self.body.material.constants.get("E")
+        return CONSTANT if E is None else Coefficient.of({f"{self.path}.material.E": (E, 1.0)})
+
+    @property
+    def _constant_by_constant(self) -> bool:
+        """Whether each constant of a solid that has several is a parameter.
+
+        Where damping depends on modes or rotates with the body it is not known at others.
+        """
+        several = "E" not in self.body.material.constants
+        return several and not (self.motion.circulates or self.motion.modal)
 
     @property
     def _mass(self) -> Coefficient:
@@ -162,9 +179,9 @@ class BodyTerms:
         body, path = self.body, self.path
         pieces: list[tuple[Role, Mat, Coefficient]]
         pieces = [("stiffness", body.stiffness(), self._stiffness)]
-        if (springs := body.spring_stiffness()) is not None:
-            E = {f"{path}.material.E": (body.material.E, 1.0)}
-            pieces.append(("stiffness", springs, Coefficient((Monomial(), Monomial(-1.0, E)))))
+        if self._stiffness.names and (springs := body.spring_stiffness()) is not None:
+            less = replace(self._stiffness.monomials[0], factor=-1.0)
+            pieces.append(("stiffness", springs, Coefficient((Monomial(), less))))
         if self.with_mass:
             pieces.append(("mass", body.mass(), self._mass))
         for role, own, coefficient in pieces:
@@ -173,6 +190,24 @@ class BodyTerms:
             if self.with_mass and self.motion.damping is not None:
                 factor = {"mass": "alpha", "stiffness": "beta"}[role]
                 yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
+
+    def _of_constants(self) -> Iterator[Term]:
+        """What K grows by where constants of a solid that has several change."""
+        if not self._constant_by_constant:
+            return
+        material = self.body.material
+        for i, j in zip(*np.triu_indices(6), strict=True):
+            entry = Entry(self.path, material, (int(i), int(j)))
+            if not entry.names:
+                continue
+            unit = np.zeros((6, 6))
+            unit[i, j] = unit[j, i] = 1.0
+            law = Elasticity(unit, material.axes)
+            make = cache(lambda law=law: self.square(self.body.stiffness_of(law)))
+            yield TermOfConstant("stiffness", make, entry)
+            if self.with_mass and self.motion.damping is not None:
+                damped = replace(entry, factor=f"{self.path}.damping.beta")
+                yield TermOfConstant("damping", make, damped)
 
     def _of_rotation(self) -> Iterator[Term]:
         """Omega Y and - Omega^2 Z."""
@@ -259,6 +294,61 @@ class BodyTerms:
         every = np.zeros((sum(local for local, _ in self.sizes), count))
         every[self._first : self._first + len(columns)] = columns
         return distributed(csr_array(every), (stop - start, count), self.body.expansion.comm)
+
+
+class TermOfConstant(Term):
+    """A symmetric piece whose matrix is made when a constant of the material first changes."""
+
+    def __init__(self, role: Role, make: Callable[[], Mat], coefficient: Dependence) -> None:
+        vars(self).update(role=role, make=make, coefficient=coefficient)
+
+    @cached_property
+    def matrix(self) -> Mat:  # type: ignore[override]
+        """The piece, PETSc AIJ (n x n)."""
+        return vars(self)["make"]()
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """How much larger one entry of the matrix of constants is at others; a ``Dependence``."""
+
+    path: str  # of the body in a scene
+    material: Material
+    at_place: tuple[int, int]
+    factor: str | None = None  # a parameter that multiplies it
+
+    def _matrix(self, values: Mapping[str, complex]) -> Any:
+        own = {name: values[f"{self.path}.material.{name}"] for name in self.material.constants}
+        return self.material.matrix_of(own)[self.at_place]
+
+    @cached_property
+    def _depends(self) -> list[str]:
+        at = {f"{self.path}.material.{n}": v for n, v in self.material.constants.items()}
+        return [name for name in at if self._slope(name, at)]
+
+    def _slope(self, name: str, values: Mapping[str, float]) -> float:
+        """Derivative by a complex step, exact to rounding."""
+        step = 1e-20 * max(abs(values[name]), 1e-20)
+        stepped = {each: complex(value) for each, value in values.items()}
+        return float(self._matrix(stepped | {name: values[name] + 1j * step}).imag / step)
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters it depends on."""
+        own = self._depends
+        return frozenset([*own, self.factor] if own and self.factor else own)
+
+    def at(self, values: Mapping[str, float]) -> float:
+        """Value at given parameters."""
+        grown = float(self._matrix(values) - self.material.matrix[self.at_place])
+        return grown * (values[self.factor] if self.factor else 1.0)
+
+    def derivative(self, name: str, values: Mapping[str, float]) -> float:
+        """Derivative in one parameter."""
+        if name == self.factor:
+            return float(self._matrix(values) - self.material.matrix[self.at_place])
+        slope = self._slope(name, values) if name in self._depends else 0.0
+        return slope * (values[self.factor] if self.factor else 1.0)
 
 
 def body_terms(

@@ -54,7 +54,7 @@ def left_alone(scene: SceneSpec) -> str:
         return "units = 'other'"
     low, high = _NEAR_ONE
     materials = [body.material for body in scene.bodies.values()]
-    numbers = [n for each in materials for n in (each.E, each.rho) if n is not None]
+    numbers = [n for each in materials for n in (each.modulus, each.rho) if n is not None]
     near_one = all(low <= n <= high for n in numbers)
     return "every E and rho is near one, as in scenes without units" if near_one else ""
 
@@ -64,7 +64,7 @@ def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
     if left_alone(scene):
         return
     for name, body in scene.bodies.items():
-        for field, value, bound in _doubtful_material(body.material.E, body.material.rho):
+        for field, value, bound in _doubtful_material(body.material.modulus, body.material.rho):
             yield ResultWarning(
                 "doubtful-units",
                 f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",

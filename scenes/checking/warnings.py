@@ -96,12 +96,12 @@ def volumetric_locking(name: str, body: BodySpec) -> Iterator[ResultWarning]:
     """A material that keeps its volume, in elements of a degree too low for it."""
     degree, smooth = _degree(body)
     limit = _INCOMPRESSIBLE.get(("iga" if smooth else "fe", degree), inf)
-    if body.material.nu >= limit:
+    if body.material.lateral >= limit:
         yield ResultWarning(
             "volumetric-locking",
-            f"bodies.{name} is nearly incompressible (nu = {body.material.nu:g}); elements of "
+            f"bodies.{name} is nearly incompressible (nu = {body.material.lateral:g}); elements of "
             f"degree {degree} are too stiff from nu = {limit:g} on",
-            {"body": name, "nu": body.material.nu, "degree": degree, "limit": limit},
+            {"body": name, "nu": body.material.lateral, "degree": degree, "limit": limit},
         )
 
 
@@ -292,7 +292,7 @@ def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Resu
             continue
         speeds = np.linalg.norm(_velocity(rotation, body.volume_sample(1).points), axis=1)
         speed = float(max(body.comm.allgather(speeds.max(initial=0.0))))
-        wave = float(np.sqrt(body.material.lame[1] / body.material.rho))
+        wave = float(np.sqrt(body.material.means[1] / body.material.rho))
         if speed > _SURFACE_WAVES * wave:
             yield ResultWarning(
                 "faster-than-waves",
@@ -332,7 +332,7 @@ def relative_stiffness(scene: Scene, name: str, halves: Sequence[Contact]) -> fl
     for side in (spec.a, spec.b):
         body, surface = side.split(".")
         depth = _depth(scene, body, surface)
-        compliance += min(depth or width, width) / scene.bodies[body].material.E
+        compliance += min(depth or width, width) / scene.bodies[body].material.modulus
     return _mean(spec, halves) * compliance
 
 
@@ -340,7 +340,7 @@ def stiffness_in_the_mesh(scene: Scene, name: str, halves: Sequence[Contact]) ->
     """P h / E with the mesh size h and E of the side for which h / E is larger."""
     spec, interface = scene.contacts[name], halves[0].interface
     sides = zip((spec.a, spec.b), (interface.a, interface.b), strict=True)
-    yields = (s.mesh_size / scene.bodies[side.split(".")[0]].material.E for side, s in sides)
+    yields = (s.mesh_size / scene.bodies[side.split(".")[0]].material.modulus for side, s in sides)
     return _mean(spec, halves) * max(yields)
 
 

@@ -3,9 +3,14 @@
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
-from cea.material import IsotropicMaterial
+from cea.material import (
+    AnisotropicMaterial,
+    IsotropicMaterial,
+    OrthotropicMaterial,
+    TransverselyIsotropicMaterial,
+)
 from cea.rotation import Rotation
 from cea.supports.boundary import Spring
 from meshes.mesh_file import MeshFile
@@ -16,6 +21,20 @@ from scenes.spec.motion import DampingSpec
 from scenes.spec.support import SupportSpec
 
 Backend = Literal["fe", "iga"]
+
+Material = Annotated[
+    Annotated[IsotropicMaterial, Tag("isotropic")]
+    | Annotated[OrthotropicMaterial, Tag("orthotropic")]
+    | Annotated[TransverselyIsotropicMaterial, Tag("transversely_isotropic")]
+    | Annotated[AnisotropicMaterial, Tag("anisotropic")],
+    Discriminator(
+        lambda given: (
+            given.get("kind", "isotropic")
+            if isinstance(given, dict)
+            else getattr(given, "kind", None)
+        )
+    ),
+]
 
 
 @dataclass(frozen=True)
@@ -29,7 +48,7 @@ class BodySpec:
     geometry
         Its shape, in coordinates of its own.
     material
-        Linear isotropic elasticity.
+        Linear elasticity, isotropic if no ``kind`` is given.
     mesh
         How it is divided, for each backend that it is to be run on.
     supports
@@ -46,7 +65,7 @@ class BodySpec:
 
     backend: Backend
     geometry: Annotated[Shape, Field(discriminator="shape")]
-    material: IsotropicMaterial
+    material: Material
     mesh: MeshSpec = field(default_factory=MeshSpec)
     supports: tuple[SupportSpec, ...] = ()
     springs: tuple[Spring, ...] = ()

@@ -125,6 +125,7 @@ def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     yield from of_mesh or _size_checks(place, body)
     dim, of_file = len(body.geometry.directions), isinstance(body.geometry, MeshFile)
     yield from fault_of(body.placement.check, dim, f"{place}.placement")
+    yield from fault_of(body.material.elasticity.check, dim, f"{place}.material")
     for i, support in enumerate(body.supports):
         yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
     if body.rotation is not None:
