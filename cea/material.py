@@ -1,4 +1,4 @@
-"""Linear elastic solids: isotropic, transversely isotropic, orthotropic, fully anisotropic.
+"""Linear elastic solids: isotropic, orthotropic, fully anisotropic.
 
 The compliance of an orthotropic solid in its axes (Ting, Anisotropic Elasticity, 1996, sec. 2.6):
 
@@ -135,50 +135,9 @@ class IsotropicMaterial(Material):
         return self.nu
 
 
-class EngineeringMaterial(Material):
-    """What solids given by moduli and Poisson's ratios have in common."""
-
-    @property
-    def constants(self) -> dict[str, float]:
-        """Its own constants by the names of their fields."""
-        return {name: value for name, value in vars(self).items() if name[0] in "EnG"}
-
-    def matrix_of(self, constants: Mapping[str, Any]) -> Any:
-        """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
-        return np.linalg.inv(_compliance(self._nine(constants)))
-
-    def _nine(self, constants: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Constants of an orthotropic solid."""
-        return constants
-
-    def _faults(self) -> Iterator[InputError]:
-        yield from super()._faults()
-        wrong = [
-            InputError(f"material.{name}", value, "a positive number (N/m^2)")
-            if name[0] in "EG"
-            else InputError(f"material.{name}", value, "a number")
-            for name, value in self.constants.items()
-            if not is_number(value) or (name[0] in "EG" and value <= 0)
-        ]
-        yield from wrong
-        if wrong:
-            return
-        nine = self._nine(self.constants)
-        for i, j in ("12", "13", "23"):
-            ratio, bound = nine[f"nu_{i}{j}"], (nine[f"E_{i}"] / nine[f"E_{j}"]) ** 0.5
-            if not abs(ratio) < bound:
-                allowed = f"below sqrt(E_{i} / E_{j}) = {bound:g} in size"
-                yield InputError(f"material.nu_{i}{j}", ratio, allowed)
-                return
-        if (least := _least(_compliance(nine))) <= 0:
-            ratios = {name: value for name, value in self.constants.items() if name[0] == "n"}
-            allowed = f"ratios whose compliance is positive definite: its least is {least:.2g} here"
-            yield InputError("material", ratios, allowed)
-
-
 @dataclass(frozen=True)
-class OrthotropicMaterial(EngineeringMaterial):
-    """Solid with three planes of symmetry.
+class OrthotropicMaterial(Material):
+    """Solid with three planes of symmetry, or isotropic about its axis 3.
 
     Parameters
     ----------
@@ -187,7 +146,8 @@ class OrthotropicMaterial(EngineeringMaterial):
     nu_12, nu_13, nu_23
         Poisson's ratios: nu_ij is the contraction along j under a tension along i.
     G_12, G_13, G_23
-        Shear moduli (N/m^2).
+        Shear moduli (N/m^2). With E_2, nu_23, G_12 and G_23 left out, all four, the solid is
+        transversely isotropic: they are those of its plane 1-2.
     rho
         Density (kg/m^3), positive; None where no mass is needed (static scenes).
     axes
@@ -196,50 +156,55 @@ class OrthotropicMaterial(EngineeringMaterial):
 
     kind: Literal["orthotropic"]
     E_1: float
-    E_2: float
-    E_3: float
-    nu_12: float
-    nu_13: float
-    nu_23: float
-    G_12: float
-    G_13: float
-    G_23: float
-    rho: float | None = None
-    axes: Axes | CylindricalAxes | None = None
-
-
-@dataclass(frozen=True)
-class TransverselyIsotropicMaterial(EngineeringMaterial):
-    """Solid that is isotropic about its axis 3.
-
-    Parameters
-    ----------
-    E_1, E_3
-        Young's moduli across and along axis 3 (N/m^2).
-    nu_12, nu_13
-        Poisson's ratios: nu_ij is the contraction along j under a tension along i.
-    G_13
-        Shear modulus of planes that hold axis 3 (N/m^2).
-    rho
-        Density (kg/m^3), positive; None where no mass is needed (static scenes).
-    axes
-        Axes of the material; those of space if left out.
-    """
-
-    kind: Literal["transversely_isotropic"]
-    E_1: float
     E_3: float
     nu_12: float
     nu_13: float
     G_13: float
+    E_2: float | None = None
+    nu_23: float | None = None
+    G_12: float | None = None
+    G_23: float | None = None
     rho: float | None = None
     axes: Axes | CylindricalAxes | None = None
 
-    def _nine(self, constants: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Constants of an orthotropic solid."""
-        E, nu = constants["E_1"], constants["nu_12"]
-        across = {"E_2": E, "nu_23": constants["nu_13"], "G_23": constants["G_13"]}
-        return {**constants, **across, "G_12": E / (2 * (1 + nu)) if nu != -1 else np.inf}
+    @property
+    def constants(self) -> dict[str, float]:
+        """Its constants by the names of their fields: nine, or five."""
+        every = {name: value for name, value in vars(self).items() if name[0] in "EnG"}
+        return {name: value for name, value in every.items() if value is not None}
+
+    def matrix_of(self, constants: Mapping[str, Any]) -> Any:
+        """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
+        return np.linalg.inv(_compliance(constants))
+
+    def _faults(self) -> Iterator[InputError]:
+        yield from super()._faults()
+        given, wrong = self.constants, False
+        if len(given) not in (5, 9):
+            yield InputError(
+                "material", sorted(given), "nine constants, or E_1, E_3, nu_12, nu_13, G_13"
+            )
+            return
+        for name, value in given.items():
+            modulus = name[0] != "n"
+            if not is_number(value) or (modulus and value <= 0):
+                wrong = True
+                allowed = "a positive number (N/m^2)" if modulus else "a number"
+                yield InputError(f"material.{name}", value, allowed)
+        if wrong:
+            return
+        inverse = _compliance(given)
+        for i, j in ((1, 2), (1, 3), (2, 3)):
+            bound = (inverse[j - 1, j - 1] / inverse[i - 1, i - 1]) ** 0.5
+            ratio = -inverse[i - 1, j - 1] / inverse[i - 1, i - 1]
+            if not abs(ratio) < bound:
+                allowed = f"below sqrt(E_{i} / E_{j}) = {bound:g} in size"
+                yield InputError(f"material.nu_{i}{j}", ratio, allowed)
+                return
+        if (least := _least(inverse)) <= 0:
+            ratios = {name: value for name, value in given.items() if name[0] == "n"}
+            allowed = f"ratios whose compliance is positive definite: its least is {least:.2g} here"
+            yield InputError("material", ratios, allowed)
 
 
 @dataclass(frozen=True)
@@ -293,15 +258,19 @@ _ENTRIES = {f"C_{i + 1}{j + 1}": (i, j) for i in range(6) for j in range(i, 6)}
 
 
 def _compliance(c: Mapping[str, Any]) -> Any:
-    """Compliance (m^2/N) of nine constants by name, (6, 6)."""
+    """Compliance (m^2/N), (6, 6), of nine constants, or five."""
+    if "E_2" not in c:
+        E, nu = c["E_1"], c["nu_12"]
+        shear = E / (2 * (1 + nu)) if nu != -1 else np.inf
+        c = {**c, "E_2": E, "nu_23": c["nu_13"], "G_23": c["G_13"], "G_12": shear}
     inverse = np.diag([1 / c[name] for name in ("E_1", "E_2", "E_3", "G_23", "G_13", "G_12")])
-    for i, j in ((0, 1), (0, 2), (1, 2)):
-        inverse[i, j] = inverse[j, i] = -c[f"nu_{i + 1}{j + 1}"] / c[f"E_{i + 1}"]
+    for i, j in ((1, 2), (1, 3), (2, 3)):
+        inverse[i - 1, j - 1] = inverse[j - 1, i - 1] = -c[f"nu_{i}{j}"] / c[f"E_{i}"]
     return inverse
 
 
 def _least(matrix: Floats) -> float:
-    """Smallest eigenvalue of a symmetric matrix scaled to a unit diagonal, where that is positive."""
+    """Smallest eigenvalue of a symmetric matrix scaled to ones on its diagonal."""
     diagonal = np.diag(matrix)
     if not (np.isfinite(matrix).all() and diagonal.min() > 0):
         return -np.inf

@@ -10,20 +10,17 @@ import numpy as np
 import pandas as pd
 
 from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid, NodeToSurface
-from comparisons.kit.numbers import decimals, number, per_cent, shown
-from comparisons.kit.shapes import by_importance
 from comparisons.study.columns import Column
+from comparisons.study.numbers import decimals, number, per_cent, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
+from comparisons.study.shapes import by_importance
 from comparisons.study.study import Case, Study
-from scenes import Result, run_scene
+from scenes import Result
 from scenes.results.matching import match_unstable
-from scenes.spec.body import Backend
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.names import backend_name
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import BACKENDS, on_backend, with_contact
+from scenes.spec.body import Backend, FeMesh, IgaMesh, MeshSpec, backend_name
+from scenes.spec.reading import BACKENDS, Scene, load_scene, on_backend, with_contact
 
 EXPECTED = {
     ("Greville", 25, 1e14): 1722.0,
@@ -166,15 +163,6 @@ def pad_scene(backend: Backend, kind: str, options: Options) -> Scene:
     pad = on_backend(load_scene(Path("disc_pad"), options.overrides), backend)
     named = formulations(backend, (5,), 10 if backend == "iga" else 4)
     return with_contact(pad, formulation=list(named.values())[KINDS.index(kind)])
-
-
-def once(options: Options) -> dict[str, Any]:
-    """Compile finite element forms, so that no run is charged for it."""
-    pad = on_backend(load_scene(Path("disc_pad")), "fe")
-    for mesh in (FeMesh("hexahedron", elements=(1, 4, 1)), FeMesh("tetrahedron", size=0.05)):
-        disc = replace(pad.bodies["disc"], mesh=MeshSpec(fe=mesh))
-        run_scene(replace(pad, bodies={"disc": disc}, contacts={}))
-    return {}
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -484,7 +472,6 @@ STUDY = Study(
     options=Options,
     cases=cases,
     scene=scene,
-    once=once,
     evaluate=evaluate,
     quick={
         "gauss": (3,),

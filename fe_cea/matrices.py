@@ -61,7 +61,7 @@ class LagrangeMatrices:
     def stiffness(self, elasticity: Elasticity) -> Any:
         """Elastic stiffness (N/m), symmetric."""
         every = range(self.dim)
-        integral, x, put = self._gradients(3 if elasticity.varies else 2, elasticity.varies)
+        integral, x, put = self._gradients(2, elasticity.varies)
         matrix = create_matrix(integral)
         blocks: Floats = np.empty(0)
         for j in every:

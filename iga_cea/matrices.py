@@ -63,9 +63,9 @@ class NurbsMatrices:
 
         def coefficients(metric: Metric) -> Coefficients:
             shape, x = metric.measure.shape, metric.x.reshape(dim, -1)
-            found = {
-                key: np.empty((dim, dim, metric.measure.size))
-                for key in product(metric.gradients, repeat=2)
+            found: Coefficients = {
+                (k, m): np.empty((dim, dim, x.shape[1]))
+                for k, m in product(metric.gradients, repeat=2)
             }
             for m, slope in metric.gradients.items():
                 along = (slope * metric.measure).reshape(dim, -1)

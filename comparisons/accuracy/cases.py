@@ -19,9 +19,8 @@ from comparisons.accuracy.problems import PROBLEMS, BodyMesh, Problem
 from comparisons.study.formulations import Variant
 from comparisons.study.study import Case
 from scenes.spec.body import Backend
-from scenes.spec.contact_checks import suits
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import BACKENDS
+from scenes.spec.contact import suits
+from scenes.spec.reading import BACKENDS, Scene, load_scene
 
 RULES: Mapping[str, Callable[[int, int], Variant]] = {
     "mortar": lambda gauss, grid: Variant(Mortar()),

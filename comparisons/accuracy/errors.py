@@ -57,8 +57,8 @@ def measure(case: Case, refinement: int, repeats: int) -> dict[str, Any]:
     -------
     dict
         ``refinement``, ``dofs``, ``points``; ``seconds`` of processor time, median of the runs,
-        and of each stage; ``memory``, peak above what the process held before, and
-        ``memory_process`` at the peak (MB); errors of :func:`errors`.
+        and of each stage; ``memory``, peak above what the process held before (MB);
+        errors of :func:`errors`.
     """
     problem, method = PROBLEMS[case["problem"]], method_of(case)
     _warm_up(case["problem"], method)
@@ -79,7 +79,7 @@ def _timed(scene: Scene) -> tuple[dict[str, Any], Complexes, list[str]]:
     stages = result.timer.processor_seconds
     points = len(next(iter(result.interfaces.values())).points)
     seconds = {"seconds": sum(stages.values()), **stages}
-    memory = {"memory": cost.memory, "memory_process": cost.peak / 1e6}
+    memory = {"memory": cost.memory}
     row = {"dofs": result.system.size, "points": points, **seconds, **memory}
     return row, result.eigenvalues, list(seconds)
 

@@ -9,11 +9,11 @@ import pandas as pd
 from cea.timing import STAGES
 from comparisons.accuracy.cases import INTEGRATING, YARDSTICKS
 from comparisons.accuracy.problems import PROBLEMS
-from comparisons.kit.numbers import counted, number, shown
 from comparisons.study.columns import Column, wide
+from comparisons.study.numbers import counted, number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 TOLERABLE = 0.01
 """Error of growth, relative to the largest growth rate, up to which a rule is called usable."""

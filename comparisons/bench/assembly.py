@@ -26,9 +26,9 @@ from comparisons.bench.programs import (
     checked,
     matrices_of,
 )
-from comparisons.kit.numbers import shown
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import measured
+from comparisons.study.numbers import shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
@@ -218,7 +218,7 @@ STUDY = Study(
         "modes": 2,
         "repeats": 1,
     },
-    process=Process("comparisons.bench.assembly:STUDY", 120.0, own=("program",)),
+    process=Process("comparisons.bench.assembly:STUDY", 120.0),
     sections=[
         Section(
             "Assembly",

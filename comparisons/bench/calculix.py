@@ -22,8 +22,8 @@ from cea.eigen.classify import classify, thresholds
 from cea.errors import InputError
 from comparisons.bench import ccx
 from comparisons.bench.ccx import Measured, run_measured
-from comparisons.kit.numbers import counted, decimals, number, shown
 from comparisons.study.columns import Column, wide
+from comparisons.study.numbers import counted, decimals, number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
@@ -31,10 +31,9 @@ from comparisons.study.study import Case, Study
 from scenes.export.decks.bodies import deck_bodies
 from scenes.export.decks.write import write_deck
 from scenes.results.record import read_record, write_record
-from scenes.spec.mesh import FeMesh, MeshSpec
+from scenes.spec.body import FeMesh, MeshSpec
 from scenes.spec.plain import as_data
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import with_contact
+from scenes.spec.reading import Scene, load_scene, with_contact
 
 MASS_QUADRATURE = 2
 """Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""

@@ -12,8 +12,8 @@ from cea.contact.interface import default_reach, pair
 from cea.errors import InputError
 from cea.matrices import destroy
 from cea.timing import StageTimer
-from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column, medians
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session

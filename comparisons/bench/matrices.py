@@ -20,9 +20,9 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
 from cea.arrays import Complexes
 from cea.errors import InputError
-from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import measured
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session

@@ -21,8 +21,7 @@ from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Sector
 from scenes.building.build import build_body
-from scenes.spec.body import BodySpec
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
 
 import basix.ufl  # isort: skip
 import ufl  # isort: skip

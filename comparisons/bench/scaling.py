@@ -13,9 +13,9 @@ import pandas as pd
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.timing import STAGES
-from comparisons.kit.numbers import shown
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import measured
+from comparisons.study.numbers import shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
@@ -202,7 +202,7 @@ STUDY = Study(
     scene=scene,
     evaluate=evaluate,
     quick={"size": "tiny", "ranks": (1,)},
-    process=Process("comparisons.bench.scaling:STUDY", 3600.0, ranks=lambda case: case["ranks"]),
+    process=Process("comparisons.bench.scaling:STUDY", 3600.0),
     sections=[
         Section(
             "Runs",

@@ -21,9 +21,9 @@ from cea.heap import plain_heap
 from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
 from comparisons.bench.methods import METHODS, OURS, SERIAL, Problem, backward_errors
-from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import limit_memory, measured
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
@@ -230,7 +230,7 @@ STUDY = Study(
     scene=scene,
     evaluate=evaluate,
     quick={"size": "tiny"},
-    process=Process("comparisons.bench.solve:STUDY", 3600.0, ranks=lambda case: case["ranks"]),
+    process=Process("comparisons.bench.solve:STUDY", 3600.0),
     sections=[
         Section(
             "Methods",

@@ -17,7 +17,8 @@ from cea.eigen.driver import ABOVE
 from cea.eigen.spectrum import Window
 from cea.errors import InputError
 from cea.warned import ResultWarning
-from comparisons.kit.progress import Progress
+from comparisons.study.progress import Progress
+from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes
 from scenes.checking.memory import check_memory, estimated_memory
 from scenes.refinement.meshes import (
@@ -29,9 +30,8 @@ from scenes.refinement.meshes import (
 )
 from scenes.running.enrich import enriched_scene
 from scenes.running.nested import estimate_errors
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.body import Backend
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
 MESHES = 3
 """Meshes of a bar: two differences show the order of convergence."""
@@ -148,9 +148,9 @@ def elements_of(scene: Scene) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, body in scene.bodies.items():
         mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
-        if mesh is None:
-            found[name] = getattr(body.geometry, "num_cells", None)
-        else:
+        if isinstance(body.geometry, MeshFile):
+            found[name] = body.geometry.elements.num_cells
+        elif mesh is not None:
             found[name] = list(mesh.elements) if mesh.elements else getattr(mesh, "size", None)
     return found
 

@@ -17,19 +17,16 @@ import pandas as pd
 
 from cea.arrays import Complexes
 from cea.eigen.matching import match_spectrum
-from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column, wide
 from comparisons.study.formulations import Variant, variants
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
 from exact_cea.reference import exact_eigenvalues
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.names import backend_name
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import on_backend
+from scenes.spec.body import FeMesh, IgaMesh, MeshSpec, backend_name
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene, load_scene, on_backend
 
 _MARGIN = 1.15
 """How far beyond the exact eigenvalues is searched: locked ones lie too high."""

@@ -12,19 +12,16 @@ from pathlib import Path
 from typing import Any
 
 from cea.contact.formulations import Mortar
-from comparisons.kit.numbers import decimals, number, per_cent, shown
 from comparisons.study.columns import Column
+from comparisons.study.numbers import decimals, number, per_cent, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
 from scenes import Result
 from scenes.results.matching import match_unstable
-from scenes.spec.body import Backend, BodySpec
-from scenes.spec.mesh import MeshSpec
-from scenes.spec.names import backend_name
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import BACKENDS, with_contact
+from scenes.spec.body import Backend, BodySpec, MeshSpec, backend_name
+from scenes.spec.reading import BACKENDS, Scene, load_scene, with_contact
 
 FREQUENCY_BOUND = 0.01
 """Largest relative difference of frequencies that agree."""

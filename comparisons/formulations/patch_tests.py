@@ -22,16 +22,15 @@ from cea.system.contact_stresses import normal_stress
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from comparisons.formulations.momentum import momentum_defects, rigid_motions
-from comparisons.kit.numbers import listed, number, shown
 from comparisons.study.columns import Column, wide
 from comparisons.study.formulations import Variant, variants
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
 from scenes.building.build import build_bodies, build_interfaces, build_system
-from scenes.spec.body import Backend
-from scenes.spec.load import LoadSpec
+from scenes.spec.body import Backend, LoadSpec
 from scenes.spec.reading import Scene, load_scene
 
 PRESSURE = 1000.0
@@ -315,7 +314,7 @@ def _passed(own: pd.DataFrame) -> str:
         return "every" if passed else "none"
     if len(passed) > 1 and passed == own["P"].tolist()[-len(passed) :]:
         return f"{number(passed[0], 1)} and more"
-    return listed(number(P, 1) for P in passed)
+    return ", ".join(number(P, 1) for P in passed)
 
 
 def momentum(result: StudyResult) -> pd.DataFrame:

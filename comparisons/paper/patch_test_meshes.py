@@ -21,8 +21,7 @@ from comparisons.paper.patch_test import INTERFACE, SIDES, PatchTest
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes.building.build import build_bodies, build_interfaces
-from scenes.spec.reading import Scene
-from scenes.spec.scene import with_contact
+from scenes.spec.reading import Scene, with_contact
 
 _SEEN = {"lower": ("x_max", "y_min"), "upper": ("x_max", "y_min", "z_max")}
 """Faces turned towards the viewer, by body."""
@@ -71,8 +70,8 @@ class Setting(Figure):
                 ("width of the interface", width, "m"),
                 ("height of a", np.ptp(faces["upper.x_max"][..., 2]), "m"),
                 ("height of b", np.ptp(faces["lower.x_max"][..., 2]), "m"),
-                ("E", material.E, "N/m²"),
-                ("nu", material.nu, ""),
+                ("E", material.modulus, "N/m²"),
+                ("nu", material.lateral, ""),
                 ("pressure", scene.loads[0].pressure, "N/m²"),
                 *((f"elements of {side}", len(faces[face]), "") for side, face in _OF_SIDE.items()),
             )

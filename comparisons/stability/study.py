@@ -11,18 +11,18 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from comparisons.kit.numbers import decimals, number, shown
-from comparisons.kit.plots import BLACK, GREY, VERMILION, styled
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
 from comparisons.stability.parts.case import Verdict
 from comparisons.stability.parts.ways import ALONE, OPEN, WAYS
 from comparisons.stability.verdicts import judged
 from comparisons.study.columns import Column
+from comparisons.study.numbers import decimals, number, shown
+from comparisons.study.plots import BLACK, GREY, VERMILION
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 VERDICTS: tuple[str, ...] = get_args(Verdict)
 """Every verdict, the best first."""
@@ -157,7 +157,7 @@ def _digits_map(subject: str) -> Callable[[StudyResult], Figure | None]:
     def digits_map(result: StudyResult) -> Figure | None:
         frame = runs(result)
         own = frame[frame["subject"] == subject]
-        return None if own.empty else styled(_heat_map)(own)
+        return None if own.empty else _heat_map(own)
 
     digits_map.__name__ = f"digits_{subject.replace(' ', '_')}"
     digits_map.__doc__ = (

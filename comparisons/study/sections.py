@@ -111,6 +111,8 @@ class Section:
         Whether the viewer of the modes that cases kept stands here.
     geometry
         Whether the bodies of the first result with modes stand here at rest.
+    of
+        Table of rows of a study without which the section is left out.
     """
 
     title: str
@@ -120,3 +122,4 @@ class Section:
     plots: Sequence[Plot | Drawing] = ()
     modes: bool = False
     geometry: bool = False
+    of: str = ""

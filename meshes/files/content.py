@@ -53,6 +53,10 @@ class ElementBlock:
     def __len__(self) -> int:
         return len(self.numbers)
 
+    def only(self, rows: NDArray[Any]) -> "ElementBlock":
+        """Some of the elements."""
+        return replace(self, numbers=self.numbers[rows], nodes=self.nodes[rows])
+
     @property
     def dim(self) -> int:
         """Dimension of its cells; 0 of what is none."""
@@ -83,22 +87,28 @@ def without_nodes(kind: str, numbers: Ints, role: Role) -> ElementBlock:
 
 
 class Sets(Mapping[str, Ints]):
-    """Sets by name, each worked out when it is asked for."""
+    """Sets by name, each worked out when it is asked for; some are found whatever their case."""
 
-    def __init__(self, items: Mapping[str, Any], make: Callable[[Any], Ints]) -> None:
-        self._items, self._make = items, make
+    def __init__(
+        self, names: Iterable[str], find: Callable[[str], Ints], *, any_case: bool = False
+    ) -> None:
+        self._find, self.any_case, self._names = find, any_case, dict.fromkeys(names)
+        self._keys = {self._key(name) for name in self._names}
+
+    def _key(self, name: str) -> str:
+        return name.upper() if self.any_case else name
 
     def __getitem__(self, name: str) -> Ints:
-        return self._make(self._items[name])
+        return self._find(name)
 
     def __contains__(self, name: object) -> bool:
-        return name in self._items
+        return isinstance(name, str) and self._key(name) in self._keys
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._items)
+        return iter(self._names)
 
     def __len__(self) -> int:
-        return len(self._items)
+        return len(self._names)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,6 +152,10 @@ class FileContent:
         """Dimension of the elements that bodies are made of."""
         return max((b.dim for b in self.blocks if b.role == "solid" and len(b)), default=0)
 
+    def sets(self, kind: str) -> Mapping[str, Ints]:
+        """Sets of ``faces``, ``elements`` or ``nodes``."""
+        return {"faces": self.face_sets, "elements": self.element_sets}.get(kind, self.node_sets)
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of all sets."""
@@ -171,7 +185,7 @@ def without_copies(content: FileContent) -> FileContent:
     kept[first] = True
     number = (np.cumsum(kept) - 1)[first][same]
     blocks = [
-        replace(block, numbers=block.numbers[own], nodes=block.nodes[own])
+        block.only(own)
         for block, own in zip(content.blocks, np.split(kept, content.starts[1:-1]), strict=True)
     ]
     sets = {name: np.unique(number[members]) for name, members in content.element_sets.items()}

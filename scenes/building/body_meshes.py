@@ -7,10 +7,10 @@ from cea.mesh import Mesh
 from cea.warned import ResultWarning
 from meshes.mesh_file import MeshFile
 from scenes.spec.body import BodySpec
-from scenes.spec.scene import SceneSpec
+from scenes.spec.reading import Scene
 
 
-def used_surfaces(scene: SceneSpec, body: str) -> list[str]:
+def used_surfaces(scene: Scene, body: str) -> list[str]:
     """Surfaces of a body that supports, springs, loads and contacts name."""
     spec = scene.bodies[body]
     places = [load.surface for load in scene.loads if load.surface is not None]
@@ -50,11 +50,12 @@ def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
     )
 
 
-def changed_elements(scene: SceneSpec) -> dict[str, str]:
+def changed_elements(scene: Scene) -> dict[str, str]:
     """What becomes of elements of mesh files that meshes here do not have, with the bodies."""
     files = {n: b.geometry for n, b in scene.bodies.items() if isinstance(b.geometry, MeshFile)}
-    divided = [name for name, file in files.items() if file.is_divided]
-    filled = [name for name, file in files.items() if file.fills_in and name not in divided]
+    parts = {name: file.elements for name, file in files.items()}
+    divided = [name for name, part in parts.items() if part.is_divided]
+    filled = [name for name, part in parts.items() if part.incomplete and name not in divided]
     told = {}
     if filled:
         told["serendipity"] = (
@@ -66,12 +67,14 @@ def changed_elements(scene: SceneSpec) -> dict[str, str]:
             f"elements of {', '.join(divided)}, of several kinds, are divided into tetrahedra: "
             "nodes are kept, those on diagonals are put by the elements' own shape functions"
         )
-    if left_out := [f"{name}: {each}" for name, file in files.items() for each in file.told]:
+    if left_out := [
+        f"{name}: {each}" for name, file in files.items() for each in file.content.told
+    ]:
         told["mesh files"] = f"not taken from the file of {'; '.join(left_out)}"
     return told
 
 
-def nodes_left_out(scene: SceneSpec) -> Iterator[ResultWarning]:
+def nodes_left_out(scene: Scene) -> Iterator[ResultWarning]:
     """Sets of nodes that hold more of a body than the faces that they are used for."""
     for body, spec in scene.bodies.items():
         if isinstance(spec.geometry, MeshFile):

@@ -31,13 +31,9 @@ from meshes.breaks import breaks_of
 from meshes.mesh_file import MeshFile
 from meshes.true_surfaces import true_surfaces
 from scenes.building.body_meshes import body_mesh, used_surfaces
-from scenes.spec.body import BodySpec
-from scenes.spec.contact import ContactSpec
-from scenes.spec.load import LoadSpec
-from scenes.spec.mesh import IgaMesh
-from scenes.spec.motion import SlidingSpec
+from scenes.spec.body import BodySpec, IgaMesh, LoadSpec
+from scenes.spec.contact import ContactSpec, SlidingSpec
 from scenes.spec.reading import Scene
-from scenes.spec.scene import SceneSpec
 
 
 @dataclass(frozen=True)
@@ -49,7 +45,7 @@ class BodyParts:
     surfaces: tuple[str, ...] = ()
 
 
-def body_parts(scene: SceneSpec, name: str) -> BodyParts:
+def body_parts(scene: Scene, name: str) -> BodyParts:
     """What a body of a scene is made of."""
     spec = scene.bodies[name]
     of_file = isinstance(spec.geometry, MeshFile)

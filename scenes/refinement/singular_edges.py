@@ -14,7 +14,7 @@ from meshes.placement import Placement
 from meshes.shapes import Hub, Shape
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
-from scenes.spec.scene import SceneSpec
+from scenes.spec.reading import Scene
 from scenes.spec.sizes import box_lengths
 
 _ENDS = {"min": 0, "max": 1}
@@ -75,7 +75,7 @@ class _Face:
     end: int
 
 
-def crowding(scene: SceneSpec, name: str) -> Crowding:
+def crowding(scene: Scene, name: str) -> Crowding:
     """Coordinates towards which the elements of a body crowd.
 
     Parameters
@@ -137,7 +137,7 @@ def _clamped(body: BodySpec) -> Iterator[SingularEdge]:
             yield from _edges(body, support.surface)
 
 
-def _contact_edges(scene: SceneSpec, name: str) -> Iterator[SingularEdge]:
+def _contact_edges(scene: Scene, name: str) -> Iterator[SingularEdge]:
     """Edges of the sides a of contacts that this body bears."""
     for contact in scene.contacts.values():
         owner, _, surface = contact.a.partition(".")
@@ -145,7 +145,7 @@ def _contact_edges(scene: SceneSpec, name: str) -> Iterator[SingularEdge]:
             yield from _edges(scene.bodies[name], surface)
 
 
-def _is_stiff(scene: SceneSpec, contact: ContactSpec) -> bool:
+def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:
     """Whether a contact is as good as a joint; one whose stiffness is no number counts as such."""
     bodies = [scene.bodies[side.partition(".")[0]] for side in (contact.a, contact.b)]
     lengths = sorted(box_lengths(bodies[0].geometry))
@@ -184,7 +184,7 @@ def _held(body: BodySpec) -> set[_Face]:
     return held
 
 
-def _boundaries_on(scene: SceneSpec, name: str, *, stiff: bool) -> Iterator[SingularEdge]:
+def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[SingularEdge]:
     """Edges of sides a where they lie inside a side b that this body bears.
 
     Of stiff contacts with the face itself, else of all. They are known where both bodies stand as

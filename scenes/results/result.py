@@ -22,7 +22,7 @@ from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
 from scenes.results.shapes import displacements_at, summed_matrices, system_matrices
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -40,9 +40,6 @@ class Analysis(Protocol):
 
     def run(self, scene: Any, /, **options: Any) -> "Result":
         """Run a scene; options are those of a run, and of this analysis."""
-
-    def steps(self, scene: Any) -> tuple[dict[str, str], dict[str, str]]:
-        """Steps of a run and what it leaves out, with the reasons."""
 
     def describe(self, result: "Result") -> dict[str, Any]:
         """What the record of a result holds of this analysis, plain data."""

@@ -8,8 +8,7 @@ import numpy as np
 from cea.errors import InputError
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-from scenes.spec.body import BodySpec
-from scenes.spec.mesh import IgaMesh
+from scenes.spec.body import BodySpec, IgaMesh
 from scenes.spec.reading import Scene
 
 Enrichment = Literal["degree", "bisection", "smooth"]

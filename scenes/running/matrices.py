@@ -11,7 +11,7 @@ from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from cea.warned import ResultWarning
-from scenes.checking.steps import GIVEN
+from scenes.checking.skipped import GIVEN
 from scenes.matrices.pencil import (
     Piece,
     check_mass,
@@ -31,7 +31,6 @@ __all__ = [
     "opened",
     "run",
     "run_matrices",
-    "steps",
     "table",
 ]
 
@@ -212,14 +211,6 @@ def run_matrices(
 
 run = run_matrices
 """As :class:`scenes.results.result.Analysis` has it; what is told is what is told of modes."""
-
-
-def steps(scene: MatrixScene) -> tuple[dict[str, str], dict[str, str]]:
-    """What a run needs and what it leaves out; the matrices are read: their entries decide."""
-    sums = [(str(role), scene.sum(role)) for role in ROLES]
-    needed = {role: " + ".join(names) for role, names in sums if names}
-    needed["eigenvalues"] = f"to {scene.window.max_frequency:g} Hz"
-    return needed, skipped_by(scene, read_pieces(scene))
 
 
 def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str]:

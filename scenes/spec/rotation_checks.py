@@ -11,7 +11,7 @@ from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.frames import Cartesian, Cylindrical
 from scenes.spec.body import BodySpec
-from scenes.spec.contact_checks import fault_of
+from scenes.spec.problems import fault_of
 
 _AXISYMMETRIC = ("annulus", "hub", "disc", "ring")
 """Shapes that a rotation about their own axis leaves as they are, and all of their surfaces."""
@@ -69,8 +69,8 @@ def _material_turns(law: Elasticity, rotation: Rotation, dim: int) -> bool:
     """Whether stresses turn with the strains, where both are turned about the axis by a radian."""
     spin, origin = rotation.spin(dim), np.asarray(rotation.origin[:dim], dtype=float)[:, None]
     turn = np.eye(dim) + np.sin(1.0) * spin + (1 - np.cos(1.0)) * spin @ spin
-    arm, gradient = np.arange(1.0, dim + 1)[:, None], np.arange(1.0, dim**2 + 1) ** 2
-    gradient = gradient.reshape(dim, dim)
+    arm = np.arange(1.0, dim + 1)[:, None]
+    gradient = np.square(np.arange(1.0, dim**2 + 1)).reshape(dim, dim)
     here = law.stress(gradient[..., None], origin + arm)[..., 0]
     there = law.stress((turn @ gradient @ turn.T)[..., None], origin + turn @ arm)[..., 0]
     return bool(np.abs(turn @ here @ turn.T - there).max() <= _ASIDE * np.abs(here).max())

@@ -34,10 +34,11 @@ def node_counts(body: BodySpec) -> list[tuple[float, ...]]:
     lengths = box_lengths(shape)
     dim = len(lengths)
     if isinstance(shape, MeshFile):
-        degree = body.fe_degree or shape.order
-        nodes = shape.num_nodes * (degree / shape.order) ** dim
-        if shape.fills_in:
-            nodes = max(nodes, float(shape.num_cells * degree**dim))
+        own = shape.elements
+        degree = body.fe_degree or own.order
+        nodes = len(own.used) * (degree / own.order) ** dim
+        if own.incomplete:
+            nodes = max(nodes, float(own.num_cells * degree**dim))
         even = (nodes / prod(lengths)) ** (1 / dim)
         return [tuple(max(1.0, even * length) for length in lengths)]
     if body.backend == "fe" and fe is not None:

@@ -162,7 +162,7 @@ def test_a_line_ends_where_a_mesh_fails_or_would_take_too_long(monkeypatch):
 
     def evaluated(measure):
         monkeypatch.setattr(errors, "measure", measure)
-        found = errors.evaluate(case, Session({}, Options()))
+        found = errors.evaluate(case, Session(Options()))
         return [row["refinement"] for row in found["runs"]], found["omissions"]
 
     def fails(case, refinement, repeats):

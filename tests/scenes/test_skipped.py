@@ -8,7 +8,7 @@ from blocks import two_blocks
 
 import cea.eigen.driver
 from scenes import run_scene
-from scenes.checking.steps import GIVEN, skipped_by
+from scenes.checking.skipped import GIVEN, skipped_by
 from scenes.spec.reading import read_scene
 
 GPTS = {"method": "gpts", "points": 3}

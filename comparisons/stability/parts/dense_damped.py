@@ -29,7 +29,8 @@ from cea.expressions import Expression, evaluate
 from cea.system.coupled import CoupledSystem
 from comparisons.stability.parts.dense import array, constraint, jump
 from scenes.running.system import coupled
-from scenes.spec.motion import DampingSpec, SlidingSpec
+from scenes.spec.body import DampingSpec
+from scenes.spec.contact import SlidingSpec
 from scenes.spec.reading import read_scene
 
 _RIGID = 1e-12

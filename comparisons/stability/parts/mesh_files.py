@@ -16,8 +16,7 @@ from meshes.mesh_file import METRES, Unit
 from meshes.shape_mesh import shape_mesh
 from scenes.export.decks.bodies import element_nodes
 from scenes.export.decks.lines import element_lines, set_lines
-from scenes.spec.reading import read_scene
-from scenes.spec.scene import SceneSpec
+from scenes.spec.reading import Scene, read_scene
 
 _ELEMENTS = {1: ("CPE4", 4), 2: ("CPE8R", 8)}
 """Type in a deck and number of nodes of quadrilaterals of each order."""
@@ -94,7 +93,7 @@ def _notched(mesh: Mesh, at: tuple[float, float]) -> Mesh:
     return replace(mesh, cells=mesh.cells[~gone], surfaces=surfaces).without_loose_points()
 
 
-def _meshes(scene: SceneSpec) -> dict[str, Mesh]:
+def _meshes(scene: Scene) -> dict[str, Mesh]:
     """Meshes of the bodies of a scene, of quadrilaterals."""
     meshes = {}
     for name, body in scene.bodies.items():

@@ -16,8 +16,7 @@ from scenes.export.decks.bodies import DeckBody
 from scenes.export.decks.contacts import DeckContact, RigidMotion, deck_contacts, moving_bodies
 from scenes.export.decks.lines import comments, joined, keyword, number, numbers
 from scenes.export.decks.supports import boundary_lines, displacement_lines, local_frames
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
 RELATIVE_CLOSURE = 1e-7
 """Closure over the size of the bodies."""

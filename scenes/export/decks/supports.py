@@ -10,7 +10,7 @@ from cea.mesh import Floats, Ints
 from cea.supports.frames import Cylindrical
 from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.export.decks.lines import keyword, numbers, set_lines, value_lines
-from scenes.spec.support import SupportSpec
+from scenes.spec.body import SupportSpec
 
 
 @dataclass(frozen=True)

@@ -20,9 +20,8 @@ from scenes.export.decks.abaqus import abaqus_text
 from scenes.export.decks.bodies import ELEMENTS, DeckBody, deck_bodies, set_name
 from scenes.export.decks.calculix import calculix_text
 from scenes.export.decks.model import model_text
-from scenes.spec.body import BodySpec
+from scenes.spec.body import BodySpec, file_name
 from scenes.spec.contact import ContactSpec
-from scenes.spec.names import file_name
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import Scene
 

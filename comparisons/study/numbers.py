@@ -1,6 +1,7 @@
-"""Numbers as people read them: significant digits, powers of ten, counts, lists."""
+"""Numbers as people read them: significant digits, powers of ten, counts; texts for the page."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
+from html import escape
 from math import floor, isfinite, log10
 from typing import Any
 
@@ -58,15 +59,9 @@ def growth(value: float | None) -> str:
     return "0" if abs(value) < _STILL else number(value, 3, sign=True)
 
 
-def counted(count: int, singular: str, plural: str = "") -> str:
+def counted(count: int, singular: str) -> str:
     """Count with its noun: "1 mode", "3 modes"."""
-    return f"{number(count)} {singular if count == 1 else plural or singular + 's'}"
-
-
-def listed(parts: Iterable[str]) -> str:
-    """Parts joined as a sentence does: "a, b and c"."""
-    *first, last = parts
-    return f"{', '.join(first)} and {last}" if first else last
+    return f"{number(count)} {singular}{'s' * (count != 1)}"
 
 
 def plain(value: Any) -> str:
@@ -77,6 +72,11 @@ def plain(value: Any) -> str:
         mantissa, _, exponent = f"{value:g}".partition("e")
         return _grouped(mantissa) if not exponent else _times_power_of_ten(mantissa, int(exponent))
     return str(value)
+
+
+def literal(text: Any) -> str:
+    """Text as plotly.js shows it, which reads tags in it."""
+    return escape(str(text), quote=False)
 
 
 def _times_power_of_ten(mantissa: str, exponent: int) -> str:

@@ -12,7 +12,7 @@ from matplotlib.tri import Triangulation
 from cea.arrays import Floats
 from cea.contact.contact import Contact
 from cea.system.steady_state import ContactState
-from comparisons.kit.plots import AXIS, BLUE, GREY, save
+from comparisons.study.plots import AXIS, BLUE, GREY, save
 from scenes import Result
 
 _OPEN = "#D9D9D9"

@@ -5,7 +5,6 @@ from typing import Any
 
 _LISTED = 4
 """Runs up to which all are named."""
-
 Run = tuple[Mapping[str, Any], Iterable[Mapping[str, Any]]]
 """What sets a run apart, by name, and its warnings as plain data."""
 
@@ -56,31 +55,18 @@ def kinds_at(warnings: Iterable[Mapping[str, Any]], point: Mapping[str, Any]) ->
 
 def _message(places: Sequence[Mapping[str, Any]], total: int, what: str) -> str:
     """What the first says, and where that is so, or the like."""
-    first = places[0]
+    message, points = places[0]["message"], [place["point"] for place in places]
     if total == 1:
-        return str(first["message"])
+        return str(message)
     where = f"at all {total} {what}"
     if len(places) < total:
-        points = [place["point"] for place in places]
-        where = f"at {len(places)} of {total} {what}{_which(points)}"
-    if any(place["message"] != first["message"] for place in places):
-        where = f"so at {_named(first['point'])}, and the like {where}"
-    return f"{first['message']} ({where})"
-
-
-def _which(points: Sequence[Mapping[str, Any]]) -> str:
-    """The points where they are few, or the range of the one number that sets them apart."""
-    if len(points) <= _LISTED:
-        return f": {'; '.join(map(_named, points))}"
-    numbers = [value for point in points for value in point.values() if isinstance(value, float)]
-    if len(numbers) == len(points) == sum(map(len, points)):
-        return f", from {_shown(min(numbers))} to {_shown(max(numbers))}"
-    return ""
+        few = f": {'; '.join(map(_named, points))}" if len(points) <= _LISTED else ""
+        where = f"at {len(places)} of {total} {what}{few}"
+    if any(place["message"] != message for place in places):
+        where = f"so at {_named(points[0])}, and the like {where}"
+    return f"{message} ({where})"
 
 
 def _named(point: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} = {_shown(value)}" for name, value in point.items())
-
-
-def _shown(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    values = ((n, f"{v:.6g}" if isinstance(v, float) else v) for n, v in point.items())
+    return ", ".join(f"{name} = {value}" for name, value in values)

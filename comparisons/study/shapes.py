@@ -4,8 +4,10 @@ Positions and displacements are kept as whole numbers, fine enough for a screen.
 a phase phi is x + s Re(u e^(i phi)), at phase 0 the largest deflection.
 """
 
+from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from gzip import compress
 from typing import Any
 
 import numpy as np
@@ -13,23 +15,66 @@ import numpy as np
 from cea.arrays import Complexes, Floats, Ints
 from cea.contact.contact import Contact
 from cea.eigen.classify import BY_URGENCY, GROWING
-from comparisons.kit.binary import STEPS, Binary, quantised
-from comparisons.kit.interactive import literal
-from comparisons.kit.numbers import growth, number
+from comparisons.study.numbers import growth, literal, number
+from comparisons.study.result import StudyResult
 from scenes import Result
 
+STEPS = 2047
+"""Steps of a displacement on either side of zero: finer ones are noise to a compressor."""
+_POSITIONS = 2**16 - 1
+"""Steps of a position along the longest side of a scene."""
 _POINTS = 4000
 """Points of the outsides of a scene, about: more are not seen on a screen."""
 _MOST_POINTS = 8000
 """Points from which on outsides are reduced."""
 _MOST = 3_000_000
 """Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
-_POSITIONS = 2**16 - 1
-"""Steps of a position along the longest side of a scene."""
 _CONTACT_POINTS = 600
 """Points of a contact that are shown at most."""
 _ARROWS = 24
 """Arrows of friction that are shown at most."""
+_ALIGNED = 4
+"""Bytes at whose multiples arrays begin, as typed arrays of a browser want it."""
+_NUMBERS = "shapes"
+"""Array of a case that holds the numbers of its shapes."""
+
+
+@dataclass
+class Binary:
+    """Arrays that a page holds one after the other, and reads by their place."""
+
+    _parts: list[bytes] = field(default_factory=list)
+    _size: int = 0
+
+    def add(self, values: Any, kind: str = "") -> dict[str, Any]:
+        """Keep an array as ``int16`` or ``uint16``; by default whole numbers from 0 on, by size.
+
+        Its type, where it begins (bytes) and how many numbers it has are returned.
+        """
+        values = np.asarray(values)
+        kind = kind or ("uint16" if values.max(initial=0) < 2**16 else "uint32")
+        begin = self.append(np.ascontiguousarray(values, dtype=kind).tobytes())
+        return {"type": kind, "at": begin, "length": values.size}
+
+    def append(self, content: bytes) -> int:
+        """Keep bytes, and tell where they begin."""
+        begin = self._size
+        self._parts.append(content + bytes(-len(content) % _ALIGNED))
+        self._size += len(self._parts[-1])
+        return begin
+
+    def content(self) -> bytes:
+        """Everything."""
+        return b"".join(self._parts)
+
+    def text(self) -> str:
+        """Everything, compressed."""
+        return packed(self.content())
+
+
+def packed(content: bytes) -> str:
+    """Bytes compressed with gzip, in base64; the same for the same bytes."""
+    return b64encode(compress(content, 9, mtime=0)).decode()
 
 
 @dataclass
@@ -49,14 +94,15 @@ class Shapes:
     binary: Binary = field(default_factory=Binary)
     _size: int = 0
 
-    @property
-    def keys(self) -> set[str]:
-        """Modes that can be shown, as result/number."""
-        return {f"{key}/{number}" for key, modes in self.modes.items() for number in modes}
-
     def plain(self) -> dict[str, Any]:
         """Plain data for the page, beside the text of :attr:`binary`."""
         return {"scenes": self.scenes, "modes": self.modes, "steps": STEPS}
+
+    def stored(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Plain data, and the array of the bytes that they refer to, if there are some."""
+        numbers = np.frombuffer(self.binary.content(), np.uint8)
+        arrays = {_NUMBERS: numbers} if len(numbers) else {}
+        return {"scenes": self.scenes, "modes": self.modes}, arrays
 
     def add_bodies(self, key: str, result: Result) -> None:
         """Keep the bodies of a result at rest, and its contact points; collective."""
@@ -99,77 +145,101 @@ class Shapes:
         outsides = _outsides(cells, shapes)
         if like is None:
             self._add_scene(key, result, outsides)
-        kept = self.modes.setdefault(key, {})
+        kept, rows = self.modes.setdefault(key, {}), result.table()
         for i, mode in enumerate(modes):
             parts = [s.point_data for s in outsides.values()]
             u = np.concatenate([data[f"real {i}"] + 1j * data[f"imaginary {i}"] for data in parts])
             if self._size + 4 * u.size > _MOST and kept:
                 break
-            turned, largest = largest_deflection(u)
-            kept[str(mode + 1)] = self._mode(turned, largest) | _told(result, mode, title)
-            kept[str(mode + 1)]["scene"] = like or key
             self._size += 4 * u.size
+            turned, largest = largest_deflection(u)
+            kept[str(mode + 1)] = {
+                **{
+                    name: self.binary.add(
+                        np.round(_in_space(part) * (STEPS / (largest or 1.0))).T, "int16"
+                    )
+                    for name, part in (("real", turned.real), ("imaginary", turned.imag))
+                },
+                "number": mode + 1,
+                "title": title,
+                "frequency": number(rows[mode]["frequency"], 6),
+                "growth": growth(rows[mode]["growth_rate"]),
+                "verdict": rows[mode]["verdict"],
+                "scene": like or key,
+            }
 
     def _add_scene(self, key: str, result: Result, outsides: Mapping[str, Any]) -> None:
+        """Bodies of a scene: positions in a box, triangles, lines; points of contacts."""
         from scenes.pictures.drawing import view_of  # brings pyvista
 
         points = [surface.points for surface in outsides.values()]
-        scene = self._scene(outsides)
-        self.scenes[key] = scene | {
-            "view": view_of(points).tolist(),
-            "flat": not np.ptp(np.concatenate(points)[:, 2]),
-            "reduced": any("element" not in s.cell_data for s in outsides.values()),
-            "contacts": [self._contact(contact, scene) for contact in result.system.contacts],
-        }
-
-    def _contact(self, contact: Contact, scene: Mapping[str, Any]) -> dict[str, Any]:
-        """Points of a contact, and where friction pushes side a."""
-        points = contact.interface.points
-        few = points[_spread(len(points), _CONTACT_POINTS)]
-        places = np.clip((_in_space(few.x) - scene["low"]) / scene["step"], 0, _POSITIONS)
-        told = {
-            "name": literal(contact.name),
-            "a": literal(contact.a),
-            "points": self.binary.add(np.round(places).T, "uint16"),
-        }
-        friction = contact.friction
-        if friction is None or not friction.acts or len(points) == 0:
-            return told
-        some = points[_spread(len(points), _ARROWS)]
-        along = friction.direction.at(some.x, some.normal)
-        arrows = {"from": _in_space(some.x).tolist(), "along": _in_space(along).tolist()}
-        return told | {"arrows": arrows}
-
-    def _scene(self, outsides: Mapping[str, Any]) -> dict[str, Any]:
-        """Bodies of a scene: positions in a box, triangles, lines."""
-        every = np.concatenate([surface.points for surface in outsides.values()])
+        every = np.concatenate(points)
         low, extent = every.min(axis=0), float(np.ptp(every, axis=0).max())
-        bodies = []
-        for name, surface in outsides.items():
-            places = (surface.points - low) * (_POSITIONS / extent)
-            bodies.append(
+        step = extent / _POSITIONS
+
+        def kept(x: Floats) -> dict[str, Any]:
+            return self.binary.add(np.round(np.clip((x - low) / step, 0, _POSITIONS)).T, "uint16")
+
+        self.scenes[key] = {
+            "bodies": [
                 {
                     "name": literal(name),
-                    "points": self.binary.add(np.round(places).T, "uint16"),
-                    "triangles": self.binary.add_numbers(surface.regular_faces.T),
-                    "edges": self.binary.add_numbers(_element_edges(surface).T),
-                    "sharp": self.binary.add_numbers(_sharp_edges(surface).T),
+                    "points": kept(surface.points),
+                    "triangles": self.binary.add(surface.regular_faces.T),
+                    "edges": self.binary.add(_element_edges(surface).T),
+                    "sharp": self.binary.add(_sharp_edges(surface).T),
                 }
-            )
-        return {
-            "bodies": bodies,
+                for name, surface in outsides.items()
+            ],
             "low": low.tolist(),
             "high": every.max(axis=0).tolist(),
-            "step": extent / _POSITIONS,
+            "step": step,
+            "view": view_of(points).tolist(),
+            "flat": not np.ptp(every[:, 2]),
+            "reduced": any("element" not in s.cell_data for s in outsides.values()),
+            "contacts": [
+                {"name": literal(contact.name), "a": literal(contact.a)}
+                | {"points": kept(_in_space(_some(contact, _CONTACT_POINTS).x))}
+                | _arrows(contact)
+                for contact in result.system.contacts
+            ],
         }
 
-    def _mode(self, turned: Complexes, largest: float) -> dict[str, Any]:
-        """Real and imaginary part of a displacement, relative to its largest deflection."""
-        real, imaginary = (
-            self.binary.add(quantised(_in_space(part), largest).T, "int16")
-            for part in (turned.real, turned.imag)
-        )
-        return {"real": real, "imaginary": imaginary}
+
+def merged(result: StudyResult) -> Shapes:
+    """Shapes that cases kept: their numbers one after the other."""
+    shapes = Shapes()
+    for case in result.cases:
+        if case["shapes"]["scenes"]:
+            begin = shapes.binary.append(result.arrays[case["key"]][_NUMBERS].tobytes())
+            shapes.scenes |= _moved(case["shapes"]["scenes"], begin)
+            shapes.modes |= _moved(case["shapes"]["modes"], begin)
+    return shapes
+
+
+def _moved(data: Any, by: int) -> Any:
+    """Plain data whose places in the numbers lie farther on."""
+    if isinstance(data, dict):
+        if {"type", "at", "length"} == data.keys():
+            return data | {"at": data["at"] + by}
+        return {name: _moved(part, by) for name, part in data.items()}
+    return [_moved(part, by) for part in data] if isinstance(data, list) else data
+
+
+def _some(contact: Contact, most: int) -> Any:
+    """Points of a contact, all of them or as many as may be, evenly spread."""
+    points = contact.interface.points
+    even = np.linspace(0, max(len(points) - 1, 0), min(len(points), most))
+    return points[np.unique(even.round().astype(np.int64))]
+
+
+def _arrows(contact: Contact) -> dict[str, Any]:
+    """Where friction pushes side a."""
+    friction, points = contact.friction, _some(contact, _ARROWS)
+    if friction is None or not friction.acts or len(points) == 0:
+        return {}
+    along = _in_space(friction.direction.at(points.x, points.normal))
+    return {"arrows": {"from": _in_space(points.x).tolist(), "along": along.tolist()}}
 
 
 def _cells(result: Result) -> dict[str, Any]:
@@ -232,35 +302,15 @@ def _sharp_edges(surface: Any) -> Ints:
     return np.asarray(edges.point_data["number"])[edges.lines.reshape(-1, 3)[:, 1:]]
 
 
-def _told(result: Result, mode: int, title: str) -> dict[str, Any]:
-    row = result.table()[mode]
-    return {
-        "number": mode + 1,
-        "title": title,
-        "frequency": number(row["frequency"], 6),
-        "growth": growth(row["growth_rate"]),
-        "verdict": row["verdict"],
-    }
-
-
 def by_importance(result: Result) -> list[int]:
     """Numbers of modes from 0: growing ones first, the fastest growing before, then undecided."""
-    rows = enumerate(result.table())
-    return [
-        i
-        for i, row in sorted(
-            rows,
-            key=lambda item: (
-                BY_URGENCY.index(item[1]["verdict"]),
-                -item[1]["growth_rate"] if item[1]["verdict"] in GROWING else item[0],
-            ),
-        )
-    ]
 
+    def place(item: tuple[int, Any]) -> tuple[int, float]:
+        i, row = item
+        urgency = BY_URGENCY.index(row["verdict"])
+        return urgency, -row["growth_rate"] if row["verdict"] in GROWING else i
 
-def _spread(count: int, most: int) -> Ints:
-    """Numbers below a count, all of them or as many as may be, evenly spread."""
-    return np.unique(np.linspace(0, max(count - 1, 0), min(count, most)).round().astype(np.int64))
+    return [i for i, _ in sorted(enumerate(result.table()), key=place)]
 
 
 def _in_space(vectors: Floats) -> Floats:
