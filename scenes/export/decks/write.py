@@ -10,6 +10,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
+from cea.elasticity import Axes
 from cea.errors import InputError
 from cea.files import check_writable, write_whole
 from cea.petsc import MPI
@@ -75,6 +76,9 @@ def _asked_of_name(field: str, name: str) -> Iterator[tuple[str, Any, Any, str]]
 def _asked_of_body(field: str, body: BodySpec) -> Iterator[tuple[str, Any, Any, str]]:
     allowed = "'fe', Lagrange elements and no NURBS (--backend fe),"
     yield f"{field}.backend", body.backend, body.backend != "fe", allowed
+    axes = body.material.axes
+    by_text = isinstance(axes, Axes) and not axes.uniform
+    yield f"{field}.material.axes", axes, by_text, "numbers, or cylindrical"
     fe = body.mesh.fe if body.backend == "fe" else None
     if fe is not None:  # elements of mesh files show when the file is read
         known = (fe.cell, fe.degree) in ELEMENTS
