@@ -159,9 +159,9 @@ def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str
         work.stage("pictures")
         pictures = draw_contacts(result, folder)
         if result.spectrum is not None:
-            from scenes.export.pictures import draw_modes
+            from scenes.export.pictures import write_modes
 
-            pictures += draw_modes(result, output.pictures, folder, animated=True)
+            pictures += write_modes(result, output.pictures, folder)
         files["pictures"] = [file.name for file in pictures]
     if output.paraview:
         from scenes.export.paraview import write_load_steps, write_paraview
