@@ -1,4 +1,4 @@
-"""Linear elasticity in material axes, which may turn from point to point.
+"""Linear elasticity in the axes of a material, which may turn from point to point.
 
     sigma = R S R^T,    S_pq = C_pqrs (R^T grad u R)_rs
 
@@ -10,89 +10,61 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.arrays import Floats, of_size_one
+from cea.arrays import Floats
 from cea.errors import InputError
 from cea.expressions import Expression
 
-VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-"""Components of the tensors of stress and strain in the order of their six numbers."""
-
+_VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 _PARALLEL = 1e-6
 """Sine of the angle below which two directions make no axes."""
-_COUPLED = 1e-9
-"""Largest out-of-plane shear stress of a strain in the plane, relative to the largest constant."""
+_SHEAR = 1e-9
+"""Shear out of the plane that counts as none, relative to the largest stress."""
 
-Component = float | str
+type Direction = tuple[float | str, float | str, float | str]
+"""Components: numbers, or expressions in the coordinates."""
 
 
 @dataclass(frozen=True)
 class Axes:
-    """Material axes along given directions.
+    """Axes of a material: along two given directions, or cylindrical.
 
     Parameters
     ----------
     first, second
-        Directions of axes 1 and 2, three components each: numbers, or expressions in the
-        coordinates (:class:`cea.expressions.Expression`). What of the second lies along the first
-        is taken away; axis 3 is normal to both, right-handed.
+        Directions of axes 1 and 2; what of the second lies along the first is taken away. Axis 3 is
+        normal to both, right-handed.
+    cylindrical_about
+        Direction of axis 3, given in the place of both: axis 1 is radial, 2 circumferential.
+    origin
+        A point of that axis (m).
     """
 
-    first: tuple[Component, Component, Component]
-    second: tuple[Component, Component, Component]
+    first: Direction | None = None
+    second: Direction | None = None
+    cylindrical_about: tuple[float, float, float] | None = None
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if (self.cylindrical_about is None) == (self.first is None or self.second is None):
+            raise InputError("axes", self, "first and second, or cylindrical_about")
 
     @property
     def uniform(self) -> bool:
         """Whether they are the same everywhere."""
-        return not any(isinstance(each, str) for each in (*self.first, *self.second))
+        given = (*(self.first or ("",)), *(self.second or ("",)))
+        return not any(isinstance(each, str) for each in given)
 
-    def check(self, dim: int, field: str) -> None:
-        """Refuse what is no expression in the coordinates of space, and parallel directions."""
-        for name, direction in (("first", self.first), ("second", self.second)):
-            for i, each in enumerate(direction):
-                if isinstance(each, str):
-                    Expression(each).check(f"{field}.{name}.{i}", dim)
-        if self.uniform:
-            self.at(np.zeros((dim, 1)), field)
-
-    def at(self, x: Floats, field: str = "material.axes") -> Floats:
+    def at(self, x: Floats) -> Floats:
         """R at positions x (m), shape (dim, n): the axes as columns, (3, 3, n)."""
-        first, second = (_field(each, x) for each in (self.first, self.second))
-        e1 = _unit(first, first, f"{field}.first")
-        e2 = _unit(second - e1 * np.sum(e1 * second, axis=0), second, f"{field}.second")
-        return np.stack([e1, e2, np.cross(e1, e2, axis=0)], axis=1)
-
-
-@dataclass(frozen=True)
-class CylindricalAxes:
-    """Material axes 1, 2, 3 in radial, circumferential and axial direction.
-
-    Parameters
-    ----------
-    cylindrical_about
-        Direction of the axis, any length but zero; along z in the plane.
-    origin
-        A point of the axis (m).
-    """
-
-    cylindrical_about: tuple[float, float, float]
-    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    uniform = False
-
-    def check(self, dim: int, field: str) -> None:
-        """Refuse an axis without a direction, and one that leaves the plane oblique."""
-        axis = self.cylindrical_about
-        if not (np.isfinite(axis).all() and np.any(axis)) or (dim == 2 and any(axis[:2])):
-            allowed = "a finite vector that is not zero" + (", along z" if dim == 2 else "")
-            raise InputError(f"{field}.cylindrical_about", axis, allowed)
-
-    def at(self, x: Floats, field: str = "material.axes") -> Floats:
-        """R at positions x (m), shape (dim, n): the axes as columns, (3, 3, n)."""
-        axis = of_size_one(self.cylindrical_about)
-        e3 = np.repeat((axis / np.linalg.norm(axis))[:, None], x.shape[1], axis=1)
-        arm = np.zeros_like(e3)
+        if self.cylindrical_about is None:
+            one, other = (_vectors(each, x) for each in (self.first, self.second))
+            e1 = _unit(one, one)
+            e2 = _unit(other - e1 * np.sum(e1 * other, axis=0), other)
+            return np.stack([e1, e2, np.cross(e1, e2, axis=0)], axis=1)
+        axis = _vectors(self.cylindrical_about, x)
+        e3, arm = _unit(axis, axis), np.zeros_like(axis)
         arm[: len(x)] = x - np.asarray(self.origin, dtype=float)[: len(x), None]
-        e1 = _unit(arm - e3 * np.sum(e3 * arm, axis=0), arm, f"{field}.cylindrical_about")
+        e1 = _unit(arm - e3 * np.sum(e3 * arm, axis=0), arm)
         return np.stack([e1, np.cross(e3, e1, axis=0), e3], axis=1)
 
 
@@ -109,7 +81,7 @@ class Elasticity:
     """
 
     matrix: Floats
-    axes: Axes | CylindricalAxes | None = None
+    axes: Axes | None = None
 
     @property
     def varies(self) -> bool:
@@ -117,7 +89,7 @@ class Elasticity:
         return self.axes is not None and not self.axes.uniform
 
     def stress(self, gradient: Floats, x: Floats) -> Floats:
-        """Cauchy stress.
+        """Cauchy stress (N/m^2), shape (dim, dim, n); in the plane that of plane strain.
 
         Parameters
         ----------
@@ -126,67 +98,45 @@ class Elasticity:
         x
             Positions (m), shape (dim, n); not looked at where the tensor is uniform.
 
-        Returns
-        -------
-        ndarray
-            Stress (N/m^2), shape (dim, dim, n); in the plane that of plane strain.
-
         Raises
         ------
         InputError
-            When axes do not exist at a point, or strains in the plane shear it out of the plane.
+            When there are no axes at a point.
         """
-        dim, count = len(gradient), gradient.shape[2]
+        dim, tensor = len(gradient), self.matrix[np.ix_(_VOIGT.ravel(), _VOIGT.ravel())]
         if not self.varies:
-            return (self._tensor(dim) @ gradient.reshape(dim * dim, -1)).reshape(gradient.shape)
-        R = self.axes.at(x)  # type: ignore[union-attr]
-        along = np.einsum("ipn,ijn,jqn->pqn", R[:dim], gradient, R[:dim], optimize=True)
-        own = (_tensor(self.matrix) @ along.reshape(9, -1)).reshape(3, 3, count)
-        return np.einsum("ipn,pqn,jqn->ijn", R[:dim], own, R[:dim], optimize=True)
-
-    def _tensor(self, dim: int) -> Floats:
-        """Of a uniform tensor in the axes of space, the map of gradients, (dim^2, dim^2)."""
-        whole = _tensor(self.matrix)
-        if self.axes is not None:
-            R = self.axes.at(np.zeros((dim, 1)))[:, :, 0]
-            turn = np.kron(R, R)
-            whole = turn @ whole @ turn.T
-        return whole.reshape((3,) * 4)[:dim, :dim, :dim, :dim].reshape(dim * dim, -1)
+            if self.axes is not None:
+                R = self.axes.at(np.zeros((3, 1)))[:, :, 0]
+                turn = np.kron(R, R)
+                tensor = turn @ tensor @ turn.T
+            own = tensor.reshape((3,) * 4)[:dim, :dim, :dim, :dim].reshape(dim * dim, -1)
+            return (own @ gradient.reshape(dim * dim, -1)).reshape(gradient.shape)
+        R = self.axes.at(x)[:dim]  # type: ignore[union-attr]
+        along = np.einsum("ipn,ijn,jqn->pqn", R, gradient, R, optimize=True)
+        own = (tensor @ along.reshape(9, -1)).reshape(along.shape)
+        return np.einsum("ipn,pqn,jqn->ijn", R, own, R, optimize=True)
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse axes that do not exist, and in the plane those that shear out of it."""
-        if self.axes is not None:
-            self.axes.check(dim, f"{field}.axes")
-        if dim == 3:
-            return
-        at = np.full((3, 1), 0.5)
-        turn = np.eye(3) if self.axes is None else self.axes.at(at[:2])[:, :, 0]
-        turned = np.kron(turn, turn)
-        c = (turned @ _tensor(self.matrix) @ turned.T).reshape((3,) * 4)
-        if np.abs(c[:2, 2, :2, :2]).max() > _COUPLED * np.abs(self.matrix).max():
+        """Refuse axes that do not exist, and in the plane those of which a strain shears out of it."""
+        try:
+            stress = self.stress(
+                np.eye(9)[:, [0, 1, 3, 4]].reshape(3, 3, 4), np.full((dim, 4), 0.5)
+            )
+        except InputError as error:
+            raise InputError(f"{field}.axes", error.value, error.allowed) from None
+        if dim == 2 and np.abs(stress[2, :2]).max() > _SHEAR * np.abs(stress).max():
             allowed = "constants and axes that are symmetric about the plane (plane strain)"
             raise InputError(field, "shear out of the plane", allowed)
 
 
-def _tensor(matrix: Floats) -> Floats:
-    """C as the map of gradients, both in the order of their rows, (9, 9)."""
-    place = np.zeros((3, 3), dtype=int)
-    for number, (i, j) in enumerate(VOIGT):
-        place[i, j] = place[j, i] = number
-    return matrix[np.ix_(place.ravel(), place.ravel())]
+def _vectors(components: Direction | None, x: Floats) -> Floats:
+    """Vectors at positions x (dim, n), (3, n)."""
+    return np.stack([Expression(str(each))(x.T) for each in components or ()])
 
 
-def _field(components: tuple[Component, ...], x: Floats) -> Floats:
-    """A vector given by components at positions x (dim, n), (3, n)."""
-    values = [
-        Expression(c)(x.T) if isinstance(c, str) else np.full(x.shape[1], c) for c in components
-    ]
-    return np.stack(values)
-
-
-def _unit(vector: Floats, whole: Floats, field: str) -> Floats:
+def _unit(vectors: Floats, whole: Floats) -> Floats:
     """Vectors of length one, (3, n); refused where hardly anything is left of the whole."""
-    length = np.linalg.norm(vector, axis=0)
+    length = np.linalg.norm(vectors, axis=0)
     if not (length > _PARALLEL * np.linalg.norm(whole, axis=0)).all():
-        raise InputError(field, "no direction somewhere", "a direction of its own at every point")
-    return vector / length
+        raise InputError("axes", "no direction somewhere", "directions that differ at every point")
+    return vectors / length

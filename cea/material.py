@@ -1,10 +1,4 @@
-"""Linear elastic solids: isotropic, orthotropic, fully anisotropic.
-
-The compliance of an orthotropic solid in its axes (Ting, Anisotropic Elasticity, 1996, sec. 2.6):
-
-    eps_ii = sigma_ii / E_i - sum_j nu_ji / E_j sigma_jj,    nu_ij / E_i = nu_ji / E_j,
-    2 eps_ij = sigma_ij / G_ij.
-"""
+"""Linear elastic solids: isotropic, orthotropic, fully anisotropic."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
@@ -14,8 +8,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from cea.arrays import Floats, is_number
-from cea.elasticity import Axes, CylindricalAxes, Elasticity
+from cea.arrays import is_number
+from cea.elasticity import Axes, Elasticity
 from cea.errors import InputError, refuse
 
 
@@ -23,21 +17,21 @@ class Material(ABC):
     """What all solids have; ``rho`` (kg/m^3) is None where no mass is needed (static scenes)."""
 
     rho: float | None
-    axes: Axes | CylindricalAxes | None = None
+    axes: Axes | None = None
 
     @property
     @abstractmethod
     def constants(self) -> dict[str, float]:
-        """Constants that are parameters of a pencil, by the names of their fields."""
+        """Constants that are parameters of a pencil, by the paths of their fields."""
 
     @abstractmethod
     def matrix_of(self, constants: Mapping[str, Any]) -> Any:
         """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
 
-    @cached_property
-    def matrix(self) -> Floats:
-        """Constants in its axes (N/m^2), (6, 6)."""
-        return self.matrix_of(self.constants)
+    @property
+    def entries(self) -> dict[tuple[int, int], tuple[str, ...]]:
+        """Constants that each entry of the matrix depends on, of a solid that has several."""
+        return {}
 
     def __post_init__(self) -> None:
         refuse(self._faults())
@@ -55,29 +49,18 @@ class Material(ABC):
     @cached_property
     def elasticity(self) -> Elasticity:
         """Stress of a displacement gradient."""
-        return Elasticity(self.matrix, self.axes)
+        return Elasticity(self.matrix_of(self.constants), self.axes)
 
     @cached_property
-    def means(self) -> tuple[float, float]:
-        """Bulk and shear modulus (N/m^2) of many grains in random directions at one stress.
+    def means(self) -> tuple[float, float, float]:
+        """Young's modulus, shear modulus (N/m^2) and Poisson's ratio of grains in all directions.
 
-        Reuss's means (Hill, Proc. Phys. Soc. A 65 (1952) 349), of isotropic solids their own.
+        Reuss's means (Hill, Proc. Phys. Soc. A 65 (1952) 349); of isotropic solids their own.
         """
-        s = np.linalg.inv(self.matrix)
+        s = np.linalg.inv(self.elasticity.matrix)
         normal, cross, shear = np.trace(s[:3, :3]), s[0, 1] + s[0, 2] + s[1, 2], np.trace(s[3:, 3:])
-        return 1 / (normal + 2 * cross), 15 / (4 * (normal - cross) + 3 * shear)
-
-    @property
-    def modulus(self) -> float:
-        """Young's modulus (N/m^2) that tells how stiff the solid is, a mean of all directions."""
-        bulk, shear = self.means
-        return 9 * bulk * shear / (3 * bulk + shear)
-
-    @property
-    def lateral(self) -> float:
-        """Poisson's ratio that tells how nearly incompressible the solid is."""
-        bulk, shear = self.means
-        return (3 * bulk - 2 * shear) / (6 * bulk + 2 * shear)
+        K, G = 1 / (normal + 2 * cross), 15 / (4 * (normal - cross) + 3 * shear)
+        return 9 * K * G / (3 * K + G), G, (3 * K - 2 * G) / (6 * K + 2 * G)
 
 
 @dataclass(frozen=True)
@@ -114,7 +97,7 @@ class IsotropicMaterial(Material):
 
     @property
     def constants(self) -> dict[str, float]:
-        """The constant that is a parameter."""
+        """Young's modulus."""
         return {"E": self.E}
 
     def matrix_of(self, constants: Mapping[str, Any]) -> Any:
@@ -125,19 +108,36 @@ class IsotropicMaterial(Material):
         return constants["E"] / self.E * matrix
 
     @property
-    def modulus(self) -> float:
-        """Young's modulus (N/m^2)."""
-        return self.E
+    def means(self) -> tuple[float, float, float]:
+        """Young's modulus, shear modulus (N/m^2) and Poisson's ratio."""
+        return self.E, self.lame[1], self.nu
 
-    @property
-    def lateral(self) -> float:
-        """Poisson's ratio."""
-        return self.nu
+
+class SolidOfConstants(Material):
+    """A solid of several constants, of which the matrix has to be positive definite."""
+
+    def _faults(self) -> Iterator[InputError]:
+        yield from super()._faults()
+        for name, value in self.constants.items():
+            if not is_number(value) or (name[0] in "EG" and value <= 0):
+                allowed = "a positive number" if name[0] in "EG" else "a number"
+                yield InputError(f"material.{name}", value, allowed)
+                return
+        matrix = self.matrix_of(self.constants)
+        scale = np.sqrt(np.abs(np.diag(matrix)))
+        scaled = matrix / np.where(scale > 0, scale, 1.0) / np.where(scale > 0, scale, 1.0)[:, None]
+        if (least := float(np.linalg.eigvalsh(scaled)[0])) <= 0:
+            allowed = "constants that are positive definite (abs(nu_ij) < sqrt(E_i / E_j) and more)"
+            told = f"{allowed}: the least eigenvalue of their scaled matrix is {least:.2g}"
+            yield InputError("material", self.constants, told)
 
 
 @dataclass(frozen=True)
-class OrthotropicMaterial(Material):
+class OrthotropicMaterial(SolidOfConstants):
     """Solid with three planes of symmetry, or isotropic about its axis 3.
+
+    The compliance in its axes (Ting, Anisotropic Elasticity, 1996, sec. 2.6):
+    eps_ii = sigma_ii / E_i - sum_j nu_ji / E_j sigma_jj, nu_ij / E_i = nu_ji / E_j.
 
     Parameters
     ----------
@@ -146,8 +146,8 @@ class OrthotropicMaterial(Material):
     nu_12, nu_13, nu_23
         Poisson's ratios: nu_ij is the contraction along j under a tension along i.
     G_12, G_13, G_23
-        Shear moduli (N/m^2). With E_2, nu_23, G_12 and G_23 left out, all four, the solid is
-        transversely isotropic: they are those of its plane 1-2.
+        Shear moduli (N/m^2). Where E_2, nu_23, G_12 and G_23 are left out, all four, the solid is
+        transversely isotropic: every direction of its plane 1-2 is like axis 1.
     rho
         Density (kg/m^3), positive; None where no mass is needed (static scenes).
     axes
@@ -165,50 +165,42 @@ class OrthotropicMaterial(Material):
     G_12: float | None = None
     G_23: float | None = None
     rho: float | None = None
-    axes: Axes | CylindricalAxes | None = None
+    axes: Axes | None = None
 
     @property
     def constants(self) -> dict[str, float]:
         """Its constants by the names of their fields: nine, or five."""
-        every = {name: value for name, value in vars(self).items() if name[0] in "EnG"}
-        return {name: value for name, value in every.items() if value is not None}
+        given = {name: value for name, value in vars(self).items() if name[0] in "EnG"}
+        return {name: value for name, value in given.items() if value is not None}
+
+    @property
+    def entries(self) -> dict[tuple[int, int], tuple[str, ...]]:
+        """All constants for each of the nine entries."""
+        places = ((i, j) for i in range(6) for j in range(i, 6) if i == j or j < 3)
+        return dict.fromkeys(places, tuple(self.constants))
 
     def matrix_of(self, constants: Mapping[str, Any]) -> Any:
         """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
-        return np.linalg.inv(_compliance(constants))
+        c = dict(constants)
+        if len(c) == 5:
+            E, nu = c["E_1"], c["nu_12"]
+            c |= {"E_2": E, "nu_23": c["nu_13"], "G_23": c["G_13"]}
+            c["G_12"] = E / (2 * (1 + nu)) if nu != -1 else np.inf
+        inverse = np.diag([1 / c[name] for name in ("E_1", "E_2", "E_3", "G_23", "G_13", "G_12")])
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            inverse[i, j] = inverse[j, i] = -c[f"nu_{i + 1}{j + 1}"] / c[f"E_{i + 1}"]
+        return np.linalg.inv(inverse)
 
     def _faults(self) -> Iterator[InputError]:
-        yield from super()._faults()
-        given, wrong = self.constants, False
-        if len(given) not in (5, 9):
-            yield InputError(
-                "material", sorted(given), "nine constants, or E_1, E_3, nu_12, nu_13, G_13"
-            )
-            return
-        for name, value in given.items():
-            modulus = name[0] != "n"
-            if not is_number(value) or (modulus and value <= 0):
-                wrong = True
-                allowed = "a positive number (N/m^2)" if modulus else "a number"
-                yield InputError(f"material.{name}", value, allowed)
-        if wrong:
-            return
-        inverse = _compliance(given)
-        for i, j in ((1, 2), (1, 3), (2, 3)):
-            bound = (inverse[j - 1, j - 1] / inverse[i - 1, i - 1]) ** 0.5
-            ratio = -inverse[i - 1, j - 1] / inverse[i - 1, i - 1]
-            if not abs(ratio) < bound:
-                allowed = f"below sqrt(E_{i} / E_{j}) = {bound:g} in size"
-                yield InputError(f"material.nu_{i}{j}", ratio, allowed)
-                return
-        if (least := _least(inverse)) <= 0:
-            ratios = {name: value for name, value in given.items() if name[0] == "n"}
-            allowed = f"ratios whose compliance is positive definite: its least is {least:.2g} here"
-            yield InputError("material", ratios, allowed)
+        if len(self.constants) in (5, 9):
+            yield from super()._faults()
+        else:
+            allowed = "nine constants, or E_1, E_3, nu_12, nu_13 and G_13"
+            yield InputError("material", sorted(self.constants), allowed)
 
 
 @dataclass(frozen=True)
-class AnisotropicMaterial(Material):
+class AnisotropicMaterial(SolidOfConstants):
     """Solid without any symmetry.
 
     Parameters
@@ -225,54 +217,30 @@ class AnisotropicMaterial(Material):
     kind: Literal["anisotropic"]
     C: Mapping[str, float]
     rho: float | None = None
-    axes: Axes | CylindricalAxes | None = None
-
-    def _faults(self) -> Iterator[InputError]:
-        yield from super()._faults()
-        for name, value in self.C.items():
-            if name not in _ENTRIES:
-                yield InputError(f"material.C.{name}", value, "one of C_11, C_12, ... C_66")
-                return
-        for size in range(1, 7):
-            if _least(self.matrix[:size, :size]) <= 0:
-                name = f"C_{size}{size}"
-                allowed = "so large that the constants up to it are positive definite"
-                yield InputError(f"material.C.{name}", self.C.get(name, 0.0), allowed)
-                return
+    axes: Axes | None = None
 
     @property
     def constants(self) -> dict[str, float]:
         """Its constants by the paths of their fields."""
         return {f"C.{name}": value for name, value in self.C.items()}
 
+    @property
+    def entries(self) -> dict[tuple[int, int], tuple[str, ...]]:
+        """A constant for each entry that is given."""
+        return {place: (f"C.{name}",) for place, name in _ENTRIES.items() if name in self.C}
+
     def matrix_of(self, constants: Mapping[str, Any]) -> Any:
         """Constants in its axes (N/m^2), (6, 6), of others than its own, complex ones too."""
-        matrix = np.zeros((6, 6), dtype=np.result_type(*constants.values()))
-        for name, value in constants.items():
-            i, j = _ENTRIES[name.removeprefix("C.")]
-            matrix[i, j] = matrix[j, i] = value
+        matrix = np.zeros((6, 6), dtype=np.result_type(0.0, *constants.values()))
+        for (i, j), name in _ENTRIES.items():
+            matrix[i, j] = matrix[j, i] = constants.get(f"C.{name}", 0.0)
         return matrix
 
-
-_ENTRIES = {f"C_{i + 1}{j + 1}": (i, j) for i in range(6) for j in range(i, 6)}
-
-
-def _compliance(c: Mapping[str, Any]) -> Any:
-    """Compliance (m^2/N), (6, 6), of nine constants, or five."""
-    if "E_2" not in c:
-        E, nu = c["E_1"], c["nu_12"]
-        shear = E / (2 * (1 + nu)) if nu != -1 else np.inf
-        c = {**c, "E_2": E, "nu_23": c["nu_13"], "G_23": c["G_13"], "G_12": shear}
-    inverse = np.diag([1 / c[name] for name in ("E_1", "E_2", "E_3", "G_23", "G_13", "G_12")])
-    for i, j in ((1, 2), (1, 3), (2, 3)):
-        inverse[i - 1, j - 1] = inverse[j - 1, i - 1] = -c[f"nu_{i}{j}"] / c[f"E_{i}"]
-    return inverse
+    def _faults(self) -> Iterator[InputError]:
+        if unknown := set(self.C) - set(_ENTRIES.values()):
+            yield InputError("material.C", sorted(unknown), "C_11, C_12, ... C_66")
+        else:
+            yield from super()._faults()
 
 
-def _least(matrix: Floats) -> float:
-    """Smallest eigenvalue of a symmetric matrix scaled to ones on its diagonal."""
-    diagonal = np.diag(matrix)
-    if not (np.isfinite(matrix).all() and diagonal.min() > 0):
-        return -np.inf
-    scale = 1 / np.sqrt(diagonal)
-    return float(np.linalg.eigvalsh(scale[:, None] * matrix * scale)[0])
+_ENTRIES = {(i, j): f"C_{i + 1}{j + 1}" for i in range(6) for j in range(i, 6)}

@@ -165,7 +165,7 @@ class BodyTerms:
 
         Where damping depends on modes or rotates with the body it is not known at others.
         """
-        several = "E" not in self.body.material.constants
+        several = bool(self.body.material.entries)
         return several and not (self.motion.circulates or self.motion.modal)
 
     @property
@@ -193,16 +193,11 @@ class BodyTerms:
 
     def _of_constants(self) -> Iterator[Term]:
         """What K grows by where constants of a solid that has several change."""
-        if not self._constant_by_constant:
-            return
-        material = self.body.material
-        for i, j in zip(*np.triu_indices(6), strict=True):
-            entry = Entry(self.path, material, (int(i), int(j)))
-            if not entry.names:
-                continue
+        material, path = self.body.material, f"{self.path}.material"
+        for place, own in material.entries.items() if self._constant_by_constant else ():
             unit = np.zeros((6, 6))
-            unit[i, j] = unit[j, i] = 1.0
-            law = Elasticity(unit, material.axes)
+            unit[place] = unit[place[::-1]] = 1.0
+            law, entry = Elasticity(unit, material.axes), Entry(material, place, path, own)
             make = cache(lambda law=law: self.square(self.body.stiffness_of(law)))
             yield TermOfConstant("stiffness", make, entry)
             if self.with_mass and self.motion.damping is not None:
@@ -303,52 +298,41 @@ class TermOfConstant(Term):
         vars(self).update(role=role, make=make, coefficient=coefficient)
 
     @cached_property
-    def matrix(self) -> Mat:  # type: ignore[override]
+    def matrix(self) -> Mat:
         """The piece, PETSc AIJ (n x n)."""
         return vars(self)["make"]()
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """How much larger one entry of the matrix of constants is at others; a ``Dependence``."""
+    """How much larger an entry of the matrix of constants is at others, times a parameter or 1."""
 
-    path: str  # of the body in a scene
     material: Material
-    at_place: tuple[int, int]
-    factor: str | None = None  # a parameter that multiplies it
-
-    def _matrix(self, values: Mapping[str, complex]) -> Any:
-        own = {name: values[f"{self.path}.material.{name}"] for name in self.material.constants}
-        return self.material.matrix_of(own)[self.at_place]
-
-    @cached_property
-    def _depends(self) -> list[str]:
-        at = {f"{self.path}.material.{n}": v for n, v in self.material.constants.items()}
-        return [name for name in at if self._slope(name, at)]
-
-    def _slope(self, name: str, values: Mapping[str, float]) -> float:
-        """Derivative by a complex step, exact to rounding."""
-        step = 1e-20 * max(abs(values[name]), 1e-20)
-        stepped = {each: complex(value) for each, value in values.items()}
-        return float(self._matrix(stepped | {name: values[name] + 1j * step}).imag / step)
+    place: tuple[int, int]
+    path: str  # of the material in a scene
+    own: tuple[str, ...]  # constants it depends on
+    factor: str | None = None
 
     @property
     def names(self) -> frozenset[str]:
         """Parameters it depends on."""
-        own = self._depends
-        return frozenset([*own, self.factor] if own and self.factor else own)
+        return frozenset([f"{self.path}.{name}" for name in self.own]) | {
+            *filter(None, [self.factor])
+        }
+
+    def _value(self, values: Mapping[str, complex]) -> complex:
+        constants = {name: values[f"{self.path}.{name}"] for name in self.material.constants}
+        grown = self.material.matrix_of(constants) - self.material.elasticity.matrix
+        return complex(grown[self.place] * (values[self.factor] if self.factor else 1.0))
 
     def at(self, values: Mapping[str, float]) -> float:
         """Value at given parameters."""
-        grown = float(self._matrix(values) - self.material.matrix[self.at_place])
-        return grown * (values[self.factor] if self.factor else 1.0)
+        return self._value(values).real
 
     def derivative(self, name: str, values: Mapping[str, float]) -> float:
-        """Derivative in one parameter."""
-        if name == self.factor:
-            return float(self._matrix(values) - self.material.matrix[self.at_place])
-        slope = self._slope(name, values) if name in self._depends else 0.0
-        return slope * (values[self.factor] if self.factor else 1.0)
+        """Derivative in one parameter, by a complex step: exact to rounding."""
+        step = 1e-20 * (abs(values[name]) or 1.0)
+        return self._value({**values, name: values[name] + 1j * step}).imag / step
 
 
 def body_terms(

@@ -70,8 +70,8 @@ class Setting(Figure):
                 ("width of the interface", width, "m"),
                 ("height of a", np.ptp(faces["upper.x_max"][..., 2]), "m"),
                 ("height of b", np.ptp(faces["lower.x_max"][..., 2]), "m"),
-                ("E", material.modulus, "N/m²"),
-                ("nu", material.lateral, ""),
+                ("E", material.means[0], "N/m²"),
+                ("nu", material.means[2], ""),
                 ("pressure", scene.loads[0].pressure, "N/m²"),
                 *((f"elements of {side}", len(faces[face]), "") for side, face in _OF_SIDE.items()),
             )

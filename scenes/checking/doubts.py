@@ -53,7 +53,7 @@ def left_alone(scene: Scene) -> str:
         return "units = 'other'"
     low, high = _NEAR_ONE
     materials = [body.material for body in scene.bodies.values()]
-    numbers = [n for each in materials for n in (each.modulus, each.rho) if n is not None]
+    numbers = [n for each in materials for n in (each.means[0], each.rho) if n is not None]
     near_one = all(low <= n <= high for n in numbers)
     return "every E and rho is near one, as in scenes without units" if near_one else ""
 
@@ -63,7 +63,7 @@ def doubtful_numbers(scene: Scene) -> Iterator[ResultWarning]:
     if left_alone(scene):
         return
     for name, body in scene.bodies.items():
-        for field, value, bound in _doubtful_material(body.material.modulus, body.material.rho):
+        for field, value, bound in _doubtful_material(body.material.means[0], body.material.rho):
             yield ResultWarning(
                 "doubtful-units",
                 f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",

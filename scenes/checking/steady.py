@@ -224,7 +224,7 @@ def coarse_closed_zone(
     stiffness = halves * float(force @ state.stiffness / force.sum())
     sides = []
     for name, surface in ((half.a, interface.a), (half.b, interface.b)):
-        relative = stiffness * zone.width / bodies[name].material.modulus
+        relative = stiffness * zone.width / bodies[name].material.means[0]
         needed = min(_FEWEST[surface.dim] * relative ** (1 / 3), _ENOUGH) / _functions(bodies[name])
         sides.append((zone.elements(surface), needed, relative, f"{name}.{surface.name}"))
     elements, needed, relative, place = min(sides, key=lambda side: side[0] / side[1])

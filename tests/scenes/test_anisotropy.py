@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.elasticity import Axes, CylindricalAxes
+from cea.elasticity import Axes
 from cea.material import AnisotropicMaterial, OrthotropicMaterial
 from scenes import SceneError, assemble, load_scene, read_scene, run_modes
 from scenes.building.build import build_body
@@ -77,7 +77,10 @@ def rotated(material):
     own = np.array(
         [
             [
-                [[solid.matrix[place[i, j], place[k, m]] for m in range(3)] for k in range(3)]
+                [
+                    [solid.elasticity.matrix[place[i, j], place[k, m]] for m in range(3)]
+                    for k in range(3)
+                ]
                 for j in range(3)
             ]
             for i in range(3)
@@ -128,7 +131,7 @@ def waves(backend, moving, elements):
 @pytest.mark.parametrize(("moving", "constant"), [("z", (2, 2)), ("x", (4, 4)), ("y", (3, 3))])
 def test_plane_waves_have_the_speeds_of_the_closed_form(backend, moving, constant):
     solid = OrthotropicMaterial(**WOOD)
-    right = np.sqrt(solid.matrix[constant] / WOOD["rho"]) / (2 * SIZE[2])
+    right = np.sqrt(solid.elasticity.matrix[constant] / WOOD["rho"]) / (2 * SIZE[2])
     errors = []
     for elements in (4, 8):
         errors.append(np.abs(waves(backend, moving, elements) / right - 1).min())
@@ -208,12 +211,12 @@ def test_energy_of_a_uniform_strain_and_its_stresses(backend):
 
 REFUSED = {
     "E_1": (WOOD | {"E_1": -1.0}, "positive number"),
-    "nu_12": (WOOD | {"nu_12": 4.0}, "below sqrt(E_1 / E_2) = 3.8"),
+    "nu_12": (WOOD | {"nu_12": 4.0}, "nu_12"),
     "nu_23": (WOOD | {"nu_12": 3.0, "nu_13": 4.0, "nu_23": 1.2}, "positive definite"),
     "G_12": ({k: v for k, v in WOOD.items() if k != "G_12"}, "nine constants"),
     "C_22": ({"kind": "anisotropic", "C": {"C_11": 1.0, "C_12": 2.0, "C_22": 3.0}}, "C_22"),
     "C_21": ({"kind": "anisotropic", "C": {"C_21": 1.0}}, "C_11, C_12"),
-    "axes": (WOOD | {"axes": {"first": [1, 0, 0], "second": [2, 0, 0]}}, "second"),
+    "axes": (WOOD | {"axes": {"first": [1, 0, 0], "second": [2, 0, 0]}}, "axes"),
     "kind": (WOOD | {"kind": "wood"}, "orthotropic"),
 }
 
@@ -239,11 +242,11 @@ def test_in_the_plane_and_in_rotation_symmetry_is_asked_for():
 def test_axes_by_expressions_are_those_of_the_cylinder():
     x = np.random.default_rng(3).normal(size=(3, 20))
     given = Axes(("x/r", "y/r", 0.0), ("-y/r", "x/r", 0.0)).at(x)
-    assert given == pytest.approx(CylindricalAxes((0.0, 0.0, 2.0)).at(x), abs=1e-15)
+    assert given == pytest.approx(Axes(cylindrical_about=(0.0, 0.0, 2.0)).at(x), abs=1e-15)
 
 
 def test_mean_moduli_of_an_isotropic_solid_are_its_own():
     solid = OrthotropicMaterial(**isotropic(2.1e11, 0.3, 7800.0))
-    assert (solid.modulus, solid.lateral) == pytest.approx((2.1e11, 0.3), rel=1e-13)
+    assert solid.means[::2] == pytest.approx((2.1e11, 0.3), rel=1e-13)
     entries = {f"C_{i}{i}": 1.0 for i in range(1, 7)}
-    assert AnisotropicMaterial("anisotropic", entries).matrix == pytest.approx(np.eye(6))
+    assert AnisotropicMaterial("anisotropic", entries).elasticity.matrix == pytest.approx(np.eye(6))

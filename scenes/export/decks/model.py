@@ -6,7 +6,7 @@ from io import StringIO
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cea.elasticity import Axes, CylindricalAxes
+from cea.elasticity import Axes
 from cea.material import IsotropicMaterial, Material, OrthotropicMaterial
 from cea.mesh import Floats, Ints
 from scenes.export.decks.bodies import DeckBody, set_name
@@ -98,13 +98,13 @@ def _body_lines(body: DeckBody) -> Iterator[str]:
         yield "1.,"  # the thickness
 
 
-def _axes_lines(name: str, axes: Axes | CylindricalAxes) -> Iterator[str]:
+def _axes_lines(name: str, axes: Axes) -> Iterator[str]:
     """Axes of a material: a point on axis 1 and one beside it, or two points of the axis."""
-    if isinstance(axes, CylindricalAxes):
+    if axes.cylindrical_about is not None:
         end = np.add(axes.origin, axes.cylindrical_about)
         yield keyword("ORIENTATION", NAME=name, SYSTEM="CYLINDRICAL")
         yield numbers(*axes.origin, *end)
-    else:
+    elif axes.first and axes.second:
         yield keyword("ORIENTATION", NAME=name, SYSTEM="RECTANGULAR")
         yield numbers(*map(float, (*axes.first, *axes.second)))
 
@@ -114,14 +114,14 @@ def _elastic_lines(material: Material) -> Iterator[str]:
     if isinstance(material, IsotropicMaterial):
         yield from (keyword("ELASTIC"), numbers(material.E, material.nu))
     elif isinstance(material, OrthotropicMaterial):
-        s = np.linalg.inv(material.matrix)
+        s = np.linalg.inv(material.elasticity.matrix)
         E1, E2, E3, G23, G13, G12 = 1 / np.diag(s)
         yield keyword("ELASTIC", TYPE="ENGINEERING CONSTANTS")
         yield numbers(E1, E2, E3, -s[0, 1] * E1, -s[0, 2] * E1, -s[1, 2] * E2, G12, G13)
         yield numbers(G23)
     else:
         order = [0, 1, 2, 5, 4, 3]
-        c = material.matrix[np.ix_(order, order)]
+        c = material.elasticity.matrix[np.ix_(order, order)]
         upper = [c[i, j] for j in range(6) for i in range(j + 1)]
         yield keyword("ELASTIC", TYPE="ANISOTROPIC")
         for start in range(0, len(upper), 8):

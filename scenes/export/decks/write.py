@@ -10,7 +10,6 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from cea.elasticity import Axes
 from cea.errors import InputError
 from cea.files import check_writable, write_whole
 from cea.petsc import MPI
@@ -150,7 +149,7 @@ def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
         place = f"{field}.mesh.fe.geometry_degree"
         yield place, fe.geometry_degree, curved, f"1 or {fe.degree}"
     axes = body.material.axes
-    by_text = isinstance(axes, Axes) and not axes.uniform
+    by_text = axes is not None and not (axes.uniform or axes.cylindrical_about)
     yield f"{field}.material.axes", axes, by_text, "numbers, or cylindrical"
     unwritten = "left out, as it is not written,"
     for name in ("springs", "damping", "rotation"):
