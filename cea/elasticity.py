@@ -20,7 +20,7 @@ _PARALLEL = 1e-6
 _SHEAR = 1e-9
 """Shear out of the plane that counts as none, relative to the largest stress."""
 
-type Direction = tuple[float | str, float | str, float | str]
+Direction = tuple[float | str, float | str, float | str]
 """Components: numbers, or expressions in the coordinates."""
 
 
@@ -117,7 +117,7 @@ class Elasticity:
         return np.einsum("ipn,pqn,jqn->ijn", R, own, R, optimize=True)
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse axes that do not exist, and in the plane those of which a strain shears out of it."""
+        """Refuse axes that do not exist, and in the plane those that shear out of it."""
         try:
             stress = self.stress(
                 np.eye(9)[:, [0, 1, 3, 4]].reshape(3, 3, 4), np.full((dim, 4), 0.5)

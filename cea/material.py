@@ -186,7 +186,8 @@ class OrthotropicMaterial(SolidOfConstants):
             E, nu = c["E_1"], c["nu_12"]
             c |= {"E_2": E, "nu_23": c["nu_13"], "G_23": c["G_13"]}
             c["G_12"] = E / (2 * (1 + nu)) if nu != -1 else np.inf
-        inverse = np.diag([1 / c[name] for name in ("E_1", "E_2", "E_3", "G_23", "G_13", "G_12")])
+        order = ("E_1", "E_2", "E_3", "G_23", "G_13", "G_12")
+        inverse = np.diag([1 / c[name] for name in order]).astype(np.result_type(*c.values()))
         for i, j in ((0, 1), (0, 2), (1, 2)):
             inverse[i, j] = inverse[j, i] = -c[f"nu_{i + 1}{j + 1}"] / c[f"E_{i + 1}"]
         return np.linalg.inv(inverse)

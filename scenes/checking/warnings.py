@@ -111,12 +111,13 @@ def volumetric_locking(name: str, body: BodySpec) -> Iterator[ResultWarning]:
     """A material that keeps its volume, in elements of a degree too low for it."""
     degree, smooth = _degree(body)
     limit = _INCOMPRESSIBLE.get(("iga" if smooth else "fe", degree), inf)
-    if body.material.means[2] >= limit:
+    nu = body.material.means[2]
+    if nu >= limit:
         yield ResultWarning(
             "volumetric-locking",
-            f"bodies.{name} is nearly incompressible (nu = {body.material.means[2]:g}); elements of "
+            f"bodies.{name} is nearly incompressible (nu = {nu:g}); elements of "
             f"degree {degree} are too stiff from nu = {limit:g} on",
-            {"body": name, "nu": body.material.means[2], "degree": degree, "limit": limit},
+            {"body": name, "nu": nu, "degree": degree, "limit": limit},
         )
 
 
