@@ -10,7 +10,7 @@ import numpy as np
 
 from cea.arrays import is_number
 from cea.elasticity import Axes, Elasticity
-from cea.errors import InputError, refuse
+from cea.errors import InputError
 
 
 class Material(ABC):
@@ -34,7 +34,8 @@ class Material(ABC):
         return {}
 
     def __post_init__(self) -> None:
-        refuse(self._faults())
+        for fault in self._faults():
+            raise fault
 
     def _faults(self) -> Iterator[InputError]:
         if self.rho is not None and not (is_number(self.rho) and self.rho > 0):
@@ -84,7 +85,7 @@ class IsotropicMaterial(Material):
 
     def _faults(self) -> Iterator[InputError]:
         if not (is_number(self.E) and self.E > 0):
-            yield InputError("material.E", self.E, "a positive number (N/m^2)")
+            raise InputError("material.E", self.E, "a positive number (N/m^2)")
         if not (is_number(self.nu) and -1 < self.nu < 0.5):
             yield InputError("material.nu", self.nu, "between -1 and 0.5, both excluded")
         yield from super()._faults()
