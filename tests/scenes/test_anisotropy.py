@@ -189,7 +189,7 @@ def test_energy_of_a_uniform_strain_and_its_stresses(backend):
     """u^T K u = V eps : C : eps, and v^T K_g v = V sigma : (grad v)^T grad v, for linear u, v."""
     scene = block(backend, WOOD | {"axes": OBLIQUE}, elements=(1, 1, 1), supports=[])
     body = build_body("block", scene.bodies["block"])
-    x = body.dof_positions
+    x = body.space.dof_positions
     u, v = (np.random.default_rng(seed).normal(size=(3, 3)) for seed in (1, 2))
     stress = body.material.elasticity.stress(u[..., None], np.zeros((3, 1)))[..., 0]
     volume = np.prod(SIZE)
