@@ -32,23 +32,33 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.left_vectors import POWERS
 from cea.eigen.matching import connected
 from cea.eigen.pencil import Role
-from cea.reduced.products import real_times
 
 _TOUCH = 10.0
 """Bound of an eigenvalue, in its distance from the next, from the inverse of which on they are
 judged together."""
 
 
+def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
+    """A x in real arithmetic: imaginary parts of those columns alone that have one."""
+    turning = np.flatnonzero(vectors.imag.any(axis=0))
+    image = matrix @ np.hstack([vectors.real, vectors.imag[:, turning]])
+    columns = vectors.shape[1]
+    result = image[:, :columns].astype(complex)
+    result.imag[:, turning] = image[:, columns:]
+    return result
+
+
 @dataclass(frozen=True)
 class Residuals:
-    """K, D or M on a basis V.
+    """K, D or M on a basis V of states.
 
-    V^T A V; X^-1-coordinates Q^T A V and Q^T A^T V of its images; norm of what Q leaves out.
+    V^T A V; coordinates of what its images A V and A^T V cause; norm of what these leave out.
     """
 
     square: Floats

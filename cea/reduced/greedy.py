@@ -116,8 +116,8 @@ class Enrichment:
     def take(self, taken: Snapshot) -> float | None:
         """Test the reduced model by a full solve, and take its modes in."""
         tested, found = None, self.at(taken.point)
-        if self.model.norm.comm.bcast(found.worst) <= _MEANINGFUL:
-            tested = self.model.norm.comm.bcast(largest_ratio(found, taken))
+        if self.model.norms.states.comm.bcast(found.worst) <= _MEANINGFUL:
+            tested = self.model.norms.states.comm.bcast(largest_ratio(found, taken))
             if 1 < tested < np.inf:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
         self.model.take(taken)
@@ -135,7 +135,7 @@ class Enrichment:
 
     def worst(self, point: Point) -> float:
         """The worst bound at a point, the same on every rank."""
-        return float(self.model.norm.comm.bcast(self.at(point).worst))
+        return float(self.model.norms.states.comm.bcast(self.at(point).worst))
 
 
 def full_solve(

@@ -13,7 +13,6 @@ from cea.eigen.pencil import Pencil, release
 from cea.eigen.shifted import count_below
 from cea.errors import InputError
 from cea.reduced.norm import shift_of
-from cea.reduced.pieces import check_pencil
 from cea.warned import ResultWarning
 from comparisons.sweep.points import Field, Points, table_of
 from scenes import Result
@@ -154,7 +153,6 @@ def _names(
             of_p = {path: pencil.parameter(path).value / value for path, value in paths.items()}
             meant = of_p or dict.fromkeys(parameters_meant(pencil, field.name, bonded), 1.0)
             found.append(meant)
-        check_pencil(pencil, [name for each in found for name in each])
     except InputError as error:
         raise _no_map(error) from error
     no_two_alike(found, [field.name for field in fields])

@@ -19,8 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea import __version__
-from cea.arrays import Floats
-from cea.eigen.pencil import Pencil
 from cea.files import write_whole
 from cea.reduced.pieces import Pieces
 from cea.reduced.snapshots import Snapshot
@@ -33,8 +31,6 @@ _ARRAYS = (
     *("eigenvalues", "speeds", "uncertainties", "conditions"),
     *("right", "left", "forces", "left_forces"),
 )
-_PLACES = (0.0, 0.381966, 1.0)
-"""Where between the ends of all fields coefficients are looked at."""
 
 
 class Store:
@@ -113,51 +109,22 @@ def _packed(arrays: Mapping[str, Any]) -> bytes:
 
 
 def fingerprint(scene: Mapped) -> list[str]:
-    """What a sweep rests on, number by number, the same on every rank."""
+    """What a sweep rests on, the same on every rank: u^T A v of its pieces, and its parameters."""
     pencil, free = scene.pencil, [name for names in scene.names for name in names]
-    ends = np.array(scene.points.ends)
-    places = [ends[:, 0] + part * (ends[:, 1] - ends[:, 0]) for part in _PLACES]
-    values = [pencil.values(scene.point(place.tolist())) for place in places]
-    window = (scene.max_frequency, scene.min_growth, scene.growth_threshold)
+    points = np.array(scene.points.ends).T
+    values = [pencil.values(scene.point(each.tolist())) for each in (*points, points.mean(axis=0))]
     pieces = Pieces(pencil, free)
-    try:
-        told = list(_products(pencil, pieces, values))
-    finally:
-        pieces.free()
-    return [
-        f"program {__version__}",
-        *(f"{each.name} {each.value!r}" for each in pencil.parameters.values()),
-        *told,
-        f"window {window!r}",
-        f"scene {sha256(as_json(scene.scene).encode()).hexdigest()}",
-    ]
-
-
-def _products(pencil: Pencil, pieces: Pieces, values: list[dict[str, float]]) -> Iterator[str]:
-    """u^T A v of all pieces, and their coefficients."""
-    rows = pencil.terms[0].matrix.getLocalSize()[0]
-    first, comm = pencil.terms[0].matrix.getOwnershipRange()[0], pencil.comm.tompi4py()
-
-    def product(times: Any, right: Floats, left: Floats) -> str:
-        image = times(right)
-        both = np.array([np.vdot(left, image), np.vdot(image, image)])
-        inner, square = comm.bcast(comm.allreduce(both)).tolist()
-        return f"{square:.6e} {inner / max(np.sqrt(square), 1e-300):.5f}"
-
-    v, u = _tested(rows, first, 0), _tested(rows, first, 1)
+    first = pencil.terms[0].matrix.getOwnershipRange()[0]
+    u, v = np.random.default_rng(first).standard_normal((2, pieces.rows, 1))
+    told = []
     for piece in pieces.all:
-        told = " ".join(f"{piece.coefficient.at(each):.10e}" for each in values)
-        yield f"{piece.role} {piece.symmetric} {product(piece.times, v, u)} {told}"
-    for contact in pieces.contacts:
-        f = _tested(contact.closes.rows, contact.rows.start, 2)
-        of_gaps = product(contact.closes.times, v, f)
-        of_slip = "" if contact.slides is None else product(contact.slides.times, v, f)
-        of_forces = product(contact.compliance, f, f)
-        both = contact.inverse_stiffness, contact.friction
-        told = " ".join(f"{each.at(at):.10e}" for each in both for at in values)
-        yield f"forces {of_gaps} {of_slip} {of_forces} {told}"
-
-
-def _tested(rows: int, first: int, which: int) -> Floats:
-    """Rows of a vector that is the same each time, as a block of one column."""
-    return np.random.default_rng((first, which)).standard_normal((rows, 1))
+        image = piece.times(v)
+        both = np.array([np.vdot(u, image), np.vdot(image, image)])
+        inner, square = pieces.comm.bcast(pieces.comm.allreduce(both)).tolist()
+        sizes = f"{square:.6e} {inner / max(np.sqrt(square), 1e-300):.5f}"
+        told.append(f"{sizes} {[f'{piece.coefficient.at(each):.10e}' for each in values]}")
+    pieces.free()
+    window = (scene.max_frequency, scene.min_growth, scene.growth_threshold)
+    given = sha256(as_json(scene.scene).encode()).hexdigest()
+    fixed = [f"{each.name} {each.value!r}" for each in pencil.parameters.values()]
+    return [f"program {__version__}", f"window {window!r}", f"scene {given}", *fixed, *told]

@@ -146,10 +146,18 @@ def test_materials_are_parameters_too(backend):
     assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
 
 
-def test_what_has_no_reduced_model_is_refused():
-    tied = blocks_pencil("iga", P=np.inf, form="saddle")
-    with pytest.raises(InputError, match="finite"):
-        enrichment(tied, {MU: (0.0, 1.0)}, TOP)
+def test_tied_sides_that_rub_have_a_reduced_model(backend):
+    """P = inf along the normal, friction alive: beside fresh solves."""
+    pencil = blocks_pencil(backend, P=np.inf, form="saddle")
+    built = enrichment(pencil, {MU: (0.0, 1.0)}, TOP)
+    assert built.cover([{MU: mu} for mu in np.linspace(0, 1, 5).tolist()]) <= built.tolerance
+    modes = EigenSolver(pencil).solve(MARGIN * TOP, {MU: 0.63}, left=True)
+    found = built.at({MU: 0.63})
+    assert errors_of_means(found, -(modes.eigenvalues**2)).max() < 1e-8
+    assert largest_ratio(found, Snapshot.of({MU: 0.63}, modes)) <= 1
+
+
+def test_what_is_no_parameter_is_refused():
     pencil, _ = random_pencil(0)
     with pytest.raises(InputError, match="one of"):
         enrichment(pencil, {"speed": (0.0, 1.0)}, TOP)
