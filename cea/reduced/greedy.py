@@ -174,9 +174,9 @@ def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
         if not found.inside[mine].any():
             continue
         error = abs((found.z[mine] - theirs[rows[members]]).mean())
-        known = 0.0
-        if members.sum() == 1:
-            known = full.uncertainties[rows[members]].max()
-            known *= 1.0 if damped else 2 * full.speeds[rows[members]].max()
+        known = full.uncertainties[rows[members]]
+        if members.sum() > 1:  # the mean is not as sensitive as its members
+            known = known / full.conditions[rows[members]]
+        known = known.max() * (1.0 if damped else 2 * full.speeds[rows[members]].max())
         ratio = max(ratio, error / (found.means[mine].max() + known))
     return float(ratio)

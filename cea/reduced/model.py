@@ -121,8 +121,6 @@ class ReducedModel:
         if blocks:
             self._add_displacements(blocks)
         self._project(before)
-        rounding = max(self.small.rounding, taken.rounding)
-        self.small = replace(self.small, rounding=rounding)
 
     def raise_safety(self, safety: float) -> None:
         """Make all bounds with another factor on the inverse outside of the basis."""
@@ -165,22 +163,23 @@ class ReducedModel:
 
     def _grown(self, piece: Piece, small: SmallPiece, before: int) -> SmallPiece:
         vectors, norm = self._basis.vectors, self.norms.states
-        old, new = vectors[:, :before], vectors[:, before:]
+        new = vectors[:, before:]
         image = piece.times(new)
-        whole = norm.inner(vectors, image)
+        columns = rows = norm.inner(vectors, image)
         right, lost = self._with_images(small.right, image)
-        if piece.symmetric:
-            rows, left = whole[:before].T, right
-        else:
+        left = right
+        if not piece.symmetric:
             image = piece.transposed(new)
-            rows = norm.inner(old, image).T
+            rows = norm.inner(vectors, image)
             left, other = self._with_images(small.left, image)
             lost = max(lost, other)
-        square = np.block([[small.square, whole[:before]], [rows, whole[before:]]])
-        if piece.symmetric:
-            square = 0.5 * (square + square.T)
+        # Both are A between new vectors, but for rounding.
+        twice = columns[before:], rows[before:].T
+        rounding = max(small.rounding, float(np.abs(twice[0] - twice[1]).max(initial=0.0)))
+        corner = 0.5 * (twice[0] + twice[1])
+        square = np.block([[small.square, columns[:before]], [rows[:before].T, corner]])
         lost = float(np.hypot(small.lost, lost))
-        return replace(small, square=square, right=right, left=left, lost=lost)
+        return SmallPiece(piece.role, piece.coefficient, square, right, left, lost, rounding)
 
     def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
         """Coordinates of old and new images; the basis of residuals takes the new ones in."""

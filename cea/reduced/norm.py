@@ -14,23 +14,26 @@ that it causes in the saddle problem without friction.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.blocks import times, transposed_times
-from cea.eigen.multipliers import AllForces
+from cea.eigen.multipliers import Multipliers
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil
 from cea.eigen.shifted import bordered, force_scale
 from cea.eigen.spectrum import SLOW
-from cea.matrices import destroy, scaled_total
+from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total
 from cea.reduced.pieces import Pieces, Product
 
 _FEW = 0.3
 """Part of all rows up to which products with the others are left out."""
+
+_FELT = 1e-10
+"""Least compliance of contacts in the norm, relative to that of the bodies: closures that depend on
+each other, or nearly, are told apart by rounding alone."""
 
 
 def shift_of(max_frequency: float) -> float:
@@ -94,7 +97,15 @@ class Norms:
         self, pencil: Pencil, pieces: Pieces, values: Mapping[str, float], matrix: Any
     ) -> None:
         """What gaps and forces do without friction."""
-        forces = AllForces([replace(each, slip=None) for each in pencil.forces]).at(values)
+        softness = [
+            (max(each.inverse_stiffness.at(values), _FELT / each.body_stiffness[0]), each)
+            for each in pencil.forces
+        ]
+        parts = [scaled_total([(c, each.compliance)]) for c, each in softness]
+        closure = one_below_the_other([each.closure for each in pencil.forces])
+        compliance = block_diagonal(parts).convert("aij")
+        forces = Multipliers(closure, closure, compliance, None, 0, stacked=True)
+        destroy(*parts)
         scale = force_scale(matrix, forces)
         whole = bordered(matrix, forces, scale, symmetric=True)
         sizes, n = scale.array_r.copy(), pieces.displacements

@@ -20,7 +20,7 @@ class SmallPiece:
     """One piece of a pencil on a basis V of states, with coordinates Q of what its images cause.
 
     V^T A V; coordinates of A V and A^T V, the same object where A is symmetric; norm of what Q does
-    not hold of either.
+    not hold of either; largest error of an entry of V^T A V by rounding.
     """
 
     role: Role
@@ -29,6 +29,7 @@ class SmallPiece:
     right: Floats
     left: Floats
     lost: float
+    rounding: float = 0.0
 
     @property
     def symmetric(self) -> bool:
@@ -48,16 +49,11 @@ class SmallPiece:
 
 @dataclass(frozen=True)
 class SmallPencil:
-    """All pieces on one basis of so many displacements, with contact forces behind them.
-
-    Bounds are made with ``settings``; full solves have errors of ``rounding``, for eigenvalues of
-    condition one (1/s^2).
-    """
+    """All pieces on one basis of so many displacements, with contact forces behind them."""
 
     pieces: tuple[SmallPiece, ...]
     displacements: int
     settings: Settings
-    rounding: float = 0.0
 
     def at(self, values: Values) -> ReducedSpectrum:
         """Eigenvalues of the window and its margin at values of all parameters."""
@@ -65,7 +61,7 @@ class SmallPencil:
             return ReducedSpectrum.empty(self.settings)
         K, M = (self._sum(role, values) for role in ("stiffness", "mass"))
         D = self._sum("damping", values) if self.settings.damped else None
-        rounding = Rounding(self.rounding, {role: self._sizes(role, values) for role in POWERS})
+        rounding = Rounding({role: self._rounding(role, values) for role in POWERS})
         return reduced_spectrum(K, D, M, self.displacements, self.settings, rounding)
 
     def derivatives(
@@ -115,9 +111,13 @@ class SmallPencil:
         own = [piece for piece in self.pieces if piece.role == role]
         return [(c, piece) for piece in own if (c := piece.coefficient.at(values))]
 
-    def _sizes(self, role: Role, values: Values) -> Floats:
-        """sum_j |c_j| |V^T A_j V|."""
-        parts = [(abs(c), np.abs(piece.square)) for c, piece in self._parts(role, values)]
+    def _rounding(self, role: Role, values: Values) -> Floats:
+        """Errors of entries of the reduced matrices, relative to their parts or those of these."""
+        eps = np.finfo(float).eps
+        parts = [
+            (abs(c), eps * np.abs(piece.square) + piece.rounding)
+            for c, piece in self._parts(role, values)
+        ]
         return _weighted(parts, self.pieces[0].square.shape)
 
     def _sum(self, role: Role, values: Values) -> Residuals:

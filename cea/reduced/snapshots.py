@@ -11,9 +11,6 @@ from cea.eigen.modes import Modes
 from cea.reduced.norm import InnerProduct
 from cea.warned import ResultWarning
 
-_ALONE = 10.0
-"""Condition number up to which an eigenvalue is by itself."""
-
 
 @dataclass(frozen=True)
 class Snapshot:
@@ -88,16 +85,6 @@ class Snapshot:
         both = self.forces, self.left_forces
         parts = np.hstack([part for each in both for part in (each.real, each.imag)])
         return np.vstack([np.zeros((len(self.right), parts.shape[1])), parts])
-
-    @property
-    def rounding(self) -> float:
-        """What errors of the full solve come to for kappa of condition one (1/s^2), at most.
-
-        Modes near a coalescence, whose uncertainty is that of a cluster, tell nothing of it.
-        """
-        alone = self.conditions < _ALONE
-        sizes = 2 * self.speeds * self.uncertainties / self.conditions
-        return float(sizes[alone].max(initial=0.0))
 
 
 def _parts(norm: InnerProduct, vectors: Complexes) -> Floats:

@@ -19,6 +19,7 @@ from scenes import Result
 from scenes.running.assembled import AssembledScene
 from scenes.running.matrices import AssembledMatrices
 from scenes.running.swept import (
+    in_saddle_form,
     means_several,
     no_two_alike,
     parameters_meant,
@@ -80,7 +81,7 @@ def mapped(
     data: str | None = None,
     samples: tuple[int, int] = (0, 0),
 ) -> Mapped:
-    """Assemble a scene; where a contact becomes too stiff for a penalty its forces are unknowns.
+    """Assemble a scene with forces of its contacts as unknowns.
 
     ``samples`` are the number of samples of distributions and their seed. NoMapError is raised when
     a field is no parameter of the pencil, or the pencil is not that of all points, or has no
@@ -103,29 +104,23 @@ def mapped(
             lambda modes, _: matrices.warnings(modes),
         )
     _refuse_data(data)
-    read = load_scene(scene, list(overrides))
-    first = AssembledScene(read)
-    names = _names(first.driver.pencil, fields, read.contacts, first.bonded)
-    points = _points(first.driver.pencil, fields, names, samples)
-    moved = [name for each in names for name in each if first.depends_on_state([name])]
+    read = in_saddle_form(load_scene(scene, list(overrides)))
+    assembled = AssembledScene(read)
+    names = _names(assembled.driver.pencil, fields, read.contacts, assembled.bonded)
+    points = _points(assembled.driver.pencil, fields, names, samples)
+    moved = [name for each in names for name in each if assembled.depends_on_state([name])]
     if moved:
-        first.free()
+        assembled.free()
         allowed = "no parameter that moves a state of steady sliding"
         raise NoMapError("axis", moved[0], allowed)
-    least, most = _ends(points, names)
-    assembled = first.with_forms_at(
-        {name: most[name] if name.endswith(".P") else least[name] for name in least}
-    )
-    if assembled is not first:
-        first.free()
-    analysis = assembled.scene.analysis
+    analysis = read.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
-    _check_definite(assembled.driver.pencil, (least, most), analysis.max_frequency)
+    _check_definite(assembled.driver.pencil, _ends(points, names), analysis.max_frequency)
     return Mapped(
         assembled.driver,
         points,
         names,
-        as_data(assembled.scene),
+        as_data(read),
         analysis.max_frequency,
         analysis.growth_threshold,
         analysis.min_growth,

@@ -90,10 +90,10 @@ def test_perturbations_of_entries_move_no_eigenvalue_farther():
     """Eigenvalues of a small dense pencil, entries of its stiffness off by as much as is said."""
     rng, n, eps = np.random.default_rng(3), 12, 1e-8
     K = rng.standard_normal((n, n)) + np.diag(np.arange(1.0, n + 1) * 20)
-    entries = {"stiffness": np.abs(K) * eps / (np.sqrt(n) * np.finfo(float).eps)}
+    entries = {"stiffness": np.abs(K) * eps / np.sqrt(n)}
     kappa, right = np.linalg.eig(K)
     left = np.linalg.inv(right).conj().T  # y^H x = 1: its condition is in its length
-    sizes = Rounding(0.0, entries)
+    sizes = Rounding(entries)
     bounds = sizes.of_pairs(left, right, np.sqrt(np.abs(kappa)))
     largest = np.zeros(len(kappa))
     for _ in range(200):

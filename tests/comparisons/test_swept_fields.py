@@ -244,17 +244,9 @@ def test_what_moves_the_state_of_sliding_has_no_map(file_of, name, axis):
         mapped(file_of(name), [read_axis(axis)])
 
 
-@pytest.mark.parametrize(
-    ("axis", "forces"),
-    [
-        ("P=0.1:1e9:log:3", True),
-        ("bodies.upper.material.E=1e-9:1:log:3", True),
-        ("P=0.1:10:log:3", False),
-    ],
-)
-def test_maps_take_forms_that_are_good_all_over(file_of, axis, forces):
-    asked = mapped(file_of("linear"), [read_axis(axis)])
-    assert bool(asked.driver.pencil.forces) == forces
+def test_contact_forces_are_unknowns_of_a_map(file_of):
+    asked = mapped(file_of("linear"), [read_axis("P=0.1:10:log:3")])
+    assert asked.driver.pencil.forces
     asked.driver.free()
 
 
