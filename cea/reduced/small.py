@@ -115,7 +115,7 @@ class SmallPencil:
         """Errors of entries of the reduced matrices, relative to their parts or those of these."""
         eps = np.finfo(float).eps
         parts = [
-            (abs(c), eps * np.abs(piece.square) + piece.rounding)
+            (abs(c), eps * np.abs(piece.square) + piece.rounding * (piece.square != 0))
             for c, piece in self._parts(role, values)
         ]
         return _weighted(parts, self.pieces[0].square.shape)

@@ -81,7 +81,8 @@ def stiffnesses_meant(contacts: Mapping[str, ContactSpec], name: str) -> dict[st
 
 def in_saddle_form(scene: Scene) -> Scene:
     """The scene with the forces of contacts at points as unknowns: none is lost to stiffness."""
-    pointwise = [n for n, each in scene.contacts.items() if each.formulation.coupling == "pointwise"]
+    contacts = scene.contacts.items()
+    pointwise = [name for name, each in contacts if each.formulation.coupling == "pointwise"]
     return scene.change({f"contacts.{name}.form": "saddle" for name in pointwise})
 
 
