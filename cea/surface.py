@@ -223,7 +223,7 @@ class Surface(ABC):
         """Gauss points, n per direction in each cell, weights with the Jacobian.
 
         In triangles the collapsed product of Gauss-Legendre and Gauss-Jacobi points, exact to
-        degree 2n - 1 as in rectangles.
+        degree 2n - 1 as in rectangles, the Gauss-Jacobi points along the second direction.
 
         Raises
         ------
@@ -234,7 +234,7 @@ class Surface(ABC):
             raise InputError("gauss_points", n, "at least one per direction")
         cells = self.cells()
         t, weights = gauss_rule(n, self.dim - 1, simplex=not cells.tensor)
-        at, extent = cells.coordinates(t)
+        at, extent = cells.coordinates(t if cells.tensor else t[:, ::-1])
         x, normal, area = self.area_normals(at)
         return SurfacePoints(at, x, normal, (extent[:, None] * weights).ravel() * area)
 

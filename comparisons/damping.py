@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from comparisons.kit.numbers import number, plain, shown
 from comparisons.study.columns import Column
+from comparisons.study.numbers import number, plain, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session

@@ -231,7 +231,6 @@ class NurbsFile:
     @cached_property
     def given(self) -> Patches:
         """Its patches (m)."""
-        assert self.unit is not None
         splines, named = _read(*checked_state(Path(self.file), "a file of patches", _LARGEST))
         faces = {name: ends for name, ends in named.items() if is_fit(name)} | self.faces
         try:
@@ -259,7 +258,7 @@ class NurbsFile:
         return self.given.extent
 
 
-def _patch(spline: Spline, unit: Unit) -> GivenPatch:
+def _patch(spline: Spline, unit: Unit | None) -> GivenPatch:
     """A patch in metres; of points in space, a patch of the plane keeps x and y."""
     degrees, knots, points, weights = spline
     dim = len(degrees)

@@ -19,17 +19,16 @@ import pandas as pd
 
 from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.kit.numbers import decimals, number, per_cent, plain, shown
-from comparisons.kit.shapes import by_importance
 from comparisons.study.columns import Column
+from comparisons.study.numbers import decimals, number, per_cent, plain, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
+from comparisons.study.shapes import by_importance
 from comparisons.study.study import Case, Study
 from scenes.checking.memory import estimated_memory
 from scenes.results.matching import match_runs
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import with_contact
+from scenes.spec.reading import Scene, load_scene, with_contact
 
 SCENE = "ventilated_brake"
 _KILOBYTE = 1024

@@ -34,13 +34,14 @@ Column = tuple[str, Sequence[str], bool]
 
 def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None:
     """Print a table of a study, whose frame is made of a result."""
-    from comparisons.study.page import ShownTable
+    from comparisons.study.page import table_cells
+    from comparisons.study.sections import rows
 
-    made = ShownTable.of(replace(table, group=""), result)
-    cells = [row["cells"] for _, rows in made.groups() for row in rows]
+    made = table_cells(replace(table, group=""), rows(table.frame, result))
+    cells = [row["cells"] for _, own in made["groups"] for row in own]
     columns = [
-        (shown.axis, [str(row[i][0]) for row in cells], head["number"])
-        for i, ((_, shown), head) in enumerate(zip(made.columns, made.heads(), strict=True))
+        (head["axis"], [str(row[i][0]) for row in cells], head["number"])
+        for i, head in enumerate(made["heads"])
     ]
     if cells:
         _print(_table(columns, table.caption), to)
@@ -48,15 +49,20 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
 
 def print_result(result: "Result", to: Console = console) -> None:
     """Print what a run found: first how many modes are unstable, last what it left out."""
-    from scenes.checking.steps import GIVEN
-
     if result.spectrum is None:
         say(to, str(result))
     else:
         _print_modes(result, to)
     print_warnings([warning.plain() for warning in result.warnings], to)
-    given = [name for name, reason in result.skipped.items() if reason.startswith(GIVEN)]
-    others = [name for name in result.skipped if name not in given]
+    print_skipped(result.skipped, to)
+
+
+def print_skipped(skipped: Mapping[str, str], to: Console = console) -> None:
+    """Print the names of what a run leaves out, and of what is given without use."""
+    from scenes.checking.skipped import GIVEN
+
+    given = [name for name, reason in skipped.items() if reason.startswith(GIVEN)]
+    others = [name for name in skipped if name not in given]
     for words, names in (("left out, not needed", others), ("given, not used", given)):
         if names:
             say(to, f"{words}: {', '.join(names)}", "dim")

@@ -37,15 +37,12 @@ def run(
         typer.Option(help="Folder for result.json and all else; results/NAME by default."),
     ] = None,
     overwrite: _Overwrite = False,
-    explain: Annotated[
-        bool, typer.Option("--explain", help="Tell its steps and what is left out; run nothing.")
-    ] = False,
     report: _Report = False,
 ) -> None:
     """Run one scene and write its result.json."""
     from comparisons.cli.progress import working
+    from scenes.spec.body import file_name
     from scenes.spec.files import is_of_matrices
-    from scenes.spec.names import file_name
 
     inputs: dict[str, Any] = {"scene": scene, "set": set_ or [], "backend": backend}
     chosen: Scene | MatrixScene
@@ -61,11 +58,8 @@ def run(
         refuse({"data": data}, "of a scene of bodies, which reads no matrices")
         with working("reading the scene"):
             chosen = load_scene(scene, set_ or (), backend)
-    if explain:
-        _explain(chosen)
-    else:
-        out = out or Path("results") / file_name(chosen.name)
-        _run(chosen, out, inputs, overwrite=overwrite, report=report)
+    out = out or Path("results") / file_name(chosen.name)
+    _run(chosen, out, inputs, overwrite=overwrite, report=report)
 
 
 def solve(
@@ -118,16 +112,6 @@ def solve(
     _run(scene, out, {**inputs, **analysis}, overwrite=overwrite, report=report)
 
 
-def _explain(scene: "Scene | MatrixScene") -> None:
-    """Tell the steps of a scene; nothing is built, but matrices are read: their entries decide."""
-    from scenes.running.analysis import analysis_of
-
-    for title, steps in zip(("steps", "left out"), analysis_of(scene).steps(scene), strict=True):
-        typer.echo(f"{title}:")
-        for name, reason in steps.items():
-            typer.echo(f"  {name}: {reason}")
-
-
 def _run(
     scene: "Scene | MatrixScene",
     out: Path,
@@ -170,14 +154,14 @@ def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str
     files: dict[str, list[str]] = {}
     output = result.scene.output
     if output.pictures:
-        from comparisons.kit.contact_pictures import draw_contacts
+        from comparisons.contact_pictures import draw_contacts
 
         work.stage("pictures")
         pictures = draw_contacts(result, folder)
         if result.spectrum is not None:
-            from scenes.export.pictures import draw_modes
+            from scenes.export.pictures import write_modes
 
-            pictures += draw_modes(result, output.pictures, folder, animated=True)
+            pictures += write_modes(result, output.pictures, folder)
         files["pictures"] = [file.name for file in pictures]
     if output.paraview:
         from scenes.export.paraview import write_load_steps, write_paraview

@@ -59,7 +59,7 @@ def check(
 def _check_bodies(scene: str, set_: list[str], backend: Backend | None, file: Path | None) -> None:
     """Look at a scene of bodies; faults end the command with their lines."""
     from cea.files import check_writable
-    from comparisons.cli.output import console, print_warnings
+    from comparisons.cli.output import console, print_skipped, print_warnings
     from scenes.checking.check import inspect_scene, told
     from scenes.spec.problems import SceneError
     from scenes.spec.reading import load_scene
@@ -72,6 +72,7 @@ def _check_bodies(scene: str, set_: list[str], backend: Backend | None, file: Pa
     for line in told(inspection):
         typer.echo(line)
     print_warnings(warning.plain() for warning in inspection.warnings)
+    print_skipped(inspection.skipped)
     if file is not None and inspection.bodies:
         from scenes.pictures.scene import draw_scene
 
@@ -88,9 +89,9 @@ def list_() -> None:
     from comparisons.cli.output import print_frame
     from comparisons.study.columns import Column
     from comparisons.study.sections import Table
+    from scenes.checking.memory import dofs_of
     from scenes.spec.files import matrix_scene_names, scene_names, tables_of
     from scenes.spec.reading import load_scene
-    from scenes.spec.sizes import dofs_of
 
     rows = []
     for name in scene_names():

@@ -187,7 +187,7 @@ def _run(
     study: "Study", given: dict[str, Any], out: Path, quick: bool, only: dict[str, str], anew: bool
 ) -> "StudyResult":
     from comparisons.cli.progress import working
-    from comparisons.kit.progress import Progress
+    from comparisons.study.progress import Progress
     from comparisons.study.run import run, selected
 
     values = {name: tuple(v) if isinstance(v, list) else v for name, v in given.items()}
@@ -200,8 +200,9 @@ def _run(
 def _print(study: "Study", result: "StudyResult") -> None:
     """Print headlines, the tables that are for it, and how many cases failed."""
     from comparisons.cli.output import print_frame
+    from comparisons.study.page import present
 
-    for section in study.sections:
+    for section in present(study.sections, result):
         headline = section.headline(result) if section.headline else None
         if headline:
             typer.echo(headline)

@@ -28,10 +28,8 @@ from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from meshes.shapes import Crowned, Sector
 from scenes import Result
-from scenes.spec.body import BodySpec
-from scenes.spec.mesh import MeshSpec
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import on_backend, with_contact
+from scenes.spec.body import BodySpec, MeshSpec
+from scenes.spec.reading import Scene, load_scene, on_backend, with_contact
 
 CONTACT, PAD, DISC = "pad_disc", "pad", "disc"
 """Names in the scene."""

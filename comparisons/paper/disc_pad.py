@@ -8,10 +8,14 @@ from typing import Literal
 
 from cea.contact.formulations import Form, Formulation, GaussPointToSurface, Greville, Grid
 from comparisons.paper.figure import BACKENDS, MOST_LAGRANGE, Mesh, as_lagrange
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import on_backend, with_contact
+from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.reading import (
+    ComplexEigenvalueAnalysis,
+    Scene,
+    load_scene,
+    on_backend,
+    with_contact,
+)
 
 DISC, PAD = "disc", "pad"
 """Names of the bodies."""

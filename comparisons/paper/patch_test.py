@@ -18,8 +18,6 @@ from matplotlib.lines import Line2D
 from cea.arrays import Floats
 from cea.contact.formulations import Formulation
 from cea.system.contact_stresses import pressure_along, stress_map
-from comparisons.kit.numbers import number
-from comparisons.kit.plots import BLUE, GREY, VERMILION
 from comparisons.paper.figure import (
     BACKENDS,
     MOST_LAGRANGE,
@@ -30,12 +28,13 @@ from comparisons.paper.figure import (
     as_lagrange,
     quoted,
 )
+from comparisons.study.numbers import number
+from comparisons.study.plots import BLUE, GREY, VERMILION
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import on_backend, with_contact
+from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.reading import Scene, load_scene, on_backend, with_contact
 
 EXACT = -1000.0
 """Normal stress on the interface (N/m^2)."""

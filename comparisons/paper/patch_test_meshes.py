@@ -21,8 +21,7 @@ from comparisons.paper.patch_test import INTERFACE, SIDES, PatchTest
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes.building.build import build_bodies, build_interfaces
-from scenes.spec.reading import Scene
-from scenes.spec.scene import with_contact
+from scenes.spec.reading import Scene, with_contact
 
 _SEEN = {"lower": ("x_max", "y_min"), "upper": ("x_max", "y_min", "z_max")}
 """Faces turned towards the viewer, by body."""

@@ -18,8 +18,7 @@ from comparisons.paper.figure import Figure, Mesh, Tables, quoted
 from comparisons.paper.patch_test import INTERFACE, PatchTest
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
-from scenes.spec.analysis import StaticAnalysis
-from scenes.spec.reading import Scene
+from scenes.spec.reading import Scene, StaticAnalysis
 
 _SAMPLES = 31
 """Samples across the interface: stresses are polynomials in each span."""

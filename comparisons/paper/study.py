@@ -8,8 +8,6 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure as Picture
 
-from comparisons.kit.numbers import number, shown
-from comparisons.kit.plots import styled
 from comparisons.paper import mode_shapes, patch_test, patch_test_meshes
 from comparisons.paper.claims import judged
 from comparisons.paper.crowned_pad import middle_circle
@@ -17,6 +15,7 @@ from comparisons.paper.figure import Mesh, Tables
 from comparisons.paper.figures import DIAGRAMS, FIGURES, PATCH_TESTS, chosen
 from comparisons.paper.quadrature import expected
 from comparisons.study.columns import Column
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Drawing, Frame, Plot, Section, Table
 from comparisons.study.session import Session
@@ -89,7 +88,7 @@ def _melted(result: StudyResult) -> pd.DataFrame:
 def _drawing(draw: Any, figure: Any, mesh: Mesh) -> Drawing:
     def drawing(result: StudyResult) -> Picture | None:
         made = any(case["labels"] == {"figure": figure.name, "mesh": mesh} for case in result.cases)
-        return styled(lambda _: draw(figure, mesh, result))({}) if made else None
+        return draw(figure, mesh, result) if made else None
 
     drawing.__name__ = f"figure_{figure.name.replace(' ', '_')}_{mesh}"
     drawing.__doc__ = f"{figure.title}, {mesh}."

@@ -17,8 +17,8 @@ import pandas as pd
 
 from cea.contact.formulations import Mortar
 from cea.eigen.matching import GroupMatch
-from comparisons.kit.numbers import number, shown
 from comparisons.study.columns import Column
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
@@ -26,10 +26,8 @@ from comparisons.study.study import Case, Study
 from meshes.breaks import graded
 from scenes import Result
 from scenes.results.matching import match_runs
-from scenes.spec.body import Backend
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, load_scene
-from scenes.spec.scene import on_backend, with_contact
+from scenes.spec.body import Backend, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.reading import Scene, load_scene, on_backend, with_contact
 
 GROWTH = 10.0
 """Growth rate (1/s) above which digits of it are asked for."""

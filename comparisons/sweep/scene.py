@@ -25,13 +25,12 @@ from scenes.running.swept import (
     parameters_meant,
     stiffnesses_meant,
 )
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.contact import ContactSpec
 from scenes.spec.files import is_of_matrices
 from scenes.spec.matrices import load_matrices
 from scenes.spec.plain import as_data
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import load_scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, load_scene
 
 Assembled = AssembledScene | AssembledMatrices
 """A scene that is solved at changed fields."""

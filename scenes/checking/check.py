@@ -13,7 +13,7 @@ from cea.warned import ResultWarning
 from scenes.building.build import build_bodies, build_contacts, build_interfaces
 from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import check_memory, estimated_memory
-from scenes.checking.steps import skipped_by
+from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import scene_warnings
 from scenes.spec.reading import Scene
 

@@ -19,8 +19,7 @@ from cea.ranks import made_on_first
 from cea.system.coupled import CoupledSystem
 from cea.volume import VolumeSample
 from cea.warned import ResultWarning
-from scenes.spec.scene import SceneSpec
-from scenes.spec.sizes import box_lengths
+from scenes.spec.reading import Scene
 
 _SOFTEST = 1e3
 """E (N/m^2) below which a solid is softer than any that brakes, clutches or tyres are made of."""
@@ -48,7 +47,7 @@ _SIMPLICES = {
 """Corners of the simplices of a cell by dimension and number of its points, in VTK order."""
 
 
-def left_alone(scene: SceneSpec) -> str:
+def left_alone(scene: Scene) -> str:
     """Why the numbers of a scene are none in SI units; "" where they are taken to be."""
     if scene.units == "other":
         return "units = 'other'"
@@ -59,7 +58,7 @@ def left_alone(scene: SceneSpec) -> str:
     return "every E and rho is near one, as in scenes without units" if near_one else ""
 
 
-def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
+def doubtful_numbers(scene: Scene) -> Iterator[ResultWarning]:
     """Materials that no solid has in SI units, and bodies that are too large or too small."""
     if left_alone(scene):
         return
@@ -70,7 +69,7 @@ def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
                 f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",
                 {"body": name, "field": field, "value": value},
             )
-        length, (low, high) = max(box_lengths(body.geometry)), _LENGTHS
+        length, (low, high) = max(body.lengths), _LENGTHS
         if not low <= length <= high:
             yield ResultWarning(
                 "doubtful-size",
@@ -93,7 +92,7 @@ def _doubtful_material(E: float, rho: float | None) -> Iterator[tuple[str, float
             yield "sqrt(E/rho)", speed, bound
 
 
-def doubtful_motions(scene: SceneSpec, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
+def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
     """Displacements larger than their body and strains that linear elasticity has no right to."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
         sample, full = body.volume_sample(1), system.displacement(x, name, everywhere=False)
@@ -126,7 +125,7 @@ def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
     return float(motion), float(lengths.max()), float(np.abs(strains).max())
 
 
-def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
+def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
     """Pairs of bodies without a contact, one with middles of cells in the other; collective."""
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]

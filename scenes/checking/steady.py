@@ -36,8 +36,6 @@ from cea.warned import ResultWarning
 from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
 
-STATE_KEPT = "steady-state-kept"
-"""Kind of the warning that a state is not the one at other parameters."""
 _NOISE = 4.0
 """Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
 
@@ -58,17 +56,6 @@ def steady_warnings(
             halves = sum(each.pair == contact.pair for each in system.contacts)
             found += coarse_closed_zone(scene.bodies, contact, state, halves)
     return tuple(found)
-
-
-def kept_state_warning(parameters: str) -> ResultWarning:
-    """What is told where such parameters change and the state is kept."""
-    return ResultWarning(
-        STATE_KEPT,
-        f"the state of steady sliding depends on {parameters}, and is kept in derivatives and "
-        "thresholds: closed zones and contact stiffness are those of the scene; a threshold with "
-        "follow_steady_state seeks it at each value",
-        {"parameters": parameters},
-    )
 
 
 def _residual(steady: SteadySliding) -> Iterator[ResultWarning]:

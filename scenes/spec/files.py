@@ -10,7 +10,7 @@ from typing import Any
 from cea.errors import InputError
 from cea.files import regular
 from cea.suggestions import did_you_mean
-from scenes.spec.paths import set_by_text
+from scenes.spec.plain import set_at
 from scenes.spec.problems import SceneError
 
 SCENES = Path(__file__).parents[1] / "catalogue"
@@ -19,55 +19,58 @@ OF_MATRICES = SCENES / "matrices"
 """Folder of those whose matrices come from files."""
 _LARGEST = 2**26
 """Bytes of a scene file."""
-_MOST_PARTS = 100
-"""Parts of a dotted name."""
 _KEYS = re.compile(r"(?<![^\s.,=\[\]{}])(?:[^\s.,=\[\]{}]+[ \t]*\.[ \t]*){100}")
 """A hundred tables inside each other by one dotted name, for which reading takes its time."""
 
 
 def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any]:
     """What a scene file says, with fields set; parameters are those of :func:`load_scene`."""
-    data = _toml(scene)
-    set_fields(data, overrides)
-    return data
-
-
-def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
-    """Set fields of plain data, each as "path.to.field=value" with a TOML value."""
-    for override in overrides:
-        try:
-            set_by_text(data, override)
-        except InputError as error:
-            raise SceneError([error]) from None
-
-
-def _toml(scene: str | Path) -> dict[str, Any]:
-    """What a scene file says."""
     file = scene_file(scene)
     try:
         with regular(file).open("rb") as stream:
             content = stream.read(_LARGEST + 1)
     except (OSError, ValueError) as error:
         names = [*scene_names(), *matrix_scene_names()]
-        allowed = f"a TOML file, or one of {', '.join(names)}"
         reason = f" ({error.strerror})" if isinstance(error, OSError) and error.strerror else ""
-        meant = did_you_mean(file.stem, names) or _same_name(file, names)
-        raise SceneError([InputError("scene", str(scene), allowed + reason + meant)]) from error
-    if len(content) > _LARGEST:
-        raise SceneError([InputError("scene", str(scene), f"a file of at most {_LARGEST} bytes")])
+        meant = did_you_mean(file.stem, names)
+        if file.stem in names:
+            meant = f"; did you mean {file.stem!r}?"
+        raise _refused(
+            scene, f"a TOML file, or one of {', '.join(names)}{reason}{meant}"
+        ) from error
     try:
+        if len(content) > _LARGEST:
+            raise ValueError(f"more than {_LARGEST} bytes")
         text = content.decode()
         if _KEYS.search(text):
-            raise ValueError(f"names of more than {_MOST_PARTS} parts")
-        return tomllib.loads(text)
+            raise ValueError("names of more than 100 parts")
+        data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        allowed = f"valid TOML in UTF-8: {error}"
-        raise SceneError([InputError("scene", str(scene), allowed)]) from error
+        raise _refused(scene, f"valid TOML in UTF-8: {error}") from error
+    set_fields(data, overrides)
+    return data
 
 
-def _same_name(file: Path, names: Iterable[str]) -> str:
-    """The end of a message about a file that is not there, where a scene has its name."""
-    return f"; did you mean {file.stem!r}?" if file.stem in names else ""
+def _refused(scene: str | Path, allowed: str) -> SceneError:
+    return SceneError([InputError("scene", str(scene), allowed)])
+
+
+def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
+    """Set fields of plain data, each as "path.to.field=value" with a TOML value, else text."""
+    for override in overrides:
+        path, equals, text = override.partition("=")
+        value: Any = text
+        try:
+            table = tomllib.loads(f"value = {text}")
+            value = table["value"] if len(table) == 1 else text
+        except (ValueError, RecursionError):
+            pass
+        try:
+            if not equals:
+                raise InputError("--set", override, "path.to.field=value")
+            set_at(data, path.strip(), value)
+        except InputError as error:
+            raise SceneError([error]) from None
 
 
 def scene_names() -> list[str]:

@@ -17,7 +17,6 @@ from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter
 from cea.eigen.parameters import Parameter
 from cea.errors import InputError
 from cea.expressions import RESERVED, Formula
-from scenes.spec.analysis import Analysis, ComplexEigenvalueAnalysis
 from scenes.spec.consistency import (
     LARGEST,
     MAX_ITEMS,
@@ -25,11 +24,10 @@ from scenes.spec.consistency import (
     needs_no_steady_state,
     scene_name_checks,
 )
-from scenes.spec.contact_checks import fault_of
 from scenes.spec.files import OF_MATRICES, scene_file, set_fields, tables_of
 from scenes.spec.plain import checked
-from scenes.spec.problems import SceneError
-from scenes.spec.reading import changed
+from scenes.spec.problems import SceneError, fault_of
+from scenes.spec.reading import Analysis, ComplexEigenvalueAnalysis, changed
 
 Role = Literal["mass", "damping", "stiffness"]
 ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")
@@ -122,7 +120,7 @@ class MatrixScene:
         return Path(self.data) / name, variable
 
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "MatrixScene":
-        """The scene with fields changed, as :meth:`scenes.spec.scene.Scene.change`."""
+        """The scene with fields changed, as :meth:`scenes.spec.reading.Scene.change`."""
         return read_matrix_scene(changed(self, field, value))
 
 

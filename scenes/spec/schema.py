@@ -14,11 +14,11 @@ from typing import Any, Literal
 from pydantic import TypeAdapter
 
 from scenes.spec.matrices import MatrixScene
-from scenes.spec.scene import SceneSpec
+from scenes.spec.reading import Scene
 
 Kind = Literal["bodies", "matrices"]
 
-_KINDS: dict[Kind, type] = {"bodies": SceneSpec, "matrices": MatrixScene}
+_KINDS: dict[Kind, type] = {"bodies": Scene, "matrices": MatrixScene}
 """Class of a kind of scene."""
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _SAYS_WHICH = {"shape": "geometry", "method": "formulation", "kind": "analysis"}

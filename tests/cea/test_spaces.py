@@ -11,6 +11,7 @@ from mpi import on_ranks
 from stub_backend import StubSpace
 
 from cea.body import Body
+from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import gather, local_part
 from cea.petsc import MPI
@@ -144,6 +145,61 @@ def test_curved_matrices_are_symmetric_skew_and_leave_rigid_motions_free(curved)
     S = dense(part.geometric_stiffness(u))
     np.testing.assert_array_equal(S, S.T)
     assert np.abs(S @ motions[:, : part.dim]).max() < 1e-12 * np.abs(S).max()
+
+
+def test_round_bodies_have_the_areas_normals_and_volume_of_their_shape(curved):
+    part, exact = made(curved), curved[1] is None
+    allowed = 1e-13 if exact else 5e-3
+    height = 0.3 if part.dim == 3 else 1.0
+    flat = np.pi * (1.0 - 0.5**2)
+    areas = {"inner": np.pi * height, "outer": 2 * np.pi * height, "bottom": flat, "top": flat}
+    for name, surface in part.surfaces.items():
+        assert surface.area == pytest.approx(areas[name], rel=allowed)
+        kinds = (surface.abscissae(kind) for kind in surface.abscissa_kinds)
+        for points in (surface.gauss_points(3), surface.grid(3), *kinds):
+            outward = points.x * ([1.0, 1.0, 0.0][: part.dim] if name in ("inner", "outer") else 0)
+            outward *= -1 if name == "inner" else 1
+            outward[:, -1] += {"bottom": -1.0, "top": 1.0}.get(name, 0.0)
+            outward /= np.linalg.norm(outward, axis=1)[:, None]
+            assert np.einsum("ni,ni->n", points.normal, outward).min() > 1 - allowed
+            assert points.weight.min() > 0
+            assert points.weight.sum() == pytest.approx(surface.area, rel=1e-3)
+    mass = dense(part.mass())[:: part.dim, :: part.dim].sum()
+    assert mass == pytest.approx(MATERIAL.rho * flat * height, rel=max(allowed, 1e-8))
+
+
+@pytest.mark.parametrize(
+    ("field", "options"),
+    [
+        ("supports[0].surface", {"supports": [Support("lid", (0,))]}),
+        ("springs[0].surface", {"springs": [Spring("lid", (1.0, 1.0, 1.0))]}),
+        ("pressures[0].surface", {"pressures": [Pressure("lid", 1.0)]}),
+        ("springs[0].stiffness", {"springs": [Spring("top", (1.0, 1.0))]}),
+    ],
+)
+@pytest.mark.parametrize("case", ["Q2", "NURBS 2"])
+def test_wrong_conditions_are_refused_by_name(case, field, options):
+    with pytest.raises(InputError) as refused:
+        made(ROUND[case], **options)
+    assert refused.value.field == f"bodies.part.{field}"
+    if field.endswith("surface"):
+        assert all(name in refused.value.allowed for name in ANNULUS.surfaces)
+
+
+@pytest.mark.parametrize("case", ["Q2", "NURBS 2"])
+def test_requests_that_make_no_points_are_refused(case):
+    top = made(ROUND[case]).surfaces["top"]
+    lost = SurfaceCoordinates(np.array([0, -1]), np.full((2, 2), 0.5))
+    requests = [
+        (lambda: top.abscissae("midpoints"), "one of "),
+        (lambda: top.gauss_points(0), "at least one"),
+        (lambda: top.grid(1), "at least two"),
+        (lambda: top.position(lost), r"at\.element"),
+        (lambda: top.trace(lost), r"at\.element"),
+    ]
+    for request, words in requests:
+        with pytest.raises(InputError, match=words):
+            request()
 
 
 def test_springs_and_forces_have_their_sums(flat):

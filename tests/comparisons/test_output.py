@@ -17,8 +17,8 @@ from cea.warned import ResultWarning
 from comparisons.cli.app import app
 from comparisons.cli.output import print_frame, print_result
 from comparisons.cli.progress import working
-from comparisons.kit.numbers import shown
 from comparisons.study.columns import Column
+from comparisons.study.numbers import shown
 from comparisons.study.sections import Table
 from scenes import Result, load_scene
 from scenes.running.analysis import analysis_of

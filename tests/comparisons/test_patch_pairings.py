@@ -10,7 +10,7 @@ from cea.timing import StageTimer
 from comparisons.formulations.patch_tests import PRESSURE, PROBLEMS
 from scenes import run_scene
 from scenes.building.build import build_bodies
-from scenes.spec.scene import with_contact
+from scenes.spec.reading import with_contact
 
 KINDS = ("hexahedra", "tetrahedra", "NURBS")
 FLAT, ROTATED = (next(p for p in PROBLEMS if p.name == name) for name in ("flat", "rotated"))

@@ -11,7 +11,7 @@ from comparisons.brake.study import STUDY as BRAKE
 from comparisons.paper.study import STUDY as PAPER
 from comparisons.reference.study import STUDY as REFERENCE
 from comparisons.study.result import read
-from comparisons.study.run import _key as key_of
+from comparisons.study.run import key_of
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
 from scenes.results.record import PROVENANCE, read_record

@@ -11,42 +11,11 @@ from dolfinx.geometry import bb_tree, compute_colliding_cells, compute_collision
 from lagrange_bodies import FLAT, MATERIAL, ROUND, SPACE, body_of, csr
 
 from cea.errors import InputError
-from cea.mesh import Mesh
 from cea.nested.prolongation import of_body as prolongation
 from cea.supports.boundary import Support
 from meshes.shape_mesh import shape_mesh
 
 RNG = np.random.default_rng(12)
-
-
-def divided(mesh):
-    """Linear simplices divided at the middles of their edges, into four or eight each."""
-    corners = mesh.cells
-    n = corners.shape[1]
-    middles = {}
-    points = list(mesh.points)
-
-    def middle(a, b):
-        key = min(a, b), max(a, b)
-        if key not in middles:
-            middles[key] = len(points)
-            points.append(0.5 * (mesh.points[a] + mesh.points[b]))
-        return middles[key]
-
-    cells = []
-    for cell in corners:
-        m = {(i, j): middle(cell[i], cell[j]) for i in range(n) for j in range(i + 1, n)}
-        cells += [
-            [cell[i], *(m[min(i, j), max(i, j)] for j in range(n) if j != i)] for i in range(n)
-        ]
-        if n == 3:
-            cells.append([m[0, 1], m[0, 2], m[1, 2]])
-        else:
-            ring = [m[0, 2], m[0, 3], m[1, 3], m[1, 2]]
-            cells += [
-                [m[0, 1], m[2, 3], a, b] for a, b in zip(ring, ring[1:] + ring[:1], strict=True)
-            ]
-    return Mesh(mesh.cell, 1, np.array(points), np.array(cells), {})
 
 
 def values(body, u, x):
