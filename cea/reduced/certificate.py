@@ -220,5 +220,7 @@ class Certifier:
         ]
         mean = np.trace(block) / len(block)
         spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
-        doubt = self.rounding.of_block(y, x, size if self.damping is not None else float(np.sqrt(size)))
+        doubt = self.rounding.of_block(
+            y, x, size if self.damping is not None else float(np.sqrt(size))
+        )
         return outside * lengths[0] * lengths[1], doubt, spread

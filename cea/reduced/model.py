@@ -133,9 +133,7 @@ class ReducedModel:
         """Take forces of a contact in; the static displacements, of length one, that they cause."""
         before = self._basis.size
         self._basis.add(forces, image, floor)
-        self._forces = np.pad(
-            self._forces, (0, self._basis.size - before), constant_values=True
-        )
+        self._forces = np.pad(self._forces, (0, self._basis.size - before), constant_values=True)
         new, blocks = self._basis.vectors[:, before:], []
         for piece in contact.pieces:
             image = piece.times(new)

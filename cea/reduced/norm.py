@@ -85,8 +85,8 @@ class Norms:
         factors = self._kept(Mumps(matrix.copy(), symmetric=True))
         self._flexible = pieces.acting(factors.solve_block, own, own)
         self._contacts = pieces.contacts
-        self._gaps: Product = lambda block: 0 * block
-        self._reactions = self._softness = self._pressed = self._gaps
+        nothing: Product = np.zeros_like
+        self._gaps = self._reactions = self._softness = self._pressed = nothing
         if pencil.forces:
             self._factorise_saddle(pencil, pieces, values, matrix)
         comm = pieces.comm

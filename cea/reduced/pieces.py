@@ -4,8 +4,8 @@
     [ J      -c_c C^    ] [f],    M and D on displacements alone
 
 with K, M and D sums c_j(t) A_j; D holds damping and what rotation makes of it, modal damping as a
-product of its factors. Contact forces that are unknowns stay so (:mod:`cea.eigen.multipliers`), also
-where sides are tied: c_c is zero then. Pieces that depend on the parameters in the same way are
+product of its factors. Contact forces that are unknowns stay so, also where sides are tied: c_c is
+zero then (:mod:`cea.eigen.multipliers`). Pieces that depend on the parameters in the same way are
 summed once.
 """
 
@@ -106,9 +106,7 @@ class Pieces:
         """A piece on displacements alone."""
         own = slice(0, self.displacements)
         image = self.acting(product, own, own)
-        return Piece(
-            role, of, image, image if turned is product else self.acting(turned, own, own)
-        )
+        return Piece(role, of, image, image if turned is product else self.acting(turned, own, own))
 
     def _of_terms(self, pencil: Pencil) -> Iterator[Piece]:
         """Matrices, those that depend on the free parameters in the same way together."""

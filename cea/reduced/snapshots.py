@@ -68,8 +68,7 @@ class Snapshot:
         }
 
     def real_vectors(self, norm: InnerProduct, *, damped: bool) -> Floats:
-        """States of real and imaginary parts of right and left vectors, each complex one of length
-        one.
+        """States of real and imaginary parts of all vectors, each complex one of length one.
 
         Of conjugate pairs of kappa one is enough; damped pencils have none. Phases are such that
         real parts are as long as can be.

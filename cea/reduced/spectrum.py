@@ -233,11 +233,9 @@ def reduced_spectrum(
 
 
 class Inverse:
-    """The inverse of a shifted stiffness A with contact forces eliminated,
+    """The inverse of a shifted stiffness A with contact forces eliminated from [A, L; N, -c].
 
-        A^-1 - A^-1 L S^-1 N A^-1,    S = c + N A^-1 L,
-
-    of [A, L; N, -c]: nothing grows with a contact stiffness 1 / c.
+    A^-1 - A^-1 L S^-1 N A^-1 with S = c + N A^-1 L: nothing grows with a contact stiffness 1 / c.
     """
 
     def __init__(self, whole: Floats, shifted: Floats) -> None:

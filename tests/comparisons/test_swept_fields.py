@@ -87,37 +87,6 @@ def test_p_scales_the_stiffness_of_a_contact(name):
     scene.driver.free()
 
 
-def test_p_of_several_contacts_is_that_of_each(tmp_path):
-    file = tmp_path / "sandwich.toml"
-    file.write_text(SANDWICH)
-    scene = mapped(file, [read_axis("p=0.5:2:3")], (), None)
-    both = {f"contacts.{name}.p": 1.3 for name in ("top", "bottom")}
-    run = run_modes(load_scene(file).change(both))
-    modes = scene.driver.solve(scene.max_frequency, scene.point((1.3,)))
-    np.testing.assert_allclose(modes.eigenvalues**2, run.eigenvalues**2, rtol=1e-8, atol=1e-12)
-    scene.driver.free()
-
-
-def test_derivatives_are_those_in_p():
-    from cea.reduced.greedy import Enrichment
-    from cea.reduced.model import ReducedModel
-
-    scene = of("p=0.5:2:3")
-    box = {P: (scene.point((0.5,))[P], scene.point((2.0,))[P])}
-    model = ReducedModel(scene.pencil, box, scene.max_frequency)
-    built = Enrichment.of(model, scene.driver)
-    built.cover([scene.point((p,)) for p in (0.5, 1.0, 2.0)])
-    values = scene.pencil.values(scene.point((1.2,)))
-    found = model.small.at(values)
-    slopes = model.small.derivatives(found, values, scene.names[0])
-    before, after = (
-        model.small.at(scene.pencil.values(scene.point((1.2 + step,)))) for step in (-1e-4, 1e-4)
-    )
-    differences = (after.eigenvalues - before.eigenvalues) / 2e-4
-    np.testing.assert_allclose(slopes, differences, rtol=1e-5, atol=1e-6)
-    scene.driver.free()
-
-
 def in_full(file, field, low, high, *overrides, count=2):
     """A sweep that is solved in full."""
     axis = read_axis(f"{field}={low}:{high}:{count}")
@@ -132,14 +101,6 @@ def eigenvalues(swept, i):
 def assert_runs(swept, scenes):
     for i, scene in enumerate(scenes):
         np.testing.assert_allclose(eigenvalues(swept, i), run_modes(scene).eigenvalues, rtol=1e-9)
-
-
-def test_p_in_full_is_that_of_runs():
-    scene, changes = blocks()
-    swept = in_full(scene, "p", 0.6, 1.2, *changes)
-    assert_runs(
-        swept, [load_scene(scene, [*changes, f"contacts.interface.p={p}"]) for p in (0.6, 1.2)]
-    )
 
 
 @pytest.mark.parametrize("name", ["p", "contacts.top.p"])
