@@ -66,7 +66,7 @@ class ReducedModel:
     Raises
     ------
     InputError
-        When the pencil has no reduced model (:class:`cea.reduced.pieces.Pieces`).
+        When its symmetric stiffness is not positive definite where parameters are least.
     """
 
     def __init__(

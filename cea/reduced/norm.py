@@ -25,6 +25,7 @@ from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil
 from cea.eigen.shifted import bordered, force_scale
 from cea.eigen.spectrum import SLOW
+from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total
 from cea.reduced.pieces import Pieces, Product
 
@@ -34,11 +35,6 @@ _FEW = 0.3
 _FELT = 1e-10
 """Least compliance of contacts in the norm, relative to that of the bodies: closures that depend on
 each other, or nearly, are told apart by rounding alone."""
-
-
-def shift_of(max_frequency: float) -> float:
-    """Shift s (1/s^2) of the norm for a window (Hz)."""
-    return (SLOW * 2 * np.pi * max_frequency) ** 2
 
 
 class InnerProduct:
@@ -65,13 +61,13 @@ class Norms:
     """Both norms with X and the saddle problem factorised, at some values of all parameters.
 
     ``states`` is that of bases, ``residuals`` that of what residuals cause
-    (:meth:`caused`). Raises ConvergenceError when X is singular.
+    (:meth:`caused`). Raises InputError when X is not positive definite.
     """
 
     def __init__(
         self, pencil: Pencil, pieces: Pieces, values: Mapping[str, float], max_frequency: float
     ) -> None:
-        self.shift = shift_of(max_frequency)
+        self.shift = (SLOW * 2 * np.pi * max_frequency) ** 2
         parts = []
         for term in pencil.terms:
             if term.symmetric and term.role in ("stiffness", "mass"):
@@ -82,7 +78,11 @@ class Norms:
         self._made: list[Any] = [matrix]
         own, self._forces = slice(0, pieces.displacements), slice(pieces.displacements, pieces.rows)
         self._stiffness = pieces.acting(lambda block: times(matrix, block), own, own)
-        factors = self._kept(Mumps(matrix.copy(), symmetric=True))
+        factors = self._kept(Mumps(matrix.copy(), symmetric=True, inertia=True))
+        if negative := factors.negative_eigenvalues():
+            self.free()
+            told = f"{negative} negative eigenvalues of its symmetric part"
+            raise InputError("stiffness", told, "none, for a map, where parameters are least")
         self._flexible = pieces.acting(factors.solve_block, own, own)
         self._contacts = pieces.contacts
         nothing: Product = np.zeros_like

@@ -3,7 +3,6 @@
 import numpy as np
 
 from cea.arrays import Floats
-from cea.errors import ConvergenceError
 from cea.reduced.norm import InnerProduct
 
 _RESOLVED = 1e-6
@@ -37,7 +36,7 @@ class Span:
         left, products = self._outside(block, image)
         lost = 0.0
         for _ in range(_PASSES):
-            sizes, axes = _principal(products, floor)
+            sizes, axes = np.linalg.eigh(products)
             largest = float(np.sqrt(max(sizes.max(initial=0.0), 0.0)))
             if largest <= floor:
                 break
@@ -51,12 +50,13 @@ class Span:
     def _outside(self, block: Floats, image: Floats) -> tuple[Floats, Floats]:
         """A block less its part in the span, and the Gram matrix of what is left."""
         left = block - self.vectors @ self.norm.inner(self.vectors, image)
-        return left, self.norm.inner(left, self.norm.image(left))
+        products = self.norm.inner(left, self.norm.image(left))
+        return left, 0.5 * (products + products.T)
 
     def _append(self, block: Floats) -> bool:
         """New vectors, made orthonormal once more; whether none of them was rounding alone."""
         left, products = self._outside(block, self.norm.image(block))
-        sizes, axes = _principal(products, 0.0)
+        sizes, axes = np.linalg.eigh(products)
         kept = sizes > _ROUNDING**2
         size = self.size + int(kept.sum())
         if size > self._store.shape[1]:
@@ -66,14 +66,3 @@ class Span:
         self._store[:, self.size : size] = left @ (axes[:, kept] / np.sqrt(sizes[kept]))
         self.size = size
         return bool(kept.all())
-
-
-def _principal(products: Floats, floor: float) -> tuple[Floats, Floats]:
-    """Eigenvalues and vectors of a Gram matrix; below the square of a length it may be rounding.
-
-    Raises ConvergenceError when the norm is none.
-    """
-    sizes, axes = np.linalg.eigh(0.5 * (products + products.T))
-    if len(sizes) and sizes[0] < -max(1e-6 * sizes[-1], floor**2):
-        raise ConvergenceError("the stiffness at the least parameters is not positive definite")
-    return sizes, axes

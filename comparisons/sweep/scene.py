@@ -9,10 +9,8 @@ import numpy as np
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil, release
-from cea.eigen.shifted import count_below
+from cea.eigen.pencil import Pencil
 from cea.errors import InputError
-from cea.reduced.norm import shift_of
 from cea.warned import ResultWarning
 from comparisons.sweep.points import Field, Points, table_of
 from scenes import Result
@@ -91,7 +89,7 @@ def mapped(
         names = _names(matrices.driver.pencil, fields, {}, ())
         points = _points(matrices.driver.pencil, fields, names, samples)
         window = matrices.scene.window
-        _check_definite(matrices.driver.pencil, _ends(points, names), window.max_frequency)
+        _check_damping(matrices.driver.pencil, _ends(points, names))
         return Mapped(
             matrices.driver,
             points,
@@ -114,7 +112,7 @@ def mapped(
         raise NoMapError("axis", moved[0], allowed)
     analysis = read.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
-    _check_definite(assembled.driver.pencil, _ends(points, names), analysis.max_frequency)
+    _check_damping(assembled.driver.pencil, _ends(points, names))
     return Mapped(
         assembled.driver,
         points,
@@ -148,7 +146,7 @@ def _names(
             meant = of_p or dict.fromkeys(parameters_meant(pencil, field.name, bonded), 1.0)
             found.append(meant)
     except InputError as error:
-        raise _no_map(error) from error
+        raise no_map(error) from error
     no_two_alike(found, [field.name for field in fields])
     return tuple(found)
 
@@ -184,31 +182,17 @@ def _ends(points: Points, names: Sequence[Mapping[str, float]]) -> list[dict[str
     ]
 
 
-def _check_definite(
-    pencil: Pencil, ends: Sequence[Mapping[str, float]], max_frequency: float
-) -> None:
-    """Refuse a damped pencil whose stiffness makes no norm where parameters are least.
-
-    That of bodies at rest does; with rotation or in matrices from elsewhere it may not.
-    """
-    if not pencil.damped:
-        return
+def _check_damping(pencil: Pencil, ends: Sequence[Mapping[str, float]]) -> None:
+    """Refuse fields along which modes that are damped one by one may become others."""
     try:
-        for each in ends:  # modes that are damped one by one may be others there
+        for each in ends:
             pencil.check(each)
     except InputError as error:
-        raise _no_map(error) from error
-    matrices = pencil.at(ends[0])
-    try:
-        negative = count_below(matrices, -shift_of(max_frequency))
-    finally:
-        release(matrices)
-    if negative:
-        told = f"{negative} negative eigenvalues of its symmetric part"
-        raise NoMapError("stiffness", told, "none, for a map, where parameters are least")
+        raise no_map(error) from error
 
 
-def _no_map(error: InputError) -> NoMapError:
+def no_map(error: InputError) -> NoMapError:
+    """A refusal that leaves full solves."""
     return NoMapError(error.field, error.value, error.allowed)
 
 

@@ -188,7 +188,7 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
         *("--out", out),
     ]
     running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    third = tmp_path / "out.unfinished" / "solve-0002.json"
+    third = tmp_path / "out.unfinished" / "solve-0002.rank0.npz"
     begun = monotonic()
     while not third.exists() and running.poll() is None and monotonic() - begun < 120:
         sleep(0.005)
@@ -196,7 +196,7 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     running.wait()
     assert third.exists()
     assert not (out / "result.json").exists()
-    stored = len(list(third.parent.glob("solve-*.json")))
+    stored = len(list(third.parent.glob("solve-*.npz")))
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     data = json.loads((out / "result.json").read_text())
