@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from reduced_blocks import MESHES, flutter_of_the_blocks
 from reference_data import plane_meshes, stored
 from scipy.stats import kstest, lognorm, norm, truncnorm
 
@@ -20,6 +19,10 @@ from comparisons.sweep.scene import mapped
 from comparisons.sweep.spectra import Spectra
 from comparisons.sweep.study import Asked, run
 
+MESHES = {
+    "fe": {"upper": [8, 2], "lower": [5, 3]},
+    "iga": {"upper": [10, 2], "lower": [7, 3]},
+}
 MU, P = "contacts.interface.mu", "contacts.interface.P"
 
 
@@ -73,9 +76,10 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backen
     """Only mu varies: what grows is what was drawn above mu_c, sample by sample."""
     swept, _ = made(backend)
     data, values = swept.record, swept.points.values[:, 0]
-    driver, name, bracket, top = flutter_of_the_blocks(backend)
-    threshold = first_threshold(driver, name, *bracket, max_frequency=top).value
-    driver.free()
+    scene = mapped("blocks", read_fields(["mu=0:1:2"]), overrides(backend))
+    near, top = (0.9 * MU_C, 1.1 * MU_C), scene.max_frequency
+    threshold = first_threshold(scene.driver, MU, *near, max_frequency=top).value
+    scene.driver.free()
     far = np.abs(values - threshold) > 1e-6 * threshold
     np.testing.assert_array_equal(grows_in(swept).any(axis=1)[far], (values > threshold)[far])
     exact = (1.08 * MU_C - threshold) / (0.15 * MU_C)

@@ -26,43 +26,6 @@ MESHES = tuple(
     for mesh in ("fe", "iga")
     for body, elements in (("upper", [3, 2]), ("lower", [4, 2]))
 )
-SANDWICH = """
-name = "sandwich"
-[bodies.upper]
-backend = "fe"
-geometry = { shape = "rectangle", size = [2.0, 0.5] }
-material = { E = 0.1, nu = 0.25, rho = 0.35 }
-supports = [{ surface = "y_max" }]
-mesh.fe = { cell = "quadrilateral", degree = 2, elements = [3, 1] }
-[bodies.lower]
-backend = "fe"
-geometry = { shape = "rectangle", size = [1.0, 1.0], origin = [0.5, -1.0] }
-material = { E = 1.0, nu = 0.3, rho = 1.0 }
-mesh.fe = { cell = "quadrilateral", degree = 2, elements = [2, 2] }
-[bodies.base]
-backend = "fe"
-geometry = { shape = "rectangle", size = [3.0, 0.4], origin = [0.0, -1.4] }
-material = { E = 0.5, nu = 0.3, rho = 0.7 }
-supports = [{ surface = "y_min" }, { surface = "x_min" }]
-mesh.fe = { cell = "quadrilateral", degree = 2, elements = [5, 1] }
-[contacts.top]
-a = "lower.y_max"
-b = "upper.y_min"
-formulation = { method = "gpts", points = 3 }
-p = 1.0
-mu = 0.3
-friction_direction_on_a = { vector = [1.0, 0.0] }
-[contacts.bottom]
-a = "lower.y_min"
-b = "base.y_max"
-formulation = { method = "gpts", points = 3 }
-p = 2.5
-mu = 0.4
-friction_direction_on_a = { vector = [1.0, 0.0] }
-[analysis]
-kind = "cea"
-max_frequency = 0.4
-"""
 
 
 def blocks(*overrides):
@@ -103,18 +66,16 @@ def assert_runs(swept, scenes):
         np.testing.assert_allclose(eigenvalues(swept, i), run_modes(scene).eigenvalues, rtol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["p", "contacts.top.p"])
-@pytest.mark.parametrize("given", ["p = '1 + 0.5*x'", "P = 3.0"])
-def test_p_that_is_no_number_in_the_scene_is_refused(tmp_path, name, given):
+@pytest.mark.parametrize("name", ["p", "contacts.interface.p"])
+def test_p_that_is_no_number_in_the_scene_is_refused(name):
     """It is no reason to solve each value in full: that would put a number in its place."""
-    file = tmp_path / "sandwich.toml"
-    file.write_text(SANDWICH.replace("p = 1.0", given))
-    told = "a finite number in the scene; or contacts.top.P"
+    scene, changes = blocks("contacts.interface.p='1 + 0.5*x'")
+    told = "contacts.interface.P scales the field"
     with pytest.raises(InputError, match=told) as refused:
-        mapped(file, [read_axis(f"{name}=0.5:2:3")], (), None)
+        mapped(scene, [read_axis(f"{name}=0.5:2:3")], changes, None)
     assert not isinstance(refused.value, NoMapError)
     with pytest.raises(InputError, match=told):
-        in_full(file, name, 0.5, 2.0)
+        in_full(scene, name, 0.5, 2.0, *changes)
 
 
 @pytest.mark.parametrize(
