@@ -106,8 +106,7 @@ class ReducedSpectrum:
         """What a basis without vectors knows."""
         none, vectors = np.empty(0, dtype=complex), np.empty((0, 0), dtype=complex)
         real, clusters = np.empty(0), np.empty(0, dtype=np.int64)
-        of_modes = (real, real, real, clusters, real)
-        return cls(settings, 0, none, none, vectors, vectors, *of_modes)
+        return cls(settings, 0, none, none, vectors, vectors, real, real, real, clusters, real)
 
     def __len__(self) -> int:
         return len(self.z)
@@ -221,13 +220,17 @@ def reduced_spectrum(
     certifier = Certifier(stiffness, damping, mass, rounding, scale)
     told = certifier.certificate(pairs, settings.outside(pairs.values))
     found = ReducedSpectrum(
-        settings,
-        k,
-        pairs.values,
-        eigenvalues,
-        *(pairs.right, pairs.left, told.errors, told.means, told.reduction),
-        told.clusters,
-        told.slopes,
+        settings=settings,
+        displacements=k,
+        z=pairs.values,
+        eigenvalues=eigenvalues,
+        right=pairs.right,
+        left=pairs.left,
+        errors=told.errors,
+        means=told.means,
+        reduction=told.reduction,
+        clusters=told.clusters,
+        slopes=told.slopes,
     )
     return found if damping is None else found[np.flatnonzero(eigenvalues.imag >= 0)]
 

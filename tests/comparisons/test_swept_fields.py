@@ -70,7 +70,7 @@ def assert_runs(swept, scenes):
 def test_p_that_is_no_number_in_the_scene_is_refused(name):
     """It is no reason to solve each value in full: that would put a number in its place."""
     scene, changes = blocks("contacts.interface.p='1 + 0.5*x'")
-    told = "contacts.interface.P scales the field"
+    told = "or contacts.interface.P"
     with pytest.raises(InputError, match=told) as refused:
         mapped(scene, [read_axis(f"{name}=0.5:2:3")], changes, None)
     assert not isinstance(refused.value, NoMapError)
