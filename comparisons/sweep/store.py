@@ -76,7 +76,7 @@ class Store:
             told, arrays = stored
             told["warnings"] = tuple(ResultWarning(**each) for each in told["warnings"])
             told["max_growth"] = np.inf if told["max_growth"] is None else told["max_growth"]
-            yield Snapshot(**told, **arrays)
+            yield Snapshot(**(told | arrays))
 
     def discard(self) -> None:
         """Remove the folder: its sweep is finished."""
