@@ -29,9 +29,6 @@ from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total
 from cea.reduced.pieces import Pieces, Product
 
-_FEW = 0.3
-"""Part of all rows up to which products with the others are left out."""
-
 _FELT = 1e-10
 """Least compliance of contacts in the norm, relative to that of the bodies: closures that depend on
 each other, or nearly, are told apart by rounding alone."""
@@ -45,9 +42,6 @@ class InnerProduct:
 
     def inner(self, left: Floats, right: Floats) -> Floats:
         """L^T R, shape (columns of L, columns of R), the same on every rank."""
-        rows = np.flatnonzero(right.any(axis=1))
-        if len(rows) < _FEW * len(right):  # forces of a contact act on few displacements
-            left, right = left[rows], right[rows]
         return self.comm.bcast(self.comm.allreduce(left.T @ right))
 
     def lengths(self, block: Floats, image: Floats | None = None) -> Floats:

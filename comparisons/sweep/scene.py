@@ -87,24 +87,12 @@ def mapped(
     if is_of_matrices(scene):
         matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
         names = _names(matrices.driver.pencil, fields, {}, ())
-        points = _points(matrices.driver.pencil, fields, names, samples)
         window = matrices.scene.window
-        _check_damping(matrices.driver.pencil, _ends(points, names))
-        return Mapped(
-            matrices.driver,
-            points,
-            names,
-            as_data(matrices.scene),
-            window.max_frequency,
-            window.growth_threshold,
-            window.min_growth,
-            lambda modes, _: matrices.warnings(modes),
-        )
+        return _mapped(matrices, fields, names, samples, window, lambda m, _: matrices.warnings(m))
     _refuse_data(data)
     read = in_saddle_form(load_scene(scene, list(overrides)))
     assembled = AssembledScene(read)
     names = _names(assembled.driver.pencil, fields, read.contacts, assembled.bonded)
-    points = _points(assembled.driver.pencil, fields, names, samples)
     moved = [name for each in names for name in each if assembled.depends_on_state([name])]
     if moved:
         assembled.free()
@@ -112,16 +100,38 @@ def mapped(
         raise NoMapError("axis", moved[0], allowed)
     analysis = read.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
-    _check_damping(assembled.driver.pencil, _ends(points, names))
+
+    def warnings(modes: Modes, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        return assembled.warnings(modes, analysis.max_frequency, values)
+
+    return _mapped(assembled, fields, names, samples, analysis, warnings)
+
+
+def _mapped(
+    assembled: Assembled,
+    fields: Sequence[Field],
+    names: tuple[Mapping[str, float], ...],
+    samples: tuple[int, int],
+    window: Any,
+    warnings: Warnings,
+) -> Mapped:
+    """A scene that is assembled, at points all of which are allowed."""
+    pencil = assembled.driver.pencil
+    points = _points(pencil, fields, names, samples)
+    try:  # modes that are damped one by one may be others there
+        for values in _ends(points, names):
+            pencil.check(values)
+    except InputError as error:
+        raise no_map(error) from error
     return Mapped(
         assembled.driver,
         points,
         names,
-        as_data(read),
-        analysis.max_frequency,
-        analysis.growth_threshold,
-        analysis.min_growth,
-        lambda modes, values: assembled.warnings(modes, analysis.max_frequency, values),
+        as_data(assembled.scene),
+        window.max_frequency,
+        window.growth_threshold,
+        window.min_growth,
+        warnings,
     )
 
 
@@ -180,15 +190,6 @@ def _ends(points: Points, names: Sequence[Mapping[str, float]]) -> list[dict[str
         }
         for end in (0, 1)
     ]
-
-
-def _check_damping(pencil: Pencil, ends: Sequence[Mapping[str, float]]) -> None:
-    """Refuse fields along which modes that are damped one by one may become others."""
-    try:
-        for each in ends:
-            pencil.check(each)
-    except InputError as error:
-        raise no_map(error) from error
 
 
 def no_map(error: InputError) -> NoMapError:
