@@ -235,7 +235,6 @@ class AssembledScene:
 
     @property
     def _top(self) -> float:
-        """Upper end of the window (Hz)."""
         assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
         return self.scene.analysis.max_frequency
 
