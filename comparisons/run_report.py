@@ -191,21 +191,14 @@ COLUMNS = {
 DIAGRAM = Plot(
     "stability",
     "What lies above zero grows. Marks tell verdicts apart as colours do.",
-    by_verdict,
-    "frequency",
-    "growth",
-    ("verdict",),
+    *(by_verdict, "frequency", "growth", ("verdict",)),
     own=COLUMNS,
     style="markers",
 )
 STRESSES = Plot(
     "stress",
     "Normal stress along a line over the contact, both sides.",
-    stresses,
-    "arc",
-    "stress",
-    ("side",),
-    "contact",
+    *(stresses, "arc", "stress", ("side",), "contact"),
     own=COLUMNS,
 )
 SECTIONS = [
@@ -240,7 +233,7 @@ SECTIONS = [
     Section(
         "Run time",
         headline=size,
-        plots=[Plot("stages", "", stages, "stage", "seconds", style="bars")],
+        tables=[Table("stages", "", stages)],
     ),
     Section("Left out", tables=[Table("skipped", "Not needed by the scene.", left_out)]),
     Section(
