@@ -33,24 +33,21 @@ def shape_mesh(
     """Mesh a shape; its surfaces (curves in the plane) bear the names ``shape.surfaces``.
 
     Curved cells are polynomials through the Gauss-Lobatto points of the circles (see
-    :mod:`meshes.structured`); up to order 2 these are the nodes. Crowned faces pass through all
-    nodes, and are exact on straight bases from order 2. Only unstructured meshes need gmsh.
+    :mod:`meshes.structured`). Crowned faces pass through all nodes, and are exact on straight bases
+    from order 2. Only unstructured meshes need gmsh.
 
     Parameters
     ----------
-    shape
-        The shape.
+    shape, placement
+        The shape, and where it is put.
     cell
         ``hexahedron``, ``quadrilateral``: one element per cell of the breaks; ``tetrahedron``,
         ``triangle``: unstructured, or those of the breaks divided into six or two.
     order
         Order of the geometry, 1 to 4.
-    breaks
-        Element boundaries of a structured mesh along the directions of the shape (m, degrees).
-    size
-        Target edge length of an unstructured mesh (m).
-    placement
-        Where the shape is put.
+    breaks, size
+        Element boundaries of a structured mesh along the directions of the shape (m, degrees), or
+        target edge length of an unstructured one (m).
     edges, layers
         Edges along breaks of a structured mesh, and geometric layers of cells towards them.
 
