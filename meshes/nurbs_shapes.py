@@ -59,14 +59,9 @@ class NurbsPatch:
 
 @dataclass(frozen=True)
 class NurbsShape:
-    """Patches of a shape and its named surfaces.
+    """Patches of a shape, joined where their faces coincide, and its named surfaces.
 
-    Parameters
-    ----------
-    patches
-        The patches, joined where their faces coincide.
-    faces
-        Faces (patch, axis, side) of each named surface; side 0 is where the parameter is least.
+    Faces are (patch, axis, side); side 0 is where the parameter is least.
     """
 
     patches: tuple[NurbsPatch, ...]
