@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cea.errors import InputError, require
+from cea.errors import require
 from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
 from meshes.breaks import Breaks, check_ends
 from meshes.crowned import Crowned
@@ -92,10 +92,7 @@ def _check(shape: Shape, cell: Cell, order: int, breaks: Breaks | None, size: fl
 
 
 def _check_breaks(shape: Shape, breaks: Breaks | None) -> None:
-    along = ", ".join(shape.directions)
-    if breaks is None or len(breaks) != len(shape.directions):
-        raise InputError("breaks", breaks, f"one array along each of {along}")
-    check_ends(shape, breaks)
-    if shape.directions[1] == "theta":
+    check_ends(shape, breaks or ())
+    if breaks and shape.directions[1] == "theta":
         step = float(np.diff(breaks[1]).max())
         require(step < 180, "breaks of theta", step, "less than 180 degrees apart")
