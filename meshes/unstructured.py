@@ -10,8 +10,8 @@ import gmsh
 import numpy as np
 
 from cea.errors import InputError
+from cea.files import ignore_closed_pipes
 from cea.mesh import Mesh, reference_nodes
-from cea.signals import ignore_closed_pipes
 from meshes.files.body import body_mesh
 from meshes.files.gmsh import arrays_of_model, content_of
 from meshes.files.part import part_of
