@@ -142,5 +142,3 @@ def test_what_has_no_law_or_no_load_is_refused(backend):
         steady_sliding(coupled_blocks(backend, GPTS, p=1.0, kind="static"))
     with pytest.raises(InputError, match="load"):
         steady_sliding(coupled_blocks(backend, GPTS, p=1.0))
-    with pytest.raises(InputError, match="steps"):
-        steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT), steps=0)
