@@ -25,9 +25,8 @@ from scenes.running.swept import (
     stiffnesses_meant,
 )
 from scenes.spec.contact import ContactSpec
-from scenes.spec.files import is_of_matrices
 from scenes.spec.matrices import load_matrices
-from scenes.spec.plain import as_data
+from scenes.spec.plain import as_data, is_of_matrices
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import ComplexEigenvalueAnalysis, load_scene
 
