@@ -10,8 +10,7 @@ import numpy as np
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
-from cea.errors import InputError
-from cea.warned import ResultWarning
+from cea.errors import InputError, ResultWarning
 from comparisons.sweep.points import Field, Points, table_of
 from scenes import Result
 from scenes.running.assembled import AssembledScene
@@ -24,9 +23,8 @@ from scenes.running.swept import (
     stiffnesses_meant,
 )
 from scenes.spec.contact import ContactSpec
-from scenes.spec.files import is_of_matrices
 from scenes.spec.matrices import load_matrices
-from scenes.spec.plain import as_data
+from scenes.spec.plain import as_data, is_of_matrices
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import ComplexEigenvalueAnalysis, load_scene
 
