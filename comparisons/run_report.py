@@ -23,20 +23,10 @@ _KEY = "run"
 
 
 def write_run_report(result: Result, record: Path) -> Path:
-    """Write the page of a run beside its record; collective, rank 0 writes.
+    """Write the page of a run beside its ``result.json``; collective, rank 0 writes.
 
-    Parameters
-    ----------
-    result
-        The run.
-    record
-        Its ``result.json``, as :func:`scenes.save_result` wrote it.
-
-    Returns
-    -------
-    Path
-        ``report.html``: one file that needs no other. It shows every mode on the diagram, and
-        the shapes of as many as the page has room for, unstable ones first.
+    It shows every mode on the diagram, and the shapes of as many as there is room for, unstable
+    ones first.
     """
     shapes = Shapes()
     if result.spectrum is not None and result.coupled is not None:

@@ -229,9 +229,8 @@ STUDY = Study(
         Section(
             "Frequencies",
             "CalculiX integrates the mass of a tetrahedron of ten nodes with the four points of "
-            "its stiffness, exact to degree 2 where products of shape functions have degree 4. "
-            "With the same points in this program the frequencies of a body agree to rounding; "
-            "with the exact mass, which it has otherwise, they are lower, less on finer meshes.",
+            "its stiffness. With the same points in this program the frequencies of a body agree "
+            "to rounding; with the exact mass they are lower, less on finer meshes.",
             headline,
             [
                 Table(
@@ -247,14 +246,10 @@ STUDY = Study(
         ),
         Section(
             "Unstable modes",
-            "CalculiX knows no steady sliding: it takes a point to slip where its friction of the "
-            "static step is beyond the limit in the frequency step. With the same friction in both "
-            "steps that is decided by rounding, many points stick, and unstable modes come out "
-            "stable. The deck has twice the friction in the static step, and changes it to that of "
-            "the scene in the frequency step, where then every point slips. Both programs "
-            "integrate the penalty over pieces that no element boundary of either side crosses; "
-            "CalculiX leaves out the smallest of them, gives points their stick stiffness across "
-            "the direction of slip, and prints complex eigenvalues with seven digits.",
+            "CalculiX takes a point to slip where its friction of the static step is beyond the "
+            "limit in the frequency step: the deck has twice the friction in the static step. It "
+            "leaves out the smallest pieces of the contact, gives points their stick stiffness "
+            "across the direction of slip, and prints complex eigenvalues with seven digits.",
             tables=[
                 Table(
                     "unstable",

@@ -27,29 +27,15 @@ _END_OF_LIST = "P A R T I C I P A T I O N"
 
 @dataclass(frozen=True)
 class Found:
-    """What CalculiX found.
+    """What CalculiX found, and the seconds of its process by the clock and of the processor."""
 
-    Parameters
-    ----------
-    eigenvalues
-        lambda (1/s) by rising frequency, each pair with both growth rates, shape (n,).
-    clock, processor
-        Seconds of its process by the clock, and of the processor.
-    """
-
-    eigenvalues: Complexes
+    eigenvalues: Complexes  # lambda (1/s) by rising frequency, pairs with both growth rates
     clock: float
     processor: float
 
 
 def program() -> str:
-    """Path of CalculiX.
-
-    Raises
-    ------
-    InputError
-        When it is not installed.
-    """
+    """Path of CalculiX, refused where it is not installed."""
     found = shutil.which(PROGRAM)
     if found is None:
         allowed = "CalculiX on the path, as the Debian package calculix-ccx installs it"

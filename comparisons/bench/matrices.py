@@ -67,13 +67,7 @@ class Options:
 
 
 def loaded(options: Options) -> MatrixScene:
-    """The scene.
-
-    Raises
-    ------
-    InputError
-        Without damping.
-    """
+    """The scene, refused without damping."""
     scene = load_matrices(options.scene, options.set, options.data)
     if not scene.damping:
         raise InputError("damping", {}, "one matrix or more: the race is one of quadratic problems")

@@ -54,33 +54,15 @@ _ROLLERS = (
 
 @dataclass(frozen=True)
 class PatchTestProblem:
-    """A contact patch test.
-
-    Parameters
-    ----------
-    name
-        Name of the interface.
-    scene_file
-        Scene it comes from.
-    kinds
-        Kinds of Lagrange meshes: structured, simplices.
-    overrides
-        What is changed in the scene, given P (N/m).
-    sizes
-        Edge lengths of tetrahedra and triangles of sides a and b (m).
-    direction
-        Direction of friction on a where momentum is looked at, as in a scene.
-    held
-        Whether supports hold each body without contact.
-    """
+    """A contact patch test, by the name of its interface."""
 
     name: str
     scene_file: str
-    kinds: tuple[str, str]
-    overrides: Callable[[float], list[str]]
-    sizes: tuple[float, float]
-    direction: str
-    held: bool = False
+    kinds: tuple[str, str]  # of Lagrange meshes: structured, simplices
+    overrides: Callable[[float], list[str]]  # what is changed in the scene, given P (N/m)
+    sizes: tuple[float, float]  # edge lengths of tetrahedra and triangles of sides a and b (m)
+    direction: str  # of friction on a where momentum is looked at, as in a scene
+    held: bool = False  # whether supports hold each body without contact
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:

@@ -18,20 +18,11 @@ _RESET_PEAK = "5"
 
 @dataclass
 class Cost:
-    """What a block of work took on this rank.
+    """What a block of work took on this rank."""
 
-    Parameters
-    ----------
-    clock, processor
-        Seconds by the clock, and of the processor: other work does not lengthen these.
-    memory
-        Peak above what the process held before, freed memory given back (MB); None where the system
-        does not tell.
-    """
-
-    clock: float = 0.0
-    processor: float = 0.0
-    memory: float | None = None
+    clock: float = 0.0  # seconds
+    processor: float = 0.0  # seconds: other work does not lengthen these
+    memory: float | None = None  # peak above what was held before (MB); None: not told
 
 
 @contextmanager

@@ -44,29 +44,22 @@ def write(
     text: str = "",
     files: bool = True,
 ) -> Path:
-    """Write tables, figures and the page.
+    """Write tables, figures and ``report.html``, one file that needs no other; its path.
 
     Parameters
     ----------
-    title
-        Title of the page.
-    sections
-        Its sections; one that shows nothing is left out.
+    title, sections
+        Of the page; a section that shows nothing is left out.
     result
-        What their frames and headlines are made of.
+        What frames and headlines are made of.
     out
-        Folder for ``report.html``, CSV and PNG files.
+        Folder.
     shapes
         Modes of the viewer.
     text
         What stands above all sections.
     files
-        Whether tables and plots are written to files too.
-
-    Returns
-    -------
-    Path
-        The page: one file that needs no other. Texts are escaped.
+        Whether tables and figures are written to files too.
     """
     to = out if files else None
     parts = [made for s in present(sections, result) if (made := _section(s, result, to, shapes))]

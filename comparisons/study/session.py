@@ -50,17 +50,7 @@ class Session:
         Bodies and contact points of earlier runs are used again where their specifications are
         equal; the very scene of the last run is not run again.
 
-        Parameters
-        ----------
-        scene
-            The scene.
-        options
-            As of :func:`scenes.run_scene`.
-
-        Returns
-        -------
-        Result
-            The result.
+        Options are those of :func:`scenes.run_scene`.
         """
         scene = scene or self.scene
         assert scene is not None, "the study gives no scene for its cases"
@@ -95,18 +85,10 @@ class Session:
     def keep_modes(
         self, name: str, result: Result, numbers: Sequence[int], title: str = ""
     ) -> None:
-        """Keep modes for the viewer of the page; collective.
+        """Keep modes for the viewer of the page, from 0, the most important first; collective.
 
-        Parameters
-        ----------
-        name
-            Name of the result, unique among all cases: the shape of mode i is ``name/i``.
-        result
-            The result.
-        numbers
-            Modes from 0, the most important first; as many are kept as there is room for.
-        title
-            What is said of the result.
+        The shape of mode i is ``name/i``; names are unique among all cases. As many are kept as
+        there is room for.
         """
         bodies = list(result.bodies.values())
         like = next((key for key, others in self._shown if others == bodies), None)

@@ -47,10 +47,7 @@ class Binary:
     _size: int = 0
 
     def add(self, values: Any, kind: str = "") -> dict[str, Any]:
-        """Keep an array as ``int16`` or ``uint16``; by default whole numbers from 0 on, by size.
-
-        Its type, where it begins (bytes) and how many numbers it has are returned.
-        """
+        """Keep an array, by default of numbers from 0 on, and tell its type, place and length."""
         values = np.asarray(values)
         kind = kind or ("uint16" if values.max(initial=0) < 2**16 else "uint32")
         begin = self.append(np.ascontiguousarray(values, dtype=kind).tobytes())
@@ -79,15 +76,7 @@ def packed(content: bytes) -> str:
 
 @dataclass
 class Shapes:
-    """What the views of a page draw.
-
-    Parameters
-    ----------
-    scenes
-        Plain data of bodies by the key of their result.
-    modes
-        Plain data of modes by the key of their result, then their number from 1.
-    """
+    """What the views of a page draw: bodies by the key of their result, modes by it and number."""
 
     scenes: dict[str, Any] = field(default_factory=dict)
     modes: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -118,20 +107,9 @@ class Shapes:
         like: str | None = None,
         title: str = "",
     ) -> None:
-        """Keep modes of a result, as many as there is room for; collective.
+        """Keep modes of a result, from 0, as many as there is room for; collective.
 
-        Parameters
-        ----------
-        key
-            Name of the result.
-        result
-            The result.
-        modes
-            Numbers of the modes, from 0, the most important first.
-        like
-            Key of a result kept before whose bodies are the same.
-        title
-            What is said of the result.
+        The most important come first; ``like`` is the key of a result with the same bodies.
         """
         from scenes.pictures.drawing import largest_deflection  # brings pyvista
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
-import pandas as pd
 import pytest
 from reference_data import both_signs, eigenvalues, stored
 
@@ -13,18 +12,16 @@ from cea.eigen.matching import match_spectrum
 from cea.errors import ConvergenceError, InputError
 from comparisons.accuracy import errors, page
 from comparisons.accuracy.cases import (
-    RULES,
     Options,
     estimated_dofs,
-    lines,
     method_of,
     methods,
     refinements,
     scene_of,
 )
-from comparisons.accuracy.exact_lists import FILE, computed, exact
+from comparisons.accuracy.exact_lists import computed, exact
 from comparisons.accuracy.problems import PROBLEMS
-from comparisons.accuracy.study import STUDY, cases
+from comparisons.accuracy.study import STUDY
 from comparisons.study.result import StudyResult, read
 from comparisons.study.run import run
 from comparisons.study.session import Session
@@ -68,20 +65,6 @@ def test_a_stored_list_is_what_is_computed():
     np.testing.assert_allclose(exact("blocks", 10.0), values, rtol=1e-12)
 
 
-def test_every_list_of_the_study_is_stored_and_holds_mirror_images():
-    lists = json.loads(FILE.read_text())
-    assert lists.keys() == PROBLEMS.keys()
-    for chosen in PROBLEMS.values():
-        assert lists[chosen.name]["lists"].keys() == {f"{p:g}" for p in Options().stiffnesses}
-        for p in Options().stiffnesses:
-            values = exact(chosen.name, p)
-            assert (values.imag <= chosen.highest_exact).all()
-            assert len(chosen.listed(values)) > 5
-            growing, decaying = values[values.real > 0], values[values.real < 0]
-            assert len(growing) == len(decaying)
-            assert match_spectrum(-decaying.conj(), growing).errors.max(initial=0) < 1e-12
-
-
 def test_a_stored_list_is_not_taken_for_other_parameters(monkeypatch):
     other = replace(PROBLEMS["blocks"], mu=0.3, band=(0.0, 2.0))
     monkeypatch.setitem(PROBLEMS, "blocks", other)
@@ -112,28 +95,6 @@ def test_every_method_of_every_problem_is_a_scene():
             assert mesh.elements == body.elements(2)
             degree = mesh.degree if method.backend == "fe" else mesh.degree[0]
             assert degree == method.degree
-
-
-@pytest.mark.parametrize("options", [Options(), EVERY], ids=["full", "quick"])
-def test_the_study_holds_every_rule_at_every_stiffness(options):
-    listed = list(lines(options))
-    frame = pd.DataFrame(listed)
-    assert not frame.duplicated().any()
-    for _, own in frame.groupby("problem"):
-        assert set(own["rule"]) == set(RULES)
-        assert set(own["p"]) == {0.1, 1.0, 10.0, 1000.0}
-    if options.thorough:
-        first = frame[(frame["problem"] == "drum") & (frame["p"] == 1.0)]
-        assert len(first) == len(methods())
-    for case in listed:
-        chosen = PROBLEMS[case["problem"]]
-        most = {2: options.most_dofs_2d, 3: options.most_dofs_3d}[chosen.dim]
-        if options.thorough and case["p"] == 1.0:
-            most = chosen.most_dofs or most
-        found = refinements(case, options)
-        assert found == sorted(found)
-        assert len(found) <= (options.levels if case["p"] == 1.0 else 1)
-        assert all(estimated_dofs(chosen, method_of(case), n) <= most for n in found)
 
 
 def test_a_mesh_is_measured():
@@ -192,11 +153,6 @@ def shipped():
     return read(STUDY.name, STUDY.shipped)
 
 
-def test_the_shipped_study_is_that_of_the_default_options(shipped):
-    assert [case["labels"] for case in shipped.cases] == list(cases(Options()))
-    assert shipped.failed().empty
-
-
 def test_orders_are_those_of_theory(shipped):
     """Where theory knows one: of NURBS and Lagrange elements of degree 2 and 3, within a half."""
     found = page.orders(shipped).query("p == 1 and degree in (2, 3) and problem == 'blocks'")
@@ -215,13 +171,6 @@ def made(*rows):
         tables = {"runs": [row]}
         cases.append({"labels": labels | {"rule": rule}, "tables": tables, "failed": ""})
     return StudyResult({"cases": cases, "inputs": {"stiffnesses": [1.0]}})
-
-
-def test_an_order_is_fitted_to_the_finest_meshes():
-    rows = [("mortar", n, 1.0, 3.0 * n**-4.0, 1e-3) for n in (2, 4, 8)]
-    found = page.orders(made(("mortar", 1, 1.0, 7.0, 1.0), *rows))
-    assert found["order"].tolist() == pytest.approx([4.0])
-    assert found["theory"].tolist() == [4.0]
 
 
 @pytest.mark.parametrize(

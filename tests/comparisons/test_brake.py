@@ -15,7 +15,6 @@ from comparisons.brake.study import (
     Options,
     brake_modes,
     scene_of_size,
-    unstable,
 )
 from comparisons.study.result import read
 from comparisons.study.run import run
@@ -93,15 +92,6 @@ def test_partners_stay_one_row_whatever_they_were_before():
     assert last["verdict"] == "unstable"
 
 
-@pytest.mark.slow
-def test_unstable_pairs_are_told_with_their_damping_ratio(result):
-    frame = unstable(result)
-    assert len(frame) == result.frame("brake_runs")["unstable"].sum() > 0
-    assert (frame["growth"] > 1.0).all()  # the threshold of the scene, 1/s
-    ratios = -frame["growth"] / (2 * np.pi * frame["frequency"])
-    np.testing.assert_allclose(frame["damping_ratio"], ratios, rtol=1e-3)
-
-
 def test_what_is_stored_is_taken_for_the_options_by_default(tmp_path):
     def never(case, session):
         raise AssertionError("stored cases are not run")
@@ -139,11 +129,6 @@ def assert_estimated(degree, size, dofs):
 def test_the_estimate_knows_how_fine_the_disc_is():
     """Its dofs are those of the mesh, whatever the size: walls and holes bound that."""
     assert_estimated(2, 0.0055, 483_000)
-
-
-@pytest.mark.slow
-def test_the_estimate_knows_how_rough_the_disc_is(result):
-    assert_estimated(1, 0.03, result.frame("brake_runs")["dofs"][0])
 
 
 @pytest.mark.parametrize(

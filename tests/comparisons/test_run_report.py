@@ -2,7 +2,6 @@
 
 import base64
 import gzip
-import json
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from typer.testing import CliRunner
 from comparisons.cli.app import app
 from comparisons.run_report import write_run_report
 from comparisons.study import shapes as kit_shapes
-from comparisons.study.numbers import literal
 from comparisons.study.shapes import STEPS, Binary, Shapes, by_importance
 from scenes import load_scene, run_modes, run_scene, save_result
 
@@ -129,16 +127,6 @@ def test_a_static_analysis_has_a_report(tmp_path):
     assert "modes" not in page.tables
 
 
-def test_the_command_names_the_report(tmp_path):
-    command = ["run", "blocks", "--report"]
-    done = CliRunner().invoke(app, [*command, "--out", str(tmp_path)])
-    assert done.exit_code == 0, done.output
-    assert f"The report to open: {tmp_path / 'report.html'}" in done.output.replace("\n", "")
-    data = json.loads((tmp_path / "result.json").read_text())
-    page = Page((tmp_path / "report.html").read_text("utf-8"))
-    assert len(page.tables["modes"]) == 1 + len(data["eigenvalues"])
-
-
 @pytest.mark.parametrize("command", ["run", "solve"])
 def test_matrices_have_a_report_without_shapes(tmp_path, command):
     from scipy.io import mmwrite
@@ -173,10 +161,6 @@ def test_arrays_come_back_from_their_text():
     for array, place in zip(arrays, places, strict=True):
         np.testing.assert_array_equal(numbers(binary.text(), place), array)
         assert place["at"] % 4 == 0
-
-
-def test_texts_fit_the_library():
-    assert literal("<b>a & b</b>") == "&lt;b&gt;a &amp; b&lt;/b&gt;"
 
 
 @pytest.mark.slow

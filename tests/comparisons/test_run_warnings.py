@@ -91,14 +91,6 @@ def test_a_sweep_warns_of_what_its_runs_warn_of(file):
     assert [place["data"] for place in crude["data"]["places"]] == given
 
 
-def test_a_parameter_swept_in_full_warns_as_its_runs_do(file):
-    """Values that need no assembly warn of the same as values that do."""
-    data = in_full(file, "contacts.sliding.mu=0.2:0.4:2")
-    fresh = run_modes(load_scene(file).change("contacts.sliding.mu", 0.2))
-    assert [each["kind"] for each in data["warnings"]] == kinds(fresh.warnings)
-    assert "partly-uncovered" in kinds(fresh.warnings)
-
-
 def test_record_table_and_screen_have_them(file, tmp_path, monkeypatch, capsys):
     out = tmp_path / "out"
     words = ["cea", "sweep", str(file), f"{NU}=0.2:0.3:2", "--out", str(out)]
