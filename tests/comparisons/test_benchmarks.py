@@ -179,8 +179,8 @@ def installed(tmp_path, monkeypatch):
 def test_eigenvalues_of_calculix_are_read_with_the_digits_it_gives(installed):
     kappa = (4.000000000001, 9.0)
     real = installed(REAL, perturbed=0, kappa=kappa)
-    assert real.eigenvalues == pytest.approx(1j * np.sqrt(kappa), rel=1e-15)
-    assert installed(COMPLEX, perturbed=1).eigenvalues.tolist() == [-0.25 + 5j, 0.25 + 5j]
+    assert real == pytest.approx(1j * np.sqrt(kappa), rel=1e-15)
+    assert installed(COMPLEX, perturbed=1).tolist() == [-0.25 + 5j, 0.25 + 5j]
 
 
 @pytest.mark.parametrize("said", [" *ERROR in arpack", "nothing"])
