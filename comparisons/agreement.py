@@ -30,11 +30,15 @@ from comparisons.study.shapes import by_importance
 from comparisons.study.study import Case, Study
 from scenes import Result
 from scenes.results.matching import match_unstable
-from scenes.spec.body import Backend, BodySpec, MeshSpec, backend_name
+from scenes.spec.body import Backend, backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene, with_contact
 
 FREQUENCY_BOUND, GROWTH_BOUND = 0.01, 0.15
 """Largest relative differences of frequencies and of growth rates that agree."""
+
+
+_FINER = 3
+"""Degree, in every direction, that the last pairing is run with once more."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +47,10 @@ class Options:
 
     Parameters
     ----------
-    refined_degree
-        Degree, in every direction, that the last pairing is run with once more.
     overrides
         Changes of the disc_pad scene.
     """
 
-    refined_degree: int = 3
     overrides: tuple[str, ...] = ()
 
 
@@ -81,16 +82,9 @@ def scene(case: Case, options: Options) -> dict[str, Scene]:
         rule = rules(pad)[case["formulation"]]
         scenes[name] = with_contact(replace(disc_pad, bodies=bodies), formulation=rule)
     if mortar:
-        degree = options.refined_degree
-        finer = {n: _of_degree(body, degree) for n, body in bodies.items()}
-        scenes[f"{name}, degree {degree}"] = replace(scenes[name], bodies=finer)
+        finer = {f"bodies.{body}.mesh.iga.degree": [_FINER] * 3 for body in bodies}
+        scenes[f"{name}, degree {_FINER}"] = scenes[name].change(finer)
     return scenes
-
-
-def _of_degree(body: BodySpec, degree: int) -> BodySpec:
-    assert body.mesh.iga is not None
-    iga = replace(body.mesh.iga, degree=(degree,) * len(body.mesh.iga.degree))
-    return replace(body, mesh=MeshSpec(fe=body.mesh.fe, iga=iga))
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -132,7 +126,6 @@ def _run(result: Result) -> dict[str, Any]:
     window, rows = result.modes.window, result.table()
     return {
         "dofs": result.dofs,
-        "points": sum(len(interface.points) for interface in result.interfaces.values()),
         "found": window.found_below,
         "counted": window.symmetric_count,
         "complete": bool(window.complete),

@@ -8,7 +8,7 @@ import pandas as pd
 from cea.petsc import MPI
 from comparisons.study.closing import PARAMETERS, machine, parameters, warned
 from comparisons.study.columns import Column
-from comparisons.study.numbers import growth, number, plain, shown
+from comparisons.study.numbers import growth, number, shown
 from comparisons.study.page import REPORT, write
 from comparisons.study.plots import VERDICT_MARKS, sign
 from comparisons.study.result import Data
@@ -16,7 +16,6 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.shapes import Shapes, by_importance
 from scenes import Result
 from scenes.results.record import read_record
-from scenes.spec.body import backend_name
 
 _KEY = "run"
 """Name of the modes on the page."""
@@ -29,10 +28,8 @@ def write_run_report(result: Result, record: Path) -> Path:
     ones first.
     """
     shapes = Shapes()
-    if result.spectrum is not None and result.coupled is not None:
-        shapes.add(_KEY, result, by_importance(result))
-    elif result.coupled is not None:
-        shapes.add_bodies(_KEY, result)
+    if result.coupled is not None:
+        shapes.add(_KEY, result, by_importance(result) if result.spectrum is not None else ())
     if result.comm.rank == 0:
         data = read_record(record)
         title, text = data["scene"]["name"], data["scene"].get("description") or ""
@@ -92,47 +89,20 @@ def stresses(data: Data) -> pd.DataFrame:
     )
 
 
-def bodies(data: Data) -> pd.DataFrame:
-    """Bodies: how they are discretised, of what they are made, what holds them."""
-    rows = []
-    for name, body in data["scene"].get("bodies", {}).items():
-        mesh = (body.get("mesh") or {}).get(body["backend"]) or {}
-        fields = ("cell", "degree", "elements", "size")
-        told = (f"{f} {plain(mesh[f])}" for f in fields if mesh.get(f) is not None)
-        supports = ", ".join(support["surface"] for support in body.get("supports") or ())
-        rows.append(
-            {
-                "body": name,
-                "discretised_by": backend_name(body["backend"]),
-                "mesh": ", ".join(told),
-                "dofs": data["dofs"]["bodies"][name],
-                **{field: body["material"].get(field) for field in ("E", "nu", "rho")},
-                "supported_at": supports or "none",
-            }
-        )
-    return pd.DataFrame(rows)
-
-
 def contacts(data: Data) -> pd.DataFrame:
-    """Contact points as they were found on the other side, and what was asked of the contact."""
-    specs, rows = data["scene"].get("contacts", {}), []
-    for name, found in data.get("contacts", {}).items():
-        spec = specs.get(name) or specs.get(name.rpartition(".")[0]) or {}
-        stiffness = (f"{k} = {plain(spec[k])}" for k in ("P", "p", "c_n") if spec.get(k))
-        rows.append(
+    """Contact points as they were found on the other side."""
+    return pd.DataFrame(
+        [
             {
                 "contact": name,
-                "sides": f"{spec['a']} on {spec['b']}" if spec else "",
-                "formulation": (spec.get("formulation") or {}).get("method", ""),
-                "stiffness": next(stiffness, ""),
-                "friction": plain(spec.get("mu", "")),
                 "points": found["points"],
                 "missed": found["status"].get("missed", 0),
                 "area": found["area"],
                 "largest_gap": found["largest_distance"],
             }
-        )
-    return pd.DataFrame(rows)
+            for name, found in data.get("contacts", {}).items()
+        ]
+    )
 
 
 def stages(data: Data) -> pd.DataFrame:
@@ -172,9 +142,6 @@ COLUMNS = {
     "growth": Column("growth rate", "1/s", growth),
     "arc": Column("along the surface", "m"),
     "stress": Column("σₙ", "N/m²"),
-    "E": Column("E", "N/m²", shown(3)),
-    "nu": Column("ν", show=shown(3)),
-    "rho": Column("ρ", "kg/m³", shown(4)),
     "area": Column("area of side a", "m²", shown(4)),
     "largest_gap": Column("largest gap", "m", shown(2)),
 }
@@ -216,7 +183,6 @@ SECTIONS = [
         "Geometry and mesh",
         geometry=True,
         tables=[
-            Table("bodies", "Dofs are those that supports leave free.", bodies, COLUMNS),
             Table("contacts", "Points as found on the other side.", contacts, COLUMNS),
         ],
     ),

@@ -154,18 +154,10 @@ def _plot(name: str, caption: str, frame: Any, x: str, series: tuple[str, ...]) 
 
 _TWO = shown(2)
 COLUMNS = {
-    "rule": Column("contact rule"),
     "p": Column("p", show=shown(3)),
-    **{
-        f"{name}_{which}": Column(f"{which} error of {name}", show=_TWO)
-        for name in ("lambda", "frequency", "growth")
-        for which in ("worst", "median")
-    },
-    "order": Column("observed order", show=_TWO),
-    "theory": Column("theory", show=_TWO),
+    "lambda_worst": Column("worst error of lambda", show=_TWO),
+    "growth_worst": Column("worst error of growth", show=_TWO),
     "floor": Column("error of the yardstick", show=_TWO),
-    "growth": Column("largest growth", show=_TWO),
-    "explained": Column("explained", show=_TWO),
 }
 SECTIONS = [
     Section(

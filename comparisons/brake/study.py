@@ -20,7 +20,7 @@ import pandas as pd
 from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.study.columns import Column
-from comparisons.study.numbers import decimals, number, per_cent, plain, shown
+from comparisons.study.numbers import decimals, number, per_cent, plain
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
@@ -103,8 +103,6 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
         "unstable": sum(row["verdict"] == "unstable" for row in rows),
         "complete": bool(result.modes.window.complete),
         "seconds": result.timer.total,
-        "factorisation": result.timer.seconds["factorisation"],
-        "krylov": result.timer.seconds["krylov"],
         "memory": result.comm.allreduce(peak, MPI.SUM) / 1e9,
         "estimated": estimated_memory(result.scene).bytes / 1e9,
     }
@@ -164,11 +162,6 @@ def _over_meshes(result: StudyResult, by_size: list[pd.DataFrame]) -> Iterator[l
         yield chain
 
 
-def unstable(result: StudyResult) -> pd.DataFrame:
-    """Unstable pairs of every run: the growing mode of each."""
-    return result.frame("modes").query("verdict == 'unstable'").drop(columns="verdict")
-
-
 def headline(result: StudyResult) -> str:
     """How many unstable pairs the finest mesh has, and how far they are from converged."""
     grow = brake_modes(result)
@@ -180,10 +173,9 @@ def headline(result: StudyResult) -> str:
 OWN = {
     "size": Column("size", "m", plain),
     "unstable": Column("unstable pairs", show=number),
-    **{name: Column(name, "s", decimals(0)) for name in ("seconds", "factorisation", "krylov")},
+    "seconds": Column("seconds", "s", decimals(0)),
     "memory": Column("memory", "GB", decimals(1)),
     "estimated": Column("estimated", "GB", decimals(1)),
-    "uncertainty": Column("algebraic error", "1/s", shown(1)),
     "spread": Column("spread", "%", per_cent),
 }
 STUDY = Study(
@@ -213,7 +205,6 @@ STUDY = Study(
             [
                 Table("brake_runs", "Every mesh.", "brake_runs", OWN, printed=True),
                 Table("brake_modes", "Modes over the meshes.", brake_modes, OWN, printed=True),
-                Table("brake_unstable", "Unstable pairs.", unstable, OWN, printed=True),
             ],
             [
                 Plot(

@@ -93,12 +93,6 @@ class Shapes:
         arrays = {_NUMBERS: numbers} if len(numbers) else {}
         return {"scenes": self.scenes, "modes": self.modes}, arrays
 
-    def add_bodies(self, key: str, result: Result) -> None:
-        """Keep the bodies of a result at rest, and its contact points; collective."""
-        cells = _cells(result)
-        if result.comm.rank == 0:
-            self._add_scene(key, result, _outsides(cells, {}))
-
     def add(
         self,
         key: str,
@@ -107,7 +101,7 @@ class Shapes:
         like: str | None = None,
         title: str = "",
     ) -> None:
-        """Keep modes of a result, from 0, as many as there is room for; collective.
+        """Keep bodies, and modes from 0, as many as there is room for; collective.
 
         The most important come first; ``like`` is the key of a result with the same bodies.
         """
@@ -117,13 +111,14 @@ class Shapes:
         shapes = {
             name: result.mode_shapes(name, each.values, modes, everywhere=False)
             for name, each in cells.items()
+            if modes
         }
         if result.comm.rank:
             return
         outsides = _outsides(cells, shapes)
         if like is None:
             self._add_scene(key, result, outsides)
-        kept, rows = self.modes.setdefault(key, {}), result.table()
+        rows, kept = result.table(), self.modes.setdefault(key, {}) if modes else {}
         for i, mode in enumerate(modes):
             parts = [s.point_data for s in outsides.values()]
             u = np.concatenate([data[f"real {i}"] + 1j * data[f"imaginary {i}"] for data in parts])

@@ -202,7 +202,7 @@ def test_a_race_is_one_of_the_same_eigenvalues(folder):
     result = run(matrices.STUDY, options, folder / "out")
     assert result.failed().empty
     found = matrices.seconds(result)
-    assert found["found"].tolist() == found["modes"].tolist() == 3 * [len(inside(dense(pieces())))]
+    assert found["found"].tolist() == found["modes"].tolist() == 2 * [len(inside(dense(pieces())))]
     assert (found["processor"] > 0).all()
     undamped = scene() | {"damping": {}}
     for name in "DG":
@@ -228,7 +228,7 @@ def test_the_brake_is_faster_than_five_runs_of_scipy(tmp_path):
     """By the processor's time, medians of three runs by turns in one process."""
     options = matrices.Options(data=str(external("tu_berlin_brake")))
     found = matrices.seconds(run(matrices.STUDY, options, tmp_path))
-    assert found["found"].tolist() == [13, 13, 13]
+    assert found["found"].tolist() == [13, 13]
     assert (found["relative"][1:] > 1).all()
 
 
