@@ -28,8 +28,8 @@ def write_run_report(result: Result, record: Path) -> Path:
     ones first.
     """
     shapes = Shapes()
-    if result.coupled is not None:
-        shapes.add(_KEY, result, by_importance(result) if result.spectrum is not None else ())
+    if result.spectrum is not None and result.coupled is not None:
+        shapes.add(_KEY, result, by_importance(result))
     if result.comm.rank == 0:
         data = read_record(record)
         title, text = data["scene"]["name"], data["scene"].get("description") or ""
@@ -180,8 +180,7 @@ SECTIONS = [
     Section("Steady sliding", headline=steady),
     Section("Stresses", plots=[STRESSES]),
     Section(
-        "Geometry and mesh",
-        geometry=True,
+        "Contacts",
         tables=[
             Table("contacts", "Points as found on the other side.", contacts, COLUMNS),
         ],

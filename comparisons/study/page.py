@@ -85,7 +85,7 @@ def write(
         scripts=Markup(
             "\n".join((_HERE / "scripts" / name).read_text("utf-8") for name in _SCRIPTS)
         ),
-        library=_library() if modes or any(p["plots"] or p["geometry"] for p in parts) else "",
+        library=_library() if modes or any(part["plots"] for part in parts) else "",
     )
     write_whole(page.encode(), out / REPORT)
     return out / REPORT
@@ -137,7 +137,6 @@ def _section(
         "plots": drawn,
         "images": images,
         "modes": section.modes and shapes is not None and bool(shapes.modes),
-        "geometry": next(iter(shapes.scenes), "") if section.geometry and shapes else "",
     }
     if not any(shown.values()):
         return None

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.contact.contact import Contact
 from cea.eigen.classify import BY_URGENCY, GROWING
 from comparisons.study.numbers import growth, literal, number
 from comparisons.study.result import StudyResult
@@ -29,10 +28,6 @@ _MOST_POINTS = 8000
 """Points from which on outsides are reduced."""
 _MOST = 3_000_000
 """Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
-_CONTACT_POINTS = 600
-"""Points of a contact that are shown at most."""
-_ARROWS = 24
-"""Arrows of friction that are shown at most."""
 _ALIGNED = 4
 """Bytes at whose multiples arrays begin, as typed arrays of a browser want it."""
 _NUMBERS = "shapes"
@@ -101,7 +96,7 @@ class Shapes:
         like: str | None = None,
         title: str = "",
     ) -> None:
-        """Keep bodies, and modes from 0, as many as there is room for; collective.
+        """Keep modes of a result, from 0, as many as there is room for; collective.
 
         The most important come first; ``like`` is the key of a result with the same bodies.
         """
@@ -111,14 +106,13 @@ class Shapes:
         shapes = {
             name: result.mode_shapes(name, each.values, modes, everywhere=False)
             for name, each in cells.items()
-            if modes
         }
         if result.comm.rank:
             return
         outsides = _outsides(cells, shapes)
         if like is None:
-            self._add_scene(key, result, outsides)
-        rows, kept = result.table(), self.modes.setdefault(key, {}) if modes else {}
+            self._add_scene(key, outsides)
+        rows, kept = result.table(), self.modes.setdefault(key, {})
         for i, mode in enumerate(modes):
             parts = [s.point_data for s in outsides.values()]
             u = np.concatenate([data[f"real {i}"] + 1j * data[f"imaginary {i}"] for data in parts])
@@ -141,8 +135,8 @@ class Shapes:
                 "scene": like or key,
             }
 
-    def _add_scene(self, key: str, result: Result, outsides: Mapping[str, Any]) -> None:
-        """Bodies of a scene: positions in a box, triangles, lines; points of contacts."""
+    def _add_scene(self, key: str, outsides: Mapping[str, Any]) -> None:
+        """Bodies of a scene: positions in a box, triangles, lines."""
         from scenes.pictures.drawing import view_of  # brings pyvista
 
         points = [surface.points for surface in outsides.values()]
@@ -169,13 +163,6 @@ class Shapes:
             "step": step,
             "view": view_of(points).tolist(),
             "flat": not np.ptp(every[:, 2]),
-            "reduced": any("element" not in s.cell_data for s in outsides.values()),
-            "contacts": [
-                {"name": literal(contact.name), "a": literal(contact.a)}
-                | {"points": kept(_in_space(_some(contact, _CONTACT_POINTS).x))}
-                | _arrows(contact)
-                for contact in result.system.contacts
-            ],
         }
 
 
@@ -197,22 +184,6 @@ def _moved(data: Any, by: int) -> Any:
             return data | {"at": data["at"] + by}
         return {name: _moved(part, by) for name, part in data.items()}
     return [_moved(part, by) for part in data] if isinstance(data, list) else data
-
-
-def _some(contact: Contact, most: int) -> Any:
-    """Points of a contact, all of them or as many as may be, evenly spread."""
-    points = contact.interface.points
-    even = np.linspace(0, max(len(points) - 1, 0), min(len(points), most))
-    return points[np.unique(even.round().astype(np.int64))]
-
-
-def _arrows(contact: Contact) -> dict[str, Any]:
-    """Where friction pushes side a."""
-    friction, points = contact.friction, _some(contact, _ARROWS)
-    if friction is None or not friction.acts or len(points) == 0:
-        return {}
-    along = _in_space(friction.direction.at(points.x, points.normal))
-    return {"arrows": {"from": _in_space(points.x).tolist(), "along": along.tolist()}}
 
 
 def _cells(result: Result) -> dict[str, Any]:

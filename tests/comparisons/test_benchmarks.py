@@ -1,14 +1,12 @@
 """`cea bench`: programs and methods that must agree do, and what is measured is what it says."""
 
 import struct
-import sys
 from importlib import import_module
 
 import decks
 import numpy as np
 import pandas as pd
 import pytest
-from mpi import mpiexec
 from scipy.sparse.linalg import eigsh
 
 from cea.errors import ConvergenceError, InputError
@@ -101,24 +99,6 @@ def test_errors_are_those_of_pairs():
     assert solve.unstable(np.append(pair, 1e6)) == 1
 
 
-ON_RANKS = """
-from comparisons.bench.methods import METHODS, Problem, backward_errors
-from comparisons.bench.solve import Options, scene
-problem = Problem.of(scene({}, Options("tiny")))
-for method in list(METHODS.values())[:2]:
-    found = method(problem, 70).inside(problem.top)
-    assert len(found.kappa) == 70, len(found.kappa)
-    assert backward_errors(problem, found).max() < 1e-8
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.mpi
-def test_methods_find_the_same_on_two_ranks():
-    done = mpiexec(2, sys.executable, "-c", ON_RANKS)
-    assert done.returncode == 0, done.stderr
-
-
 def test_speed_up_is_that_of_the_busiest_rank():
     rows = [
         {"row": row, "factor": 1.0, "ranks": ranks, "repeat": 0}
@@ -187,12 +167,6 @@ def test_eigenvalues_of_calculix_are_read_with_the_digits_it_gives(installed):
 def test_a_run_of_calculix_without_results_is_told(installed, said):
     with pytest.raises(ConvergenceError, match="no eigenvalues"):
         installed("" if said == "nothing" else REAL, perturbed=0, said=said)
-
-
-def test_a_missing_calculix_is_told(monkeypatch, tmp_path):
-    monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(InputError, match="calculix-ccx"):
-        ccx.program()
 
 
 @pytest.mark.slow

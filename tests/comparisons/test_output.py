@@ -23,7 +23,7 @@ from comparisons.study.sections import Table
 from scenes import Result, load_scene
 from scenes.running.analysis import analysis_of
 
-WIDTHS = (40, 60, 80, 120)
+WIDTHS = (40, 120)
 WINDOW = Window(12000.0, 1e9, inf, 4, 2, inf, True, 1e10, 4, None)
 LONG = ResultWarning("short-modes", "a sentence about modes that is longer than a line " * 3)
 

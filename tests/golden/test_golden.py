@@ -25,8 +25,8 @@ QUICK = ("blocks_iga", "hertz_cylinder_iga", "patch_test_fe")
 """Frozen scenes that the quick tests run, a second or two each."""
 RULES = {
     "gpts": "GPTS",
-    "gpts_lumped": "GPTS lumped",
-    "full_pass": "GPTS full pass",
+    "gpts_lumped": "GPTS, lumped",
+    "full_pass": "GPTS, full pass",
     "node": "node-to-surface",
     "node_tributary": "node-to-surface, tributary",
     "greville": "Greville",
