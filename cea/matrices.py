@@ -63,6 +63,11 @@ def product(left: Any, right: Any, factor: Any) -> Any:
     return result
 
 
+def transposed_product(left: Any, right: Any) -> Any:
+    """L^T R."""
+    return _alone(left.transposeMatMult(right))
+
+
 def symmetric_product(gap: Any, weight: Any) -> Any:
     """G^T D G as (sqrt(D) G)^T (sqrt(D) G): symmetric to the last bit.
 

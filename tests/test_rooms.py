@@ -42,13 +42,8 @@ SOLVERS = {"petsc4py", "slepc4py", "mpi4py", "dolfinx_solver"}
 BESIDE_US = {"comparisons.bench.assembly"}
 """Programs that assembly is compared with and that come with this one."""
 DRAWING = {
-    *(
-        "scenes.pictures.drawing",
-        "scenes.export.pictures",
-        "scenes.export.paraview",
-        "scenes.pictures.grids",
-    ),
-    "scenes.pictures.scene",
+    *("scenes.pictures.drawing", "scenes.pictures.grids", "scenes.pictures.scene"),
+    *("scenes.export.paraview", "scenes.export.pictures"),
 }
 """Modules that need pyvista; all others import them in the functions that draw."""
 

@@ -22,8 +22,9 @@ from cea.contact.sliding import sliding_parameters, sliding_terms
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
-from cea.matrices import block_diagonal, destroy, gather
-from cea.petsc import PETSc
+from cea.matrices import block_diagonal, destroy, gather, local_part
+from cea.nodes import Nodes, joined, places
+from cea.petsc import MPI, PETSc
 from cea.system.body_terms import BodyTerms, Motion, body_terms
 from cea.system.contact_terms import (
     by_pair,
@@ -179,6 +180,7 @@ class CoupledSystem:
             [term for each in self.pieces.values() for term in each.modal],
             [term for each in self.pieces.values() for term in each.circulatory],
             leave_out=leave_out,
+            nodes=self._nodes,
         )
 
     def _parameters(self, friction: dict[str, float]) -> Iterator[Parameter]:
@@ -212,6 +214,19 @@ class CoupledSystem:
             steady=steady,
             prestress=prestress,
         )
+
+    @cached_property
+    def _nodes(self) -> Nodes | None:
+        """Unknowns by basis function; None where supports leave that open on any rank."""
+        found, functions = [], []
+        dim = next(iter(self.bodies.values())).dim
+        for body in self.bodies.values():
+            rows = local_part(body.expansion)
+            found.append(places(rows, range(*body.expansion.getOwnershipRangeColumn())))
+            functions.append(rows.shape[0] // dim)
+        known = [each for each in found if each is not None]
+        every = self.template.comm.tompi4py().allreduce(len(known) == len(found), MPI.LAND)
+        return joined(known, functions, dim) if every else None
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
         """Full displacement (m) of one body under loads, shape (dim * num_scalar_dofs,).

@@ -125,7 +125,7 @@ def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
 
     arrays, shapes = {}, {}
     for name, body in result.system.bodies.items():
-        sample = body.volume_sample(1)
+        sample = body.volume_cells().straight()
         u = result.mode_shapes(name, sample.values, [mode], everywhere=False)[..., 0]
         if body.comm.rank == 0:
             rounded = np.round(sample.points, _DIGITS)
@@ -145,22 +145,21 @@ def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
 
 def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Picture:
     """The deformed bodies with lumping on the left, without on the right."""
-    from scenes.pictures.drawing import Drawing
+    from scenes.pictures.drawing import draw_mode
     from scenes.pictures.grids import straight_outside
 
     labels = {"figure": figure.name, "mesh": mesh}
     picture = Picture(figsize=(10.0, 3.8), layout="constrained")
     picture.suptitle(f"Figure 4: a mode with and without lumping, P = 10⁶, {mesh}", fontsize=10)
     for axes, name in zip(picture.subplots(1, 2), ("lumped", "plain"), strict=True):
-        bodies = {}
+        bodies = []
         for body in (PAD, DISC):
             points, cells, u = (
                 result.array(labels, f"{name}/{body}/{array}")
                 for array in ("points", "cells", "displacement")
             )
-            bodies[body] = straight_outside(points, cells, u)
-        (image,) = Drawing.of(bodies, "").images([0.0])
-        axes.imshow(np.asarray(image))
+            bodies.append(straight_outside(points, cells, u))
+        axes.imshow(np.asarray(draw_mode(bodies, "")))
         axes.set_axis_off()
         axes.set_title("with lumping" if name == "lumped" else "without lumping")
     return picture

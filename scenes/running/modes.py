@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 from cea.contact.interface import Interface
 from cea.eigen.driver import EigenSolver, run_window
@@ -15,14 +15,11 @@ from cea.warned import ResultWarning
 from scenes.checking.memory import room_for_factors
 from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import short_modes
-from scenes.results.describe import describe_modes, described_run
+from scenes.results.data import RunRecord, describe_modes, described_run, opened_modes
 from scenes.results.result import Fields, Result
 from scenes.running.analysis import analysis_of
 from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
-
-if TYPE_CHECKING:
-    from scenes.results.opened import RunRecord
 
 STATE_KEPT = "steady-state-kept"
 """Kind of the warning that a state is not the one at other parameters."""
@@ -137,10 +134,8 @@ def describe(result: Result) -> dict[str, Any]:
     return {"summary": result.summary} | found | described_run(result)
 
 
-def opened(record: "RunRecord") -> Fields:
+def opened(record: RunRecord) -> Fields:
     """Eigenvalues from a record."""
-    from scenes.results.opened import opened_modes
-
     return {"spectrum": opened_modes(record)}
 
 

@@ -10,8 +10,7 @@ from cea.system.contact_stresses import NormalStress, contact_stresses
 from cea.system.support_forces import support_reactions
 from scenes.checking.doubts import doubtful_motions
 from scenes.checking.skipped import skipped_by
-from scenes.results.describe import described_run
-from scenes.results.opened import RunRecord, SideStress
+from scenes.results.data import RunRecord, SideStress, described_run
 from scenes.results.result import Fields, Result
 from scenes.running.analysis import analysis_of
 from scenes.running.system import RunOptions, coupled, system_warnings

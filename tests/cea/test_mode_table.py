@@ -10,7 +10,7 @@ from cea.eigen.spectrum import Spectrum, Window
 from cea.mode_table import ModeTable, growth_text, ratio_text, shown_cells
 from scenes import read_scene, run_modes
 
-WINDOW = Window(100.0, 1e5, inf, 5, 1, inf, True, 4e5, 5, None)
+WINDOW = Window(100.0, 1e5, inf, 5, 1, inf, True, False, 4e5, 5, None)
 OMEGA = 200.0
 
 

@@ -170,7 +170,7 @@ def test_two_ranks_write_the_same_page(report, page, tmp_path):
     command = ["run", "drum", "--backend", "iga", "--report", "--out", tmp_path]
     done = cea_on_ranks(2, *command, "--set", "analysis.max_frequency=0.3")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("The report to open: ") == 1
+    assert done.stdout.count("The page to open: ") == 1
     text = (tmp_path / "report.html").read_text("utf-8")
     other = Page(text)
     for one, two in zip(

@@ -34,11 +34,6 @@ def result(backend):
     return run_on(backend)
 
 
-def colours(image):
-    """Number of different colours of an image of values from 0 to 1."""
-    return len(np.unique(np.rint(255 * image).astype(int) @ [65536, 256, 1]))
-
-
 def refuse(monkeypatch, refused):
     """Let Newton's method fail at parts of the load."""
     whole = SteadyNewton.solve
