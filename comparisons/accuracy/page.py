@@ -114,11 +114,6 @@ def matrix(result: StudyResult) -> pd.DataFrame:
     return both[["backend", "rule"]].drop_duplicates().merge(across)
 
 
-def against_stiffness(result: StudyResult) -> pd.DataFrame:
-    """Growth errors of rules at degree 2, by rising p."""
-    return uses(result).query("degree == 2 and growth_worst > 0").sort_values("p")
-
-
 def in_short(result: StudyResult) -> str:
     """Contact rules that may be used at every stiffness."""
     every = judged(result).groupby(["backend", "rule"], sort=False)["usable"].all()
@@ -171,14 +166,6 @@ SECTIONS = [
         [
             Table("matrix", "Formulations by p.", matrix, COLUMNS, printed=True),
             Table("uses", "Every rule beside its yardstick.", uses, COLUMNS, shown=False),
-        ],
-        [
-            Plot(
-                "growth",
-                "Worst error of growth against p, bodies of degree 2.",
-                *(against_stiffness, "p", "growth_worst", ("rule", "backend"), "problem", "xy"),
-                own=COLUMNS,
-            )
         ],
         of="runs",
     ),

@@ -2,7 +2,6 @@
 
 import gc
 import re
-import resource
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -39,12 +38,6 @@ def measured() -> Iterator[Cost]:
     yield cost
     cost.clock, cost.processor = perf_counter() - clock, process_time() - processor
     cost.memory = None if before is None else (_memory("VmHWM") - before) / 1e6
-
-
-def limit_memory(size: float) -> None:
-    """Refuse this process more than so many bytes of addresses: what needs more fails."""
-    _, most = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (int(size), most))
 
 
 def _memory(field: str) -> float:

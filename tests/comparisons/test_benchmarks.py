@@ -197,7 +197,6 @@ def test_stored_frequencies_of_calculix_are_the_same_to_rounding():
         ("assembly", {"repeats": 0}, "repeats"),
         ("assembly", {"boxes": (0, 1, 1)}, "boxes"),
         ("solve", {"size": "huge"}, "size"),
-        ("solve", {"memory": 0.0}, "memory"),
         ("scaling", {"ranks": ()}, "ranks"),
         ("matrices", {"repeats": 0}, "repeats"),
     ],

@@ -129,13 +129,6 @@ def test_momentum(interface):
         assert row["angular_friction"] < (1e-4 if gaps else 1e-13)
 
 
-def test_on_curved_interfaces_rational_geometry_passes_alone():
-    frame = patch_tests.runs(patch_test("curved")).set_index(["formulation", "meshes"])
-    assert frame.loc[("mortar", "NURBS on NURBS"), "passed"].all()
-    assert frame.loc[("GPTS 5", "NURBS on NURBS"), "passed"].tolist() == [False, False, True]
-    assert not frame.loc[("mortar", "quadrilaterals on quadrilaterals"), "passed"].any()
-
-
 @pytest.mark.slow
 def test_locking_of_every_formulation():
     """Beyond every stiffness: what has few points does not lock, what has many does."""
