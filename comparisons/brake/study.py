@@ -24,7 +24,7 @@ from comparisons.study.numbers import decimals, number, per_cent, plain
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
-from comparisons.study.shapes import by_importance
+from comparisons.study.shapes import mode_rows
 from comparisons.study.study import Case, Study
 from scenes.checking.memory import estimated_memory
 from scenes.results.matching import match_runs
@@ -92,26 +92,19 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
         for group in match_runs(coarser, result).groups:
             numbers = {"first": group.first.tolist(), "second": group.second.tolist()}
             matches.append(numbers | {"assurance": group.assurance})
-    rows, name = result.table(), f"{case['size']:g}"
-    if case["size"] == sizes[-1]:
-        kept = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
-        session.keep_modes(name, result, kept)
+    name = f"{case['size']:g}"
+    finest = case["size"] == sizes[-1]
+    modes = session.keep_modes(name, result) if finest else mode_rows(name, result)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _KILOBYTE
     run = {
         "dofs": result.dofs,
-        "modes": len(rows),
-        "unstable": sum(row["verdict"] == "unstable" for row in rows),
+        "modes": len(modes),
+        "unstable": sum(row["verdict"] == "unstable" for row in modes),
         "complete": bool(result.modes.window.complete),
         "seconds": result.timer.total,
         "memory": result.comm.allreduce(peak, MPI.SUM) / 1e9,
         "estimated": estimated_memory(result.scene).bytes / 1e9,
     }
-    kept_of_modes = ("mode", "frequency", "damping_ratio", "uncertainty", "verdict")
-    modes = [
-        {"shape": f"{name}/{row['mode']}", "growth": row["growth_rate"]}
-        | {key: row[key] for key in kept_of_modes}
-        for row in rows
-    ]
     return {"brake_runs": [run], "modes": modes, "matches": matches}
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from comparisons.study.shapes import Shapes
+from comparisons.study.shapes import Shapes, by_importance, mode_rows
 from scenes import Result, run_scene
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene
@@ -83,15 +83,20 @@ class Session:
         self.arrays[name] = np.asarray(array)
 
     def keep_modes(
-        self, name: str, result: Result, numbers: Sequence[int], title: str = ""
-    ) -> None:
-        """Keep modes for the viewer of the page, from 0, the most important first; collective.
+        self, name: str, result: Result, numbers: Sequence[int] | None = None, title: str = ""
+    ) -> list[dict[str, Any]]:
+        """Keep modes for the viewer of the page, and give a row for each mode; collective.
 
         The shape of mode i is ``name/i``; names are unique among all cases. As many are kept as
-        there is room for.
+        there is room for, of numbers from 0, the most important first; by default all but stable
+        ones.
         """
+        if numbers is None:
+            rows = result.table()
+            numbers = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
         bodies = list(result.bodies.values())
         like = next((key for key, others in self._shown if others == bodies), None)
         if like is None:
             self._shown.append((name, bodies))
         self.shapes.add(name, result, numbers, like, title)
+        return mode_rows(name, result)
