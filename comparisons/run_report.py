@@ -105,15 +105,13 @@ def contacts(data: Data) -> pd.DataFrame:
     )
 
 
-def stages(data: Data) -> pd.DataFrame:
-    """Seconds of each stage."""
-    taken = [(stage, seconds) for stage, seconds in data["timings"].items() if seconds > 0]
-    return pd.DataFrame(taken, columns=["stage", "seconds"])
+def _named(values: Data, *columns: str) -> pd.DataFrame:
+    return pd.DataFrame(list(values.items()), columns=list(columns))
 
 
-def left_out(data: Data) -> pd.DataFrame:
+def skipped(data: Data) -> pd.DataFrame:
     """What the scene did not need."""
-    return pd.DataFrame(list(data["skipped"].items()), columns=["left_out", "reason"])
+    return _named(data["skipped"], "left_out", "reason")
 
 
 def summary(data: Data) -> str | None:
@@ -188,9 +186,9 @@ SECTIONS = [
     Section(
         "Run time",
         headline=size,
-        tables=[Table("stages", "", stages)],
+        tables=[Table("stages", "", lambda data: _named(data["timings"], "stage", "seconds"))],
     ),
-    Section("Left out", tables=[Table("skipped", "Not needed by the scene.", left_out)]),
+    Section("Left out", tables=[Table("skipped", "Not needed by the scene.", skipped)]),
     Section(
         "Machine, versions, scene as run",
         tables=[

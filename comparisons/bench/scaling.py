@@ -26,7 +26,7 @@ SIZES: Mapping[str, tuple[float, ...]] = {
     "medium": (1.6, 2.1, 2.7, 3.4),
     "large": (2.1, 2.7, 3.4, 4.4),
 }
-"""Factors on the boxes along each side; strong scaling takes the last but one, weak the first."""
+"""Factors on the boxes along each side; runs on more ranks take the last but one."""
 _WHOLE = "whole"
 """Name of all stages together."""
 
@@ -56,14 +56,13 @@ class Options:
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Rows of runs that differ in one thing each: size, or ranks (strong, weak)."""
+    """Runs of every size on one rank, and of the last size but one on more ranks."""
     factors = SIZES[options.size]
     for repeat in range(options.repeats):
         for factor in factors:
             yield {"row": "size", "factor": factor, "ranks": 1, "repeat": repeat}
-        for row, factor in (("strong", factors[-2]), ("weak", factors[0])):
-            for ranks in options.ranks:
-                yield {"row": row, "factor": factor, "ranks": ranks, "repeat": repeat}
+        for ranks in options.ranks:
+            yield {"row": "ranks", "factor": factors[-2], "ranks": ranks, "repeat": repeat}
 
 
 def scene(case: Case, options: Any) -> Scene:
@@ -71,8 +70,6 @@ def scene(case: Case, options: Any) -> Scene:
     changes: dict[str, Any] = {}
     for body, boxes in COARSEST.items():
         counts = [max(1, round(case["factor"] * n)) for n in boxes]
-        if case["row"] == "weak":
-            counts[1] *= case["ranks"]  # unknowns of a rank stay as they are
         mesh = {"cell": "tetrahedron", "degree": 2, "elements": counts}
         changes[f"bodies.{body}.mesh.fe"] = mesh
     return load_scene("disc_pad", backend="fe").change(changes)
@@ -81,7 +78,7 @@ def scene(case: Case, options: Any) -> Scene:
 @cache
 def _warm_up() -> None:
     """Run the coarsest mesh once in a process: it loads or compiles forms and fills caches."""
-    run_modes(scene({"row": "size", "factor": 1.0}, None))
+    run_modes(scene({"factor": 1.0}, None))
 
 
 def evaluate(case: Case, session: Session) -> list[dict[str, Any]]:
@@ -132,12 +129,12 @@ def runs(result: StudyResult) -> pd.DataFrame:
 
 def speed_up(result: StudyResult) -> pd.DataFrame:
     """How much sooner the busiest rank is done on more ranks than on the fewest, by stage."""
-    found = stages(result).query("row in ('strong', 'weak') and busiest > 0")
+    found = stages(result).query("row == 'ranks' and busiest > 0")
     found = found.sort_values("ranks", kind="stable")
-    first = found.groupby(["row", "stage"])["busiest"].transform("first")
+    first = found.groupby("stage")["busiest"].transform("first")
     found = found.assign(fewest=first, ratio=first / found["busiest"])
     found = found[found["ranks"] > found["ranks"].min()]
-    return found[["row", "stage", "ranks", "fewest", "busiest", "ratio"]]
+    return found[["stage", "ranks", "fewest", "busiest", "ratio"]]
 
 
 COLUMNS = {
@@ -169,8 +166,7 @@ STUDY = Study(
                 Table(
                     "ranks",
                     "Processor time of the rank that works longest; what it waits for others is "
-                    "work too. Strong: the same mesh on all; the ratio is the ranks at best. Weak: "
-                    "as many unknowns on each rank; the ratio is 1 at best.",
+                    "work too. The ratio is the number of ranks at best.",
                     *(speed_up, COLUMNS),
                 ),
             ],

@@ -24,8 +24,6 @@ _POSITIONS = 2**16 - 1
 """Steps of a position along the longest side of a scene."""
 _POINTS = 4000
 """Points of the outsides of a scene, about: more are not seen on a screen."""
-_MOST_POINTS = 8000
-"""Points from which on outsides are reduced."""
 _MOST = 3_000_000
 """Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
 _ALIGNED = 4
@@ -197,7 +195,7 @@ def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict
     """Outsides of the bodies with no more points than a page has room for, and their modes.
 
     Their points bear ``real`` and ``imaginary`` displacements by the number of the mode, from 0;
-    their triangles, where none was left out, the ``element`` that they are of.
+    their triangles the ``element`` that they are of.
     """
     from scenes.pictures.grids import outside
 
@@ -216,17 +214,11 @@ def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict
             break
     for surface in made.values():
         surface.cell_data["element"] = surface.cell_data["vtkOriginalCellIds"]
-    if total <= _MOST_POINTS:
-        return made
-    share = 1 - _MOST_POINTS / total
-    keep: dict[str, Any] = {"preserve_topology": True, "boundary_vertex_deletion": False}
-    return {name: s.decimate_pro(share, feature_angle=15.0, **keep) for name, s in made.items()}
+    return made
 
 
 def _element_edges(surface: Any) -> Ints:
-    """Pairs of points along edges of elements, shape (n, 2); none of what was reduced."""
-    if "element" not in surface.cell_data:
-        return np.empty((0, 2), dtype=np.int64)
+    """Pairs of points along edges of elements, shape (n, 2)."""
     triangles, element = surface.regular_faces, np.asarray(surface.cell_data["element"])
     pairs = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     of_elements = np.unique(np.column_stack([pairs, np.repeat(element, 3)]), axis=0)[:, :2]
