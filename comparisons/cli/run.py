@@ -38,7 +38,7 @@ def run(
     """Run one scene and write its result.json."""
     from comparisons.cli.output import working
     from scenes.spec.body import file_name
-    from scenes.spec.files import is_of_matrices
+    from scenes.spec.plain import is_of_matrices
 
     inputs: dict[str, Any] = {"scene": scene, "set": set_ or [], "backend": backend}
     chosen: Scene | MatrixScene
@@ -116,14 +116,14 @@ def _run(
     from comparisons.cli.output import console, print_result, say, working
     from scenes.results.folder import RESULT, check_run_out, new_folder
     from scenes.results.record import save_result
-    from scenes.running.analysis import run_scene
+    from scenes.running.analysis import analysis_of
 
     output = getattr(scene, "output", None)
     with working("") as work:
         check_run_out(out, inputs, overwrite=overwrite)
         if report or (output is not None and (output.pictures or output.paraview)):
             need("pictures")
-        result = run_scene(scene, listener=work.stage)
+        result = analysis_of(scene).run(scene, listener=work.stage)
     print_result(result)
     page = None
     with working("writing") as work, new_folder(out, root=result.comm.rank == 0) as new:

@@ -3,16 +3,14 @@
 import json
 import sys
 
+import numpy as np
 import pytest
 
 from comparisons.cli.app import main
-from comparisons.converge.page import write_converge
-from comparisons.converge.request import Request
-from comparisons.converge.study import run_converge
-from comparisons.study.progress import Progress
 from comparisons.study.run_warnings import kinds_at, merged_warnings
 from comparisons.sweep.page import read_sweep
 from comparisons.sweep.points import read_axis
+from comparisons.sweep.scene import mapped
 from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import values
 from scenes import load_scene, run_modes
@@ -129,15 +127,19 @@ def test_many_warnings_are_few_lines():
     assert merged_warnings([({}, []), ({}, [])], "runs") == []
 
 
-@pytest.mark.grid(quick=1)
-def test_converge_warns_of_what_its_newest_mesh_warns_of(backend, tmp_path):
-    """In its record and on its page."""
-    file = tmp_path / "overhang.toml"
-    file.write_text(scene_text(overhang(backend)))
-    silent = Progress(step=lambda _: None, stage=lambda _: None)
-    request = Request(str(file), digits=1, backends=(backend,), budget=60.0)
-    data = run_converge(request, silent)
-    (told,) = [each for each in data["warnings"] if each["kind"] == "partly-uncovered"]
-    assert told["data"]["places"][0]["point"] == {"backend": backend}
-    page = write_converge(data, tmp_path / "out").read_text(encoding="utf-8")
-    assert "find nothing on the other side" in page
+def test_full_solves_of_a_map_warn_as_runs_do(file):
+    """At the stiffness there, also where p varies over the contact."""
+    p, P = "contacts.sliding.p='1e11*(1 + x)'", "contacts.sliding.P"
+    scene = mapped(file, [read_axis(f"{P}=3e9:6e9:2")], [p], None)
+    own = scene.pencil.parameters[P].value
+    for value in (3e9, 6e9):
+        modes = scene.driver.solve(scene.max_frequency, {P: value})
+        warnings = scene.warnings(modes, {P: value})
+        factor = value / own
+        fresh = run_modes(load_scene(file).change(STIFFNESS, f"{factor}*1e11*(1 + x)"))
+        assert kinds(warnings) == kinds(fresh.warnings)
+        for found, expected in zip(warnings, fresh.warnings, strict=True):
+            for name, number in expected.data.items():
+                if isinstance(number, float) and np.isfinite(number):
+                    assert found.data[name] == pytest.approx(number, rel=1e-8)
+    scene.driver.free()
