@@ -7,6 +7,7 @@ which the others are measured: what else the machine does then slows all of them
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from time import process_time
 from typing import Any, Literal
 
@@ -128,9 +129,9 @@ def cases(options: Options) -> Iterator[Case]:
     """Every discretisation by every program that knows it, by turns."""
     for repeat in range(options.repeats):
         for family, degrees in DEGREES.items():
-            for degree in degrees:
-                for program in [*PROGRAMS][: 1 if family == "NURBS" else None]:
-                    yield {"family": family, "degree": degree, "program": program, "repeat": repeat}
+            programs = ["this program"] if family == "NURBS" else [*PROGRAMS]
+            for degree, program in product(degrees, programs):
+                yield {"family": family, "degree": degree, "program": program, "repeat": repeat}
 
 
 @cache
