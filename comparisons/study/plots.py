@@ -41,7 +41,6 @@ STYLE = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "grid.color": GRID,
-    "grid.linewidth": 0.6,
     "legend.frameon": False,
     "legend.fontsize": 8,
 }
