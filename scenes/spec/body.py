@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from math import pi
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Discriminator, Field, Tag
@@ -21,13 +21,19 @@ from meshes.shapes import Shape, VentilatedDisc
 
 Backend = Literal["fe", "iga"]
 
+
+def kind(given: Any) -> Any:
+    """Kind of a material, by which messages call the field that says it."""
+    if isinstance(given, dict):
+        return given.get("kind", "isotropic")
+    return getattr(given, "kind", "isotropic")
+
+
 Material = Annotated[
     Annotated[IsotropicMaterial, Tag("isotropic")]
     | Annotated[OrthotropicMaterial, Tag("orthotropic")]
     | Annotated[AnisotropicMaterial, Tag("anisotropic")],
-    Discriminator(
-        lambda given: given.get("kind", "isotropic") if isinstance(given, dict) else given.kind
-    ),
+    Discriminator(kind),
 ]
 
 

@@ -93,7 +93,7 @@ def _faults_of(detail: Mapping[str, Any], data: Any, sections: _Sections) -> Ite
             value = None
             allowed = "field required" + (f"; is it meant by {near[0]!r}?" if near else "")
         case "union_tag_invalid" | "union_tag_not_found":
-            tag = context["discriminator"].strip("'")
+            tag = context["discriminator"].strip("'()")
             value, place = given.get(tag), f"{place}.{tag}"
             kinds = [each[tag]["const"] for each in sections if "const" in each.get(tag, {})]
             tags = context.get("expected_tags", "").split("'")[1::2] or kinds
