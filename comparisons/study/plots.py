@@ -1,4 +1,4 @@
-"""Plots of data frames: matplotlib draws the PNG files, plotly.js the pages, both the same lines."""
+"""Plots of data frames: matplotlib draws PNG files, plotly.js the pages, both the same lines."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
