@@ -88,19 +88,26 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
         print_columns(to, columns, f"{table.name}.csv", title=table.caption)
 
 
-def print_result(result: "Result", to: Console = console) -> None:
+def print_result(result: "Result", to: Console = console, *, explain: bool = False) -> None:
     """Print what a run found: first how many modes are unstable, last what it left out."""
     if result.spectrum is None:
         say(to, str(result))
     else:
         _print_modes(result, to)
     print_warnings([warning.plain() for warning in result.warnings], to)
-    print_skipped(result.skipped, to)
+    print_skipped(result.skipped, to, explain=explain)
 
 
-def print_skipped(skipped: Mapping[str, str], to: Console = console) -> None:
-    """Print the names of what a run leaves out, and of what is given without use."""
+def print_skipped(
+    skipped: Mapping[str, str], to: Console = console, *, explain: bool = False
+) -> None:
+    """Print what a run leaves out, and what is given without use: names, or the reasons too."""
     from scenes.checking.skipped import GIVEN
+
+    if explain:
+        for name, reason in skipped.items():
+            say(to, f"left out: {name}: {reason}", "dim")
+        return
 
     given = [name for name, reason in skipped.items() if reason.startswith(GIVEN)]
     others = [name for name in skipped if name not in given]
