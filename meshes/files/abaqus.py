@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
@@ -26,7 +27,6 @@ from meshes.files.content import (
     without_nodes,
 )
 from meshes.files.elements import FACES, KINDS
-from meshes.placement import Placement
 
 Type = Literal["node", "element", "surface"]
 
@@ -138,8 +138,9 @@ class Scope:
             points = points + lines[0]
         if len(lines) > 1:
             start, end, angle = np.array(lines[1][:3]), np.array(lines[1][3:6]), lines[1][6]
-            require(bool(np.any(end != start)), "file", told, allowed)
-            turn = Placement(tuple((end - start).tolist()), angle)
+            axis = end - start
+            require(bool(np.any(axis)), "file", told, allowed)
+            turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis), degrees=True)
             points = start + turn.apply(points - start)
         return points
 
