@@ -23,8 +23,8 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
-from cea.eigen.errors import Eigenpairs, cluster_bounds, clusters, diagonal
-from cea.eigen.matching import DEGENERATE, assign, group
+from cea.eigen.errors import Eigenpairs, diagonal
+from cea.eigen.matching import DEGENERATE, assign, connected, group
 from cea.eigen.pencil import Pencil, Role
 from cea.eigen.residuals import Sizes, internal_forces
 from cea.eigen.shift_invert import ShiftInvert
@@ -153,7 +153,7 @@ def two_sided(
     values = pairs.values
     if left is None:
         unknown = np.full(len(values), np.inf)
-        return replace(pairs, errors=unknown, bounds=unknown)
+        return replace(pairs, errors=unknown)
     errors, slopes = _two_sided_errors(op, pairs, left[1])
     slopes = np.nan_to_num(slopes, nan=0.0, posinf=_UNKNOWN)
     slopes = np.maximum(slopes, np.finfo(float).tiny if subspace.graded else pairs.slopes)
@@ -170,18 +170,15 @@ def two_sided(
     errors = np.maximum(errors, moved)
     if subspace.graded and not op.damped:
         slopes = pairs.slopes
-    within = np.minimum(errors, _UNKNOWN) / pairs.conditions
-    bounds = cluster_bounds(subspace.projected, values, within, pairs.conditions)
-    for members in list(clusters(values, errors)):
+    for members in connected(np.abs(values[:, None] - values) <= np.add.outer(errors, errors)):
         errors[members] *= len(members)  # discs that overlap hold all of their eigenvalues
-    more = subspace.graded | (np.minimum(errors, bounds) > _MORE * pairs.uncertainties)
+    more = subspace.graded | (errors > _MORE * pairs.uncertainties)
     conditions = pairs.conditions if op.damped else slopes
     return replace(
         pairs,
         slopes=np.where(more, slopes, pairs.slopes),
         conditions=np.where(more, conditions, pairs.conditions),
         errors=np.where(more, errors / slopes, pairs.errors),
-        bounds=np.where(more, bounds, pairs.bounds),
     )
 
 
