@@ -44,34 +44,16 @@ _LUMPED = 4.0
 
 @dataclass(frozen=True)
 class Eigenpairs:
-    """Eigenpairs of a window and around it.
+    """Eigenpairs of a window and around it."""
 
-    Parameters
-    ----------
-    values
-        Eigenvalues, shape (n,): kappa (1/s^2), or with damping or rotation lambda (1/s).
-    vectors
-        Eigenvectors with x^H M x = 1, the rows of this rank, shape (n_local, n).
-    forces
-        Contact forces that are unknowns, shape (multipliers of this rank, n).
-    residuals
-        Shape (n,), as :class:`cea.eigen.spectrum.Spectrum` has them.
-    conditions
-        Condition numbers of the values within the invariant subspace, shape (n,).
-    slopes
-        What a backward error is multiplied by, shape (n,): without damping the condition number,
-        else || y ||_M (s).
-    errors
-        Backward errors of lambda^2 (1/s^2), shape (n,): what the residual amounts to, and what
-        rounding the entries of the matrices does.
-    """
-
-    values: Complexes
-    vectors: Complexes
-    forces: Complexes
-    residuals: Floats
-    conditions: Floats
+    values: Complexes  # kappa (1/s^2), or with damping or rotation lambda (1/s), shape (n,)
+    vectors: Complexes  # eigenvectors with x^H M x = 1, rows of this rank, shape (n_local, n)
+    forces: Complexes  # contact forces that are unknowns, shape (multipliers of this rank, n)
+    residuals: Floats  # as :class:`cea.eigen.spectrum.Spectrum` has them
+    conditions: Floats  # condition numbers of the values within the invariant subspace
+    # what a backward error is multiplied by: the condition number, with damping norm(y)_M (s)
     slopes: Floats
+    # backward errors of lambda^2 (1/s^2): of the residual, and of rounding the matrices
     errors: Floats
 
     @property

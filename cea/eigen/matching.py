@@ -133,21 +133,12 @@ def match_spectrum(
     reach: float = 0.5,
     tolerance: float = DEGENERATE,
 ) -> SpectrumMatch:
-    """Find the computed partner of each exact eigenvalue of a band.
+    """Find the computed partner of each exact eigenvalue whose Im lambda is in a band.
 
-    Both lists may, and near the ends of the band should, reach beyond it: what lies there is
-    matched too, but neither missed nor called spurious.
-
-    Parameters
-    ----------
-    computed, exact
-        Eigenvalues, multiple ones as often as their multiplicity.
-    band
-        Lowest and highest Im lambda of the exact eigenvalues that must be found.
-    reach
-        Largest distance of partners relative to the exact eigenvalue.
-    tolerance
-        Relative distance of exact eigenvalues that are compared by their mean.
+    Both lists, multiple eigenvalues as often as their multiplicity, may, and near the ends of the
+    band should, reach beyond it: what lies there is matched too, but neither missed nor called
+    spurious. Partners are no farther than a ``reach`` relative to the exact one; exact ones within
+    a relative tolerance are compared by their mean.
     """
     if not band[0] < band[1]:
         raise InputError("band", band, "a lowest below a highest")

@@ -37,18 +37,7 @@ and the first mode beyond it, and conjugates of those next to the real axis."""
 
 
 class ShiftInvert:
-    """(K - sigma M)^-1 M, with M as inner product.
-
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    shift
-        sigma (1/s^2).
-    end
-        omega of the end of the window (1/s).
-    factors
-        The pencil factorised at the shift, where it is.
+    """(K - sigma M)^-1 M, with M as inner product, of a window up to omega (1/s); SingularError.
 
     Attributes
     ----------
@@ -60,21 +49,14 @@ class ShiftInvert:
         Times that OP must be applied to take infinite eigenvalues out of a vector.
     negligible
         theta times the shift from which down eigenvalues count as infinite.
-
-    Raises
-    ------
-    SingularError
-        When the pencil is singular at the shift.
     """
 
     damped, powers, negligible = False, 1, 1e-10
     damping: Damping | None = None
 
-    def __init__(
-        self, matrices: Matrices, shift: float, end: float, *, factors: Shifted | None = None
-    ) -> None:
+    def __init__(self, matrices: Matrices, shift: float, end: float) -> None:
         self.matrices, self.shift, self.scale, self.reach = matrices, shift, end, end
-        self.factors = factors or self._factorised()
+        self.factors = self._factorised()
         self._transposed, self._decay = False, np.inf
         self.comm = matrices.stiffness.comm
         self.rank, self.symmetric = self.comm.rank, matrices.symmetric
@@ -138,12 +120,7 @@ class ShiftInvert:
 class Companion(ShiftInvert):
     """The inverse of the companion form at a real shift; on each rank its rows of x and z.
 
-    Parameters
-    ----------
-    matrices, shift, end
-        As of :class:`ShiftInvert`; the shift is s (1/s).
-    decay
-        Decay (1/s) down to which eigenvalues are of the window.
+    Eigenvalues down to a decay (1/s) are of the window.
     """
 
     damped, powers, negligible = True, 2, 1e-6

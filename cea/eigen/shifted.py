@@ -29,21 +29,9 @@ from cea.petsc import PETSc
 
 
 class Shifted:
-    """A(kappa) + s (C + Y) factorised; what a driver solves for displacements with.
+    """A(kappa) + s (C + Y) factorised at a shift kappa (1/s^2) and a rate s (1/s); SingularError.
 
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    kappa
-        The shift (1/s^2).
-    rate
-        s (1/s). With kappa = -s^2 it is that of a quadratic problem; :meth:`quadratic`.
-
-    Raises
-    ------
-    SingularError
-        When the matrix is singular.
+    With kappa = -s^2 it is that of a quadratic problem; :meth:`quadratic`.
     """
 
     def __init__(self, matrices: Matrices, kappa: float = 0.0, rate: float = 0.0) -> None:

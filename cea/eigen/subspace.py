@@ -46,25 +46,13 @@ _GRADED = 64.0
 
 @dataclass(frozen=True)
 class InvariantSubspace:
-    """Vectors Q, M-orthonormal, with M^-1 K Q = Q R, R block upper triangular.
+    """Vectors Q, M-orthonormal, with M^-1 K Q = Q R, R block upper triangular."""
 
-    Parameters
-    ----------
-    basis, projected
-        Q, the rows of this rank, shape (n_local, k), and R (1/s^2), shape (k, k).
-    symmetric
-        Whether R is symmetric but for rounding, as without friction.
-    whole
-        Whether it holds every eigenvalue of the window, as LAPACK tells of small systems.
-    graded
-        Whether Q is orthonormal in units of its own, and not in M.
-    """
-
-    basis: Floats
-    projected: Floats
-    symmetric: bool
-    whole: bool = False
-    graded: bool = False
+    basis: Floats  # Q, the rows of this rank, shape (n_local, k)
+    projected: Floats  # R (1/s^2), shape (k, k)
+    symmetric: bool  # whether R is symmetric but for rounding, as without friction
+    whole: bool = False  # whether it holds all of the window, as LAPACK tells of small systems
+    graded: bool = False  # whether Q is orthonormal in units of its own, and not in M
 
     @classmethod
     def empty(cls, rows: int, *, symmetric: bool) -> "InvariantSubspace":
