@@ -145,11 +145,6 @@ def _sum_within_the_first(parts: Sequence[tuple[float, Any]]) -> Any | None:
     return result
 
 
-def largest_row(matrix: Any) -> float:
-    """Largest sum of absolute values of a row."""
-    return float(matrix.norm(PETSc.NormType.INFINITY))
-
-
 def absolute(matrix: Any) -> Any:
     """Absolute values of the entries of a PETSc AIJ matrix, a new one."""
     rows = local_part(matrix)

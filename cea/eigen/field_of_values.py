@@ -41,7 +41,7 @@ from cea.eigen.blocks import all_inner, combined, image_of, subtract, times, tra
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
-from cea.eigen.shifted import bordered, count_below, force_scale
+from cea.eigen.shifted import bordered, count_below
 from cea.errors import ConvergenceError
 from cea.matrices import (
     antisymmetrised,
@@ -290,9 +290,8 @@ def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
         if forces.border is not None:
             border = block_diagonal([forces.border, forces.border]).convert("aij")
         sets = Multipliers(closure, closure, compliance, border, 0, stacked=True)
-        scale = force_scale(hermitian, sets)
-        bordered_matrix = bordered(hermitian, sets, scale, symmetric=True)
+        bordered_matrix = bordered(hermitian, sets, symmetric=True)
         sets.free()
-        destroy(other, scale)
+        destroy(other)
     destroy(mean, half, diagonal)
     return bordered_matrix

@@ -294,19 +294,6 @@ class CircumferentialContent:
         return self._by_order.max(axis=0)
 
     @property
-    def travelling(self) -> Floats:
-        """Sense of travel of each mode, shape (modes,).
-
-        1 where all of its order is ``e^{+i m theta}``, -1 where all is ``e^{-i m theta}``, 0 for
-        a standing wave and for order 0.
-        """
-        top = len(self.energy) // 2
-        modes = np.arange(self.energy.shape[1])
-        forward = self.energy[top + self.orders, modes]
-        backward = self.energy[top - self.orders, modes]
-        return (forward - backward) / (forward + backward)
-
-    @property
     def _by_order(self) -> Floats:
         top = len(self.energy) // 2
         both = self.energy[top:] + self.energy[top::-1]

@@ -27,6 +27,7 @@ from scipy.linalg.lapack import dtrsen
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import beside, column_blocks, combined
+from cea.eigen.matching import connected
 from cea.eigen.shift_invert import ShiftInvert
 
 type Radius = Callable[[Complexes], float]
@@ -151,8 +152,8 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
     Where that is so orthonormal ones by inverse iteration stand for them, if they are as good.
     """
     rounding = _EQUAL * np.finfo(float).eps * float(np.linalg.norm(matrix))
-    for members in _equal(values, rounding):
-        if np.linalg.svd(vectors[:, members], compute_uv=False)[-1] >= _APART:
+    for members in connected(np.abs(values[:, None] - values) <= rounding):
+        if len(members) == 1 or np.linalg.svd(vectors[:, members], compute_uv=False)[-1] >= _APART:
             continue
         mean = values[members].mean()
         if mean.imag < -rounding:
@@ -169,20 +170,6 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
             vectors[:, members], values[members] = own, found
             if not real:
                 vectors[:, members + 1], values[members + 1] = own.conj(), found.conj()
-
-
-def _equal(values: Complexes, rounding: float) -> list[Ints]:
-    """Groups of two or more that differ by no more than rounding from the first of them."""
-    left, groups = np.arange(len(values)), []
-    close = np.abs(values[:, None] - values) <= rounding
-    np.fill_diagonal(close, False)
-    for first in np.flatnonzero(close.any(axis=1)):
-        if first in left:
-            members = left[close[first, left] | (left == first)]
-            left = np.setdiff1d(left, members)
-            if len(members) > 1:
-                groups.append(members)
-    return groups
 
 
 def dense_subspace(
