@@ -6,18 +6,17 @@ from pathlib import Path
 import pandas as pd
 
 from cea.petsc import MPI
-from comparisons.kit.interactive import VERDICT_MARKS, sign
-from comparisons.kit.numbers import growth, number, plain, shown
-from comparisons.kit.page import REPORT
-from comparisons.kit.records import Data
-from comparisons.kit.shapes import Shapes, by_importance
-from comparisons.study.closing import machine, parameters, warned
+from comparisons.study.closing import PARAMETERS, machine, parameters, warned
 from comparisons.study.columns import Column
-from comparisons.study.page import write
+from comparisons.study.numbers import growth, number, plain, shown
+from comparisons.study.page import REPORT, write
+from comparisons.study.plots import VERDICT_MARKS, sign
+from comparisons.study.result import Data
 from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.shapes import Shapes, by_importance
 from scenes import Result
 from scenes.results.record import read_record
-from scenes.spec.names import backend_name
+from scenes.spec.body import backend_name
 
 _KEY = "run"
 """Name of the modes on the page."""
@@ -46,22 +45,15 @@ def write_run_report(result: Result, record: Path) -> Path:
         shapes.add_bodies(_KEY, result)
     if result.comm.rank == 0:
         data = read_record(record)
-        text = data["scene"].get("description") or ""
-        write(
-            data["scene"]["name"],
-            SECTIONS,
-            data,
-            record.parent,
-            shapes=shapes,
-            text=text,
-            files=False,
-        )
+        title, text = data["scene"]["name"], data["scene"].get("description") or ""
+        write(title, SECTIONS, data, record.parent, shapes=shapes, text=text, files=False)
     MPI.COMM_WORLD.Barrier()
     return record.with_name(REPORT)
 
 
 def modes(data: Data) -> pd.DataFrame:
     """Every mode with its verdict and errors."""
+    told = ("uncertainty", "residual", "condition")
     return pd.DataFrame(
         [
             {
@@ -70,9 +62,7 @@ def modes(data: Data) -> pd.DataFrame:
                 "frequency": value["im"] / tau,
                 "growth": value["re"],
                 "damping_ratio": damping_ratio(value),
-                "uncertainty": value["uncertainty"],
-                "residual": value["residual"],
-                "condition": value["condition"],
+                **{name: value[name] for name in told},
                 "shape": f"{_KEY}/{i}",
             }
             for i, value in enumerate(data.get("eigenvalues", ()), 1)
@@ -149,7 +139,7 @@ def contacts(data: Data) -> pd.DataFrame:
                 "points": found["points"],
                 "missed": found["status"].get("missed", 0),
                 "area": found["area"],
-                "largest_distance": found["largest_distance"],
+                "largest_gap": found["largest_distance"],
             }
         )
     return pd.DataFrame(rows)
@@ -192,13 +182,25 @@ COLUMNS = {
     "growth": Column("growth rate", "1/s", growth),
     "arc": Column("along the surface", "m"),
     "stress": Column("σₙ", "N/m²"),
-    "seconds": Column("wall-clock time", "s", shown(3)),
     "E": Column("E", "N/m²", shown(3)),
     "nu": Column("ν", show=shown(3)),
     "rho": Column("ρ", "kg/m³", shown(4)),
     "area": Column("area of side a", "m²", shown(4)),
-    "largest_distance": Column("largest gap", "m", shown(2)),
+    "largest_gap": Column("largest gap", "m", shown(2)),
 }
+DIAGRAM = Plot(
+    "stability",
+    "What lies above zero grows. Marks tell verdicts apart as colours do.",
+    *(by_verdict, "frequency", "growth", ("verdict",)),
+    own=COLUMNS,
+    style="markers",
+)
+STRESSES = Plot(
+    "stress",
+    "Normal stress along a line over the contact, both sides.",
+    *(stresses, "arc", "stress", ("side",), "contact"),
+    own=COLUMNS,
+)
 SECTIONS = [
     Section("Warnings", tables=[Table("warnings", "To be read with the result.", warned)]),
     Section(
@@ -206,17 +208,7 @@ SECTIONS = [
         "A click on a point of the diagram, or on a number in the table, shows the mode; drag it "
         "to turn it, and move the phase or press play to see it vibrate.",
         summary,
-        modes=True,
-        plots=[
-            Plot(
-                "stability",
-                "What lies above zero grows. Marks tell verdicts apart as colours do.",
-                *(by_verdict, "frequency", "growth", ("verdict",)),
-                own=COLUMNS,
-                style="markers",
-            )
-        ],
-        tables=[
+        [
             Table(
                 "modes",
                 "Every mode of the window. Damping ratio: minus the growth rate over abs(λ). "
@@ -225,19 +217,11 @@ SECTIONS = [
                 *(signed_modes, COLUMNS),
             )
         ],
+        [DIAGRAM],
+        modes=True,
     ),
     Section("Steady sliding", headline=steady),
-    Section(
-        "Stresses",
-        plots=[
-            Plot(
-                "stress",
-                "Normal stress along a line over the contact, both sides.",
-                *(stresses, "arc", "stress", ("side",), "contact"),
-                own=COLUMNS,
-            )
-        ],
-    ),
+    Section("Stresses", plots=[STRESSES]),
     Section(
         "Geometry and mesh",
         geometry=True,
@@ -249,16 +233,14 @@ SECTIONS = [
     Section(
         "Run time",
         headline=size,
-        plots=[
-            Plot("stages", "", stages, "stage", "seconds", own=COLUMNS, style="bars"),
-        ],
+        tables=[Table("stages", "", stages)],
     ),
     Section("Left out", tables=[Table("skipped", "Not needed by the scene.", left_out)]),
     Section(
         "Machine, versions, scene as run",
         tables=[
             Table("machine", "", machine),
-            Table("parameters", "", lambda data: parameters([data])),
+            Table("parameters", PARAMETERS, lambda data: parameters([data])),
         ],
     ),
 ]

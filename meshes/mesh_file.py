@@ -1,6 +1,6 @@
 """Bodies whose mesh is part of a file, units of length of files, names that fit surfaces."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BeforeValidator
 
 from cea.arrays import Floats
-from cea.errors import InputError, require
+from cea.errors import require
 from cea.mesh import Mesh
 from meshes.placement import Placement
 
@@ -33,8 +33,9 @@ _LONGEST = 100
 """Characters of a name of a surface."""
 
 
-def in_metres(values: Floats, unit: Unit) -> Floats:
-    """Lengths of a file in metres."""
+def in_metres(values: Floats, unit: Unit | None) -> Floats:
+    """Lengths of a file in metres; its unit is known (:func:`check_unit`)."""
+    assert unit is not None
     above, below = METRES[unit]
     return values * above / below
 
@@ -84,9 +85,8 @@ class MeshFile:
         of a part, or ``PSOLID 3``, ``material 1`` and the like; all solid elements by default.
     faces
         Named surfaces: a set of the file or several, physical groups, surfaces, sets of elements or
-        of nodes; ``SET:S3`` for the third faces of the elements of a set, as Abaqus counts them;
-        ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose names are fit
-        for surfaces need not be listed here.
+        of nodes; ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose
+        names are fit for surfaces need not be listed here.
     merge_nodes
         Distance, in the unit of the file, within which nodes are made one; by default none are.
 
@@ -107,9 +107,9 @@ class MeshFile:
 
     def __post_init__(self) -> None:
         check_unit(self.unit)
-        distance = self.merge_nodes
-        fits = distance is None or 0 < distance < np.inf
-        require(fits, "merge_nodes", distance, "a positive distance in the unit of the file")
+        fits = self.merge_nodes is None or 0 < self.merge_nodes < np.inf
+        allowed = "a positive distance in the unit of the file"
+        require(fits, "merge_nodes", self.merge_nodes, allowed)
         faces = {name: _one_or_more(sets) for name, sets in self.faces.items()}
         object.__setattr__(self, "faces", faces)
         empty = [name for name, sets in faces.items() if not sets]
@@ -117,8 +117,7 @@ class MeshFile:
         from meshes.files.surfaces import check_sets
 
         check_sets(self.content, faces)
-        if not self.extent:
-            raise InputError("part", self.part, "elements")
+        require(bool(self.extent), "part", self.part, "elements")
 
     @property
     def content(self) -> "FileContent":
@@ -128,11 +127,12 @@ class MeshFile:
         return read_mesh_file(Path(self.file), self.merge_nodes)
 
     @cached_property
-    def _part(self) -> "Part":
-        faces = {name: self._sets(name) for name in self.faces}
+    def elements(self) -> "Part":
+        """Its elements in the file."""
         from meshes.files.part import part_of
         from meshes.files.surfaces import marks_of
 
+        faces = {name: self._sets(name) for name in self.faces}
         marks = marks_of(self.content, faces)
         return part_of(self.content, Path(self.file).name, self.part, marks)
 
@@ -143,7 +143,7 @@ class MeshFile:
     @cached_property
     def directions(self) -> tuple[str, ...]:
         """Names of the coordinates."""
-        return self.names[: self._part.dim]
+        return self.names[: self.elements.dim]
 
     @cached_property
     def surfaces(self) -> tuple[str, ...]:
@@ -154,56 +154,16 @@ class MeshFile:
     @cached_property
     def extent(self) -> tuple[tuple[float, float], ...]:
         """Range of each coordinate (m)."""
-        used = self.content.points[self._part.used, : self._part.dim]
-        low, high = (in_metres(ends, self._unit) for ends in (used.min(axis=0), used.max(axis=0)))
+        used = self.content.points[self.elements.used, : self.elements.dim]
+        low, high = (in_metres(ends, self.unit) for ends in (used.min(axis=0), used.max(axis=0)))
         return tuple(zip(low.tolist(), high.tolist(), strict=True))
-
-    @property
-    def order(self) -> int:
-        """Order of the geometry of its cells."""
-        return self._part.order
-
-    @property
-    def num_nodes(self) -> int:
-        """Number of its nodes in the file."""
-        return len(self._part.used)
-
-    @property
-    def num_cells(self) -> int:
-        """Number of its cells; of elements that are divided, about that of their tetrahedra."""
-        return len(self._part.elements) * (5 if self.is_divided else 1)
-
-    @property
-    def is_divided(self) -> bool:
-        """Whether its elements, of several kinds, are divided into tetrahedra."""
-        return self._part.is_divided
-
-    @property
-    def is_simplex(self) -> bool:
-        """Whether its cells are triangles or tetrahedra."""
-        return self._part.cell in ("triangle", "tetrahedron")
-
-    @property
-    def fills_in(self) -> bool:
-        """Whether nodes are added to 8-node quadrilaterals or 20-node hexahedra."""
-        return self._part.incomplete
-
-    @property
-    def told(self) -> Sequence[str]:
-        """What the file has that was left out."""
-        return self.content.told
 
     def nodes_left_out(self, surfaces: Iterable[str]) -> dict[str, int]:
         """Numbers of nodes of the body that sets of surfaces have and that make no face of them."""
         from meshes.files.surfaces import surface_faces
 
-        faces = surface_faces(self.content, self._part, {n: self._sets(n) for n in surfaces})
+        faces = surface_faces(self.content, self.elements, {n: self._sets(n) for n in surfaces})
         return {name: count for name, (_, count) in faces.items() if count}
-
-    @property
-    def _unit(self) -> Unit:
-        assert self.unit is not None
-        return self.unit
 
     def mesh(self, surfaces: Iterable[str], placement: Placement = _IN_PLACE) -> Mesh:
         """Its mesh, checked.
@@ -223,5 +183,5 @@ class MeshFile:
         from meshes.files.body import body_mesh
 
         faces = {name: self._sets(name) for name in surfaces}
-        mesh = body_mesh(self.content, self._part, faces, self.part)
-        return replace(mesh, points=placement.apply(in_metres(mesh.points, self._unit)))
+        mesh = body_mesh(self.content, self.elements, faces, self.part)
+        return replace(mesh, points=placement.apply(in_metres(mesh.points, self.unit)))

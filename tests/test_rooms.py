@@ -29,26 +29,21 @@ ARROWS = {
 
 LIGHT = {
     "exact_cea": {"cea.errors", "cea.files"},
-    "meshes": {"cea.arrays", "cea.errors", "cea.files", "cea.mesh", "cea.signals"},
+    "meshes": {"cea.arrays", "cea.errors", "cea.files", "cea.mesh"},
 }
 """Modules of ``cea`` that packages without PETSc may import."""
 
 APPLICATIONS = sorted(
     folder.name
     for folder in (ROOT / "comparisons").iterdir()
-    if (folder / "__init__.py").is_file() and folder.name not in ("kit", "study", "cli")
+    if (folder / "__init__.py").is_file() and folder.name not in ("study", "cli")
 )
 SOLVERS = {"petsc4py", "slepc4py", "mpi4py", "dolfinx_solver"}
 BESIDE_US = {"comparisons.bench.programs"}
 """Programs that assembly is compared with and that come with this one."""
 DRAWING = {
-    *(
-        "scenes.pictures.drawing",
-        "scenes.export.pictures",
-        "scenes.export.paraview",
-        "scenes.pictures.grids",
-    ),
-    "scenes.pictures.scene",
+    *("scenes.pictures.drawing", "scenes.pictures.grids", "scenes.pictures.scene"),
+    *("scenes.export.paraview", "scenes.export.pictures"),
 }
 """Modules that need pyvista; all others import them in the functions that draw."""
 
@@ -68,7 +63,7 @@ def offending(allowed, libraries):
 
 def test_every_package_is_looked_at():
     assert {package_of(module) for module in MODULES} == set(PACKAGES)
-    assert set(APPLICATIONS) >= {"formulations", "accuracy", "paper", "reference"}
+    assert set(APPLICATIONS) >= {"formulations", "accuracy", "paper"}
     assert sum(map(len, imports_within(MODULES).values())) > 500
 
 
@@ -106,10 +101,9 @@ def test_packages_without_petsc_import_light_modules_alone(package):
     assert wrong == {}
 
 
-@pytest.mark.parametrize("room", [*APPLICATIONS, "study", "kit"])
-def test_no_application_is_imported_by_another_or_by_the_kit(room):
+@pytest.mark.parametrize("room", [*APPLICATIONS, "study"])
+def test_no_application_is_imported_by_another_or_by_the_engine(room):
     prefix = f"comparisons.{room}"
-    engine = () if room == "kit" else ("comparisons.study.",)
     wrong = {
         module: sorted(others)
         for module, imported in imports_within(MODULES).items()
@@ -119,7 +113,7 @@ def test_no_application_is_imported_by_another_or_by_the_kit(room):
                 i
                 for i in imported
                 if i.startswith("comparisons.")
-                and not f"{i}.".startswith((f"{prefix}.", "comparisons.kit.", *engine))
+                and not f"{i}.".startswith((f"{prefix}.", "comparisons.study."))
             }
         )
     }

@@ -30,7 +30,7 @@ from cea.eigen.spectrum import Window
 from cea.eigen.subspace import InvariantSubspace
 from cea.eigen.window import DampedSearch, UndampedSearch, WindowSearch
 from cea.errors import ConvergenceError, InputError
-from cea.heap import give_back
+from cea.petsc import give_back
 from cea.timing import StageTimer
 
 ABOVE = 1.05
@@ -301,6 +301,7 @@ def _window(search: WindowSearch, end: float, values: Complexes) -> Window:
         discs=len(search.discs),
         max_growth=np.inf if search.bounded else search.growth,
         bounded=search.bounded,
+        odd=search.counted is None and search.odd(),
         upper=upper,
         found_below=below,
         symmetric_count=search.counted,
@@ -351,7 +352,7 @@ def run_window(
             error.best = _up_to(error.best, max_frequency, min_growth)
         raise
     modes = _up_to(wider, max_frequency, min_growth)
-    if len(modes):
+    if len(modes) or modes.window.odd:
         return modes
     window = replace(modes.window, lowest=_lowest(driver, max_frequency, changes))
     return replace(modes, window=window)

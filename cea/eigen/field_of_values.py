@@ -18,16 +18,18 @@ with the part s < 1 of H + X M that a mesh makes of their symmetric one, H + X M
 1 - s of what it is without, and the slope is greater by 1 / (1 - s).
 
 With damping let h + i n be x^H K x and c + i y be x^H (C + Y) x. An eigenvalue lambda = g + i w
-obeys x^H P(lambda) x = 0, of which the real part divided by lambda is
+obeys x^H P(lambda) x = 0, of which the real part, as it is and divided by lambda, is
 
-    g (abs(lambda)^2 + h) + c abs(lambda)^2 + w n = 0.
+    g^2 - w^2 + g c - w y + h = 0,       g (abs(lambda)^2 + h) + c abs(lambda)^2 + w n = 0.
 
-Where h >= -X, c >= -d, and abs(n) <= t (h + X),
+The first: with y the row sums of abs(Y), no eigenvalue with abs(w) <= omega grows at the rate g
+where H + (g^2 - omega^2) M + g C - omega diag(y) has no negative eigenvalue, nor faster if
+2 g M + C has none. The second: where h >= -X, c >= -d, and abs(n) <= t (h + X),
 
     g <= max(t omega + 2 d, sqrt(2 X)).
 
-H and C are symmetric parts. Pieces of C of low rank are positive semidefinite: that holds for the
-sum where it holds without them.
+H and C are symmetric parts, Y the skew one. Pieces of C of low rank are positive semidefinite: both
+hold for the sum where they hold without them.
 """
 
 from collections.abc import Callable
@@ -35,10 +37,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.eigen.blocks import all_inner, combined, image_of, subtract, times, transposed_times
-from cea.eigen.multipliers import Multipliers
+from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, count_below
@@ -47,6 +50,7 @@ from cea.matrices import (
     antisymmetrised,
     block_diagonal,
     destroy,
+    distributed,
     local_part,
     one_below_the_other,
     scaled_total,
@@ -59,12 +63,12 @@ type Operation = Callable[[Floats], Floats]
 
 _COLUMNS, _STEPS = 8, 4
 """Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
-_SAFETY = 1.5
+SAFETY = 1.5
 """Factor on that estimate, which comes from below and has mostly converged."""
 _DEPENDENT = 1e-12
 """Square of a new direction, relative to the largest, below which it is not one."""
-DEPTH = 0.15
-"""X of the first bound relative to omega^2."""
+_DEPTH = 0.02
+"""X of the cone of damped pencils relative to omega^2."""
 _NEGATIVE = (1e-6, 1e-2, 0.1)
 """Negative damping d relative to omega that is tried: none but for rounding, and some."""
 _DIFFERENT: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
@@ -87,18 +91,12 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     """
     if matrices.symmetric:
         return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
-    hermitian, forces, expected = hermitian_part(matrices, depth), matrices.multipliers, 0
-    if forces is not None:
-        whole = _with_forces(hermitian, forces)
-        destroy(hermitian)
-        if whole is None:
-            return FieldOfValues(depth, bounded=False)
-        hermitian, expected = whole, forces.size + forces.dependent
-    factors = Mumps(hermitian, symmetric=True, inertia=True)
-    bounded = factors.negative_eigenvalues() == expected
+    factors, bounded = _factorised(hermitian_part(matrices, depth), matrices.multipliers)
+    if factors is None:
+        return FieldOfValues(depth, bounded=False)
     slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
     if cone and bounded and has_cone(matrices) and not factors.null_pivots():
-        slope, share = (_SAFETY * each for each in _quotients(factors, matrices, depth))
+        slope, share = (SAFETY * each for each in _quotients(factors, matrices, depth))
     factors.free()
     if not share < 1:
         return FieldOfValues(depth, bounded=False)
@@ -113,7 +111,7 @@ def has_cone(matrices: Matrices) -> bool:
 
 def largest_growth(matrices: Matrices, end: float) -> float:
     """Rate (1/s) that no eigenvalue with abs(Im lambda) <= end exceeds by the cone, or infinity."""
-    field = field_of_values(matrices, DEPTH * end**2, cone=True)
+    field = field_of_values(matrices, _DEPTH * end**2, cone=True)
     if not field.bounded or not np.isfinite(field.slope):
         return np.inf
     damping, least = _symmetric_damping(matrices), 0.0
@@ -122,6 +120,30 @@ def largest_growth(matrices: Matrices, end: float) -> float:
         least = next((d for d in tried if _positive(matrices, damping, d)), np.inf)
         destroy(damping)
     return max(field.slope * end + 2 * least, float(np.sqrt(2 * field.depth)))
+
+
+def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
+    """Whether no eigenvalue with abs(Im lambda) <= end (1/s) can grow at a rate (1/s) or faster."""
+    damping = _symmetric_damping(matrices)
+    if damping is not None and not _positive(matrices, damping, 2 * growth):
+        destroy(damping)
+        return False
+    hermitian, forces = hermitian_part(matrices, growth**2 - end**2), matrices.multipliers
+    if damping is not None:
+        hermitian.axpy(growth, damping, structure=_DIFFERENT)
+        destroy(damping)
+    if matrices.gyroscopic is not None:
+        sums = _skew_row_sums(matrices.gyroscopic)
+        hermitian.axpy(-end, sums, structure=_DIFFERENT)
+        destroy(sums)
+    if matrices.circulatory is not None:
+        forces = with_circulatory(matrices.multipliers, matrices.circulatory)
+    factors, bounded = _factorised(hermitian, forces)
+    if forces is not None and forces is not matrices.multipliers:
+        forces.free()
+    if factors is not None:
+        factors.free()
+    return bounded
 
 
 def _symmetric_damping(matrices: Matrices) -> Mat | None:
@@ -142,6 +164,34 @@ def _positive(matrices: Matrices, damping: Mat, rate: float) -> bool:
     negative = factors.negative_eigenvalues()
     factors.free()
     return negative == 0
+
+
+def _skew_row_sums(matrix: Mat) -> Mat:
+    """Diagonal matrix of the row sums of the absolute values of the skew part, PETSc AIJ."""
+    skew = antisymmetrised(matrix.copy())
+    sums = np.asarray(abs(local_part(skew)).sum(axis=1)).ravel()
+    (local, _), columns = skew.getSizes()
+    own = np.arange(*skew.getOwnershipRange())
+    diagonal = csr_array((sums, own, np.arange(local + 1)), (local, columns[1]))
+    destroy(skew)
+    return distributed(diagonal, columns, matrix.comm)
+
+
+def _factorised(hermitian: Mat, forces: Multipliers | None) -> tuple[Mumps | None, bool]:
+    """A matrix in the place of H + X M with contact forces, factorised; it is freed with them.
+
+    Returns its factors and whether it has no negative eigenvalue; none where that has no bound.
+    """
+    expected = 0
+    if forces is not None:
+        bordered = _with_forces(hermitian, forces)
+        destroy(hermitian)
+        expected = forces.size + forces.dependent
+        if bordered is None:
+            return None, False
+        hermitian = bordered
+    factors = Mumps(hermitian, symmetric=True, inertia=True)
+    return factors, factors.negative_eigenvalues() == expected
 
 
 def _quotients(factors: Mumps, matrices: Matrices, depth: float) -> tuple[float, float]:
@@ -193,17 +243,19 @@ def largest_quotient(
     skew: Operation,
     rows: int,
     comm: Any,
+    steps: int = _STEPS,
 ) -> float:
     """Estimate from below of max abs(x^H N x) / x^H H x, N skew or symmetric, by block Krylov.
 
     ``solve``, which need not be exact, ``image`` and ``skew`` are H^-1, H and N times a block. The
-    vectors are orthonormal in H, with which H^-1 N is skew, or symmetric.
+    vectors are orthonormal in H, with which H^-1 N is skew, or symmetric. Steps are the more the
+    less the extreme quotients stand out.
     """
-    most = _COLUMNS * _STEPS
+    most = _COLUMNS * steps
     basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))
     start = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
     load, size = skew(start), 0
-    for _ in range(_STEPS):
+    for _ in range(steps):
         block = np.asfortranarray(solve(load))
         for _ in range(2):  # what rounding leaves of the first projection goes with the second
             subtract(block, basis[:, :size], all_inner(images[:, :size], block, comm))

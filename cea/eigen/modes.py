@@ -13,8 +13,7 @@ from cea.eigen.left_vectors import LeftVectors, derivatives
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.shift_invert import MARGIN
 from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import ConvergenceError, InputError
-from cea.warned import ResultWarning
+from cea.errors import ConvergenceError, InputError, ResultWarning
 
 _NO_MODE = 0.5
 """Uncertainty of lambda, relative to its speed, above which it is no mode at all."""
@@ -186,8 +185,12 @@ def warnings_of(modes: Modes) -> tuple[ResultWarning, ...]:
     """What modes must be read with."""
     warnings, window = [], modes.window
     if np.isfinite(window.max_frequency) and not window.complete:
-        message = f"modes that grow faster than {window.max_growth:.3g} 1/s are not excluded"
-        data = {"max_growth": window.max_growth}
+        message = (
+            "the sign of a determinant shows that a mode of growth without oscillation is missing"
+            if window.odd
+            else f"modes that grow faster than {window.max_growth:.3g} 1/s are not excluded"
+        )
+        data = {"max_growth": window.max_growth, "odd": window.odd}
         warnings.append(ResultWarning("window-not-complete", message, data))
     unsure = np.flatnonzero(~modes.trusted)
     if len(unsure):

@@ -2,14 +2,17 @@
 
 What is factorised inside of :func:`factors_on_disk` is written to files of a temporary folder, each
 rank's to its own, and read again at every solve; the system keeps as much of them in memory as is
-left.
+left. A folder is locked while it is in use: those that killed programs left behind are removed.
 """
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from fcntl import LOCK_EX, LOCK_NB, flock
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from shutil import rmtree
+from tempfile import TemporaryDirectory, gettempdir
+from time import time
 from typing import Any
 
 import numpy as np
@@ -29,6 +32,9 @@ _FOLDER = "mat_mumps_ooc_tmpdir"
 _LARGE = 10_000
 """Unknowns from which on inertia is found in panels."""
 _FOLDER_OF_FACTORS: ContextVar[Path | None] = ContextVar("folder of factors", default=None)
+_PREFIX, _LOCK = "factors-", "in_use"
+_NEW = 60.0
+"""Age (s) up to which a folder may be about to be locked."""
 
 
 class SingularError(ConvergenceError):
@@ -76,7 +82,7 @@ class Mumps:
     def _set_up(self) -> None:
         """Factorise; PETSc reads the folder of factors from its options, and only then."""
         options: Any = PETSc.Options()
-        if (folder := _FOLDER_OF_FACTORS.get()) is None:
+        if (folder := folder_of_factors()) is None:
             self._pc.setUp()
             return
         options.setValue(_FOLDER, str(folder))
@@ -94,7 +100,7 @@ class Mumps:
         pc.setFactorSetUpSolverType()
         factor = pc.getFactorMatrix()
         factor.setMumpsIcntl(14, room)
-        factor.setMumpsIcntl(22, int(_FOLDER_OF_FACTORS.get() is not None))
+        factor.setMumpsIcntl(22, int(folder_of_factors() is not None))
         if self._inertia:
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
@@ -147,12 +153,29 @@ def matrix_size(matrix: Any) -> int:
     return int(matrix.getSize()[0])
 
 
+def folder_of_factors() -> Path | None:
+    """Where factors are written now; None where they stay in memory."""
+    return _FOLDER_OF_FACTORS.get()
+
+
 @contextmanager
 def factors_on_disk() -> Iterator[Path]:
     """Keep factors on disk while this lasts; they must be freed before it ends."""
-    with TemporaryDirectory(prefix="factors-") as name:
+    _remove_left_behind(Path(gettempdir()))
+    with TemporaryDirectory(prefix=_PREFIX) as name, (Path(name) / _LOCK).open("w") as lock:
+        flock(lock, LOCK_EX)
         token = _FOLDER_OF_FACTORS.set(Path(name))
         try:
             yield Path(name)
         finally:
             _FOLDER_OF_FACTORS.reset(token)
+
+
+def _remove_left_behind(parent: Path) -> None:
+    """Remove folders of factors that no program uses any more."""
+    for path in parent.glob(f"{_PREFIX}*/{_LOCK}"):
+        with suppress(OSError):  # in use, of somebody else, or just removed
+            if time() - path.stat().st_mtime > _NEW:
+                with path.open() as lock:
+                    flock(lock, LOCK_EX | LOCK_NB)
+                    rmtree(path.parent)

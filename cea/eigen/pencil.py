@@ -25,6 +25,7 @@ from cea.eigen.unformed import (
 )
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
+from cea.nodes import Nodes
 from cea.petsc import Mat
 
 Role = Literal["mass", "damping", "stiffness"]
@@ -71,6 +72,8 @@ class Matrices:
     # pieces of C of low rank (N s/m) and circulatory ones of K (N/m), which are not in these
     low_rank: LowRankSum | None = None
     circulatory: CirculatorySum | None = None
+    contacts: tuple[tuple[float, Mat], ...] = ()  # pieces K_n with their coefficients (N/m)
+    nodes: Nodes | None = None  # which unknowns belong together; None where that is not known
 
     @property
     def symmetric(self) -> bool:
@@ -131,6 +134,8 @@ class Pencil:
     leave_out
         Whether pieces whose coefficient is zero are left out: without friction the problem is then
         symmetric.
+    nodes
+        Which unknowns belong together; None where that is not known, as of given matrices.
 
     Raises
     ------
@@ -147,8 +152,9 @@ class Pencil:
         circulatory: Iterable[CirculatoryTerm] = (),
         *,
         leave_out: bool = True,
+        nodes: Nodes | None = None,
     ) -> None:
-        self.leave_out = leave_out
+        self.leave_out, self.nodes = leave_out, nodes
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
@@ -257,6 +263,12 @@ class Pencil:
             multipliers=(
                 self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
             ),
+            contacts=tuple(
+                (t.coefficient.at(values), t.matrix)
+                for t in self.terms
+                if t.contact and t.symmetric
+            ),
+            nodes=self.nodes,
         )
 
     def circulatory_at(self, values: Mapping[str, float]) -> CirculatorySum | None:

@@ -112,13 +112,13 @@ class Shifted:
 
         Those are kappa below it, or lambda above it. The determinant has the sign of (-1)^m there,
         m contact forces, far away, and changes it at each real eigenvalue. None where it is not
-        known: for symmetric matrices, forces without compliance and pieces outside of the factors.
+        known: for symmetric matrices and forces without compliance.
         """
-        forces = self._forces
-        if self._symmetric or self._update is not None or (forces is not None and forces.tied):
+        if self._symmetric or (self._forces is not None and self._forces.tied):
             return None
         assert self._factors is not None
-        return int(self._factors.sign() != (-1) ** (0 if forces is None else forces.size))
+        sign = self._factors.sign() * (1 if self._update is None else self._update.sign())
+        return int(sign != (-1) ** (0 if self._forces is None else self._forces.size))
 
     def free(self) -> None:
         """Free the factors."""

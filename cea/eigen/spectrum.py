@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.classify import RunWord, Word, classify, classify_run, counted_words, thresholds
+from cea.errors import ResultWarning
 from cea.mode_table import SIGNS, ModeTable, aligned
-from cea.warned import ResultWarning
 
 SLOW = 0.1
 """Errors of modes slower than this part of the window are relative to it: rigid motions have no
@@ -41,6 +41,8 @@ class Window:
         grow faster.
     bounded
         Whether it was shown that none can grow faster.
+    odd
+        Whether the sign of a determinant shows that a real eigenvalue was not found.
     upper, found_below
         Upper end of kappa for the count, a little above the window's, and eigenvalues found with
         Re kappa below it; with damping omega (1/s), and those with 0 <= Im lambda <= omega.
@@ -67,6 +69,7 @@ class Window:
     discs: int = 1
     max_growth: float = 0.0
     bounded: bool = False
+    odd: bool = False
     upper: float = np.inf
     found_below: int = 0
     symmetric_count: int | None = None
@@ -81,13 +84,13 @@ class Window:
         """Whether every mode of the window was found, whatever its growth."""
         if self.symmetric_count is not None:
             return self.found_below == self.symmetric_count
-        return self.bounded
+        return self.bounded and not self.odd
 
     @property
     def missing(self) -> bool:
         """Whether a mode is known to be missing."""
         counted = self.symmetric_count
-        return counted is not None and self.found_below != counted
+        return self.odd or (counted is not None and self.found_below != counted)
 
     @property
     def evidence(self) -> str:
@@ -107,6 +110,8 @@ class Window:
             found = f"LAPACK computed all eigenvalues, of which {self.found} were kept"
         if self.min_growth is not None:
             found += f"; the window reaches down to the growth rate {self.min_growth:.4g} 1/s"
+        if self.odd:
+            return f"{found}; the sign of a determinant shows that a real one is missing"
         if self.whole:
             return found
         if self.bounded:

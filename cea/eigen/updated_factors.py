@@ -63,6 +63,12 @@ class UpdatedFactors:
             x = x + self._once(b - self._times(x, transposed), transposed)
         return x
 
+    def sign(self) -> int:
+        """Sign of det(A + s B B^T) / det A; that of E, along which it is regular, is one."""
+        factors, pivots = self._small[False][1]
+        swaps = int((pivots != np.arange(len(pivots))).sum())
+        return int(np.prod(np.sign(np.diag(factors)))) * (-1) ** swaps
+
     def _prepare(self, transposed: bool) -> None:
         """Find Z, 1 + s B^T Z and the steps; with the Z of A the formula for A^T is unstable."""
         if transposed in self._steps:

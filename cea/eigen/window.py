@@ -14,11 +14,20 @@ Of small systems the first disc tells all (:mod:`cea.eigen.subspace`).
 
 import sys
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.field_of_values import DEPTH, field_of_values, largest_growth
+from cea.eigen.corrected_tests import CorrectedTests
+from cea.eigen.field_of_values import (
+    FieldOfValues,
+    bounded_growth,
+    field_of_values,
+    largest_growth,
+)
 from cea.eigen.krylov_schur import ASIDE, ATTEMPTS, CrowdedError, KrylovOptions, krylov_schur
 from cea.eigen.left_vectors import SAME
 from cea.eigen.mumps import SingularError
@@ -30,9 +39,9 @@ from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
-_DEEP = 3.0
-"""Depth X of the first covering disc relative to omega^2 where friction may reach farther than the
-first bound, for modes that grow by 1.7 omega."""
+_DEPTH, _DEEP = 0.15, 3.0
+"""Depth X of the first covering disc relative to omega^2: where friction reaches no farther, and
+where it may, for modes that grow by 1.7 omega."""
 _FARTHER = 8.0
 """Growth of the depth, or of a real shift, from one disc to the next."""
 _REACHED = 0.8
@@ -44,13 +53,11 @@ _DECAY = 0.1
 _LEAST_SHIFT, _SHIFT, _FARTHEST_SHIFT = 0.1, 0.25, 0.5
 """First real shift relative to omega: the least, so that it is no eigenvalue of those that hardly
 grow, that where growth may be large, and the farthest, whose disc holds all that may grow."""
-_ALMOST = 1 - 1e-9
-"""Growth that is searched, relative to the largest: what is beyond is rounding."""
 _CROWDED, _FEW = 4, 100
 """Eigenvalues in a disc that are too many: modes of the window without damping, and a number."""
-_AWAY, _SLIM, _FARTHEST = 4.0, 2.0, 256.0
-"""Growth of a real shift where eigenvalues crowd, the shift relative to omega from which on a
-disc reaches little beyond the decay asked for, and the farthest."""
+_AWAY, _SLIM = 4.0, 2.0
+"""Growth of a real shift where eigenvalues crowd, and the shift relative to omega from which on a
+disc reaches little beyond the decay asked for."""
 _INSIDE = 1 + SAME
 """Radius of a disc of left eigenvalues relative to the farthest right one in it: those that are the
 same but for rounding, which is large of rigid motions and near coalescence, are inside."""
@@ -83,44 +90,61 @@ class WindowSearch(ABC):
         self.counted: int | None = None
         self.factorisations = 0
         self._op: ShiftInvert | None = None
+        self._parities: dict[float, int] = {}
+        self._most, self._crowded = sys.maxsize, ""
 
-    @abstractmethod
-    def run(self) -> None:
-        """Find every eigenvalue of the window.
+    def run(self) -> InvariantSubspace:
+        """Every eigenvalue of the window.
 
         Raises
         ------
         ConvergenceError
             When a disc cannot be searched; ``best`` is the invariant subspace so far.
         """
+        for centre, radius in self._plan():
+            for attempt in range(ATTEMPTS):  # a shift steps aside where it is an eigenvalue
+                step = attempt * ASIDE
+                disc = Disc(centre * (1 + step), radius + step * abs(centre))
+                try:
+                    op = self.at(disc.centre)
+                    with self._timer("krylov"):
+                        self.found = krylov_schur(
+                            op,
+                            disc.radius,
+                            self._options,
+                            self.found,
+                            seed=len(self.discs),
+                            most=self._most,
+                        )
+                except SingularError:
+                    self._parities.pop(disc.centre, None)
+                    continue
+                except CrowdedError as error:
+                    self._crowded = str(error)
+                else:
+                    self._crowded = ""
+                    self.discs.append(disc)
+                break
+            else:
+                raise ConvergenceError(
+                    f"the pencil is singular at every shift near {centre:.4g}", best=self.found
+                )
+        assert self.found is not None
+        if self.found.whole:
+            self.growth, self.bounded = np.inf, True
+        return self.found
+
+    @abstractmethod
+    def _plan(self) -> Iterator[tuple[float, float]]:
+        """Centre and radius of each disc, once that before it was searched."""
 
     @abstractmethod
     def _operator(self, shift: float) -> ShiftInvert:
         """The operator at a shift."""
 
-    def _fill(self, centre: float, radius: float, most: int = sys.maxsize) -> None:
-        """Find the eigenvalues of a disc; its shift steps aside where it is an eigenvalue."""
-        for attempt in range(ATTEMPTS):
-            step = attempt * ASIDE
-            disc = Disc(centre * (1 + step), radius + step * abs(centre))
-            try:
-                op = self.at(disc.centre)
-                with self._timer("krylov"):
-                    self.found = krylov_schur(
-                        op,
-                        disc.radius,
-                        self._options,
-                        self.found,
-                        seed=len(self.discs),
-                        most=most,
-                    )
-            except SingularError:
-                continue
-            self.discs.append(disc)
-            return
-        raise ConvergenceError(
-            f"the pencil is singular at every shift near {centre:.4g}", best=self.found
-        )
+    @abstractmethod
+    def _beyond(self, values: Complexes, shift: float) -> int:
+        """Number of eigenvalues beyond a shift."""
 
     def at(self, shift: float) -> ShiftInvert:
         """The operator at a shift; that before it is freed."""
@@ -129,6 +153,8 @@ class WindowSearch(ABC):
             self.factorisations += 1
             with self._timer("factorisation"):
                 self._op = self._operator(shift)
+            if (parity := self._op.factors.parity()) is not None:
+                self._parities[shift] = parity
         return self._op
 
     @property
@@ -143,6 +169,14 @@ class WindowSearch(ABC):
     def whole(self) -> bool:
         """Whether everything in the window was found, however fast it grows."""
         return self.found is not None and self.found.whole
+
+    def odd(self, shift: float | None = None) -> bool:
+        """Whether signs of determinants show another real eigenvalue beyond a shift, or any."""
+        if self.found is None:
+            return False
+        values = self.found.eigenvalues
+        chosen = self._parities if shift is None else {shift} & self._parities.keys()
+        return any(self._parities[s] != self._beyond(values, s) % 2 for s in chosen)
 
     def left(self, rows: int) -> tuple[Complexes, Complexes]:
         """Eigenvalues of the transposed pencil and so many rows of their vectors, of all found."""
@@ -187,47 +221,84 @@ class UndampedSearch(WindowSearch):
     def _operator(self, shift: float) -> ShiftInvert:
         return ShiftInvert(self._matrices, shift, self._end)
 
-    def run(self) -> None:
-        """Find every eigenvalue of the window, as far to the left as friction may move them."""
-        top, middle = self._top, 0.5 * self._top
-        plain = upper_end(top) - middle
-        if self.counted is not None or self._matrices.size <= self._options.dense_limit:
-            self._fill(middle, plain)
-            self.growth, self.bounded = np.inf, True
-            if self.counted is not None:
-                self._until_counted(self.counted)
-            return
-        with self._timer("factorisation"):
-            self.factorisations += 1
-            field = field_of_values(self._matrices, DEPTH * top, cone=True)
-        self.growth, self.bounded = float(np.sqrt(field.depth)), field.bounded
-        radius = distance_of_cone(top, middle, field.depth, field.slope)
-        covered = field.bounded and radius <= _AROUND * plain
-        self._fill(middle, max(plain, radius) if covered else plain)
-        reached, depth = -top, field.depth if field.bounded else _DEEP * top
-        while not covered and len(self.discs) <= self._options.max_discs:
-            centre, left = touching_disc(top, depth), (1.0 if self.bounded else _REACHED) * depth
-            self._fill(centre, distance_within(top, centre, -left, -reached))
-            reached, depth = left, _FARTHER * depth
-            self.growth = float(np.sqrt(reached))
-            if not self.bounded:
-                with self._timer("factorisation"):
-                    self.factorisations += 1
-                    self.bounded = field_of_values(self._matrices, reached).bounded
-            covered = self.bounded
+    def _beyond(self, values: Complexes, shift: float) -> int:
+        return int(np.sum(values.real < shift))
 
-    def _until_counted(self, counted: int) -> None:
-        """Further discs until all that the inertia counts was found."""
-        top, upper, depth = self._top, upper_end(self._top), 0.0
+    def _plan(self) -> Iterator[tuple[float, float]]:
+        return self._with_friction() if self.counted is None else self._symmetric(self.counted)
+
+    def _symmetric(self, counted: int) -> Iterator[tuple[float, float]]:
+        """Discs until all that the inertia counts was found."""
+        top, middle, upper = self._top, 0.5 * self._top, upper_end(self._top)
+        yield middle, upper - middle
+        depth = 0.0
         while self._below(upper) < counted and len(self.discs) <= self._options.max_discs:
             depth = _FARTHER * max(depth, top)  # a stiffness that is not positive definite
             centre = touching_disc(top, depth)
-            self._fill(centre, distance_within(top, centre, -depth, upper))
+            yield centre, distance_within(top, centre, -depth, upper)
         self.growth, self.bounded = float(np.sqrt(depth)), self._below(upper) == counted
 
     def _below(self, upper: float) -> int:
         assert self.found is not None
         return int(np.sum(self.found.eigenvalues.real < upper))
+
+    def _with_friction(self) -> Iterator[tuple[float, float]]:
+        """Discs as far to the left as friction may move eigenvalues."""
+        top, middle = self._top, 0.5 * self._top
+        plain = upper_end(top) - middle
+        if self._matrices.size <= self._options.dense_limit:
+            yield middle, plain
+            return
+        field = self._first_field()
+        radius = self._radius_of(field)
+        covers = radius <= _AROUND * plain
+        yield middle, max(plain, radius) if covers else plain
+        if covers and not self.odd():
+            self.growth, self.bounded = float(np.sqrt(field.depth)), field.bounded
+            return
+        bounded, reached = field.bounded, -top
+        depth = field.depth if bounded else _DEEP * top
+        for _ in range(self._options.max_discs):
+            centre, left = touching_disc(top, depth), depth if bounded else _REACHED * depth
+            yield centre, distance_within(top, centre, -left, -reached)
+            reached, depth = left, _FARTHER * depth
+            bounded = bounded or self._bounds(reached)
+            if bounded and not self.odd(self.discs[-1].centre):
+                break
+        if (tests := vars(self).get("_corrected")) is not None:
+            tests.free()
+        self.growth, self.bounded = float(np.sqrt(max(reached, 0.0))), bounded
+        for low, high in pairwise(sorted(self._parities)):  # a real one between two shifts
+            if self.odd(low) != self.odd(high):
+                yield 0.5 * (low + high), 0.5 * (high - low)
+
+    def _radius_of(self, field: FieldOfValues) -> float:
+        """Radius of the disc about the middle that holds what a cone leaves of the window."""
+        if not field.bounded:
+            return np.inf
+        return distance_of_cone(self._top, 0.5 * self._top, field.depth, field.slope)
+
+    def _first_field(self) -> FieldOfValues:
+        """How far friction moves eigenvalues near the window: what its first disc rests on."""
+        with self._timer("factorisation"):
+            self.factorisations += 1
+            return field_of_values(self._matrices, _DEPTH * self._top, cone=True)
+
+    def _bounds(self, depth: float) -> bool:
+        """Whether nothing of the window has Re kappa < -depth: by as few tests as show it."""
+        with self._timer("factorisation"):
+            self.factorisations += 1
+            if field_of_values(self._matrices, depth).bounded:
+                return True
+            try:
+                self.factorisations += 1
+                return self._corrected is not None and self._corrected.bounds(self._top, depth)
+            except ConvergenceError:  # what shows nothing must not end what was found
+                return False
+
+    @cached_property
+    def _corrected(self) -> CorrectedTests | None:
+        return CorrectedTests.of(self._matrices)
 
 
 class DampedSearch(WindowSearch):
@@ -251,45 +322,60 @@ class DampedSearch(WindowSearch):
     def _operator(self, shift: float) -> ShiftInvert:
         return Companion(self._matrices, shift, self._end, self.decay)
 
+    def _beyond(self, values: Complexes, shift: float) -> int:
+        return int(np.sum(values.real > shift))
+
     def _radius(self, centre: float, left: float) -> float:
         """Radius of a disc that holds the window to the right of a real part."""
         return float(np.hypot(centre - left, (1 + MARGIN) * self._end))
 
-    def run(self) -> None:
-        """Find every eigenvalue of the window: discs from the decay to the right.
-
-        Overdamped modes may crowd at one rate of decay. About a shift farther to the right a disc
-        reaches less beyond the decay asked for; where that does not help it is reduced, if nobody
-        asked.
-        """
+    def _plan(self) -> Iterator[tuple[float, float]]:
+        """Discs from the decay to the right, as far as modes may grow."""
         end = self._end
-        if 2 * self._matrices.size <= self._options.dense_limit:
-            self._fill(_SHIFT * end, self._radius(_SHIFT * end, -self.decay))
-            self.growth, self.bounded = np.inf, True
-            return
         with self._timer("factorisation"):
-            self.factorisations += 3
+            self.factorisations += 2
             largest = largest_growth(self._matrices, end)
-            most = _CROWDED * count_below(self._matrices, end**2) + _FEW
         centre = max(_LEAST_SHIFT * end, 0.5 * (largest - self.decay))
-        centre = centre if centre <= _FARTHEST_SHIFT * end else _SHIFT * end
-        while not self.discs:
-            try:
-                self._fill(centre, self._radius(centre, -self.decay), most)
-            except CrowdedError as error:
-                if centre > _FARTHEST * end:
-                    raise ConvergenceError(
-                        f"{error}: modes crowd near or above the growth rate {-self.decay:.4g} "
-                        "1/s; a higher min_growth leaves them out"
-                    ) from error
-                self.free()
-                if centre >= _SLIM * end and not self._asked:
-                    self.decay /= _AWAY
-                centre *= _AWAY
+        yield from self._not_crowded(centre if centre <= _FARTHEST_SHIFT * end else _SHIFT * end)
         centre = self.discs[0].centre
         self.growth = 2 * centre + self.decay
-        while self.growth < _ALMOST * largest and len(self.discs) <= self._options.max_discs:
+        while True:
+            self.bounded = self.whole or self.growth >= largest or self._bounded(self.growth)
+            if self.bounded and not self.odd(self.discs[-1].centre):
+                break
+            if len(self.discs) > self._options.max_discs:
+                break
             left, centre = self.growth, _FARTHER * centre
-            self._fill(centre, self._radius(centre, left))
+            yield centre, self._radius(centre, left)
             self.growth = 2 * centre - left
-        self.bounded = self.growth >= _ALMOST * largest
+
+    def _not_crowded(self, centre: float) -> Iterator[tuple[float, float]]:
+        """The first disc, about shifts farther to the right until its modes do not crowd.
+
+        Overdamped modes may crowd at one rate of decay. From farther to the right a disc reaches
+        less beyond the decay asked for; where that does not help it is reduced, if nobody asked.
+        """
+        if self._matrices.size > self._options.dense_limit:  # else any number is affordable
+            self.factorisations += 1
+            with self._timer("factorisation"):
+                counted = count_below(self._matrices, self._end**2)
+            self._most = _CROWDED * counted + _FEW
+        for _ in range(ATTEMPTS):
+            yield centre, self._radius(centre, -self.decay)
+            if not self._crowded:
+                self._most = sys.maxsize
+                return
+            self.free()
+            if centre >= _SLIM * self._end and not self._asked:
+                self.decay /= _AWAY
+            centre *= _AWAY
+        raise ConvergenceError(
+            f"{self._crowded}: modes crowd near or above the growth rate {-self.decay:.4g} 1/s; "
+            "a higher min_growth leaves them out"
+        )
+
+    def _bounded(self, growth: float) -> bool:
+        """Whether no eigenvalue of the window grows at a rate or faster."""
+        self.factorisations += 1
+        with self._timer("factorisation"):
+            return bounded_growth(self._matrices, growth, self._end)

@@ -1,13 +1,35 @@
-"""What several commands do with their options: the backend, extras, ``--redraw``."""
+"""Options that several commands share, and what commands do with them."""
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+import typer
+from typer.core import TyperGroup
+from typer.main import get_command
 
 from cea.errors import InputError
 
 Backend = Literal["fe", "iga"]
+
+SceneName = Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")]
+Settings = Annotated[
+    list[str] | None, typer.Option("--set", help="Override, e.g. contacts.pad_disc.mu=0.3")
+]
+OnBackend = Annotated[Backend | None, typer.Option(help="Backend for every body.")]
+Data = Annotated[
+    str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
+]
+Out = Annotated[Path, typer.Option(help="Folder of the result.")]
+Redraw = Annotated[
+    bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
+]
+Anew = Annotated[bool, typer.Option("--anew", help="Run every case, also those that are stored.")]
+
+PLAIN: Mapping[str, Any] = {"add_completion": False, "rich_markup_mode": None}
+"""Options of every group: help in colours takes as long as all else that `cea --help` does."""
 
 _MODULES = {
     "pictures": ("matplotlib", "PIL", "plotly", "pyvista"),
@@ -15,6 +37,38 @@ _MODULES = {
     "exact": ("flint",),
 }
 """Modules that each extra of `pyproject.toml` brings."""
+
+
+class LazyGroup(TyperGroup):
+    """Commands that are made when they are called, and told without being made."""
+
+    def helps(self) -> dict[str, str]:
+        """Help of each command by its name."""
+        raise NotImplementedError
+
+    def make(self, name: str) -> Any:
+        """A command: a function, a group of Typer, or one of click."""
+        raise NotImplementedError
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of the commands."""
+        return list(self.helps())
+
+    def get_command(self, ctx: Any, name: str) -> Any:
+        """A command, made now."""
+        if name not in self.helps():
+            return None
+        made = self.make(name)
+        if inspect.isfunction(made):
+            alone = typer.Typer(**PLAIN)
+            alone.command(name)(made)
+            made = alone
+        return get_command(made) if isinstance(made, typer.Typer) else made
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write names and help."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(self.helps().items()))
 
 
 class MissingExtraError(Exception):
@@ -36,6 +90,24 @@ def need(*extras: str) -> None:
                 f"{', '.join(missing)} is not installed: "
                 f"python -m pip install 'friction-cea[{extra}]'"
             )
+
+
+def command_with(
+    call: Callable[..., None], options: Mapping[str, tuple[Any, Any, str]], name: str | None = None
+) -> Any:
+    """A command with an option for each name: its type, default and help."""
+    one, parameters = typer.Typer(**PLAIN), []
+    for option, (kind, default, text) in options.items():
+        given = typer.Option(default, f"--{option.replace('_', '-')}", help=text)
+        parameters.append(
+            inspect.Parameter(
+                option, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=given
+            )
+        )
+    call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    call.__annotations__ = {option: kind for option, (kind, _, _) in options.items()}
+    one.command(name)(call)
+    return get_command(one)
 
 
 def refuse(given: Mapping[str, Any], why: str) -> None:
@@ -62,7 +134,7 @@ def with_backend(scene: str, overrides: Sequence[str], backend: Backend | None) 
     """Overrides that put every body of a scene on one backend, behind others."""
     if backend is None:
         return tuple(overrides)
-    from scenes.spec.files import is_of_matrices
+    from scenes.spec.plain import is_of_matrices
     from scenes.spec.reading import load_scene
 
     if is_of_matrices(scene):

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from cea.arrays import Complexes, Floats
 from cea.eigen.driver import ABOVE
 from cea.eigen.spectrum import Window
-from cea.errors import InputError
-from cea.warned import ResultWarning
-from comparisons.kit.progress import Progress
+from cea.errors import InputError, ResultWarning
+from comparisons.study.progress import Progress
+from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes
 from scenes.checking.memory import check_memory, estimated_memory
 from scenes.refinement.meshes import (
@@ -27,11 +27,10 @@ from scenes.refinement.meshes import (
     on_backend_of_shapes,
     refined,
 )
-from scenes.running.enrich import enriched_scene
+from scenes.running.enrich import richer_scene
 from scenes.running.nested import estimate_errors
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
 from scenes.spec.body import Backend
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
 MESHES = 3
 """Meshes of a bar: two differences show the order of convergence."""
@@ -99,13 +98,13 @@ class Ladder:
             return None
         finer = refined(self.scene, self.backend, resolution)
         if number + 1 >= self.least:
-            check_memory(enriched_scene(_widened(finer)), on_disk=False)
+            check_memory(richer_scene(_widened(finer), by=None), on_disk=False)
         own = self._slower * _estimated_seconds(_widened(finer))
         return own + self.seconds_to_correct(finer)
 
     def seconds_to_correct(self, scene: Scene) -> float:
         """Time that the correction of a mesh is expected to take (s): half of that of a run."""
-        return self._slower * _estimated_seconds(enriched_scene(_widened(scene))) / 2
+        return self._slower * _estimated_seconds(richer_scene(_widened(scene), by=None)) / 2
 
     def run(self, number: int, progress: Progress) -> Mesh:
         """Modes on the mesh of a number; collective."""
@@ -137,7 +136,7 @@ class Ladder:
         if not len(mesh.eigenvalues):
             return replace(mesh, corrected=mesh.eigenvalues)
         begun, own = perf_counter(), mesh.result
-        richer = enriched_scene(own.scene)
+        richer = richer_scene(own.scene, by=None)
         found = estimate_errors(own, richer, steps=1, listener=progress.stage)
         seconds = own.comm.bcast(perf_counter() - begun)
         return replace(mesh, corrected=found.corrected, seconds=mesh.seconds + seconds)
@@ -148,9 +147,9 @@ def elements_of(scene: Scene) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, body in scene.bodies.items():
         mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
-        if mesh is None:
-            found[name] = getattr(body.geometry, "num_cells", None)
-        else:
+        if isinstance(body.geometry, MeshFile):
+            found[name] = body.geometry.elements.num_cells
+        elif mesh is not None:
             found[name] = list(mesh.elements) if mesh.elements else getattr(mesh, "size", None)
     return found
 

@@ -10,13 +10,12 @@ from cea.eigen.classify import threshold_text
 from cea.files import write_whole
 from cea.petsc import MPI
 from comparisons.converge.study import COMMAND
-from comparisons.kit.interactive import sign
-from comparisons.kit.numbers import number, shown
-from comparisons.kit.page import REPORT
-from comparisons.kit.records import RESULT, Data, read_result
 from comparisons.study.closing import machine, warned
 from comparisons.study.columns import Column
-from comparisons.study.page import write
+from comparisons.study.numbers import number, shown
+from comparisons.study.page import REPORT, write
+from comparisons.study.plots import sign
+from comparisons.study.result import RESULT, Data, read_result
 from comparisons.study.sections import Section, Table
 from scenes.results.record import write_record
 

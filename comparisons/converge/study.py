@@ -12,7 +12,7 @@ from comparisons.converge.follow import Followed, estimated
 from comparisons.converge.ladder import Ladder, Mesh, window_of
 from comparisons.converge.request import Request
 from comparisons.converge.told import data_of
-from comparisons.kit.progress import Progress
+from comparisons.study.progress import Progress
 from scenes.refinement.meshes import from_file
 from scenes.results.record import record
 from scenes.spec.body import Backend

@@ -14,9 +14,9 @@ from comparisons.converge.combine import Mode
 from comparisons.converge.follow import Followed
 from comparisons.converge.ladder import Mesh, elements_of, window_of
 from comparisons.converge.request import Request, half_unit
-from comparisons.kit.run_warnings import Run, merged_warnings
-from scenes.checking.steady import STATE_KEPT
+from comparisons.study.run_warnings import Run, merged_warnings
 from scenes.refinement.meshes import moved_to_mortar
+from scenes.running.modes import STATE_KEPT
 from scenes.spec.body import Backend
 from scenes.spec.reading import Scene
 from scenes.spec.toml import scene_text

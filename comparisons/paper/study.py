@@ -8,15 +8,12 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure as Picture
 
-from comparisons.kit.numbers import number, shown
-from comparisons.kit.plots import styled
-from comparisons.paper import mode_shapes, patch_test, patch_test_meshes
+from comparisons.paper import lumping, patch_test
 from comparisons.paper.claims import judged
-from comparisons.paper.crowned_pad import middle_circle
 from comparisons.paper.figure import Mesh, Tables
 from comparisons.paper.figures import DIAGRAMS, FIGURES, PATCH_TESTS, chosen
-from comparisons.paper.quadrature import expected
 from comparisons.study.columns import Column
+from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Drawing, Frame, Plot, Section, Table
 from comparisons.study.session import Session
@@ -89,7 +86,7 @@ def _melted(result: StudyResult) -> pd.DataFrame:
 def _drawing(draw: Any, figure: Any, mesh: Mesh) -> Drawing:
     def drawing(result: StudyResult) -> Picture | None:
         made = any(case["labels"] == {"figure": figure.name, "mesh": mesh} for case in result.cases)
-        return styled(lambda _: draw(figure, mesh, result))({}) if made else None
+        return draw(figure, mesh, result) if made else None
 
     drawing.__name__ = f"figure_{figure.name.replace(' ', '_')}_{mesh}"
     drawing.__doc__ = f"{figure.title}, {mesh}."
@@ -170,7 +167,6 @@ SECTIONS = [
                 "Figure 1: the law and its tangent at steady sliding.",
                 *(_of("law"), "closure", "pressure", "curve"),
             ),
-            *_drawings(patch_test_meshes, *patch_test_meshes.SETTINGS),
         ],
     ),
     Section(
@@ -192,7 +188,7 @@ SECTIONS = [
                 *("points", "oscillation", "space"),
                 panel="mesh",
                 log="xy",
-                lines=expected,
+                lines=patch_test.expected,
             )
         ],
     ),
@@ -208,7 +204,7 @@ SECTIONS = [
             _table("lines", "Lines of Figure 5.", shown=False),
         ],
         plots=[
-            *_drawings(mode_shapes, mode_shapes.SHAPES),
+            *_drawings(lumping, lumping.SHAPES),
             _plot(
                 "figure_5",
                 "Figure 5: normal displacement across the boundary of the pad.",
@@ -254,19 +250,11 @@ SECTIONS = [
         "square, P the integral of p. Tetrahedra are hexahedra divided into six.",
         tables=[
             _table("crowned", "Every case.", group="mesh"),
-            _table("crowned_line", "Along the middle circle.", frame=middle_circle, shown=False),
         ],
         plots=[
             _by_load("pressure_off", "Distance of the pressure from segments.", "xy"),
             _by_load("closed", "Closed part of the pad."),
             _by_load("growth", "Largest growth rate."),
-            _plot(
-                "crowned_line",
-                "Contact pressure along the middle circle, 0.4 MPa on the back.",
-                lambda r: f[f["load"] == 4e5] if len(f := middle_circle(r)) else f,
-                *("angle", "pressure", "formulation"),
-                panel="mesh",
-            ),
         ],
     ),
 ]

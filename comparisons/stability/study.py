@@ -1,32 +1,26 @@
 """Every run of the catalogue in a process that a crash ends alone, and what came out."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import log10
 from typing import Any, get_args
 
-import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
-from comparisons.kit.numbers import decimals, number, shown
-from comparisons.kit.plots import BLACK, GREY, VERMILION, styled
-from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
-from comparisons.stability.parts.case import Verdict
-from comparisons.stability.parts.ways import ALONE, OPEN, WAYS
+from comparisons.stability.case import Verdict
+from comparisons.stability.catalogue import catalogue, numbers_of, runs_of, title_of
 from comparisons.stability.verdicts import judged
 from comparisons.study.columns import Column
+from comparisons.study.numbers import decimals, number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
-from scenes.spec.names import backend_name
 
 VERDICTS: tuple[str, ...] = get_args(Verdict)
 """Every verdict, the best first."""
-_MOST_DIGITS, _LAST_COLOUR = 16.0, 14.0
+_MOST_DIGITS = 16.0
 
 
 @dataclass(frozen=True)
@@ -62,15 +56,13 @@ def cases(options: Options) -> Iterator[Case]:
 
 def evaluate(case: Case, session: Session) -> dict[str, Any]:
     """The verdict on a run, and what it rests on."""
-    run, whole = runs_of(case["case"])[case["run"]], catalogue()[case["case"]]
+    run = runs_of(case["case"])[case["run"]]
     found = judged(run)
     return {
-        "subject": whole.subject,
-        "title": whole.title,
+        "title": title_of(case["case"]),
         **found,
         "says": ", ".join(found["says"]),
         "expected": ", ".join(run.expected),
-        "easy": run.easy,
         "reference": run.reference.name if run.reference is not None else None,
         "tolerance": run.tolerance if run.reference is not None else None,
         "digits": digits(found["error"]),
@@ -89,14 +81,7 @@ def runs(result: StudyResult) -> pd.DataFrame:
     frame, failed = result.frame(), result.failed()
     if failed.empty:
         return frame
-    known = [catalogue()[name] for name in failed["case"]]
-    failed = failed.assign(
-        subject=[case.subject for case in known],
-        title=[case.title for case in known],
-        verdict="WRONG",
-        met=False,
-        easy=False,
-    )
+    failed = failed.assign(title=failed["case"].map(title_of), verdict="WRONG", met=False)
     return pd.concat([frame, failed], ignore_index=True)
 
 
@@ -109,13 +94,10 @@ def not_met(result: StudyResult) -> pd.DataFrame:
 def by_case(result: StudyResult) -> pd.DataFrame:
     """How many runs of each case gave which verdict, and the worst of its answers."""
     rows = []
-    for (subject, title, name), own in runs(result).groupby(
-        ["subject", "title", "case"], sort=False
-    ):
+    for (title, name), own in runs(result).groupby(["title", "case"], sort=False):
         counts = own["verdict"].value_counts()
         rows.append(
             {
-                "subject": subject,
                 "title": title,
                 "case": name,
                 "runs": len(own),
@@ -125,7 +107,7 @@ def by_case(result: StudyResult) -> pd.DataFrame:
                 **{key: own[key].max() for key in ("residual", "condition", "seconds")},
             }
         )
-    return pd.DataFrame(rows).sort_values("subject", kind="stable")
+    return pd.DataFrame(rows)
 
 
 def headline(result: StudyResult) -> str:
@@ -133,10 +115,8 @@ def headline(result: StudyResult) -> str:
     frame = runs(result)
     counts = frame["verdict"].value_counts()
     told = ", ".join(f"{number(int(counts.get(kind, 0)))} {kind}" for kind in VERDICTS)
-    easy = frame[frame["easy"].astype(bool)]
     return (
         f"{number(len(frame))} runs of {frame['case'].nunique()} cases: {told}; "
-        f"{number(int(easy['met'].sum()))} of {number(len(easy))} easy runs as they must be; "
         f"{number(len(not_met(result)))} not as the catalogue says."
     )
 
@@ -145,72 +125,6 @@ def fault(result: StudyResult) -> str:
     """The runs that are not as the catalogue says, if any."""
     names = list(dict.fromkeys(not_met(result)["case"]))
     return f"runs are not as the catalogue says: {', '.join(names)}" if names else ""
-
-
-def _maps() -> list[Callable[[StudyResult], Figure | None]]:
-    """A heat map of digits for each subject of the catalogue."""
-    subjects = dict.fromkeys(case.subject for case in catalogue().values())
-    return [_digits_map(subject) for subject in subjects]
-
-
-def _digits_map(subject: str) -> Callable[[StudyResult], Figure | None]:
-    def digits_map(result: StudyResult) -> Figure | None:
-        frame = runs(result)
-        own = frame[frame["subject"] == subject]
-        return None if own.empty else styled(_heat_map)(own)
-
-    digits_map.__name__ = f"digits_{subject.replace(' ', '_')}"
-    digits_map.__doc__ = (
-        f"Correct digits of runs, {subject}. Refused runs are grey squares, runs that warn are "
-        "circles, wrong ones crosses."
-    )
-    return digits_map
-
-
-def _heat_map(frame: pd.DataFrame) -> Figure:
-    rows = list(dict.fromkeys(zip(frame["case"], frame["title"], frame["row"], strict=True)))
-    order = [way.name for way in (*WAYS, *OPEN, *ALONE)]
-    columns = {
-        backend: sorted(own["formulation"].unique(), key=order.index)
-        for backend, own in frame.groupby("backend", sort=False)
-    }
-    widths = [len(names) for names in columns.values()] or [1]
-    size = (4.2 + 0.27 * (sum(widths) + 3), 0.17 * len(rows) + 2.4)
-    figure = Figure(figsize=size, layout="constrained")
-    panels = figure.subplots(1, len(widths), squeeze=False, width_ratios=widths)[0]
-    keys, image = [(case, row) for case, _, row in rows], None
-    for axes, (backend, names) in zip(panels, columns.items(), strict=False):
-        image = _panel(axes, frame[frame["backend"] == backend], keys, names)
-        axes.set_title(backend_name(str(backend)))
-        axes.set_yticks(range(len(rows)), [])
-    labels = [f"{title.split(',')[0]}: {row}" for _, title, row in rows]
-    panels[0].set_yticks(range(len(rows)), labels, fontsize=6.5)
-    if image is not None:
-        bar = figure.colorbar(image, ax=panels, shrink=min(1.0, 3 / size[1]), pad=0.01)
-        bar.set_label("correct digits of λ")
-    return figure
-
-
-_MARKS = {
-    "refused": {"marker": "s", "color": GREY, "markersize": 7},
-    "WRONG": {"marker": "x", "color": VERMILION, "markersize": 6, "markeredgewidth": 1.8},
-    "warned": {"marker": "o", "color": BLACK, "markersize": 4, "markerfacecolor": "none"},
-}
-
-
-def _panel(
-    axes: Axes, frame: pd.DataFrame, rows: Sequence[tuple[str, str]], columns: Sequence[str]
-) -> Any:
-    values = np.full((len(rows), len(columns)), np.nan)
-    for run in frame.itertuples():
-        i, j = rows.index((run.case, run.row)), columns.index(run.formulation)
-        values[i, j] = np.nan if run.digits is None else run.digits
-        if run.verdict in _MARKS:
-            axes.plot(j, i, linestyle="", **_MARKS[run.verdict])
-    image = axes.imshow(values, cmap="viridis", vmin=0, vmax=_LAST_COLOUR, aspect="auto")
-    axes.set_xticks(range(len(columns)), columns, rotation=90, fontsize=7)
-    axes.grid(visible=False)
-    return image
 
 
 COLUMNS = {
@@ -244,17 +158,13 @@ STUDY = Study(
             "catalogue says beforehand which verdicts may come out.",
             headline,
             [
-                Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS, "subject"),
+                Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS),
                 Table(
                     *("not_met", "Runs that are not as the catalogue says.", not_met, COLUMNS),
                     printed=True,
                 ),
             ],
-            _maps(),
         ),
-        Section(
-            "Every run",
-            tables=[Table("runs", "Every run.", runs, _OF_A_RUN)],
-        ),
+        Section("Every run", tables=[Table("runs", "Every run.", runs, _OF_A_RUN)]),
     ],
 )

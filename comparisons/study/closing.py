@@ -5,99 +5,56 @@ from typing import Any
 
 import pandas as pd
 
-from comparisons.kit.numbers import number, plain
 from comparisons.study.columns import Column
+from comparisons.study.numbers import number, plain
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 
-_UNITS = {
-    "E": "N/m²",
-    "rho": "kg/m³",
-    "P": "N/m",
-    "p": "N/m³",
-    "pressure": "N/m²",
-    "max_frequency": "Hz",
-    "growth_threshold": "1/s",
-    "stiffness": "N/m³",
-    "start": "°",
-    "end": "°",
-    "theta": "°",
-    "angle": "°",
-} | dict.fromkeys(
-    (
-        *("size", "origin", "inner_radius", "outer_radius", "bottom", "top", "reach"),
-        *("translation", "r", "x", "y", "z"),
-    ),
-    "m",
-)
+_RUNS = {"runs": Column("runs", show=number)}
 
 
 def closing() -> list[Section]:
     """Sections of every study: warnings, times, what was left out, what failed, versions."""
+    skipped = "What runs did without since their scenes do not need it."
     return [
-        Section("Warnings", tables=[Table("warnings", "What runs warn of.", _warnings, _WARNED)]),
+        Section("Warnings", tables=[Table("warnings", "What runs warn of.", _warnings, _RUNS)]),
         Section("Run times", tables=[Table("times", "Seconds of cases by stage.", _times)]),
-        Section(
-            "Left out",
-            tables=[
-                Table(
-                    *("skipped", "What runs did without since their scenes do not need it."),
-                    _left_out,
-                )
-            ],
-        ),
+        Section("Left out", tables=[Table("skipped", skipped, _left_out, _RUNS)]),
         Section("Failed", tables=[Table("failed", "Cases without an answer.", StudyResult.failed)]),
         Section(
             "Parameters",
             tables=[
-                Table(
-                    "parameters",
-                    "Fields of the scenes as run; bars part values.",
-                    lambda result: parameters(result.runs()),
-                ),
-                Table("options", "Options of the study.", _options),
+                Table("parameters", PARAMETERS, lambda result: parameters(result.runs())),
+                Table("options", "Options of the study.", lambda r: _named(r.record["inputs"])),
             ],
         ),
         Section("Machine and versions", tables=[Table("machine", "", _machine_of_study)]),
     ]
 
 
-_WARNED = {"runs": Column("runs", show=number)}
+PARAMETERS = "Fields of the scenes as run, in SI units (angles in degrees); bars part values."
 
 
 def _warnings(result: StudyResult) -> pd.DataFrame:
     """Kinds of warnings with the first of each and the number of runs that gave it."""
-    found: dict[str, dict[str, Any]] = {}
-    for run in result.runs():
-        for warning in run["warnings"]:
-            kind, message = warning["kind"], warning["message"]
-            row = found.setdefault(kind, {"warning": kind, "first": message, "runs": 0})
-            row["runs"] += 1
-    return pd.DataFrame(list(found.values()))
+    given = [warning for run in result.runs() for warning in run["warnings"]]
+    frame = pd.DataFrame(given, columns=["kind", "message"])
+    found = frame.groupby("kind", sort=False)["message"].agg(["first", "size"]).reset_index()
+    return found.set_axis(["warning", "first", "runs"], axis=1)
 
 
 def _times(result: StudyResult) -> pd.DataFrame:
     rows = []
     for case in result.cases:
-        stages: dict[str, float] = {}
-        for run in case["runs"]:
-            for name, seconds in run["stages"].items():
-                stages[name] = stages.get(name, 0.0) + seconds
-        rows.append(case["labels"] | stages | {"seconds": case["seconds"]})
+        stages = pd.DataFrame([run["stages"] for run in case["runs"]]).sum()
+        rows.append(case["labels"] | stages.to_dict() | {"seconds": case["seconds"]})
     return pd.DataFrame(rows)
 
 
 def _left_out(result: StudyResult) -> pd.DataFrame:
-    runs = result.runs()
-    rows = [
-        {"left_out": what, "reason": reason}
-        for run in runs
-        for what, reason in run["skipped"].items()
-    ]
-    if not rows:
-        return pd.DataFrame()
-    counts = pd.DataFrame(rows).groupby(["left_out", "reason"], sort=False).size()
-    return counts.reset_index(name="count").assign(runs=len(runs))
+    given = [item for run in result.runs() for item in run["skipped"].items()]
+    frame = pd.DataFrame(given, columns=["left_out", "reason"])
+    return frame.groupby(["left_out", "reason"], sort=False).size().reset_index(name="runs")
 
 
 def warned(data: Mapping[str, Any]) -> pd.DataFrame:
@@ -113,14 +70,10 @@ def parameters(runs: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
     for run in runs:
         for field, value in _flat(run["scene"]):
             if field != "description":
-                values.setdefault(field, {})[_with_unit(field, value)] = None
+                values.setdefault(field, {})[plain(value)] = None
     return pd.DataFrame(
         [(field, " | ".join(texts)) for field, texts in values.items()], columns=["field", "value"]
     )
-
-
-def _options(result: StudyResult) -> pd.DataFrame:
-    return _named(result.record["inputs"])
 
 
 def machine(record: Mapping[str, Any]) -> pd.DataFrame:
@@ -148,9 +101,3 @@ def _flat(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:
             yield from _flat(part, f"{dot}{i}")
     elif value is not None and value != "" and value != () and value != []:
         yield place, value
-
-
-def _with_unit(field: str, value: Any) -> str:
-    unit = _UNITS.get(field.rpartition(".")[2], "")
-    space = "" if unit in ("", "°") else " "
-    return value if isinstance(value, str) else f"{plain(value)}{space}{unit}"

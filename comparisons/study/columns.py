@@ -7,8 +7,8 @@ from typing import Any
 
 import pandas as pd
 
-from comparisons.kit.numbers import MISSING, growth, number, shown
-from scenes.spec.names import backend_name
+from comparisons.study.numbers import MISSING, growth, number, shown
+from scenes.spec.body import backend_name
 
 
 @dataclass(frozen=True)
@@ -50,20 +50,11 @@ def _stiffness(value: float) -> str:
 
 COLUMNS = {
     "backend": Column("backend", show=backend_name),
-    "formulation": Column("formulation"),
     "P": Column("P", "N/m", _stiffness),
     "p": Column("p", "N/m³", _stiffness),
     "mu": Column("μ", show=shown(3)),
-    "points": Column("points", show=number),
-    "dofs": Column("dofs", show=number),
-    "unknowns": Column("unknowns", show=number),
-    "degree": Column("degree", show=number),
-    "elements": Column("elements", show=number),
-    "modes": Column("modes", show=number),
-    "ranks": Column("ranks", show=number),
     "clock": Column("clock", "s", shown(3)),
     "processor": Column("processor", "s", shown(3)),
-    "mode": Column("mode", show=number),
     "seconds": Column("run time", "s", shown(3)),
     "memory": Column("peak memory", "MB", shown(3)),
     "frequency": Column("frequency", "Hz", shown(6)),
@@ -71,14 +62,8 @@ COLUMNS = {
     "residual": Column("residual", show=shown(2)),
     "condition": Column("condition", show=shown(3)),
     "error": Column("error", show=shown(2)),
-    "mesh": Column("mesh"),
-    "left_out": Column("left out"),
-    "reason": Column("reason"),
 }
 """Quantities by the name of their column; an application gives its own beside a table."""
-
-_TEXTS = (backend_name,)
-"""Forms of texts: these columns are set to the left."""
 
 
 def is_missing(value: Any) -> bool:
@@ -87,7 +72,7 @@ def is_missing(value: Any) -> bool:
 
 
 def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = None) -> Column:
-    """How a column is shown; numbers of a name that nobody declared get three digits.
+    """How a column is shown; one that nobody declared by its name, numbers with three digits.
 
     Parameters
     ----------
@@ -108,7 +93,7 @@ def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = No
 
 def is_number(shown_as: Column) -> bool:
     """Whether a column is set to the right and sorted by its values."""
-    return shown_as.show is not None and shown_as.show not in _TEXTS
+    return shown_as.show not in (None, backend_name)
 
 
 def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) -> pd.DataFrame:
@@ -147,14 +132,10 @@ def medians(frame: pd.DataFrame, *also: str, over: str = "repeat") -> pd.DataFra
     if frame.empty:
         return frame
     labels = [*frame.columns[: frame.columns.get_loc(over)], *also]
+    # "first" of pandas skips missing values
     measured = {
-        name: "median" if frame[name].dtype.kind == "f" else _first
+        name: "median" if frame[name].dtype.kind == "f" else lambda values: values.iloc[0]
         for name in frame.columns
         if name not in (*labels, over)
     }
     return frame.groupby(labels, sort=False, dropna=False).agg(measured).reset_index()
-
-
-def _first(values: "pd.Series[Any]") -> Any:
-    """The first value, also where that is missing."""
-    return values.iloc[0]

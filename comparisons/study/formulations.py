@@ -14,7 +14,7 @@ from cea.contact.formulations import (
     Segments,
 )
 from scenes.spec.body import Backend
-from scenes.spec.contact_checks import suits
+from scenes.spec.contact import suits
 from scenes.spec.reading import Scene
 
 

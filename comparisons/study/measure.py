@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, process_time
 
-from cea.heap import give_back
+from cea.petsc import give_back
 
 _PROCESS = Path("/proc/self")
 _RESET_PEAK = "5"
@@ -24,20 +24,14 @@ class Cost:
     ----------
     clock, processor
         Seconds by the clock, and of the processor: other work does not lengthen these.
-    before, peak
-        Resident memory before it, freed memory given back, and at most (bytes); 0 where the
-        system does not tell.
+    memory
+        Peak above what the process held before, freed memory given back (MB); None where the system
+        does not tell.
     """
 
     clock: float = 0.0
     processor: float = 0.0
-    before: int = 0
-    peak: int = 0
-
-    @property
-    def memory(self) -> float | None:
-        """Peak above what the process held before (MB); None where the system does not tell."""
-        return (self.peak - self.before) / 1e6 if self.before else None
+    memory: float | None = None
 
 
 @contextmanager
@@ -47,14 +41,13 @@ def measured() -> Iterator[Cost]:
     give_back()
     try:
         (_PROCESS / "clear_refs").write_text(_RESET_PEAK, encoding="ascii")
+        before = _memory("VmRSS")
     except OSError:
-        cost = Cost()
-    else:
-        cost = Cost(before=_memory("VmRSS"))
-    clock, processor = perf_counter(), process_time()
+        before = None
+    cost, clock, processor = Cost(), perf_counter(), process_time()
     yield cost
     cost.clock, cost.processor = perf_counter() - clock, process_time() - processor
-    cost.peak = _memory("VmHWM")
+    cost.memory = None if before is None else (_memory("VmHWM") - before) / 1e6
 
 
 def limit_memory(size: float) -> None:
@@ -63,11 +56,8 @@ def limit_memory(size: float) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (int(size), most))
 
 
-def _memory(field: str) -> int:
-    """A field of the status of this process (bytes); 0 where there is none."""
-    try:
-        status = (_PROCESS / "status").read_text(encoding="utf-8")
-    except OSError:
-        return 0
+def _memory(field: str) -> float:
+    """A field of the status of this process (bytes)."""
+    status = (_PROCESS / "status").read_text(encoding="utf-8")
     found = re.search(rf"^{field}:\s+(\d+)", status, re.MULTILINE)
-    return 1024 * int(found.group(1)) if found else 0
+    return 1024.0 * int(found.group(1)) if found else 0.0

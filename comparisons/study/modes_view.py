@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from comparisons.kit.shapes import Shapes as Shapes
 from comparisons.study.result import StudyResult
+from comparisons.study.shapes import Shapes as Shapes
 
 NUMBERS = "shapes"
 """Array of a case that holds the numbers of its shapes."""

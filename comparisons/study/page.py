@@ -1,88 +1,30 @@
 """The page of a study: one file that needs no other; CSV and PNG files beside it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from base64 import b64encode
+from collections.abc import Iterator, Sequence
+from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+from matplotlib import rc_context
 
 from cea.files import write_whole
-from comparisons.kit.page import REPORT, Image, render
-from comparisons.kit.plots import save
-from comparisons.kit.shapes import Shapes
 from comparisons.study import plots
 from comparisons.study.closing import closing
 from comparisons.study.columns import Column, column, is_missing, is_number
-from comparisons.study.modes_view import merged
 from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.sections import Plot, Section, Table, rows
+from comparisons.study.shapes import Shapes, merged, packed
 from comparisons.study.study import Study
 
-TEMPLATE = Path(__file__).with_name("page.html")
-
-
-@dataclass(frozen=True)
-class ShownTable:
-    """Cells of a table, raw numbers to sort them by, headings of groups, modes of the rows."""
-
-    table: Table
-    frame: pd.DataFrame
-    columns: Sequence[tuple[Any, Column]]
-
-    @classmethod
-    def of(cls, table: Table, result: Any) -> "ShownTable":
-        """A table of a result."""
-        frame = table.frame(result)
-        names = [name for name in frame if name not in ("shape", table.group)]
-        return cls(table, frame, [(name, column(name, frame, table.own)) for name in names])
-
-    @property
-    def name(self) -> str:
-        """Stem of its file."""
-        return self.table.name
-
-    def csv(self) -> bytes:
-        """Raw values; empty where there is none."""
-        frame = self.frame.drop(columns="shape", errors="ignore")
-        return frame.to_csv(index=False).encode()
-
-    def groups(self) -> list[tuple[str, list[dict[str, Any]]]]:
-        """Headings with their rows: cells, and the shape of the row."""
-        group = self.table.group
-        if self.frame.empty:
-            return []
-        if not group:
-            return [("", self._rows(self.frame))]
-        shown = column(group, self.frame, self.table.own)
-        return [(shown.cell(v), self._rows(f)) for v, f in self.frame.groupby(group, sort=False)]
-
-    def _rows(self, frame: pd.DataFrame) -> list[dict[str, Any]]:
-        rows = frame.astype(object).to_dict("records")
-        return [
-            {
-                "shape": row.get("shape") or "",
-                "cells": [
-                    (c.cell(row[name]), _raw(row[name]) if is_number(c) else None)
-                    for name, c in self.columns
-                ],
-            }
-            for row in rows
-        ]
-
-    def heads(self) -> list[dict[str, Any]]:
-        """Headings of its columns."""
-        return [
-            {"name": name, "title": c.title, "unit": c.unit, "number": is_number(c)}
-            for name, c in self.columns
-        ]
-
-
-def _raw(value: Any) -> str | None:
-    """A number as a script sorts by it; empty where there is none, None of a text."""
-    if is_missing(value):
-        return ""
-    return None if isinstance(value, str) else repr(float(value)).replace("inf", "Infinity")
+REPORT = "report.html"
+"""Name of a page."""
+_HERE = Path(__file__).parent
+_SCRIPTS = ("tables.js", "contents.js", "plots.js", "shapes.js", "viewer.js", "start.js")
 
 
 def write_study(study: Study, result: StudyResult, out: Path) -> Path:
@@ -124,72 +66,124 @@ def write(
     Returns
     -------
     Path
-        The page.
+        The page: one file that needs no other. Texts are escaped.
     """
     to = out if files else None
-    shown = [made for s in sections if (made := _section(s, result, to, shapes)) is not None]
-    keys = list(shapes.keys) if shapes else []
-    page = render(
-        TEMPLATE,
-        plots=bool(keys) or any(s["plots"] for s in shown),
-        shapes=shapes if shapes and shapes.scenes else None,
+    parts = [made for s in present(sections, result) if (made := _section(s, result, to, shapes))]
+    modes = [
+        f"{key}/{mode}" for key, own in (shapes.modes if shapes else {}).items() for mode in own
+    ]
+    environment = Environment(
+        loader=FileSystemLoader(_HERE),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    page = environment.get_template("page.html").render(
         heading=title,
         text=text,
         files=files,
-        parts=shown,
-        keys=set(keys),
-        first=_first(shapes),
+        parts=parts,
+        shapes=shapes if shapes and shapes.scenes else None,
+        keys=set(modes),
+        first=modes[0] if modes else "",
+        style=Markup((_HERE / "style.css").read_text("utf-8")),
+        scripts=Markup(
+            "\n".join((_HERE / "scripts" / name).read_text("utf-8") for name in _SCRIPTS)
+        ),
+        library=_library() if modes or any(p["plots"] or p["geometry"] for p in parts) else "",
     )
     write_whole(page.encode(), out / REPORT)
     return out / REPORT
 
 
-def _first(shapes: Shapes | None) -> str:
-    """The mode that the viewer shows first."""
-    for key, modes in shapes.modes.items() if shapes else ():
-        for mode in modes:
-            return f"{key}/{mode}"
-    return ""
+@cache
+def _library() -> str:
+    """plotly.js of the Python package plotly as a page holds it: compressed, in base64."""
+    found = find_spec("plotly")
+    if found is None or not found.submodule_search_locations:
+        raise ModuleNotFoundError("plotly")
+    folder = Path(found.submodule_search_locations[0])
+    return packed((folder / "package_data" / "plotly.min.js").read_bytes())
+
+
+def present(sections: Sequence[Section], result: Any) -> Iterator[Section]:
+    """Sections whose table of rows (:attr:`Section.of`) is not empty."""
+    return (s for s in sections if not s.of or not result.frame(s.of).empty)
 
 
 def _section(
     section: Section, result: Any, out: Path | None, shapes: Shapes | None
 ) -> dict[str, Any] | None:
     """What the template shows of a section; None of one that shows nothing."""
-    headline = (section.headline(result) if section.headline else None) or ""
-    tables = [ShownTable.of(table, result) for table in section.tables]
-    for table in tables:
+    tables, drawn, images = [], list[dict[str, Any]](), list[dict[str, Any]]()
+    for table in section.tables:
+        frame = rows(table.frame, result)
         if out:
-            write_whole(table.csv(), out / f"{table.name}.csv")
-    drawn, images = [], []
+            raw = frame.drop(columns="shape", errors="ignore").to_csv(index=False)
+            write_whole(raw.encode(), out / f"{table.name}.csv")
+        if table.shown and not frame.empty:
+            tables.append(table_cells(table, frame))
     for plot in section.plots:
         if isinstance(plot, Plot):
-            made = plots.drawn_by_page(plot, result)
-            if made and out:
-                save(plots.draw(plot, result), out / f"{plot.name}.png")
-            if made:
-                drawn.append({"plot": plot, "panels": made})
+            panels = plots.drawn_by_page(plot, result)
+            drawn += [{"plot": plot, "panels": panels}] if panels else []
             continue
-        figure = plot(result)
+        with rc_context(plots.STYLE):
+            figure = plot(result)
         if figure is not None and out is not None:
-            file = out / f"{getattr(plot, '__name__', 'figure')}.png"
-            save(figure, file)
-            images.append(
-                {"image": Image.of(file), "caption": " ".join((plot.__doc__ or "").split())}
-            )
-    modes = section.modes and shapes is not None and bool(shapes.keys)
-    geometry = next(iter(shapes.scenes), "") if section.geometry and shapes else ""
-    shown = [t for t in tables if t.table.shown and not t.frame.empty]
-    if not (shown or drawn or images or modes or geometry or headline):
-        return None
-    return {
-        "id": section.title.lower().replace(" ", "-"),
-        "title": section.title,
-        "text": section.text,
-        "headline": headline,
-        "tables": shown,
+            file = f"{getattr(plot, '__name__', 'figure')}.png"
+            content = b64encode(plots.save(figure, out / file)).decode()
+            caption = " ".join((plot.__doc__ or "").split())
+            source = f"data:image/png;base64,{content}"
+            images.append({"source": source, "file": file, "caption": caption})
+    shown = {
+        "headline": (section.headline(result) if section.headline else None) or "",
+        "tables": tables,
         "plots": drawn,
         "images": images,
-        "modes": modes,
-        "geometry": geometry,
+        "modes": section.modes and shapes is not None and bool(shapes.modes),
+        "geometry": next(iter(shapes.scenes), "") if section.geometry and shapes else "",
     }
+    if not any(shown.values()):
+        return None
+    name = section.title.lower().replace(" ", "-")
+    return {"id": name, "title": section.title, "text": section.text} | shown
+
+
+def table_cells(table: Table, frame: pd.DataFrame) -> dict[str, Any]:
+    """Headings and cells of a table, rows by the heading of their group.
+
+    Cells are text and the raw number that scripts sort by: "" where it is missing, None of texts.
+    """
+    names = [name for name in frame if name not in ("shape", table.group)]
+    columns = {name: column(name, frame, table.own) for name in names}
+    heads = [
+        {"name": name, "title": c.title, "unit": c.unit, "axis": c.axis, "number": is_number(c)}
+        for name, c in columns.items()
+    ]
+    groups = [("", frame)]
+    if table.group and not frame.empty:
+        group = column(table.group, frame, table.own)
+        groups = [(group.cell(v), own) for v, own in frame.groupby(table.group, sort=False)]
+    return {
+        "name": table.name,
+        "caption": table.caption,
+        "heads": heads,
+        "groups": [(title, list(_rows(own, columns))) for title, own in groups],
+    }
+
+
+def _rows(frame: pd.DataFrame, columns: dict[Any, Column]) -> Iterator[dict[str, Any]]:
+    for row in frame.astype(object).to_dict("records"):
+        cells = [(c.cell(row[name]), _raw(row[name], c)) for name, c in columns.items()]
+        yield {"shape": row.get("shape") or "", "cells": cells}
+
+
+def _raw(value: Any, shown: Column) -> str | None:
+    if not is_number(shown):
+        return None
+    if is_missing(value):
+        return ""
+    return None if isinstance(value, str) else repr(float(value)).replace("inf", "Infinity")

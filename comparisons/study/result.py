@@ -9,11 +9,15 @@ import numpy as np
 import pandas as pd
 
 from cea.errors import InputError
-from comparisons.kit.records import RESULT, read_result
-from scenes.results.record import read_record
+from scenes.results.folder import RESULT as RESULT
+from scenes.results.record import read_record, write_record
 
 ARRAYS = "arrays.npz"
 """File of the arrays beside the record."""
+PART = "part"
+"""Label that only sets parts of a study apart: frames leave it out."""
+Data = Mapping[str, Any]
+"""Plain data, as JSON holds them."""
 
 
 @dataclass(frozen=True)
@@ -23,20 +27,15 @@ class StudyResult:
     Parameters
     ----------
     record
-        Provenance, ``once``, and ``cases`` with ``labels``, ``key``, ``commit``, ``seconds``,
-        ``failed``, ``tables`` of rows, ``shapes`` and ``runs``.
+        Provenance, and ``cases`` with ``labels``, ``key``, ``commit``, ``seconds``, ``failed``,
+        ``tables`` of rows, ``shapes`` and ``runs``.
     arrays
         Arrays by key of the case, then name.
     """
 
-    record: Mapping[str, Any]
+    record: Data
     arrays: Mapping[str, Mapping[str, np.ndarray]] = field(default_factory=dict)
     _frames: dict[str, pd.DataFrame] = field(default_factory=dict, repr=False)
-
-    @property
-    def once(self) -> Mapping[str, Any]:
-        """What was computed once for all cases."""
-        return self.record["once"]
 
     @property
     def cases(self) -> list[dict[str, Any]]:
@@ -46,13 +45,8 @@ class StudyResult:
     def frame(self, table: str = "runs") -> pd.DataFrame:
         """Rows of a table of all cases, the labels of their case before them; a copy."""
         if table not in self._frames:
-            self._frames[table] = pd.DataFrame(
-                [
-                    case["labels"] | row
-                    for case in self.cases
-                    for row in case["tables"].get(table, ())
-                ]
-            )
+            rows = [c["labels"] | row for c in self.cases for row in c["tables"].get(table, ())]
+            self._frames[table] = pd.DataFrame(rows).drop(columns=PART, errors="ignore")
         return self._frames[table].copy()
 
     def array(self, case: Mapping[str, Any], name: str) -> np.ndarray:
@@ -64,10 +58,9 @@ class StudyResult:
             When there is none.
         """
         for found in self.cases:
-            if case.items() <= found["labels"].items() and name in self.arrays.get(
-                found["key"], {}
-            ):
-                return self.arrays[found["key"]][name]
+            own = self.arrays.get(found["key"], {})
+            if case.items() <= found["labels"].items() and name in own:
+                return own[name]
         raise InputError("array", name, f"one that the case {dict(case)} kept")
 
     def failed(self) -> pd.DataFrame:
@@ -77,33 +70,49 @@ class StudyResult:
         )
 
     def runs(self) -> list[dict[str, Any]]:
-        """What every run of a scene took and left out, with the labels of its case."""
-        return [run | {"labels": case["labels"]} for case in self.cases for run in case["runs"]]
+        """What every run of a scene took and left out."""
+        return [run for case in self.cases for run in case["runs"]]
 
     def save(self, out: Path) -> None:
         """Write record and arrays to a folder."""
-        from scenes.results.record import write_record
-
         write_record(self.record, out / RESULT)
-        write_arrays({f"{k}/{n}": a for k, own in self.arrays.items() for n, a in own.items()}, out)
+        every = {f"{k}/{n}": a for k, own in self.arrays.items() for n, a in own.items()}
+        write_arrays(every, out / ARRAYS)
 
 
-def write_arrays(arrays: Mapping[str, np.ndarray], out: Path, name: str = ARRAYS) -> None:
+def write_arrays(arrays: Mapping[str, np.ndarray], file: Path) -> None:
     """Write arrays, if there are some; the same bytes for the same arrays."""
     if arrays:
-        out.mkdir(parents=True, exist_ok=True)
-        np.savez_compressed(out / name, allow_pickle=False, **arrays)
+        file.parent.mkdir(parents=True, exist_ok=True)
+        np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
+def read_arrays(file: Path) -> dict[str, np.ndarray]:
+    """Arrays of a file; none where there is no file."""
+    if not file.is_file():
+        return {}
+    with np.load(file, allow_pickle=False) as stored:
+        return {name: stored[name] for name in stored.files}
+
+
+def read_result(out: Path, command: str) -> dict[str, Any]:
+    """Record that a command wrote to a folder, as it is or compressed.
+
+    Raises
+    ------
+    InputError
+        When the folder holds none of that command.
+    """
+    files = (out / RESULT, out / f"{RESULT}.gz")
+    found = next((file for file in files if file.is_file()), None)
+    data = read_record(found) if found is not None else {}
+    if data.get("command") != command:
+        raise InputError("out", str(out), f"a folder with the {RESULT} of `cea {command}`")
+    return data
 
 
 def read(name: str, out: Path) -> StudyResult:
-    """Read what a study wrote to a folder.
-
-    Parameters
-    ----------
-    name
-        Name of the study.
-    out
-        The folder.
+    """Read what the study of a name wrote to a folder.
 
     Raises
     ------
@@ -113,24 +122,8 @@ def read(name: str, out: Path) -> StudyResult:
     record = read_result(out, name)
     if "cases" not in record:
         raise InputError("out", str(out), "a result with cases: run the study anew")
-    return StudyResult(record, _read_arrays(out))
-
-
-def _read_arrays(out: Path) -> dict[str, dict[str, np.ndarray]]:
     arrays: dict[str, dict[str, np.ndarray]] = {}
-    if (out / ARRAYS).is_file():
-        with np.load(out / ARRAYS, allow_pickle=False) as stored:
-            for whole in stored.files:
-                key, _, name = whole.partition("/")
-                arrays.setdefault(key, {})[name] = stored[whole]
-    return arrays
-
-
-def read_case(file: Path) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """A case that was stored while its study ran, with its arrays."""
-    arrays = {}
-    beside = file.with_suffix(".npz")
-    if beside.is_file():
-        with np.load(beside, allow_pickle=False) as stored:
-            arrays = {name: stored[name] for name in stored.files}
-    return read_record(file), arrays
+    for whole, array in read_arrays(out / ARRAYS).items():
+        key, _, own = whole.partition("/")
+        arrays.setdefault(key, {})[own] = array
+    return StudyResult(record, arrays)

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, fields
 from hashlib import sha256
 from pathlib import Path
 from shutil import rmtree
@@ -12,15 +12,17 @@ from typing import Any
 
 from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.kit.progress import Progress
-from comparisons.study.result import StudyResult, read, read_case, write_arrays
+from comparisons.study.progress import Progress
+from comparisons.study.result import StudyResult, read, read_arrays, write_arrays
 from comparisons.study.session import Session
 from comparisons.study.study import CHOOSES, Case, Study, evaluated
 from comparisons.study.worker import Workers
-from scenes.results.record import commit, record, write_record
+from scenes.results.record import commit, read_record, record, write_record
 from scenes.spec.plain import as_data
 
 _DIRTY = "-dirty"
+Stored = tuple[dict[str, Any], Mapping[str, Any]]
+"""A case as a record has it, and its arrays."""
 
 
 def selected(study: Study, options: Any, only: Mapping[str, str]) -> list[Case]:
@@ -93,50 +95,38 @@ def run(
     progress = progress or Progress(step=lambda _: None, stage=lambda _: None)
     chosen = [dict(case) for case in selected(study, options, only or {})]
     known = comm.bcast(_known(study, out) if comm.rank == 0 and not anew else {})
-    store = _Store(comm, parts(out), known)
-    once: Mapping[str, Any] = {}
-    if study.once is not None:
-        given = study.once
-        key = _key(study, options, "once")
-        case, _ = store.take(key) or store.put(key, {"once": given(options)}, {})
-        once = case["once"]
-    session = Session(once, options, progress.stage)
-    workers = Workers(study, options, once) if study.process else None
+    session = Session(options, progress.stage)
+    workers = Workers(study.process, options) if study.process else None
 
-    def found(labels: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]] | None:
-        key = _key(study, options, labels)
-        if (known := store.take(key)) is not None or labels not in chosen:
-            return known
+    def found(labels: dict[str, Any]) -> Stored | None:
+        key = key_of(study, options, labels)
+        if key in known or labels not in chosen:
+            return known.get(key)
         progress.step(", ".join(f"{name} {_text(v)}" for name, v in labels.items()))
         made = workers.evaluate(labels) if workers else evaluated(study, labels, session)
-        return store.put(key, *made)
+        case, arrays = made[0] | {"key": key, "commit": commit()}, made[1]
+        if comm.rank == 0:
+            write_arrays(arrays, parts(out) / f"{key}.npz")
+            write_record(case, parts(out) / f"{key}.json")
+        return case, arrays
 
-    every = map(dict, study.cases(options))
-    try:
-        if workers and study.process:
-            with ThreadPoolExecutor(study.process.at_once) as threads:
-                entries = list(threads.map(found, every))
-        else:
-            entries = [found(labels) for labels in every]
-    finally:
-        if workers:
-            workers.end()
+    every = [dict(labels) for labels in study.cases(options)]
+    if workers and study.process:
+        with workers, ThreadPoolExecutor(study.process.at_once) as threads:
+            entries = list(threads.map(found, every))
+    else:
+        entries = [found(labels) for labels in every]
     done = [entry for entry in entries if entry is not None]
-    cases = [case for case, _ in done]
     arrays = {case["key"]: own for case, own in done if own}
-    data = {"once": dict(once), "cases": cases}
-    whole = record(study.name, data, inputs=_inputs(options), seconds=perf_counter() - begun)
+    inputs = json.loads(json.dumps(asdict(options), default=str))
+    data = {"cases": [case for case, _ in done]}
+    whole = record(study.name, data, inputs=inputs, seconds=perf_counter() - begun)
     return StudyResult(whole, arrays)
 
 
-def _inputs(options: Any) -> dict[str, Any]:
-    """Options as a record has them."""
-    return json.loads(json.dumps(asdict(options), default=str))
-
-
-def _key(study: Study, options: Any, labels: Any) -> str:
+def key_of(study: Study, options: Any, labels: Any) -> str:
     """Digest of everything but the program that a case depends on."""
-    scene = as_data(study.scene(labels, options)) if study.scene and labels != "once" else None
+    scene = as_data(study.scene(labels, options)) if study.scene else None
     given = asdict(options)
     for each in fields(options):
         if each.metadata == CHOOSES:
@@ -155,41 +145,21 @@ def finished(out: Path) -> None:
     rmtree(parts(out), ignore_errors=True)
 
 
-@dataclass
-class _Store:
-    """Cases by key: known ones are taken, new ones are written by rank 0 as they are done."""
-
-    comm: Any
-    folder: Path
-    known: dict[str, tuple[dict[str, Any], dict[str, Any]]]
-
-    def take(self, key: str) -> tuple[dict[str, Any], dict[str, Any]] | None:
-        return self.known.get(key)
-
-    def put(
-        self, key: str, case: dict[str, Any], arrays: dict[str, Any]
-    ) -> tuple[dict[str, Any], dict[str, Any]]:
-        case = case | {"key": key, "commit": commit()}
-        if self.comm.rank == 0:
-            write_arrays(arrays, self.folder, f"{key}.npz")
-            write_record(case, self.folder / f"{key}.json")
-        return case, arrays
-
-
-def _known(study: Study, out: Path) -> dict[str, tuple[dict[str, Any], dict[str, Any]]]:
+def _known(study: Study, out: Path) -> dict[str, Stored]:
     """Cases that may be taken: of an interrupted run, of a finished one, and shipped ones."""
     found = _of_result(study, study.shipped) if study.shipped else []
     if not commit().endswith(_DIRTY):
+        files = sorted(parts(out).glob("*.json"))
         own = _of_result(study, out)
-        own += [read_case(file) for file in sorted(parts(out).glob("*.json"))]
+        own += [(read_record(file), read_arrays(file.with_suffix(".npz"))) for file in files]
         found += [entry for entry in own if entry[0]["commit"] == commit()]
-    return {case["key"]: (case, arrays) for case, arrays in found if not case.get("failed")}
+    return {case["key"]: (case, arrays) for case, arrays in found if not case["failed"]}
 
 
-def _of_result(study: Study, folder: Path) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """Cases of a finished result, and what it computed once."""
+def _of_result(study: Study, folder: Path) -> list[Stored]:
+    """Cases of a finished result."""
     try:
         result = read(study.name, folder)
     except InputError:
         return []
-    return [(case, dict(result.arrays.get(case["key"], {}))) for case in result.cases]
+    return [(case, result.arrays.get(case["key"], {})) for case in result.cases]

@@ -11,8 +11,13 @@ from comparisons.study.columns import Column
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Frame = Callable[[Any], pd.DataFrame]
-"""Makes a data frame of a result, of a study that was just run or read back alike."""
+Frame = Callable[[Any], pd.DataFrame] | str
+"""Makes a data frame of a result; a text names the table of a study whose rows it has."""
+
+
+def rows(frame: Frame, result: Any) -> pd.DataFrame:
+    """The data frame of a result, of a study that was just run or read back alike."""
+    return result.frame(frame) if isinstance(frame, str) else frame(result)
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,7 @@ class Plot:
     Parameters
     ----------
     name
-        Stem of the PNG file.
+        Its name on the page.
     caption
         What it shows.
     frame
@@ -73,7 +78,7 @@ class Plot:
     lines
         Makes lines without markers, in the same columns; those of ``frame`` are markers then.
     style
-        "lines", "markers" or "bars".
+        "lines" or "markers".
     """
 
     name: str
@@ -111,6 +116,8 @@ class Section:
         Whether the viewer of the modes that cases kept stands here.
     geometry
         Whether the bodies of the first result with modes stand here at rest.
+    of
+        Table of rows of a study without which the section is left out.
     """
 
     title: str
@@ -120,3 +127,4 @@ class Section:
     plots: Sequence[Plot | Drawing] = ()
     modes: bool = False
     geometry: bool = False
+    of: str = ""

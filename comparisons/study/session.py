@@ -1,11 +1,11 @@
 """Runs of scenes in a study: bodies are reused while they are equal, what a run took is noted."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from comparisons.study.modes_view import Shapes
+from comparisons.study.shapes import Shapes
 from scenes import Result, run_scene
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene
@@ -21,20 +21,19 @@ class Session:
     ----------
     scene
         Scene of the case, or scenes by name; None where the study has none for each.
-    once, options
-        What was computed once, and the options.
+    options
+        The options.
+    stage
+        Told what is being done.
     runs
         What the runs of the case took and left out.
     arrays, shapes
         What the case kept.
     """
 
-    def __init__(
-        self, once: Mapping[str, Any], options: Any, stage: Callable[[str], None] = lambda _: None
-    ) -> None:
-        self.once, self.options, self.stage = once, options, stage
-        self._earlier: list[tuple[Any, Any, Any]] = []
-        self._last: tuple[Scene | None, Any] = (None, None)
+    def __init__(self, options: Any, stage: Callable[[str], None] = lambda _: None) -> None:
+        self.options, self.stage = options, stage
+        self._earlier: list[Result] = []
         self.begin(None)
 
     def begin(self, scene: Any) -> None:
@@ -60,26 +59,20 @@ class Session:
 
         Returns
         -------
-        Result or Result
+        Result
             The result.
         """
         scene = scene or self.scene
         assert scene is not None, "the study gives no scene for its cases"
-        if scene == self._last[0] and not options:
-            return self._last[1]
-        bodies, interfaces = next(
-            (
-                (bodies, interfaces)
-                for specs, bodies, interfaces in self._earlier
-                if specs == scene.bodies
-            ),
-            (None, None),
-        )
-        given: Any = {"bodies": bodies, "interfaces": interfaces, "listener": self.stage} | options
-        result = run_scene(scene, **given)
-        kept = [entry for entry in self._earlier if entry[0] != scene.bodies]
-        self._earlier = [(scene.bodies, result.bodies, result.interfaces), *kept][:_REMEMBERED]
-        self._last = scene, result
+        if self._earlier and scene == self._earlier[0].scene and not options:
+            return self._earlier[0]
+        given: dict[str, Any] = {"listener": self.stage}
+        for earlier in self._earlier:
+            if earlier.scene.bodies == scene.bodies:
+                given |= {"bodies": earlier.bodies, "interfaces": earlier.interfaces}
+        result = run_scene(scene, **(given | options))
+        kept = [each for each in self._earlier if each.scene.bodies != scene.bodies]
+        self._earlier = [result, *kept][:_REMEMBERED]
         self.note(result)
         return result
 

@@ -7,7 +7,6 @@ from time import perf_counter
 from typing import Any
 
 from cea.errors import ConvergenceError, InputError
-from comparisons.study.modes_view import NUMBERS, stored
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section
 from comparisons.study.session import Session
@@ -18,14 +17,8 @@ Case = Mapping[str, Any]
 """What sets a case apart: plain values by name, which are columns of every table of it."""
 Rows = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 """A row of the table "runs", several of them, or rows by the name of their table."""
-
-
 CHOOSES: Mapping[str, Any] = {"chooses": True}
 """Metadata of a field of options that only chooses cases: a stored case is taken whatever it is."""
-
-
-def _one(labels: Any) -> int:
-    return 1
 
 
 @dataclass(frozen=True)
@@ -38,19 +31,13 @@ class Process:
         ``module:name`` of the study, by which the process finds it.
     seconds
         Time for a case, the start of the process not counted.
-    ranks
-        Ranks of a case.
     at_once
-        Processes that share the cases.
-    own
-        Labels each value of which has a process of its own.
+        Processes that share the cases. A case with a label ``ranks`` runs on so many.
     """
 
     study: str
     seconds: float
-    ranks: Callable[[Any], int] = _one
     at_once: int = 1
-    own: Sequence[str] = ()
 
 
 @dataclass(frozen=True)
@@ -67,7 +54,8 @@ class Study:
         Frozen dataclass of what a user may choose: its fields are options of the command, its
         docstring describes them.
     cases
-        Cases of given options, in the order in which they are run; all have the same labels.
+        Cases of given options, in the order in which they are run; all have the same labels. A
+        label ``part`` sets parts of a study apart, and is not shown.
     evaluate
         Computes a case: a row, rows, or rows by the name of their table. Collective on several
         ranks. Values are plain: numbers, texts, truths and None where there is no number.
@@ -76,8 +64,6 @@ class Study:
     scene
         Scene of a case, where it has one, or several by name: part of what a stored case must agree
         in.
-    once
-        Plain data computed once for all cases, e.g. exact eigenvalues.
     quick
         Options of ``--quick``, which tests run too.
     check
@@ -98,11 +84,17 @@ class Study:
     evaluate: Callable[[Any, Session], Rows | Mapping[str, Rows]]
     sections: Sequence[Section]
     scene: Callable[[Any, Any], Scene | Mapping[str, Any] | None] | None = None
-    once: Callable[[Any], Mapping[str, Any]] | None = None
     quick: Mapping[str, Any] = field(default_factory=dict)
     check: Callable[[StudyResult], str] | None = None
     process: Process | None = None
     shipped: Path | None = None
+
+
+def at_least_one(**fields: int) -> None:
+    """Refuse options that are no numbers from 1 on."""
+    for name, value in fields.items():
+        if value < 1:
+            raise InputError(name, value, "1 or more")
 
 
 def evaluated(
@@ -116,8 +108,7 @@ def evaluated(
         as_json(tables)  # refuses what is no plain data, and what is no number
     except (ConvergenceError, InputError) as error:
         tables, failed = {}, str(error) or type(error).__name__
-    shapes, numbers = stored(session.shapes)
-    arrays = session.arrays | ({NUMBERS: numbers} if len(numbers) else {})
+    shapes, numbers = session.shapes.stored()
     case = {
         "labels": dict(labels),
         "tables": tables,
@@ -126,16 +117,16 @@ def evaluated(
         "failed": failed,
         "seconds": perf_counter() - start,
     }
-    return case, arrays
+    return case, session.arrays | numbers
 
 
 def _tables(rows: Any) -> dict[str, list[dict[str, Any]]]:
-    """Rows by the name of their table, their values as Python has them."""
-    if isinstance(rows, Mapping) and all(isinstance(each, list) for each in rows.values()):
-        return {name: [_plain(row) for row in each] for name, each in rows.items()}
-    return {"runs": [_plain(row) for row in ([rows] if isinstance(rows, Mapping) else rows)]}
-
-
-def _plain(row: Mapping[str, Any]) -> dict[str, Any]:
-    """A row whose numbers are those of Python: not every reader knows those of numpy."""
-    return {name: v.item() if hasattr(v, "item") else v for name, v in row.items()}
+    """Rows by the name of their table, their numbers those of Python, which every reader knows."""
+    if not isinstance(rows, Mapping):
+        rows = {"runs": list(rows)}
+    elif not all(isinstance(each, list) for each in rows.values()):
+        rows = {"runs": [rows]}
+    return {
+        name: [{k: v.item() if hasattr(v, "item") else v for k, v in row.items()} for row in each]
+        for name, each in rows.items()
+    }

@@ -10,7 +10,6 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Mapping
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
@@ -21,7 +20,7 @@ from typing import Any
 from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.study.session import Session
-from comparisons.study.study import Study, evaluated
+from comparisons.study.study import Process, evaluated
 
 _MARK = "\x1eanswer "
 _STARTS = 120.0
@@ -34,27 +33,30 @@ _ENVIRONMENT = {
 
 
 class Workers:
-    """Processes that share the cases, by their ranks and the labels that have processes apart."""
+    """Processes that share the cases, by their ranks; they end with the context."""
 
-    def __init__(self, study: Study, options: Any, once: Mapping[str, Any]) -> None:
-        assert study.process is not None
-        self._process, self._given = study.process, [asdict(options), dict(once)]
-        self._idle: SimpleQueue[dict[tuple[Any, ...], Worker]] = SimpleQueue()
-        self._sets = [dict[tuple[Any, ...], Worker]() for _ in range(study.process.at_once)]
+    def __init__(self, process: Process, options: Any) -> None:
+        self._process, self._options = process, asdict(options)
+        self._idle: SimpleQueue[dict[int, Worker]] = SimpleQueue()
+        self._sets: list[dict[int, Worker]] = [{} for _ in range(process.at_once)]
         for each in self._sets:
             self._idle.put(each)
 
     def evaluate(self, labels: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
         """A case, and no arrays: it travels as text. Several threads may ask."""
-        ranks, workers = self._process.ranks(labels), self._idle.get()
-        key = (ranks, *(labels[name] for name in self._process.own))
+        ranks, workers = labels.get("ranks", 1), self._idle.get()
         try:
-            worker = workers.setdefault(key, Worker(self._process.study, self._given, ranks))
-            return worker.evaluate(labels, self._process.seconds), {}
+            if ranks not in workers:
+                workers[ranks] = Worker(self._process.study, self._options, ranks)
+            return workers[ranks].evaluate(labels, self._process.seconds), {}
         finally:
             self._idle.put(workers)
 
-    def end(self) -> None:
+    def __enter__(self) -> "Workers":
+        """The workers themselves."""
+        return self
+
+    def __exit__(self, *error: object) -> None:
         """End all processes."""
         for workers in self._sets:
             for worker in workers.values():
@@ -62,35 +64,27 @@ class Workers:
 
 
 class Worker:
-    """Computes cases of a study in another process, begun anew whenever it has died.
+    """Computes cases of the study ``module:name`` in a process, begun anew when it has died."""
 
-    Parameters
-    ----------
-    study
-        ``module:name`` of the study.
-    given
-        Options of the study and what was computed once, plain data.
-    ranks
-        Ranks of the process.
-    """
-
-    def __init__(self, study: str, given: list[Any], ranks: int = 1) -> None:
+    def __init__(self, study: str, options: dict[str, Any], ranks: int) -> None:
         self._command = [*launcher(ranks), sys.executable, "-m", __name__, study]
-        self._given = given
+        self._options = options
         self._process: subprocess.Popen[str] | None = None
 
     def evaluate(self, labels: dict[str, Any], seconds: float) -> dict[str, Any]:
         """The case; one that failed where it took longer or ended the process."""
-        if self._process is None:
-            self._begin()
-        line = self._ask(labels, seconds)
-        if line:
+        process = self._process or self._begin()
+        if line := self._ask(process, labels, seconds):
             return json.loads(line.removeprefix(_MARK))
-        reason = self._end_of(seconds)
+        try:
+            reason = f"ended with code {process.wait(0.2)}"
+        except subprocess.TimeoutExpired:
+            reason = f"took more than {seconds:g} s"
+        self.end()
         return {"labels": labels, "tables": {}, "runs": [], "failed": reason,
                 "shapes": {"scenes": {}, "modes": {}}, "seconds": seconds}  # fmt: skip
 
-    def _begin(self) -> None:
+    def _begin(self) -> "subprocess.Popen[str]":
         self._process = subprocess.Popen(
             self._command,
             env=os.environ | _ENVIRONMENT,
@@ -101,15 +95,14 @@ class Worker:
         )
         self._lines: Queue[str] = Queue()
         Thread(target=self._read, args=(self._process.stdout, self._lines), daemon=True).start()
-        self._ask(self._given, _STARTS)  # it is ready
+        self._ask(self._process, self._options, _STARTS)  # it is ready
+        return self._process
 
-    def _ask(self, question: Any, seconds: float) -> str:
+    def _ask(self, process: Any, question: Any, seconds: float) -> str:
         """The marked line that answers; "" where none comes in time or the process has ended."""
-        assert self._process is not None
-        assert self._process.stdin is not None
         try:
-            self._process.stdin.write(json.dumps(question) + "\n")
-            self._process.stdin.flush()
+            process.stdin.write(json.dumps(question) + "\n")
+            process.stdin.flush()
             return self._lines.get(timeout=seconds)
         except (BrokenPipeError, Empty):
             return ""
@@ -120,16 +113,6 @@ class Worker:
             if line.startswith(_MARK):
                 lines.put(line)
         lines.put("")  # it has ended
-
-    def _end_of(self, seconds: float) -> str:
-        """End the process, and tell whether it had ended before."""
-        assert self._process is not None
-        try:
-            code: int | None = self._process.wait(0.2)
-        except subprocess.TimeoutExpired:
-            code = None
-        self.end()
-        return f"took more than {seconds:g} s" if code is None else f"ended with code {code}"
 
     def end(self) -> None:
         """End the process and its ranks."""
@@ -170,9 +153,9 @@ def main(name: str) -> None:
 
     module, _, attribute = name.partition(":")
     study = getattr(import_module(module), attribute)
-    given, once = json.loads(next_line())
+    given = json.loads(next_line())
     options = {name: tuple(v) if isinstance(v, list) else v for name, v in given.items()}
-    session = Session(once, study.options(**options))
+    session = Session(study.options(**options))
     answer(None)
     while line := next_line():
         answer(evaluated(study, json.loads(line), session)[0])

@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from cea.arrays import Ints
-from comparisons.kit.plots import AXIS, BLUE, GREY, VERMILION, styled
-from comparisons.kit.records import Data
+from comparisons.study.plots import AXIS, BLUE, GREY, VERMILION
+from comparisons.study.result import Data
 from comparisons.sweep.points import Points
 from comparisons.sweep.spectra import HINT, UNSTABLE
 
@@ -24,7 +24,6 @@ def line_figure(made: "Swept", line: Ints) -> Figure:
     return _line({"made": made, "line": line})
 
 
-@styled
 def _line(drawn: Data) -> Figure:
     made, line = drawn["made"], drawn["line"]
     data, points, spectra = made.record, made.points, made.spectra
@@ -76,7 +75,6 @@ def map_figure(made: "Swept") -> Figure:
 map_figure.__name__ = "map"
 
 
-@styled
 def _map(drawn: Data) -> Figure:
     made = drawn["made"]
     data, points, spectra = made.record, made.points, made.spectra
@@ -121,7 +119,6 @@ def samples_figure(made: "Swept") -> Figure:
 samples_figure.__name__ = "sweep"
 
 
-@styled
 def _samples(drawn: Data) -> Figure:
     data, points = drawn["made"].record, drawn["made"].points
     largest = drawn["made"].spectra.largest

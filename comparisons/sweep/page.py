@@ -6,9 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from cea.petsc import MPI
-from comparisons.kit.page import REPORT
-from comparisons.kit.records import RESULT, read_result
-from comparisons.study.page import write
+from comparisons.study.page import REPORT, write
+from comparisons.study.result import RESULT, read_result
 from comparisons.study.sections import Drawing
 from comparisons.sweep.figures import line_figure, map_figure, samples_figure
 from comparisons.sweep.points import Points

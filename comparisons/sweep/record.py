@@ -9,7 +9,7 @@ import numpy as np
 
 from cea.reduced.crossings import Threshold
 from cea.reduced.thresholds import Unresolved
-from comparisons.kit.run_warnings import merged_warnings
+from comparisons.study.run_warnings import merged_warnings
 from comparisons.sweep.points import Points
 from comparisons.sweep.scene import Mapped
 from comparisons.sweep.spectra import UNSTABLE, Spectra

@@ -6,10 +6,10 @@ import numpy as np
 import pandas as pd
 
 from cea.eigen.classify import GROWING, WORDS, counted_words
-from comparisons.kit.numbers import counted, plain, shown
-from comparisons.kit.records import Data
-from comparisons.kit.run_warnings import kinds_at
 from comparisons.study.columns import Column
+from comparisons.study.numbers import counted, plain, shown
+from comparisons.study.result import Data
+from comparisons.study.run_warnings import kinds_at
 from comparisons.study.sections import Drawing, Section, Table
 from comparisons.sweep.spectra import UNSTABLE
 

@@ -5,64 +5,167 @@ use may be of a kind that is not known here.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
-from meshes.files.abaqus_deck import Keyword, Scope, Type, keywords_of
-from meshes.files.content import ElementBlock, FileContent, Sets, known_rows
-from meshes.files.elements import FACES
+from meshes.files.abaqus_deck import Keyword, is_number, keywords_of
+from meshes.files.content import (
+    ElementBlock,
+    FileContent,
+    Role,
+    Sets,
+    block,
+    known_rows,
+    rows_of,
+    without_nodes,
+)
+from meshes.files.elements import FACES, KINDS
 
+Type = Literal["node", "element", "surface"]
+
+_SOLID = re.compile(r"C3D(4|5|6|8|10|13|15|20)(?!V)[A-Z]*")
+_PLANE = re.compile(r"(CPE|CPS|SFM3D)(3|4|6|8)[A-Z]*")
+_SHELL = re.compile(r"(S|STRI|DS|M3D|R3D)(3|4|6|8)[A-Z0-9]*")
+_OTHER_SOLIDS = ("C3D15V", "C3D27")
+"""Wedges and hexahedra that may have nodes in the middles of some faces, not of others."""
+_NAMES = {(kind.reference.shape[1], len(kind.groups)): name for name, kind in KINDS.items()}
+"""Names in the table of kinds by dimension and number of nodes."""
+_NOT_READ = (
+    *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"),
+    *("PARAMETER", "IMPORT", "IMPERFECTION"),
+)
+"""Keywords that make, move or bring along nodes and elements."""
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")
 _DEEPEST = 20
 """Sets that are members of one another."""
 
 
-class Labels[Item](Mapping[str, Item]):
-    """Items by names whose case is ignored; every spelling is listed."""
-
-    def __init__(self, items: Iterable[tuple[str, Item]]) -> None:
-        self._names: dict[str, None] = {}
-        self._items: dict[str, Item] = {}
-        for name, item in items:
-            self._names[name] = None
-            self._items.setdefault(name.upper(), item)
-
-    def __getitem__(self, name: str) -> Item:
-        return self._items[name.upper()]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-
-@dataclass
-class _Instance:
-    """A part put in place."""
-
-    name: str
-    part: str
-    placing: list[list[str]] = field(default_factory=list)
-    own: Scope = field(default_factory=Scope)
-
-
 @dataclass(eq=False)
-class _Place:
-    """Where the nodes and elements of one instance stand in the content."""
+class Scope:
+    """What a part or an instance holds, or a deck outside of both.
 
-    name: str
-    numbers: Ints
-    first_node: int
-    element_numbers: Ints
-    first_element: int
-    sets: Mapping[Type, Labels[list[Keyword | Ints]]]
+    Sets are listed by their names in capitals: what one keyword after the other says of each.
+    ``first_node`` and ``first_element`` are where those of an instance begin in the content.
+    """
+
+    name: str = ""
+    placing: list[list[str]] = field(default_factory=list)
+    nodes: list[tuple[Ints, Floats]] = field(default_factory=list)
+    elements: list[ElementBlock] = field(default_factory=list)
+    sets: list[tuple[Type, str, Keyword | Ints]] = field(default_factory=list)
+    told: list[str] = field(default_factory=list)
+    numbers: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    first_node: int = 0
+    first_element: int = 0
+
+    def take(self, keyword: Keyword) -> None:
+        """Take in what a keyword holds; keywords that say nothing of the mesh are passed over."""
+        match keyword.name:
+            case "NODE":
+                keyword.check("NSET", "SYSTEM", "INPUT")
+                system = keyword.parameters.get("SYSTEM", "R").upper()
+                require(system == "R", "file", f"*NODE, SYSTEM={system}", "cartesian coordinates")
+                self.nodes.append(keyword.nodes())
+                if name := keyword.parameters.get("NSET"):
+                    self.sets.append(("node", name, self.nodes[-1][0]))
+            case "ELEMENT":
+                keyword.check("TYPE", "ELSET", "INPUT")
+                self.elements.append(self._elements(keyword))
+                if name := keyword.parameters.get("ELSET"):
+                    self.sets.append(("element", name, self.elements[-1].numbers))
+            case "NSET":
+                self.sets.append(("node", keyword.needed("NSET"), keyword))
+            case "ELSET":
+                self.sets.append(("element", keyword.needed("ELSET"), keyword))
+            case "SURFACE":
+                self._take_surface(keyword)
+            case name if name in _NOT_READ:
+                allowed = "a deck that lists nodes and elements: write it out without this keyword"
+                raise InputError("file", f"*{name}", allowed)
+
+    def _elements(self, keyword: Keyword) -> ElementBlock:
+        kind = keyword.needed("TYPE").upper()
+        role, known = _known(kind)
+        if not known:
+            return without_nodes(kind, keyword.elements(0)[0][:, 0], role)
+        rows, longer = keyword.elements(len(KINDS[known].groups))
+        if longer:
+            self.told.append(f"numbers behind the nodes of {longer} elements {kind}")
+        return block(kind, known, rows[:, 0], rows[:, 1:], role=role)
+
+    def _take_surface(self, keyword: Keyword) -> None:
+        name, of = keyword.needed("NAME"), keyword.parameters.get("TYPE", "ELEMENT").upper()
+        if of == "NODE":
+            own = {key: v for key, v in keyword.parameters.items() if key not in ("TYPE", "NAME")}
+            firsts = "\n".join(line[0] for line in keyword.lines)  # areas follow
+            self.sets.append(("node", name, Keyword("SURFACE", own, firsts)))
+        elif of == "ELEMENT":
+            self.sets.append(("surface", name, keyword))
+
+    def place(self, first_node: int, first_element: int) -> Floats:
+        """Count nodes and elements on from others; where its nodes are, (n, 3)."""
+        self.first_node, self.first_element = first_node, first_element
+        points = np.empty((0, 3))
+        if self.nodes:  # of those given again the last
+            every, at = (np.concatenate(parts) for parts in zip(*self.nodes, strict=True))
+            self.numbers, last = np.unique(every[::-1], return_index=True)
+            points = at[::-1][last]
+        self.elements = [
+            replace(each, nodes=first_node + rows_of(self.numbers, each.nodes, "a node"))
+            for each in self.elements
+        ]
+        return self._moved(points)
+
+    def _moved(self, points: Floats) -> Floats:
+        """Points of a part where its instance stands: shifted, then turned about an axis."""
+        try:
+            lines = [[float(each) for each in line if each] for line in self.placing]
+        except ValueError:
+            lines = [[]]
+        told, allowed = (
+            f"*INSTANCE, NAME={self.name}",
+            ("a line of a translation, and one of two points of an axis and an angle"),
+        )
+        require([*map(len, lines)] in ([], [3], [3, 7]), "file", told, allowed)
+        if lines:
+            points = points + lines[0]
+        if len(lines) > 1:
+            start, end, angle = np.array(lines[1][:3]), np.array(lines[1][3:6]), lines[1][6]
+            axis = end - start
+            require(bool(np.any(axis)), "file", told, allowed)
+            turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis), degrees=True)
+            points = start + turn.apply(points - start)
+        return points
+
+    def of(self, kind: Type, name: str) -> list[Keyword | Ints]:
+        """What lists the members of a set, keyword by keyword; of a surface, the last alone."""
+        listed = [m for of, own, m in self.sets if of == kind and own.upper() == name.upper()]
+        return listed[-1:] if kind == "surface" else listed
+
+    def rows(self, kind: Type, numbers: Ints | None = None) -> Ints:
+        """Rows in the content of nodes or elements of given numbers, or of all."""
+        first, own = self.first_node, self.numbers
+        if kind == "element":
+            first, own = self.first_element, _joined(b.numbers for b in self.elements)
+        return first + known_rows(own, own if numbers is None else numbers)
+
+
+def _known(kind: str) -> tuple[Role, str]:
+    """Role of a type of element, and its name in the table of kinds; none where it is not there."""
+    if match := _SOLID.fullmatch(kind):
+        return "solid", _NAMES[3, int(match[1])]
+    if match := _PLANE.fullmatch(kind):
+        return "solid" if match[1] == "CPE" else "mark", _NAMES[2, int(match[2])]
+    if match := _SHELL.fullmatch(kind):
+        return "structural", _NAMES[2, int(match[2])]
+    return "solid" if kind.startswith(_OTHER_SOLIDS) else "structural", ""
 
 
 def abaqus_content(file: Path) -> FileContent:
@@ -72,113 +175,73 @@ def abaqus_content(file: Path) -> FileContent:
     and, behind the name of the instance and a dot, those of each. All elements of an instance are a
     set by its name.
     """
-    flat, parts, instances = _scopes(file)
-    if not instances:
-        instances = [_Instance(name, name) for name in parts]
-    blocks: list[ElementBlock] = []
+    every = _scopes(file)
     points: list[Floats] = []
-    numbers: list[Ints] = []
-    places: dict[str, _Place] = {}
-    for instance in [_Instance("", ""), *instances]:
-        scope = flat
-        if instance.name:
-            known = ", ".join(parts) or "none"
-            told = f"*INSTANCE, PART={instance.part}"
-            require(instance.part in parts, "file", told, f"one of {known}")
-            scope = parts[instance.part].and_also(instance.own)
-        own, positions = scope.numbered()
-        first_node, first_element = sum(map(len, points)), sum(map(len, blocks))
-        new = list(scope.blocks(own, first_node))
-        elements = np.concatenate([np.empty(0, dtype=np.int64), *(b.numbers for b in new)])
-        places[instance.name.upper()] = _Place(
-            instance.name, own, first_node, elements, first_element, _by_label(scope.sets)
-        )
-        points.append(_placed(positions, instance))
-        numbers.append(own)
-        blocks += new
+    count = 0
+    for scope in every:
+        points.append(scope.place(sum(map(len, points)), count))
+        count += sum(map(len, scope.elements))
     require(sum(map(len, points)) > 0, "file", "no nodes", "a deck with *NODE and *ELEMENT")
-    left_out = [each for scope in (flat, *parts.values()) for each in scope.told]
-    content = FileContent(np.concatenate(points), np.concatenate(numbers), blocks, told=left_out)
-    return _Resolver(content, places).with_sets()
+    content = FileContent(
+        np.concatenate(points),
+        np.concatenate([scope.numbers for scope in every]),
+        [each for scope in every for each in scope.elements],
+        told=list(dict.fromkeys(each for scope in every for each in scope.told)),
+    )
+    return _Resolver(content, {scope.name.upper(): scope for scope in every}).with_sets()
 
 
-def _scopes(file: Path) -> tuple[Scope, dict[str, Scope], list[_Instance]]:
-    """What stands outside of parts, each part, and the instances of parts."""
-    flat, parts, instances = Scope(), dict[str, Scope](), list[_Instance]()
+def _scopes(file: Path) -> list[Scope]:
+    """What stands outside of parts, then the instances of parts, or the parts without any."""
+    flat, parts, instances = Scope(), dict[str, Scope](), list[Scope]()
     inside = flat
     for keyword in keywords_of(file):
         match keyword.name:
             case "PART":
                 keyword.check("NAME", "INTERNAL")
-                inside = parts.setdefault(keyword.needed("NAME").upper(), Scope())
+                name = keyword.needed("NAME")
+                inside = parts.setdefault(name.upper(), Scope(name))
             case "INSTANCE":
                 keyword.check("NAME", "PART", "NSET", "ELSET", "INTERNAL")
                 name, part = keyword.needed("NAME"), keyword.needed("PART")
-                instances.append(_Instance(name, part.upper(), keyword.lines))
-                inside = instances[-1].own
+                known = ", ".join(parts) or "none"
+                told = f"*INSTANCE, PART={part}"
+                require(part.upper() in parts, "file", told, f"one of {known}")
+                inside = replace(parts[part.upper()], name=name, placing=keyword.lines)
+                for each in ("nodes", "elements", "sets"):  # to which its own are added
+                    setattr(inside, each, [*getattr(inside, each)])
+                instances.append(inside)
                 for kind in ("NSET", "ELSET"):  # all that the instance has
                     if kind in keyword.parameters:
                         whole = keyword.needed(kind)
-                        flat.take(Keyword(kind, {str(kind): whole}, name.encode()))
+                        flat.take(Keyword(kind, {str(kind): whole}, name))
             case "END PART" | "END INSTANCE" | "ASSEMBLY" | "END ASSEMBLY":
                 inside = flat
             case "STEP":
                 break  # from here on it says what is done
             case _:
                 inside.take(keyword)
-    return flat, parts, instances
+    return [flat, *(instances or parts.values())]
 
 
-def _by_label(
-    sets: Mapping[Type, list[tuple[str, Keyword | Ints]]],
-) -> dict[Type, Labels[list[Keyword | Ints]]]:
-    """What lists the members of each set, keyword by keyword; of a surface, the last alone."""
-    found: dict[Type, Labels[list[Keyword | Ints]]] = {}
-    for kind, given in sets.items():
-        found[kind] = Labels((name, []) for name, _ in given)
-        for name, members in given:
-            listed = found[kind][name]
-            if kind == "surface":
-                listed.clear()
-            listed.append(members)
-    return found
-
-
-def _placed(points: Floats, instance: _Instance) -> Floats:
-    """Points of a part where its instance stands: shifted, then turned about an axis."""
-    try:
-        lines = [[float(each) for each in line if each] for line in instance.placing]
-    except ValueError:
-        lines = [[]]
-    allowed = "a line of a translation, and one of two points of an axis and an angle"
-    sizes = [len(line) for line in lines]
-    told = f"*INSTANCE, NAME={instance.name}"
-    require(sizes in ([], [3], [3, 7]), "file", told, allowed)
-    if sizes:
-        points = points + lines[0]
-    if len(sizes) > 1:
-        start, end, angle = np.array(lines[1][:3]), np.array(lines[1][3:6]), lines[1][6]
-        axis = end - start
-        require(bool(np.any(axis)), "file", told, allowed)
-        turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis), degrees=True)
-        points = start + turn.apply(points - start)
-    return points
+def _joined(parts: Iterable[Ints]) -> Ints:
+    return np.concatenate([np.empty(0, dtype=np.int64), *parts])
 
 
 class _Resolver:
     """Finds what sets and surfaces of a deck have as members."""
 
-    def __init__(self, content: FileContent, places: Mapping[str, _Place]) -> None:
-        self.content, self.places = content, places
+    def __init__(self, content: FileContent, scopes: dict[str, Scope]) -> None:
+        self.content, self.scopes = content, scopes
         self._open: list[tuple[Type, str, str]] = []
         self._made: dict[tuple[Type, str, str], Ints] = {}
 
     def with_sets(self) -> FileContent:
         """The content with its sets, after a look at the names in them."""
-        for key, place in self.places.items():
-            for kind in ("node", "element"):
-                for name in place.sets[kind]:
-                    self._check_names(kind, key, place.sets[kind][name])
+        for key, scope in self.scopes.items():
+            for kind, _, listed in scope.sets:
+                if kind != "surface" and isinstance(listed, Keyword):
+                    self._check_names(kind, key, listed)
         return replace(
             self.content,
             node_sets=self._sets("node"),
@@ -188,98 +251,77 @@ class _Resolver:
 
     def _sets(self, kind: Type) -> Sets:
         """Sets of a type by name: those of all instances together, and those of each."""
-        together: list[tuple[str, list[str]]] = []
-        for key, place in self.places.items():
-            for name in place.sets[kind]:
-                together.append((name, [k for k, p in self.places.items() if name in p.sets[kind]]))
-                if key:
-                    together.append((f"{place.name}.{name}", [""]))
+        names = []
+        for key, scope in self.scopes.items():
+            own = [name for of, name, _ in scope.sets if of == kind]
+            names += [*own, *(f"{scope.name}.{name}" for name in own if key)]
         if kind == "element":
-            together += [(place.name, [""]) for key, place in self.places.items() if key]
-        labels = Labels((name, (name, keys)) for name, keys in together)
-        return Sets(
-            labels, lambda item: self._joined(self.members(kind, key, item[0]) for key in item[1])
-        )
+            names += [scope.name for key, scope in self.scopes.items() if key]
+        return Sets(names, lambda name: self._of_all(kind, name), any_case=True)
 
-    @staticmethod
-    def _joined(parts: Iterable[Ints]) -> Ints:
-        return np.unique(np.concatenate([*parts]), axis=0)
+    def _of_all(self, kind: Type, name: str) -> Ints:
+        """Members of the sets of a name in all instances, or of one inside an instance."""
+        keys = [key for key, scope in self.scopes.items() if scope.of(kind, name)] or [""]
+        parts = [self.members(kind, key, name) for key in keys]
+        return np.unique(np.concatenate(parts), axis=0)
 
     def members(self, kind: Type, key: str, name: str) -> Ints:
-        """Rows of nodes, elements, or faces (n, 2) of a set, of an instance or with its name."""
-        place = self.places[key]
-        instance, dot, inner = name.partition(".")
-        if name not in place.sets[kind]:
-            if dot and instance.upper() in self.places:
-                return self._entry(kind, instance.upper(), inner)
-            whole = self.places.get(name.upper()) if name else None
+        """Rows of nodes, elements, or faces (n, 2) of a set that a scope has or names."""
+        listed = self.scopes[key].of(kind, name)
+        if not listed:
+            instance, dot, inner = name.partition(".")
+            if dot and instance.upper() in self.scopes:
+                if is_number(inner) and kind != "surface":
+                    return self.scopes[instance.upper()].rows(kind, np.array([int(inner[:16])]))
+                return self.members(kind, instance.upper(), inner)
+            whole = self.scopes.get(name.upper()) if name else None
             if kind == "surface" or whole is None:
                 raise InputError("file", name, f"a set of {kind}s that the deck has")
-            return self._rows(
-                kind, whole, whole.numbers if kind == "node" else whole.element_numbers
-            )
+            return whole.rows(kind)
         mark = kind, key, name.upper()
         if mark not in self._made:
             allowed = f"sets that are not inside each other, and at most {_DEEPEST} deep"
             require(mark not in self._open and len(self._open) < _DEEPEST, "file", name, allowed)
             self._open.append(mark)
             try:
-                self._made[mark] = self._joined(
-                    [
-                        np.empty((0, 2) if kind == "surface" else 0, dtype=np.int64),
-                        *(self._of_listed(kind, key, each) for each in place.sets[kind][name]),
-                    ]
-                )
+                parts = [self._of_listed(kind, key, each) for each in listed]
+                self._made[mark] = np.unique(np.concatenate(parts), axis=0)
             finally:
                 self._open.pop()
         return self._made[mark]
 
     def _of_listed(self, kind: Type, key: str, listed: Keyword | Ints) -> Ints:
-        """Rows, or faces, of what a set is made of."""
+        """Rows, or faces, that a keyword lists."""
         if not isinstance(listed, Keyword):
-            return self._rows(kind, self.places[key], listed)
-        return self._faces(key, listed) if kind == "surface" else self._listed(kind, key, listed)
+            return self.scopes[key].rows(kind, listed)
+        if kind == "surface":
+            return self._faces(key, listed)
+        listed.check(*_OF_SET)
+        inside = self._inside(key, listed)
+        if kind == "node" and "ELSET" in listed.parameters:
+            elements = self.members("element", inside, listed.parameters["ELSET"])
+            return _joined(b.nodes[rows].ravel() for b, rows in self._by_block(elements))
+        return self._listed(kind, inside, *listed.members())
 
-    def _listed(self, kind: Type, key: str, keyword: Keyword) -> Ints:
-        """Rows that a keyword lists."""
-        keyword.check(*_OF_SET)
-        inside = self._inside(key, keyword)
-        if kind == "node" and "ELSET" in keyword.parameters:
-            return self._nodes_of(self.members("element", inside, keyword.parameters["ELSET"]))
-        numbers, names = keyword.members()
-        own = self._rows(kind, self.places[inside], numbers)
-        return self._joined([own, *(self._entry(kind, inside, name) for name in names)])
+    def _listed(self, kind: Type, key: str, numbers: Ints, names: Iterable[str]) -> Ints:
+        """Rows of nodes or elements by their numbers, and of sets by their names."""
+        of_sets = (self.members(kind, key, name) for name in names)
+        return _joined([self.scopes[key].rows(kind, numbers), *of_sets])
 
     def _inside(self, key: str, keyword: Keyword) -> str:
+        """Scope in which the members of a set are looked for."""
         instance = keyword.parameters.get("INSTANCE", key).upper()
-        require(instance in self.places, "file", instance, "an instance that the deck has")
+        require(instance in self.scopes, "file", instance, "an instance that the deck has")
         return instance
 
-    def _check_names(self, kind: Type, key: str, listed: Iterable[Keyword | Ints]) -> None:
+    def _check_names(self, kind: Type, key: str, listed: Keyword) -> None:
         """Refuse sets that are made of ones that are not there."""
-        for each in listed:
-            if isinstance(each, Keyword) and re.search(rb"[A-Za-z_]", each.data):
-                sets = self.places[self._inside(key, each)].sets[kind]
-                for name in each.members()[1]:
-                    instance = name.partition(".")[0].upper()
-                    if name not in sets and instance not in self.places:
-                        raise InputError("file", name, f"a set of {kind}s that the deck has")
-
-    def _entry(self, kind: Type, key: str, text: str) -> Ints:
-        """Rows of a number or of a set."""
-        if text.isascii() and text.isdecimal() and len(text) < 16 and kind != "surface":
-            return self._rows(kind, self.places[key], np.array([int(text)], dtype=np.int64))
-        return self.members(kind, key, text)
-
-    @staticmethod
-    def _rows(kind: Type, place: _Place, numbers: Ints) -> Ints:
-        if kind == "node":
-            return place.first_node + known_rows(place.numbers, numbers)
-        return place.first_element + known_rows(place.element_numbers, numbers)
-
-    def _nodes_of(self, elements: Ints) -> Ints:
-        found = [b.nodes[rows].ravel() for b, rows in self._by_block(elements)]
-        return np.unique(np.concatenate([np.empty(0, dtype=np.int64), *found]))
+        if re.search("[A-Za-z_]", listed.data):
+            inside = self._inside(key, listed)
+            for name in listed.members()[1]:
+                known = name.partition(".")[0].upper() in self.scopes
+                if not known and not self.scopes[inside].of(kind, name):
+                    raise InputError("file", name, f"a set of {kind}s that the deck has")
 
     def _by_block(self, elements: Ints) -> Iterator[tuple[ElementBlock, Ints]]:
         """Elements of each kind among given ones, as rows of its block."""
@@ -289,11 +331,24 @@ class _Resolver:
     def _faces(self, key: str, keyword: Keyword) -> Ints:
         """Elements and their faces that a surface has, -1 for all free ones, (n, 2)."""
         keyword.check("NAME", "TYPE", "COMBINE", "INTERNAL")
-        if "COMBINE" in keyword.parameters:
-            return self._combined(key, keyword)
         found = [np.empty((0, 2), dtype=np.int64)]
+        if how := keyword.parameters.get("COMBINE"):
+            names = [name for line in keyword.lines for name in line if name]
+            found += [self.members("surface", key, name) for name in names]
+            if how.upper() != "UNION":
+                two = how.upper() in ("INTERSECTION", "DIFFERENCE") and len(names) == 2
+                numbered = all((faces[:, 1] >= 0).all() for faces in found)
+                allowed = "UNION, or INTERSECTION or DIFFERENCE of two surfaces of numbered faces"
+                require(two and numbered, "file", f"*SURFACE, COMBINE={how}", allowed)
+                shared = np.isin(found[1] @ [8, 1], found[2] @ [8, 1])
+                return found[1][shared if how.upper() == "INTERSECTION" else ~shared]
+            return np.concatenate(found)
+        of_sides: dict[str, list[str]] = {}
         for line in keyword.lines:
-            elements, label = self._entry("element", key, line[0]), "".join(line[1:2]).upper()
+            of_sides.setdefault("".join(line[1:2]).upper(), []).append(line[0])
+        for label, names in of_sides.items():
+            named = Keyword("SURFACE", {}, "\n".join(names))
+            elements = self._listed("element", key, *named.members())
             side = int(label[1:]) - 1 if re.fullmatch("S[1-9]", label) else -1
             for each, rows in self._by_block(elements):
                 count = len(FACES.get(each.cell, ()))
@@ -301,19 +356,3 @@ class _Resolver:
                 require(fits, "file", label, f"faces S1 to S{count} of {each.kind}")
             found.append(np.stack([elements, np.full(len(elements), side)], axis=1))
         return np.concatenate(found)
-
-    def _combined(self, key: str, keyword: Keyword) -> Ints:
-        """Faces of surfaces that others are made of."""
-        how = keyword.parameters["COMBINE"].upper()
-        first, *rest = [
-            self.members("surface", key, n) for line in keyword.lines for n in line if n
-        ]
-        if how == "UNION":
-            return np.concatenate([first, *rest])
-        told = f"*SURFACE, COMBINE={how}"
-        fits = how in ("INTERSECTION", "DIFFERENCE") and len(rest) == 1
-        named = all((faces[:, 1] >= 0).all() for faces in (first, *rest))
-        allowed = "UNION, or INTERSECTION or DIFFERENCE of two surfaces of numbered faces"
-        require(fits and named, "file", told, allowed)
-        shared = np.isin(first @ [8, 1], rest[0] @ [8, 1])
-        return first[shared if how == "INTERSECTION" else ~shared]

@@ -1,9 +1,8 @@
 """The elements of a mesh file that make a body."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -14,7 +13,7 @@ from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.mesh import Cell
 from meshes.files.content import ElementBlock, FileContent, Sets, first_of_near, shown
-from meshes.files.elements import DIVIDED
+from meshes.files.elements import DIVIDED, FACES, side_nodes
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""
@@ -34,6 +33,11 @@ class Part:
         """Whether its mesh has its elements divided into tetrahedra."""
         cells = {block.cell for block in self.blocks}
         return len(cells) > 1 or not cells.isdisjoint(DIVIDED)
+
+    @property
+    def num_cells(self) -> int:
+        """Number of cells of its mesh; of elements that are divided, about that of tetrahedra."""
+        return len(self.elements) * (5 if self.is_divided else 1)
 
     @property
     def cell(self) -> Cell:
@@ -60,6 +64,15 @@ class Part:
         """Nodes that it has in the file, as rows of the points, rising."""
         return np.unique(np.concatenate([block.nodes.ravel() for block in self.blocks]))
 
+    def faces(self) -> Iterator[tuple[slice, int, Ints, Ints]]:
+        """Faces of one number of all elements of a kind: rows of these, number, corners, nodes."""
+        start = 0
+        for block in self.blocks:
+            rows = slice(start, start := start + len(block))
+            sides = zip(FACES[block.cell], side_nodes(block.cell, block.reference), strict=True)
+            for i, (face, side) in enumerate(sides):
+                yield rows, i, block.corners[:, face], block.nodes[:, side]
+
     @property
     def incomplete(self) -> bool:
         """Whether its elements have not all nodes of Lagrange cells, as 20-node hexahedra."""
@@ -82,37 +95,31 @@ def part_of(content: FileContent, file: str, name: str | None, marks: Iterable[s
     taken = np.zeros(starts[-1], dtype=bool)
     for mark in marks:
         taken[content.element_sets.get(mark, np.empty(0, dtype=int))] = True
-    of_block = [chosen[a:b] for a, b in pairwise(starts)]
-    free = [(chosen & ~taken)[a:b] for a, b in pairwise(starts)]
-    every = list(zip(content.blocks, of_block, free, starts, strict=False))
-
-    others = {b.kind for b, _, left, _ in every if b.role == "structural" and left.any()}
+    solid, elements, others = list[ElementBlock](), list[Ints](), set[str]()
+    for block, start, end in zip(content.blocks, starts, starts[1:], strict=False):
+        own = start + np.flatnonzero(chosen[start:end])
+        if block.role == "structural" and not taken[own].all():
+            others.add(block.kind)
+        if block.role == "solid" and len(own) and block.dim in (0, dim):
+            solid.append(block.only(own - start))
+            elements.append(own)
+    sets = f"sets of elements: {shown(content.element_sets)}"
     if others:
-        allowed = f"a set of solid elements alone, here are {shown(sorted(others))} too"
-        raise InputError("part", name, f"{allowed}; sets: {shown(content.element_sets)}")
-    solid = [
-        (b, own, start)
-        for b, own, _, start in every
-        if b.role == "solid" and own.any() and b.dim in (0, dim)
-    ]
-    cells = sorted({(b.cell, b.order) for b, _, _ in solid})
-    kinds = shown(sorted({b.kind for b, _, _ in solid}))
-    strange = shown(sorted({b.kind for b, _, _ in solid if b.dim == 0}))
-    if strange != "none":
+        allowed = f"a set of solid elements alone, here are {shown(sorted(others))} too; {sets}"
+        raise InputError("part", name, allowed)
+    if strange := sorted({b.kind for b in solid if b.dim == 0}):
         where = f" in the part {name}" if name else ""
-        raise InputError("file", f"{file}: {strange}{where}", f"solid elements that are {_SOLIDS}")
-    orders = {order for _, order in cells}
-    mixed = len(cells) > 1 or (len(cells) == 1 and cells[0][0] in DIVIDED)
-    if dim < 2 or not cells or (mixed and (dim < 3 or len(orders) > 1 or max(orders) > 2)):
+        told = f"{file}: {shown(strange)}{where}"
+        raise InputError("file", told, f"solid elements that are {_SOLIDS}")
+    cells, orders = {b.cell for b in solid}, {b.order for b in solid}
+    alike = len(cells) == len(orders) == 1 and dim > 1 and cells.isdisjoint(DIVIDED)
+    if not alike and (dim < 3 or orders not in ({1}, {2})):
         allowed = (
             f"solid elements, {_SOLIDS}, of one kind; or of several in space, all of order 1 or "
-            f"all of order 2; in {file} are: {kinds}"
+            f"all of order 2; in {file} are: {shown(sorted({b.kind for b in solid}))}; {sets}"
         )
-        sets = shown(content.element_sets)
-        raise InputError("part", name, f"{allowed}; sets of elements: {sets}")
-    blocks = [replace(b, numbers=b.numbers[own], nodes=b.nodes[own]) for b, own, _ in solid]
-    elements = [start + np.flatnonzero(own) for _, own, start in solid]
-    return Part(tuple(blocks), np.concatenate(elements))
+        raise InputError("part", name, allowed)
+    return Part(tuple(solid), np.concatenate(elements))
 
 
 def merged(content: FileContent, distance: float) -> FileContent:
@@ -123,8 +130,10 @@ def merged(content: FileContent, distance: float) -> FileContent:
     require(distance < shortest / 2, "merge_nodes", distance, allowed)
     number = first_of_near(content.points, distance)
     blocks = [replace(block, nodes=number[block.nodes]) for block in content.blocks]
-    sets = Sets(content.node_sets, lambda rows: np.unique(number[rows]))
-    return replace(content, blocks=blocks, node_sets=sets)
+    sets = content.node_sets
+    any_case = isinstance(sets, Sets) and sets.any_case
+    moved = Sets(sets, lambda name: np.unique(number[sets[name]]), any_case=any_case)
+    return replace(content, blocks=blocks, node_sets=moved)
 
 
 def check_nodes(content: FileContent, part: Part, name: str | None) -> None:

@@ -15,12 +15,11 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.errors import ResultWarning
 from cea.ranks import made_on_first
 from cea.system.coupled import CoupledSystem
-from cea.volume import VolumeSample
-from cea.warned import ResultWarning
-from scenes.spec.scene import SceneSpec
-from scenes.spec.sizes import box_lengths
+from cea.volume import StraightCells
+from scenes.spec.reading import Scene
 
 _SOFTEST = 1e3
 """E (N/m^2) below which a solid is softer than any that brakes, clutches or tyres are made of."""
@@ -48,7 +47,7 @@ _SIMPLICES = {
 """Corners of the simplices of a cell by dimension and number of its points, in VTK order."""
 
 
-def left_alone(scene: SceneSpec) -> str:
+def left_alone(scene: Scene) -> str:
     """Why the numbers of a scene are none in SI units; "" where they are taken to be."""
     if scene.units == "other":
         return "units = 'other'"
@@ -59,7 +58,7 @@ def left_alone(scene: SceneSpec) -> str:
     return "every E and rho is near one, as in scenes without units" if near_one else ""
 
 
-def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
+def doubtful_numbers(scene: Scene) -> Iterator[ResultWarning]:
     """Materials that no solid has in SI units, and bodies that are too large or too small."""
     if left_alone(scene):
         return
@@ -70,7 +69,7 @@ def doubtful_numbers(scene: SceneSpec) -> Iterator[ResultWarning]:
                 f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",
                 {"body": name, "field": field, "value": value},
             )
-        length, (low, high) = max(box_lengths(body.geometry)), _LENGTHS
+        length, (low, high) = max(body.lengths), _LENGTHS
         if not low <= length <= high:
             yield ResultWarning(
                 "doubtful-size",
@@ -93,11 +92,12 @@ def _doubtful_material(E: float, rho: float | None) -> Iterator[tuple[str, float
             yield "sqrt(E/rho)", speed, bound
 
 
-def doubtful_motions(scene: SceneSpec, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
+def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
     """Displacements larger than their body and strains that linear elasticity has no right to."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
-        sample, full = body.volume_sample(1), system.displacement(x, name, everywhere=False)
-        found = made_on_first(body.comm, partial(_motion, sample, full))
+        full = system.displacement(x, name, everywhere=False)
+        cells = body.space.volume_cells().straight()
+        found = made_on_first(body.comm, partial(_motion, cells, full))
         motion, length, strain = body.comm.bcast(found)
         if motion > length:
             yield ResultWarning(
@@ -115,7 +115,7 @@ def doubtful_motions(scene: SceneSpec, system: CoupledSystem, x: Any) -> Iterato
             )
 
 
-def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
+def _motion(sample: StraightCells, full: Floats) -> tuple[float, float, float]:
     """Largest displacement (m), length of the body (m), largest mean principal strain of a cell."""
     u = sample.values @ full.reshape(-1, sample.points.shape[1])
     x, moved = sample.points[sample.cells], u[sample.cells]
@@ -126,17 +126,19 @@ def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
     return float(motion), float(lengths.max()), float(np.abs(strains).max())
 
 
-def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
+def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
     """Pairs of bodies without a contact, one with middles of cells in the other; collective."""
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
-    boxes = {name: _box(bodies[name]) for name in {name for pair in pairs for name in pair}}
+    named = sorted({name for pair in pairs for name in pair})
+    samples = {name: bodies[name].space.volume_cells().straight() for name in named}
+    boxes = {name: _box(bodies[name].comm, sample) for name, sample in samples.items()}
     for pair in pairs:
         (low, high), (least, greatest) = (boxes[name] for name in pair)
         if (np.maximum(low, least) >= np.minimum(high, greatest)).any():
             continue
-        comm, samples = bodies[pair[0]].comm, [bodies[name].volume_sample(1) for name in pair]
-        cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *samples)))
+        comm, parts = bodies[pair[0]].comm, [samples[name] for name in pair]
+        cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *parts)))
         if cells:
             yield ResultWarning(
                 "bodies-overlap",
@@ -146,21 +148,19 @@ def overlapping_bodies(scene: SceneSpec, bodies: Mapping[str, Body]) -> Iterator
             )
 
 
-def _box(body: Body) -> tuple[Floats, Floats]:
-    """Least and greatest coordinates (m) of a body's nodes or control points; collective."""
-    x = body.node_positions if body.node_positions is not None else body.dof_positions
-    assert x is not None
-    ends = x.min(axis=0, initial=np.inf), x.max(axis=0, initial=-np.inf)
-    lows, highs = zip(*body.comm.allgather(ends), strict=True)
-    return np.min(lows, axis=0), np.max(highs, axis=0)
+def _box(comm: Any, sample: StraightCells) -> tuple[Floats, Floats]:
+    """Least and greatest coordinates (m) of a body; collective."""
+    ends = (sample.points.min(axis=0), sample.points.max(axis=0)) if comm.rank == 0 else None
+    low, high = comm.bcast(ends)
+    return low, high
 
 
-def _middles_inside(one: VolumeSample, other: VolumeSample) -> int:
+def _middles_inside(one: StraightCells, other: StraightCells) -> int:
     """How many cells of each of two bodies have their middle in the other."""
     return _inside(one, other) + _inside(other, one)
 
 
-def _inside(one: VolumeSample, other: VolumeSample) -> int:
+def _inside(one: StraightCells, other: StraightCells) -> int:
     """How many cells of one have their middle in straight cells of the other."""
     middles = one.points[one.cells].mean(axis=1)
     dim = middles.shape[1]

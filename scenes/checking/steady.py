@@ -26,18 +26,16 @@ from scipy.spatial import KDTree
 from cea.arrays import Floats
 from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
+from cea.errors import ResultWarning
 from cea.ranks import agreed
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
-from cea.warned import ResultWarning
 from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
 
-STATE_KEPT = "steady-state-kept"
-"""Kind of the warning that a state is not the one at other parameters."""
 _NOISE = 4.0
 """Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
 
@@ -58,17 +56,6 @@ def steady_warnings(
             halves = sum(each.pair == contact.pair for each in system.contacts)
             found += coarse_closed_zone(scene.bodies, contact, state, halves)
     return tuple(found)
-
-
-def kept_state_warning(parameters: str) -> ResultWarning:
-    """What is told where such parameters change and the state is kept."""
-    return ResultWarning(
-        STATE_KEPT,
-        f"the state of steady sliding depends on {parameters}, and is kept in derivatives and "
-        "thresholds: closed zones and contact stiffness are those of the scene; a threshold with "
-        "follow_steady_state seeks it at each value",
-        {"parameters": parameters},
-    )
 
 
 def _residual(steady: SteadySliding) -> Iterator[ResultWarning]:
@@ -151,7 +138,7 @@ def geometry_error(
         tilt = interface.a.normal_error(interface.local_points.at)
         local = interface.geometry_error
     seeming = approach_along(system.bodies, contact, tilt, steady.displacement)
-    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.met(seeming))
+    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.projected_gap(seeming))
     force = interface.points.weight * state.pressure
     if not force.any():
         return

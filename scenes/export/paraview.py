@@ -1,24 +1,21 @@
 """Modes, static displacements and load steps of a run as files for ParaView."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats
-from cea.contact.contact import Contact
+from cea.arrays import Floats
+from cea.contact.contact import Contact, approach_along, jump_operator
 from cea.files import folder_whole
 from cea.matrices import destroy
 from cea.system.steady_state import ContactState
 from scenes.pictures.grids import cell_grid, in_space, point_grid, write_collection, write_grid
 from scenes.results.result import Result
-from scenes.results.shapes import displacements, gathered_displacements
-
-_ENDS = ("_real", "_imag")
-"""Ends of the names of complex data."""
+from scenes.results.shapes import displacements, times
 
 
 def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
@@ -46,38 +43,33 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     list of Path
         The ``.pvd`` files.
     """
-    of_modes, contacts = result.spectrum is not None, result.system.contacts
-    modes = _chosen(result, count) if of_modes else []
-    cells = {name: body.volume_cells() for name, body in result.bodies.items()}
+    modes = [None] if result.spectrum is None else _chosen(result, count)
+    chosen = [mode for mode in modes if mode is not None]
+    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
     u = {
-        name: result.mode_shapes(name, each.values, modes, everywhere=False)
-        if of_modes
+        name: result.mode_shapes(name, each.values, chosen, everywhere=False)
+        if result.spectrum is not None
         else result.displacements(name, each.values, everywhere=False)[..., None]
         for name, each in cells.items()
     }
-    gaps = {contact.name: _gaps(result, contact, modes) for contact in contacts}
+    contacts, is_root = result.system.contacts, result.comm.rank == 0
+    gaps = {contact.name: _gaps(result, contact, chosen) for contact in contacts}
     steady = result.steady.contacts if result.steady is not None else {}
-    is_root = result.comm.rank == 0
     bodies = {name: cell_grid(each) for name, each in cells.items()} if is_root else {}
-    points = {c.name: contact_grid(c, steady) for c in contacts} if is_root else {}
-    names = [("modes" if of_modes else "displacement", bodies)]
-    names += [("contacts", points)] if contacts else []
-    with _collections(out, [name for name, _ in names], is_root) as written:
-        for i, mode in enumerate(modes or [None]):
+    points = {c.name: _contact_grid(c, steady) for c in contacts} if is_root else {}
+    name = "displacement" if result.spectrum is None else "modes"
+    others = _collection(out, "contacts", is_root) if contacts else nullcontext(_nothing)
+    with _collection(out, name, is_root) as add_bodies, others as add_contacts:
+        for i, mode in enumerate(modes):
             pressures = {contact.name: _pressure(result, contact, mode) for contact in contacts}
-            for name, grid in bodies.items():
-                for end, x in _parts(u[name][..., i], of_modes):
-                    grid.point_data[f"displacement{end}"] = in_space(x)
-            for name, grid in points.items():
-                for end, gap in _parts(gaps[name][:, i], of_modes):
-                    grid.point_data[f"gap{end}"] = gap
-                grid.point_data.update(pressures[name])
-            facts, stem = {}, "static"
-            if mode is not None:
-                stem, facts = f"mode_{mode + 1}", _facts(result, mode)
-            for (_, grids), add in zip(names, written, strict=True):
+            for body, grid in bodies.items():
+                grid.point_data.update(_parts("displacement", in_space(u[body][..., i])))
+            for contact, grid in points.items():
+                grid.point_data.update(_parts("gap", gaps[contact][:, i]) | pressures[contact])
+            stem, facts = _label(result, mode)
+            for add, grids in ((add_bodies, bodies), (add_contacts, points)):
                 add(grids, stem, facts, 0 if mode is None else mode + 1)
-    return [out / f"{name}.pvd" for name, _ in names]
+    return [out / f"{each}.pvd" for each in (name, *(["contacts"] if contacts else []))]
 
 
 def write_load_steps(result: Result, out: Path) -> list[Path]:
@@ -104,19 +96,19 @@ def write_load_steps(result: Result, out: Path) -> list[Path]:
     if not steps:
         return []
     is_root = result.comm.rank == 0
-    cells = {name: body.volume_cells() for name, body in result.bodies.items()}
+    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
     bodies = {name: cell_grid(each) for name, each in cells.items()} if is_root else {}
-    with _collections(out, ["load_steps"], is_root) as (add,):
+    with _collection(out, "load_steps", is_root) as add:
         for number, (factor, state) in enumerate(steps, start=1):
             vectors = state.displacement.array_r[:, None].astype(complex)
             for name, each in cells.items():
-                u = gathered_displacements(
+                u = displacements(
                     result.system, name, each.values, vectors, prescribed=factor, everywhere=False
                 )
                 if is_root:
                     bodies[name].point_data["displacement"] = in_space(np.real(u[..., 0]))
             points = {
-                contact.name: contact_grid(contact, state.contacts)
+                contact.name: _contact_grid(contact, state.contacts)
                 for contact in result.system.contacts
                 if is_root and contact.name in state.contacts
             }
@@ -124,18 +116,18 @@ def write_load_steps(result: Result, out: Path) -> list[Path]:
     return [out / "load_steps.pvd"]
 
 
+def _nothing(*_: Any) -> None:
+    """Write nothing: of other ranks, and where there are no contacts."""
+
+
 @contextmanager
-def _collections(out: Path, names: list[str], is_root: bool) -> Iterator[list[Any]]:
-    """For each ``.pvd`` file a function that writes grids, of the same time, to its folder."""
+def _collection(out: Path, name: str, is_root: bool) -> Iterator[Callable[..., None]]:
+    """A function that writes grids of one time to the folder of a ``.pvd`` file."""
     if not is_root:
-        yield [lambda *arguments: None for _ in names]
+        yield _nothing
         return
-    if not names:
-        yield []
-        return
-    name, *others = names
     entries: list[tuple[float, int, Path]] = []
-    with folder_whole(out / name) as part, _collections(out, others, is_root) as rest:
+    with folder_whole(out / name) as part:
 
         def add(
             grids: Mapping[str, Any], stem: str, facts: Mapping[str, float], time: float
@@ -148,30 +140,32 @@ def _collections(out: Path, names: list[str], is_root: bool) -> Iterator[list[An
                 write_grid(grid, part / file)
                 entries.append((time, number, Path(name) / file))
 
-        yield [add, *rest]
+        yield add
     write_collection(entries, out / f"{name}.pvd")
 
 
-def _chosen(result: Result, count: int) -> list[int]:
+def _chosen(result: Result, count: int) -> list[int | None]:
     """The most unstable modes, then others by rising frequency: so many, by rising number."""
     every = [*result.most_unstable(count), *range(len(result.modes))]
-    return sorted(list(dict.fromkeys(every))[:count])
+    return [*sorted(list(dict.fromkeys(every))[:count])]
 
 
-def _parts(values: Any, of_modes: bool) -> list[tuple[str, Floats]]:
-    """Real data with the ends of their names."""
-    return list(zip(_ENDS, (values.real, values.imag), strict=True)) if of_modes else [("", values)]
+def _label(result: Result, mode: int | None) -> tuple[str, dict[str, float]]:
+    """Begin of the names of the files of a mode, and what they tell of it."""
+    if mode is None:
+        return "static", {}
+    facts = {"frequency": result.frequencies[mode], "growth rate": result.growth_rates[mode]}
+    return f"mode_{mode + 1}", {"mode": mode + 1, **facts}
 
 
-def _facts(result: Result, mode: int) -> dict[str, float]:
-    return {
-        "mode": mode + 1,
-        "frequency": result.frequencies[mode],
-        "growth rate": result.growth_rates[mode],
-    }
+def _parts(name: str, values: Any) -> dict[str, Floats]:
+    """Real data by name; of complex ones both parts."""
+    if not np.iscomplexobj(values):
+        return {name: values}
+    return {f"{name}_real": values.real, f"{name}_imag": values.imag}
 
 
-def contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
+def _contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
     """Points of a contact with what it carries in steady sliding, if anything is known of that."""
     points = contact.interface.points
     grid = point_grid(points.x)
@@ -185,21 +179,15 @@ def contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
     return grid
 
 
-def _gaps(result: Result, contact: Contact, modes: list[int]) -> Complexes:
+def _gaps(result: Result, contact: Contact, modes: list[int]) -> Any:
     """Gaps (m) at all points of a contact, (points, solutions), on every rank."""
-    interface = contact.interface
-    if result.spectrum is not None:
-        vectors, prescribed = result.modes.vectors[:, modes], 0.0
-    else:
-        vectors, prescribed = result.displacement.array[:, None].astype(complex), 1.0
-    sides = ((contact.a, interface.trace_a), (contact.b, interface.trace_b))
-    jump, opposite = (
-        displacements(result.system, body, trace, vectors, prescribed=prescribed)
-        for body, trace in sides
-    )
-    gap = np.einsum("ijk,ij->ik", jump - opposite, interface.local_points.normal)
-    found = np.concatenate(interface.comm.allgather(gap))
-    return found if result.spectrum is not None else found.real
+    normal = contact.interface.local_points.normal
+    if result.spectrum is None:
+        return approach_along(result.bodies, contact, normal, result.displacement)[:, None]
+    jump = jump_operator(result.bodies, contact, normal)
+    gap = times(jump, result.modes.vectors[:, modes])
+    destroy(jump)
+    return np.concatenate(contact.interface.comm.allgather(gap))
 
 
 def _pressure(result: Result, contact: Contact, mode: int | None) -> dict[str, Floats]:
@@ -213,13 +201,13 @@ def _pressure(result: Result, contact: Contact, mode: int | None) -> dict[str, F
         if contact.prescribed is not None:
             pressure = pressure + contact.slope * contact.prescribed
         return {"pressure": pressure}
-    stiffness = result.relative_stiffness(contact.pair)
+    name, modes = f"contacts.{contact.pair}.P", result.modes
+    # Where steady sliding makes P, and nothing changes it, it is no parameter.
+    solved = modes.values.get(name)
+    stiffness = 1.0 if solved is None else solved / modes.pencil.parameters[name].value
     if not np.isfinite(stiffness):
         return {}
-    parts = result.modes.vector(mode)
-    data = {
-        f"pressure{end}": stiffness * contact.pressure(part)
-        for end, part in zip(_ENDS, parts, strict=True)
-    }
-    destroy(*parts)
-    return data
+    real, imaginary = result.modes.vector(mode)
+    pressure = contact.pressure(real) + 1j * contact.pressure(imaginary)
+    destroy(real, imaginary)
+    return _parts("pressure", stiffness * pressure)

@@ -10,20 +10,12 @@ from scipy.sparse import csr_array
 from cea.arrays import Ints
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil, Term
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.matrices import destroy, distributed, zeros
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
-from cea.warned import ResultWarning
-from scenes.matrices.reading import read_labelled
-from scenes.matrices.symmetry import (
-    Symmetry,
-    equal_entries,
-    half_of,
-    mean_with_transpose,
-    mirrored,
-    symmetry_of,
-)
+from scenes.matrices.reading import read_matrix
+from scenes.matrices.symmetry import Symmetry, equal_entries, half_of, mirrored, symmetry_of
 from scenes.spec.matrices import ROLES, MatrixScene
 
 _ROUNDING = np.finfo(float).eps
@@ -50,45 +42,38 @@ class Piece:
 
     def plain(self) -> dict[str, Any]:
         """What is told of it, as plain data."""
-        return {
-            "size": self.size,
-            "entries": self.entries,
-            "symmetry": self.symmetry.kind,
-            "asymmetry": self.symmetry.asymmetry,
-        }
+        kind, asymmetry = self.symmetry.kind, self.symmetry.asymmetry
+        counts = {"size": self.size, "entries": self.entries}
+        return {**counts, "symmetry": kind, "asymmetry": asymmetry}
 
 
 _Parts = list[tuple[csr_array, bool]]
-_Read = dict[str, tuple[Symmetry, _Parts]]
 
 
 def read_pieces(scene: MatrixScene, comm: Any = MPI.COMM_WORLD) -> dict[str, Piece]:
     """Every matrix of a scene, distributed; collective."""
-    read = made_on_first(comm, lambda: _read(scene))
-    told = None
-    if read is not None:
-        told = {
-            name: (symmetry, parts[0][0].shape[0], [symmetric for _, symmetric in parts])
-            for name, (symmetry, parts) in read.items()
-        }
+    read = made_on_first(comm, lambda: _read(scene)) or {}
+    found = {
+        name: (symmetry, [(part.shape[0], part.nnz, symmetric) for part, symmetric in parts])
+        for name, (symmetry, parts) in read.items()
+    }
     pieces = {}
-    for name, (symmetry, size, kinds) in comm.bcast(told).items():
-        matrices, entries = [], 0
-        for i, symmetric in enumerate(kinds):
-            whole = read[name][1][i][0] if read is not None else None
-            matrices.append((shared_out(whole, size, comm), symmetric))
-            entries += whole.nnz if whole is not None else 0
-        pieces[name] = Piece(symmetry, size, comm.bcast(entries), tuple(matrices))
+    for name, (symmetry, parts) in comm.bcast(found).items():
+        matrices = tuple(
+            (_shared_out(read[name][1][i][0] if read else None, size, comm), symmetric)
+            for i, (size, _, symmetric) in enumerate(parts)
+        )
+        pieces[name] = Piece(symmetry, parts[0][0], sum(nnz for _, nnz, _ in parts), matrices)
     return pieces
 
 
-def _read(scene: MatrixScene) -> _Read:
+def _read(scene: MatrixScene) -> dict[str, tuple[Symmetry, _Parts]]:
     """Symmetry and parts of every matrix."""
-    read: _Read = {}
+    read: dict[str, tuple[Symmetry, _Parts]] = {}
     first: tuple[str, int, Ints | None] | None = None
     for name in scene.files:
         file, variable = scene.file(name)
-        matrix, labels = read_labelled(file, variable, field=f"files.{name}")
+        matrix, labels = read_matrix(file, variable, field=f"files.{name}")
         size = matrix.shape[0]
         first = first or (name, size, labels)
         if size != first[1]:
@@ -125,20 +110,17 @@ def _parts(matrix: csr_array, symmetry: Symmetry) -> _Parts:
     if symmetry.kind == "symmetric":
         return [(matrix, True)]
     if symmetry.kind == "symmetric to rounding":
-        return [(mean_with_transpose(matrix), True)]
+        return [(csr_array(0.5 * matrix + 0.5 * matrix.T), True)]
     equal, rest = equal_entries(matrix)
     return [(equal, True), (rest, False)] if equal.nnz else [(rest, False)]
 
 
-def shared_out(matrix: csr_array | None, size: int, comm: Any) -> Mat:
+def _shared_out(matrix: csr_array | None, size: int, comm: Any) -> Mat:
     """A square matrix of rank 0 on all ranks, as PETSc AIJ; collective."""
     first, last = local_rows(size, comm)
-    ends = comm.gather(last)
-    blocks = None
-    if matrix is not None:
-        blocks = [matrix[a:b] for a, b in zip([0, *ends[:-1]], ends, strict=True)]
-    rows = comm.scatter(blocks)
-    return distributed(rows, (last - first, size), comm)
+    ends = comm.gather((first, last))
+    blocks = None if matrix is None else [matrix[a:b] for a, b in ends]
+    return distributed(comm.scatter(blocks), (last - first, size), comm)
 
 
 def matrix_pencil(scene: MatrixScene, pieces: Mapping[str, Piece]) -> Pencil:

@@ -73,19 +73,13 @@ def mirrored(half: csr_array) -> csr_array:
     return csr_array(half + half.T - diags_array(half.diagonal()))
 
 
-def mean_with_transpose(matrix: csr_array) -> csr_array:
-    """(A + A^T) / 2, symmetric to the last bit."""
-    return csr_array(0.5 * matrix + 0.5 * matrix.T)
-
-
 def equal_entries(matrix: csr_array) -> tuple[csr_array, csr_array]:
     """The entries that are equal to their mirror image, and the others: no bit is changed."""
     whole = matrix.tocoo()
     rows, columns = whole.coords
-    mirrored = np.asarray(matrix.T.tocsr()[rows, columns]).ravel()
-    equal = whole.data == mirrored
-    parts = [
+    same = whole.data == np.asarray(matrix.T.tocsr()[rows, columns]).ravel()
+    equal, rest = (
         csr_array((whole.data[part], (rows[part], columns[part])), shape=matrix.shape)
-        for part in (equal, ~equal)
-    ]
-    return parts[0], parts[1]
+        for part in (same, ~same)
+    )
+    return equal, rest

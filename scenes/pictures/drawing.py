@@ -1,7 +1,7 @@
-"""Drawings of modes: deformed bodies coloured by magnitude, at any phase."""
+"""Drawings of modes: deformed bodies at the phase of largest deflection, coloured by magnitude."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from io import BytesIO
 from typing import Any
 
 import numpy as np
@@ -20,81 +20,58 @@ _STEEP = 0.999
 """Upward part of a view from which z no longer tells what is upright."""
 
 
-@dataclass(frozen=True)
-class Drawing:
-    """A mode ready to be drawn at any phase.
+def png(image: Image.Image) -> bytes:
+    """An image as the content of a file."""
+    stream = BytesIO()
+    image.save(stream, format="png")
+    return stream.getvalue()
 
-    Parameters
-    ----------
-    bodies
-        Outside of each body and its sharp edges. Their points bear where they are ``at rest``, the
-        ``real`` and ``imaginary`` parts of their displacements as drawn, and room for the
-        ``deflection`` that gives them a colour.
-    view
-        Unit vector towards the camera.
-    title
-        Title of the pictures.
-    """
 
-    bodies: Sequence[tuple[Any, Any]]
-    view: Floats
-    title: str
+def draw_mode(surfaces: Sequence[Any], title: str) -> Image.Image:
+    """A mode, from the outsides of bodies whose points bear ``real`` and ``imaginary`` parts."""
+    shapes = [s.point_data["real"] + 1j * s.point_data["imaginary"] for s in surfaces]
+    turned, largest = largest_deflection(np.concatenate(shapes))
+    at_rest = [np.array(surface.points) for surface in surfaces]
+    size = float(np.linalg.norm(np.ptp(np.concatenate(at_rest), axis=0)))
+    ends = np.cumsum([len(shape) for shape in shapes])[:-1]
+    drawn = np.split(DEFLECTION * size * turned.real / largest, ends)
+    # Off screen, VTK looks for a display, fails, and says so before it goes on without one.
+    with pyvista.vtk_verbosity("off"):
+        plotter = pyvista.Plotter(off_screen=True, window_size=list(_WINDOW))
+        plotter.set_background("white")
+        plotter.enable_anti_aliasing("ssaa")
+        for surface, u in zip(surfaces, drawn, strict=True):
+            surface.point_data["drawn"] = u
+            surface.point_data["deflection"] = np.linalg.norm(u, axis=1) / (DEFLECTION * size)
+            sharp = sharp_edges(surface)
+            if sharp.n_points:
+                plotter.add_mesh(sharp, color="#9A9A9A", line_width=3, opacity=0.6)
+                plotter.add_mesh(_moved(sharp), color="#303840", line_width=3)
+            plotter.add_mesh(
+                _moved(surface),
+                scalars="deflection",
+                cmap="YlGnBu",
+                clim=(0.0, 1.0),
+                smooth_shading=True,
+                split_sharp_edges=True,
+                feature_angle=FEATURE_ANGLE,
+                ambient=0.25,
+                scalar_bar_args=bar("displacement / largest", "%.1f"),
+            )
+        text = plotter.add_title(title, font_size=15, color="#222222")
+        text.SetPosition(0.5, 0.93)
+        seen = np.concatenate([*at_rest, *(x + u for x, u in zip(at_rest, drawn, strict=True))])
+        aim(plotter.camera, view_of(at_rest), seen, _WINDOW)
+        image = Image.fromarray(plotter.screenshot(return_img=True))
+        plotter.close()
+    return image
 
-    @classmethod
-    def of(cls, outsides: Mapping[str, Any], title: str) -> "Drawing":
-        """Scale displacements so that they can be seen.
 
-        Parameters
-        ----------
-        outsides
-            Outside of each body, whose points bear ``real`` and ``imaginary`` displacements.
-        title
-            Title of the pictures.
-        """
-        surfaces = list(outsides.values())
-        shapes = [s.point_data["real"] + 1j * s.point_data["imaginary"] for s in surfaces]
-        turned, largest = largest_deflection(np.concatenate(shapes))
-        points = np.concatenate([surface.points for surface in surfaces])
-        size = float(np.linalg.norm(np.ptp(points, axis=0)))
-        ends = np.cumsum([len(shape) for shape in shapes])[:-1]
-        drawn = np.split(DEFLECTION * size * turned / largest, ends)
-        for surface, shape in zip(surfaces, drawn, strict=True):
-            surface.point_data["real"], surface.point_data["imaginary"] = shape.real, shape.imag
-            surface.point_data["at rest"] = surface.points
-            surface.point_data["deflection"] = np.zeros(surface.n_points)
-        bodies = [(surface, sharp_edges(surface)) for surface in surfaces]
-        return cls(bodies, view_of([surface.points for surface in surfaces]), title)
-
-    def images(self, phases: Sequence[float], reduction: int = 1) -> list[Image.Image]:
-        """Images at some phases, from one point of view; at phase 0 the deflection is largest."""
-        surfaces = [surface for surface, _ in self.bodies]
-        at_rest = [surface.points for surface in surfaces]
-        seen = np.concatenate(
-            [*at_rest, *(s.points + _displacement(s, phase) for s in surfaces for phase in phases)]
-        )
-        largest = max(np.linalg.norm(_displacement(s, 0.0), axis=1).max() for s in surfaces)
-        images = []
-        # Off screen, VTK looks for a display, fails, and says so before it goes on without one.
-        with pyvista.vtk_verbosity("off"):
-            plotter = pyvista.Plotter(off_screen=True, window_size=list(_WINDOW))
-            plotter.set_background("white")
-            if reduction == 1:
-                plotter.enable_anti_aliasing("ssaa")
-            else:
-                plotter.disable_anti_aliasing()
-                plotter.render_window.SetMultiSamples(0)
-            meshes = [mesh for body in self.bodies for mesh in _add_body(plotter, *body)]
-            text = plotter.add_title(self.title, font_size=15, color="#222222")
-            text.SetPosition(0.5, 0.93)
-            aim(plotter.camera, self.view, seen, _WINDOW)
-            for phase in phases:
-                for mesh in meshes:
-                    _deform(mesh, phase, largest)
-                plotter.render()
-                image = Image.fromarray(plotter.screenshot(return_img=True))
-                images.append(image.reduce(reduction))
-            plotter.close()
-        return images
+def _moved(mesh: Any) -> Any:
+    """A mesh moved by the displacement that its points bear as it is drawn."""
+    moved = mesh.copy()
+    moved.points = moved.points + moved.point_data["drawn"]
+    return moved
 
 
 def largest_deflection(shape: Complexes) -> tuple[Complexes, float]:
@@ -121,42 +98,6 @@ def largest_deflection(shape: Complexes) -> tuple[Complexes, float]:
     turned = shape * np.exp(-0.5j * np.angle(square[at]))
     real = turned[at].real
     return turned * np.sign(real[np.argmax(np.abs(real))]), float(deflection[at])
-
-
-def _displacement(mesh: Any, phase: float) -> Floats:
-    """Real displacement of the points of a skin, Re(u e^(i phase)), shape (n, 3)."""
-    real, imaginary = mesh.point_data["real"], mesh.point_data["imaginary"]
-    return np.cos(phase) * np.asarray(real) - np.sin(phase) * np.asarray(imaginary)
-
-
-def _deform(mesh: Any, phase: float, largest: float) -> None:
-    """Move the points of a mesh that is drawn, and colour them."""
-    displacement = _displacement(mesh, phase)
-    mesh.points = mesh.point_data["at rest"] + displacement
-    mesh.point_data["deflection"][:] = np.linalg.norm(displacement, axis=1) / largest
-    if "Normals" in mesh.point_data:
-        turned = mesh.compute_normals(cell_normals=False, consistent_normals=False)
-        mesh.point_data["Normals"][:] = turned.point_data["Normals"]
-
-
-def _add_body(plotter: Any, surface: Any, sharp: Any) -> list[Any]:
-    """Add the faint edges of a body at rest, and the meshes to be deformed, which are returned."""
-    edges = []
-    if sharp.n_points:
-        plotter.add_mesh(sharp, color="#9A9A9A", line_width=3, opacity=0.6)
-        edges.append(plotter.add_mesh(sharp.copy(), color="#303840", line_width=3))
-    coloured = plotter.add_mesh(
-        surface.copy(),
-        scalars="deflection",
-        cmap="YlGnBu",
-        clim=(0.0, 1.0),
-        smooth_shading=True,
-        split_sharp_edges=True,
-        feature_angle=FEATURE_ANGLE,
-        ambient=0.25,
-        scalar_bar_args=bar("displacement / largest", "%.1f"),
-    )
-    return [actor.mapper.dataset for actor in (*edges, coloured)]
 
 
 def bar(title: str, form: str) -> dict[str, Any]:

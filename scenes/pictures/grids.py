@@ -13,6 +13,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 import pyvista
+from numpy.typing import NDArray
 from vtkmodules.vtkCommonDataModel import (
     vtkHigherOrderHexahedron,
     vtkHigherOrderQuadrilateral,
@@ -136,7 +137,7 @@ def write_grid(grid: Any, file: Path) -> None:
     write_whole(writer.GetOutputString().encode(), file)
 
 
-def in_space(vectors: Floats) -> Floats:
+def in_space[T: np.generic](vectors: NDArray[T]) -> NDArray[T]:
     """Vectors with z = 0 added in 2D, shape (n, 3)."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 

@@ -1,7 +1,6 @@
 """A picture of a scene before it is run: bodies, named surfaces, supports, contact points."""
 
 from collections.abc import Mapping
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from cea.files import write_whole
 from cea.petsc import MPI
 from cea.surface import Surface
 from scenes.checking.check import Inspection, gaps
-from scenes.pictures.drawing import SUBDIVISIONS, aim, bar, view_of
+from scenes.pictures.drawing import SUBDIVISIONS, aim, bar, png, view_of
 from scenes.pictures.grids import in_space, merged, outside, sharp_edges
 
 _WINDOW = (1100, 900)
@@ -48,7 +47,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
     and light where some are. Right: bodies translucent, contact points coloured by the distance
     between the sides, outward normals of side a grey, the direction of friction on a red.
     """
-    cells = [body.volume_cells() for body in inspection.bodies.values()]
+    cells = [body.space.volume_cells() for body in inspection.bodies.values()]
     distances = {name: gaps(half) for name, half in inspection.halves.items()}
     if MPI.COMM_WORLD.rank > 0:
         return Path(file)
@@ -81,10 +80,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
         plotter.enable_anti_aliasing("msaa", multi_samples=8)
         image = Image.fromarray(plotter.screenshot(return_img=True))
         plotter.close()
-    stream = BytesIO()
-    image.save(stream, format="png")
-    write_whole(stream.getvalue(), Path(file))
-    return Path(file)
+    return write_whole(png(image), Path(file))
 
 
 def _points_on(surface: Surface) -> tuple[Floats, Floats]:

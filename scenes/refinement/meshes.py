@@ -15,10 +15,9 @@ from meshes.edge_layers import RATIO, fit
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.refinement.singular_edges import Crowding, crowding
-from scenes.spec.body import Backend, BodySpec
+from scenes.spec.body import Backend, BodySpec, FeMesh, IgaMesh, MeshSpec
 from scenes.spec.consistency import cross_checks
 from scenes.spec.contact import ContactSpec
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import Scene
 

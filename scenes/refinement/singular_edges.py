@@ -14,8 +14,7 @@ from meshes.placement import Placement
 from meshes.shapes import Hub, Shape
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
-from scenes.spec.scene import SceneSpec
-from scenes.spec.sizes import box_lengths
+from scenes.spec.reading import Scene
 
 _ENDS = {"min": 0, "max": 1}
 _NAMED = {
@@ -41,6 +40,8 @@ Place = tuple[str, float]
 """A direction and a coordinate along it."""
 SingularEdge = tuple[Place, Place]
 """The two places that an edge lies at."""
+_Face = tuple[str, int]
+"""The direction across which a face lies, and at which of its ends."""
 
 
 @dataclass(frozen=True)
@@ -67,28 +68,10 @@ class Crowding:
         return bool(self.edges)
 
 
-@dataclass(frozen=True)
-class _Face:
-    """A face of a shape: across which direction it lies, and at which of its ends."""
-
-    direction: str
-    end: int
-
-
-def crowding(scene: SceneSpec, name: str) -> Crowding:
+def crowding(scene: Scene, name: str) -> Crowding:
     """Coordinates towards which the elements of a body crowd.
 
-    Parameters
-    ----------
-    scene
-        The scene.
-    name
-        Name of the body.
-
-    Returns
-    -------
-    Crowding
-        Empty where nothing is singular, or the shape has no coordinates along its faces.
+    Empty where nothing is singular, or the shape has no coordinates along its faces.
     """
     body = scene.bodies[name]
     if not hasattr(body.geometry, "extent"):
@@ -117,16 +100,17 @@ def _face_of(shape: Shape, surface: str) -> _Face | None:
     """Which face a surface is; None where it is no face across a direction."""
     name, _, end = surface.partition("_")
     if end in _ENDS and name in shape.directions:
-        return _Face(name, _ENDS[end])
-    direction, number = _NAMED.get(surface, ("", 0))
-    return _Face(direction, number) if direction in shape.directions else None
+        return name, _ENDS[end]
+    face = _NAMED.get(surface)
+    return face if face is not None and face[0] in shape.directions else None
 
 
-def _coordinate(shape: Shape, surface: str, face: _Face) -> float:
-    """Coordinate at which a face lies."""
+def _place_of(shape: Shape, surface: str, face: _Face) -> Place:
+    """Where a face lies."""
+    direction, end = face
     if isinstance(shape, Hub) and surface in ("bottom", "top"):
-        return (shape.bottom, shape.top)[face.end]
-    return _ranges(shape)[face.direction][face.end]
+        return direction, (shape.bottom, shape.top)[end]
+    return direction, _ranges(shape)[direction][end]
 
 
 def _clamped(body: BodySpec) -> Iterator[SingularEdge]:
@@ -137,7 +121,7 @@ def _clamped(body: BodySpec) -> Iterator[SingularEdge]:
             yield from _edges(body, support.surface)
 
 
-def _contact_edges(scene: SceneSpec, name: str) -> Iterator[SingularEdge]:
+def _contact_edges(scene: Scene, name: str) -> Iterator[SingularEdge]:
     """Edges of the sides a of contacts that this body bears."""
     for contact in scene.contacts.values():
         owner, _, surface = contact.a.partition(".")
@@ -145,10 +129,10 @@ def _contact_edges(scene: SceneSpec, name: str) -> Iterator[SingularEdge]:
             yield from _edges(scene.bodies[name], surface)
 
 
-def _is_stiff(scene: SceneSpec, contact: ContactSpec) -> bool:
+def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:
     """Whether a contact is as good as a joint; one whose stiffness is no number counts as such."""
     bodies = [scene.bodies[side.partition(".")[0]] for side in (contact.a, contact.b)]
-    lengths = sorted(box_lengths(bodies[0].geometry))
+    lengths = sorted(bodies[0].lengths)
     p = contact.p
     if contact.P is not None:  # over about the largest of its faces
         p = contact.P / prod(lengths[1:])
@@ -163,13 +147,11 @@ def _edges(body: BodySpec, surface: str) -> Iterator[SingularEdge]:
     face = _face_of(shape, surface)
     if face is None:
         return
-    held, at = _held(body), (face.direction, _coordinate(shape, surface, face))
+    held, at = _held(body), _place_of(shape, surface, face)
     for direction, ends in _ranges(shape).items():
-        if direction == face.direction or (isinstance(shape, CLOSED) and direction == "theta"):
+        if direction == face[0] or (isinstance(shape, CLOSED) and direction == "theta"):
             continue
-        for end in (0, 1):
-            if _Face(direction, end) not in held:
-                yield at, (direction, ends[end])
+        yield from ((at, (direction, ends[end])) for end in (0, 1) if (direction, end) not in held)
 
 
 def _held(body: BodySpec) -> set[_Face]:
@@ -177,14 +159,13 @@ def _held(body: BodySpec) -> set[_Face]:
     held = set()
     for support in body.supports:
         face = _face_of(body.geometry, support.surface)
-        if face is not None:
-            along = {"normal", face.direction, *_COMPONENTS.get(face.direction, ())}
-            if not support.components or along & set(support.components):
-                held.add(face)
+        along = {"normal", face[0], *_COMPONENTS.get(face[0], ())} if face is not None else set()
+        if face is not None and (not support.components or along & set(support.components)):
+            held.add(face)
     return held
 
 
-def _boundaries_on(scene: SceneSpec, name: str, *, stiff: bool) -> Iterator[SingularEdge]:
+def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[SingularEdge]:
     """Edges of sides a where they lie inside a side b that this body bears.
 
     Of stiff contacts with the face itself, else of all. They are known where both bodies stand as
@@ -195,32 +176,23 @@ def _boundaries_on(scene: SceneSpec, name: str, *, stiff: bool) -> Iterator[Sing
         owner, _, surface = contact.b.partition(".")
         other = scene.bodies[contact.a.partition(".")[0]]
         face = _face_of(body.geometry, surface) if owner == name else None
-        if face is not None and _aligned(body, other):
-            if stiff and not _is_stiff(scene, contact):
-                continue
-            at = face.direction, _coordinate(body.geometry, surface, face)
-            for place in _inside(body.geometry, other.geometry, face):
-                yield at, place
+        if face is None or not _aligned(body, other) or (stiff and not _is_stiff(scene, contact)):
+            continue
+        at, theirs = _place_of(body.geometry, surface, face), _ranges(other.geometry)
+        for direction, (low, high) in _ranges(body.geometry).items():
+            closed = isinstance(other.geometry, CLOSED) and direction == "theta"
+            margin = _WITHIN * (high - low)
+            for coordinate in () if closed or direction == face[0] else theirs[direction]:
+                if low + margin < coordinate < high - margin:
+                    yield at, (direction, coordinate)
 
 
 def _aligned(body: BodySpec, other: BodySpec) -> bool:
+    """Whether two bodies stand as their shapes do, and have the same directions."""
     shapes = (body.geometry, other.geometry)
     as_shaped = all(each.placement == Placement() for each in (body, other))
     alike = shapes[0].directions == shapes[1].directions
     return as_shaped and alike and all(hasattr(shape, "extent") for shape in shapes)
-
-
-def _inside(shape: Shape, other: Shape, face: _Face) -> Iterator[Place]:
-    """Ends of another shape strictly inside this one, along the directions of a face."""
-    theirs = _ranges(other)
-    for direction, (low, high) in _ranges(shape).items():
-        closed = isinstance(other, CLOSED) and direction == "theta"
-        if direction == face.direction or closed:
-            continue
-        margin = _WITHIN * (high - low)
-        for coordinate in theirs[direction]:
-            if low + margin < coordinate < high - margin:
-                yield direction, coordinate
 
 
 def _re_entrant(shape: Shape) -> Iterator[SingularEdge]:

@@ -1,19 +1,16 @@
 """Folders of results: checked before the work, and replaced as a whole when it is done.
 
-A folder keeps a list of the files that were written to it, each with its digest. What stands there
-and is as it was written gives way to the next result; anything else is somebody's own and stays.
+A folder keeps a list of the files that were written to it, which give way to the next result;
+anything else is somebody's own and stays.
 """
 
-import hashlib
 import json
-import os
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
-from platform import node
-from tempfile import TemporaryFile
+from tempfile import TemporaryFile, mkdtemp
 from typing import Any
 
 from cea.errors import InputError, WriteError
@@ -24,10 +21,7 @@ MANIFEST = "manifest.json"
 RESULT = "result.json"
 """File that is written last: where it stands, all that belongs to it does."""
 
-_PART = ".part"
-"""Ending of folders that are being filled."""
-_ABOUT = "Files of this result, with SHA-256. The next result takes their place, and no other's."
-
+_ABOUT = "Files of this result. The next result takes their place, and no other's."
 _WHOSE = ("scene", "data", "mass", "damping", "stiffness")
 """Inputs of a run that tell whose result it is."""
 
@@ -43,8 +37,7 @@ class NewFolder:
     out
         Where they will stand.
     kept
-        Files that stay since this program did not write them as they are, and under which names;
-        known at the end.
+        Names of files that were in the way and not of this program; known at the end.
     """
 
     part: Path
@@ -95,85 +88,62 @@ def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> N
 @contextmanager
 def new_folder(out: Path, *, root: bool = True) -> Iterator[NewFolder]:
     """A folder to fill, whose files take the place of an earlier result at the end."""
-    new = NewFolder(out / f".{node()}.{os.getpid()}{_PART}", out)
     if not root:
-        yield new
+        yield NewFolder(out, out)
         return
+    part = out
     try:
-        _clear(out)
-        new.part.mkdir(parents=True)
+        out.mkdir(parents=True, exist_ok=True)
+        part = Path(mkdtemp(dir=out, prefix=".", suffix=".part"))
+        new = NewFolder(part, out)
         yield new
         _take_place(new)
     except WriteError as error:
-        raise WriteError(str(error).replace(str(new.part), str(out))) from error
+        raise WriteError(str(error).replace(str(part), str(out))) from error
     except OSError as error:
         raise WriteError(f"{out} cannot be written: {error.strerror or error}") from error
     finally:
-        shutil.rmtree(new.part, ignore_errors=True)
+        if part != out:
+            shutil.rmtree(part, ignore_errors=True)
 
 
 def listed(out: Path) -> list[str]:
-    """Paths of the files that were written to a folder, as its manifest lists them."""
-    return sorted(_read(out))
-
-
-def _clear(out: Path) -> None:
-    """Remove what processes of this machine left that were killed as they filled a folder."""
-    begin = f".{node()}."
-    for left in out.glob(f"*{_PART}"):
-        number = left.name.removeprefix(begin).removesuffix(_PART)
-        if left.name.startswith(begin) and number.isdecimal() and not _runs(int(number)):
-            shutil.rmtree(left, ignore_errors=True)
-
-
-def _runs(process: int) -> bool:
-    """Whether another process of a number runs."""
+    """Files that were written to a folder, by their paths there; none where no list can be read."""
     try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True  # somebody else's
-    return process != os.getpid()
+        files = json.loads((out / MANIFEST).read_text(encoding="utf-8"))["files"]
+        paths = [PurePosixPath(name) for name in files]
+    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+        return []
+    inside = (path for path in paths if not path.is_absolute() and ".." not in path.parts)
+    return sorted(path.as_posix() for path in inside if path.parts)
 
 
 def _take_place(new: NewFolder) -> None:
-    """Put new files where earlier ones stood, the record of the result last.
-
-    Whenever this ends before its time, what is not listed as it stands is put aside next time.
-    """
+    """Put new files where earlier ones stood, the record of the result last."""
     files = [file for file in sorted(new.part.rglob("*")) if file.is_file()]
-    made = {file.relative_to(new.part).as_posix(): _digest(file) for file in files}
-    earlier = _read(new.out)
+    made = [file.relative_to(new.part).as_posix() for file in files]
+    earlier = [name for name in listed(new.out) if (new.out / name).is_file()]
     (new.out / RESULT).unlink(missing_ok=True)
-    for name in earlier.keys() - made.keys():
-        _remove(new, name, earlier[name])
+    for name in earlier:
+        (new.out / name).unlink(missing_ok=True)
+        for folder in PurePosixPath(name).parents[:-1]:
+            if any((new.out / folder).iterdir()):
+                break
+            (new.out / folder).rmdir()
     for name in sorted(made, key=lambda name: (name == RESULT, name)):
-        file = new.out / name
-        for above in reversed([new.out / parent for parent in PurePosixPath(name).parents[:-1]]):
-            if above.exists() and not above.is_dir():
-                _put_aside(new, above)
-        if file.is_symlink() or (file.exists() and not _is_as_written(file, earlier.get(name))):
-            _put_aside(new, file)
-        file.parent.mkdir(parents=True, exist_ok=True)
-        (new.part / name).replace(file)
+        for place in reversed([name, *map(str, PurePosixPath(name).parents[:-1])]):
+            if _is_in_the_way(new.out / place, folder=place != name):
+                _put_aside(new, new.out / place)
+        (new.out / name).parent.mkdir(parents=True, exist_ok=True)
+        (new.part / name).replace(new.out / name)
     content = json.dumps({"about": _ABOUT, "files": made}, indent=1)
     write_whole(f"{content}\n".encode(), new.out / MANIFEST)
 
 
-def _remove(new: NewFolder, name: str, digest: str) -> None:
-    """Remove a file that is as it was written, and folders that are empty then."""
-    file = new.out / name
-    if not file.is_file() or name == RESULT:
-        return
-    if file.is_symlink() or not _is_as_written(file, digest):
-        new.kept.append(name)
-        return
-    file.unlink()
-    for folder in file.relative_to(new.out).parents[:-1]:
-        if any((new.out / folder).iterdir()):
-            break
-        (new.out / folder).rmdir()
+def _is_in_the_way(place: Path, *, folder: bool) -> bool:
+    if folder:
+        return place.exists() and not place.is_dir()
+    return place.exists() or place.is_symlink()
 
 
 def _put_aside(new: NewFolder, place: Path) -> None:
@@ -183,23 +153,3 @@ def _put_aside(new: NewFolder, place: Path) -> None:
         number += 1
     place.replace(other)
     new.kept.append(other.relative_to(new.out).as_posix())
-
-
-def _read(out: Path) -> dict[str, str]:
-    """Digests that the manifest of a folder lists; none where there is none that can be read."""
-    try:
-        files = json.loads((out / MANIFEST).read_text(encoding="utf-8"))["files"]
-        paths = {PurePosixPath(name): str(digest) for name, digest in files.items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return {}
-    inside = (path for path in paths if not path.is_absolute() and ".." not in path.parts)
-    return {path.as_posix(): paths[path] for path in inside if path.parts}
-
-
-def _is_as_written(file: Path, digest: str | None) -> bool:
-    return file.is_file() and _digest(file) == digest
-
-
-def _digest(file: Path) -> str:
-    with file.open("rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()

@@ -1,6 +1,6 @@
 """What running a scene gives, fresh or read back from its record."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any, Protocol, cast
@@ -15,21 +15,19 @@ from cea.contact.interface import Interface
 from cea.eigen.classify import RunWord
 from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.mode_table import SIGNS, html_table
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
-from scenes.results.shapes import displacements_at, summed_matrices, system_matrices
-from scenes.spec.names import backend_name
+from scenes.results.shapes import displacements, summed_matrices, system_matrices
+from scenes.spec.body import backend_name
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
     from cea.system.contact_stresses import NormalStress
     from cea.system.steady_state import SteadySliding
-    from scenes.pictures.drawing import Drawing
 
 
 class Analysis(Protocol):
@@ -41,20 +39,11 @@ class Analysis(Protocol):
     def run(self, scene: Any, /, **options: Any) -> "Result":
         """Run a scene; options are those of a run, and of this analysis."""
 
-    def steps(self, scene: Any) -> tuple[dict[str, str], dict[str, str]]:
-        """Steps of a run and what it leaves out, with the reasons."""
-
     def describe(self, result: "Result") -> dict[str, Any]:
         """What the record of a result holds of this analysis, plain data."""
 
     def opened(self, record: Any) -> "Fields":
-        """Fields of :class:`Result` from a :class:`scenes.results.record.RunRecord`.
-
-        Raises
-        ------
-        InputError
-            When the data are those of another kind of analysis.
-        """
+        """Fields of a result from a record; refused where it is of another kind of analysis."""
 
     def table(self, result: "Result") -> list[dict[str, Any]]:
         """Rows that say what was found."""
@@ -249,16 +238,6 @@ class Result:
             f"growth rate {self.growth_rates[index]:+.2f} 1/s"
         )
 
-    def relative_stiffness(self, contact: str) -> float:
-        """P of a contact where the modes were solved for, over that of the system's matrices.
-
-        1 where steady sliding makes it, and nothing changes it.
-        """
-        name = f"contacts.{contact}.P"
-        if name not in self.modes.values:
-            return 1.0
-        return self.modes.values[name] / self.modes.pencil.parameters[name].value
-
     def matrices(self) -> dict[str, csr_array]:
         """Matrices by name, at the parameters that were solved at; collective.
 
@@ -298,26 +277,18 @@ class Result:
 
         Parameters
         ----------
-        place
-            A body; or a surface, "body.surface".
-        at
-            On a surface, coordinates of the points, as locating gives them. On a body, the values
-            of its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes
-            the scalar dofs themselves.
+        place, at, everywhere
+            As :func:`scenes.results.shapes.displacements` has them.
         modes
             Indices of the modes, from 0, as in :attr:`eigenvalues`; None takes all.
-        everywhere
-            Whether every rank gives the points and gets the answer; otherwise rank 0 does, and
-            others get an empty array.
 
         Returns
         -------
         ndarray
             Shape (n, dim, modes).
         """
-        system, vectors = self.system, self.modes.vectors
-        chosen = vectors if modes is None else vectors[:, list(modes)]
-        return displacements_at(system, place, at, chosen, everywhere=everywhere)
+        vectors = self.modes.vectors if modes is None else self.modes.vectors[:, list(modes)]
+        return displacements(self.system, place, at, vectors, everywhere=everywhere)
 
     def displacements(
         self,
@@ -328,8 +299,8 @@ class Result:
     ) -> Floats:
         """Displacements (m) at points, shape (n, dim), as :meth:`mode_shapes`; collective."""
         vectors = self.displacement.array[:, None].astype(complex)
-        options: Any = {"everywhere": everywhere, "prescribed": 1.0}
-        return displacements_at(self.system, place, at, vectors, **options)[..., 0].real
+        u = displacements(self.system, place, at, vectors, prescribed=1.0, everywhere=everywhere)
+        return u[..., 0].real
 
     def plot(self, mode: int | None = None) -> "Image | None":
         """Draw a mode at the phase of its largest deflection.
@@ -349,28 +320,24 @@ class Result:
         InputError
             When there is no such mode.
         """
-        drawings = self.drawings([self.index(mode)])
-        return drawings[0].images([0.0])[0] if drawings else None
+        return next(self.images([self.index(mode)]), None)
 
-    def drawings(self, modes: Sequence[int]) -> list["Drawing"]:
-        """Modes, by their indices, ready to be drawn at any phase; none but on rank 0."""
-        from scenes.pictures.drawing import SUBDIVISIONS, Drawing  # brings pyvista
+    def images(self, modes: Sequence[int]) -> Iterator["Image"]:
+        """Modes drawn, by their indices; none but on rank 0; collective as it begins."""
+        from scenes.pictures.drawing import SUBDIVISIONS, draw_mode  # brings pyvista
         from scenes.pictures.grids import merged, outside
 
-        cells = {name: merged(body.volume_cells()) for name, body in self.bodies.items()}
+        cells = {name: merged(body.space.volume_cells()) for name, body in self.bodies.items()}
         shapes = {
             name: self.mode_shapes(name, each.values, modes, everywhere=False)
             for name, each in cells.items()
         }
-        drawings = []
         for i, mode in enumerate(modes if self.comm.rank == 0 else ()):
-            outsides = {}
+            surfaces = []
             for name, each in cells.items():
                 u = shapes[name][..., i]
-                parts = {"real": u.real, "imaginary": u.imag}
-                outsides[name] = outside(each, parts, SUBDIVISIONS)
-            drawings.append(Drawing.of(outsides, self.title(mode)))
-        return drawings
+                surfaces.append(outside(each, {"real": u.real, "imaginary": u.imag}, SUBDIVISIONS))
+            yield draw_mode(surfaces, self.title(mode))
 
     def steady_lines(self) -> list[str]:
         """What contacts carry in steady sliding; where supports prescribe, what they bear too."""

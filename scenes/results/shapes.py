@@ -20,112 +20,88 @@ from cea.system.coupled import CoupledSystem
 
 def displacements(
     system: CoupledSystem,
-    body: str,
-    trace: csr_array | None,
-    vectors: Complexes,
-    *,
-    prescribed: float = 0.0,
-) -> Complexes:
-    """Displacements (m) of many vectors of unknowns at points of one body; collective.
-
-    Parameters
-    ----------
-    system
-        The coupled system.
-    body
-        Name of the body.
-    trace
-        Values of the scalar basis functions at the points of this rank, shape
-        (n, num_scalar_dofs); None takes the scalar dofs themselves, this rank's share.
-    vectors
-        Unknowns, the rows of this rank, shape (n_local, k).
-    prescribed
-        Part of the displacements that supports prescribe which is added; none to small motions.
-
-    Returns
-    -------
-    ndarray
-        Shape (n, dim, k), the points of this rank.
-    """
-    part = system.bodies[body]
-    start = system.template.getOwnershipRange()[0]
-    own = vectors[system.index_sets[body].indices - start]
-    if trace is None:
-        u = _times(part.expansion, own, part.comm)
-    else:
-        operator = free_operator(csr_array(kron(trace, eye_array(part.dim), format="csr")), part)
-        u = _times(operator, own, part.comm)
-        destroy(operator)
-    u = u.reshape(len(u) // part.dim, part.dim, vectors.shape[1])
-    if not prescribed or part.prescribed is None:
-        return u
-    if trace is None:
-        held = part.prescribed.array_r.reshape(-1, part.dim)
-    else:
-        held = trace @ gather(part.prescribed).reshape(-1, part.dim)
-    return u + prescribed * held[..., None]
-
-
-def _times(operator: Any, vectors: Complexes, comm: Any) -> Complexes:
-    """The rows of this rank of a PETSc AIJ matrix times a block of vectors; collective.
-
-    Ranks may have rows and no columns, which PETSc's product with a dense matrix does not bear.
-    Only those entries of the vectors travel that some rank needs.
-    """
-    indptr, columns, data = operator.getValuesCSR()
-    needed = np.unique(np.concatenate(comm.allgather(np.unique(columns))))
-    first, last = operator.getOwnershipRangeColumn()
-    mine = needed[(needed >= first) & (needed < last)] - first
-    values = np.concatenate(comm.allgather(vectors[mine]))
-    shape = (len(indptr) - 1, len(needed))
-    return csr_array((data, np.searchsorted(needed, columns), indptr), shape=shape) @ values
-
-
-def gathered_displacements(
-    system: CoupledSystem,
-    body: str,
-    trace: csr_array | None,
+    place: str,
+    at: SurfaceCoordinates | csr_array | None,
     vectors: Complexes,
     *,
     prescribed: float = 0.0,
     everywhere: bool = True,
 ) -> Complexes:
-    """:func:`displacements` at points that are the same on every rank, or are those of rank 0.
+    """Displacements (m) of many vectors of unknowns at points; collective.
 
-    Where not ``everywhere``, rank 0 alone gives the trace and gets the answer; others an empty one.
+    Parameters
+    ----------
+    system
+        The coupled system.
+    place
+        A body; or a surface, "body.surface".
+    at
+        On a surface, coordinates of the points, as locating gives them. On a body, the values of
+        its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes the scalar
+        dofs themselves.
+    vectors
+        Unknowns, the rows of this rank, shape (n_local, k).
+    prescribed
+        Part of the displacements that supports prescribe which is added; none to small motions.
+    everywhere
+        Whether every rank gives the points and gets the answer; otherwise rank 0 does, and others
+        get an empty array.
+
+    Returns
+    -------
+    ndarray
+        Shape (n, dim, k).
     """
-    comm = system.bodies[body].comm
-    if trace is not None:
+    name, trace = _trace(system, place, at)
+    body, comm = system.bodies[name], system.bodies[name].comm
+    start = system.template.getOwnershipRange()[0]
+    own = vectors[system.index_sets[name].indices - start]
+    held = body.prescribed if prescribed else None
+    if trace is None:
+        u = times(body.expansion, own)
+        fixed = None if held is None else held.array_r
+    else:
         count = trace.shape[0]
-        rows = local_rows(count, comm) if everywhere else (0, 0 if comm.rank else count)
-        trace = trace[slice(*rows)]
-    u = displacements(system, body, trace, vectors, prescribed=prescribed)
-    if everywhere:
-        return np.concatenate(comm.allgather(u))
-    parts = comm.gather(u)
+        first, last = local_rows(count, comm) if everywhere else (0, 0 if comm.rank else count)
+        every = csr_array(kron(trace[first:last], eye_array(body.dim), format="csr"))
+        operator = free_operator(every, body)
+        u = times(operator, own)
+        destroy(operator)
+        fixed = None if held is None else every @ gather(held)
+    if fixed is not None:
+        u += prescribed * fixed[:, None]
+    u = u.reshape(len(u) // body.dim, body.dim, vectors.shape[1])
+    parts = comm.allgather(u) if everywhere else comm.gather(u)
     return u[:0] if parts is None else np.concatenate(parts)
 
 
-def displacements_at(
-    system: CoupledSystem,
-    place: str,
-    at: SurfaceCoordinates | csr_array | None,
-    vectors: Complexes,
-    **options: Any,
-) -> Complexes:
-    """:func:`gathered_displacements` of a body, or of a surface "body.surface"."""
+def _trace(
+    system: CoupledSystem, place: str, at: SurfaceCoordinates | csr_array | None
+) -> tuple[str, csr_array | None]:
+    """Body of a place, and values of its basis functions at points there."""
     body, _, name = place.partition(".")
     if body not in system.bodies:
         raise InputError("place", place, f"one of {', '.join(system.bodies)}")
-    if name:
-        surfaces = system.bodies[body].surfaces
-        if name not in surfaces or not isinstance(at, SurfaceCoordinates):
-            allowed = ", ".join(f"{body}.{each}" for each in surfaces)
-            raise InputError("place", place, f"one of {allowed}, with coordinates on it")
-        at = surfaces[name].trace(at)
-    elif isinstance(at, SurfaceCoordinates):
-        raise InputError("place", place, "a surface, body.surface, for coordinates on it")
-    return gathered_displacements(system, body, at, vectors, **options)
+    if not name and not isinstance(at, SurfaceCoordinates):
+        return body, at
+    surfaces = system.bodies[body].surfaces
+    if name not in surfaces or not isinstance(at, SurfaceCoordinates):
+        allowed = ", ".join(f"{body}.{each}" for each in surfaces)
+        raise InputError("place", place, f"one of {allowed}, with coordinates on it")
+    return body, surfaces[name].trace(at)
+
+
+def times(operator: Any, vectors: Complexes) -> Complexes:
+    """The rows of this rank of a PETSc matrix times vectors, (n_local, k); collective."""
+    x, y = operator.createVecs()
+    products = np.empty((y.getLocalSize(), vectors.shape[1]), dtype=complex)
+    for j, vector in enumerate(vectors.T):
+        for part, values in (("real", vector.real), ("imag", vector.imag)):
+            x.array[:] = values
+            operator.mult(x, y)
+            getattr(products, part)[:, j] = y.array_r
+    destroy(x, y)
+    return products
 
 
 def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[str, csr_array]:

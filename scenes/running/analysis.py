@@ -9,6 +9,7 @@ from pydantic import ValidationError
 
 from cea.errors import InputError
 from cea.timing import StageTimer
+from scenes.results.data import Record, RunRecord, checked_record
 from scenes.results.record import PROVENANCE, read_record
 from scenes.results.result import Analysis, Result
 from scenes.spec.problems import problems
@@ -82,7 +83,6 @@ def open_result(file: str | Path) -> Result:
 
 def _opened(data: dict[str, Any]) -> Result:
     """Plain data as a result."""
-    from scenes.results.opened import Record, RunRecord, checked_record
     from scenes.spec.matrices import read_matrix_scene
 
     made = {name: data[name] for name in PROVENANCE}

@@ -1,28 +1,31 @@
 """A scene assembled once and solved many times: sweeps over friction, stiffness, materials."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from cea.arrays import Complexes
 from cea.body import Body
+from cea.eigen.blocks import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.errors import InputError
+from cea.eigen.pencil import Pencil, release
+from cea.eigen.residuals import Damping, internal_forces
+from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.following import Window
 from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
-from scenes.checking.steady import kept_state_warning
 from scenes.results.result import Result
-from scenes.running.following import FollowedState
 from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.swept import at_parameters, parameters_changed, parameters_meant
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
+
+_STEP = 1e-5
+"""Step of difference quotients of matrices, relative to the value."""
 
 
 class AssembledScene:
@@ -118,13 +121,17 @@ class AssembledScene:
         InputError
             When the analysis is changed to another, or no contact can slide.
         """
+        sliding = [name for name in self.scene.contacts if name not in self.bonded]
+        for field_, value in of_every_contact.items() if not sliding else ():
+            raise InputError(field_, value, "left out: the scene has no contact that can slide")
         every = {
-            f"contacts.{name}.{field}": value
-            for name in _sliding(self.scene, of_every_contact)
-            for field, value in of_every_contact.items()
+            f"contacts.{name}.{field_}": value
+            for name in sliding
+            for field_, value in of_every_contact.items()
         }
-        scene = self.scene.change(every | dict(changes or {}))
-        values = parameters_changed(self._driver.pencil, self.scene, scene)
+        every |= changes or {}
+        scene = self.scene.change(every)
+        values = parameters_changed(self._driver.pencil, self.scene, scene, every)
         return self._modes(scene, values, left=left, listener=listener)
 
     def modes_at(
@@ -166,8 +173,7 @@ class AssembledScene:
         if values is None or not self._holds_at(values):
             options: RunOptions = {"listener": listener, **self._built}
             return run_modes(scene, left=left, **options)
-        timer = StageTimer(listener)
-        known = self._system, self.interfaces, timer
+        known = self._system, self.interfaces, StageTimer(listener)
         return solved(scene, *known, self._driver, values, left=left)
 
     def warnings(
@@ -185,18 +191,13 @@ class AssembledScene:
         return system_warnings(scene, self._system, values)
 
     def threshold(
-        self,
-        parameter: str,
-        real: float,
-        flutter: float,
-        *,
-        frequency: float | None = None,
-        follow_steady_state: bool = False,
+        self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
     ) -> ConfirmedThreshold:
         """The first value of a parameter at which a pair of modes begins to flutter.
 
         With damping or rotation it is where a growth rate passes through zero. Thresholds are
-        sought on a reduced model between both values, and confirmed by full solves.
+        sought on a reduced model between both values, and confirmed by full solves. Where the state
+        of steady sliding depends on the parameter, both are sought anew at every value on the way.
 
         Parameters
         ----------
@@ -209,24 +210,16 @@ class AssembledScene:
             Values between which it is sought, the first one seen from ``real``.
         frequency
             The threshold nearest to it (Hz) is taken; None takes the first one.
-        follow_steady_state
-            Whether the state of steady sliding is sought anew at every value on the way, where it
-            depends on the parameter; otherwise it is kept, and the threshold warns of it.
 
         Raises
         ------
         InputError
-            When there is no such parameter, or nothing begins to grow between the values; when a
-            state is to be followed that does not depend on the parameter.
+            When there is no such parameter, or nothing begins to grow between the values.
         ConvergenceError
             When spectra do not tell of thresholds, or there is no state of steady sliding.
         """
         names = parameters_meant(self._driver.pencil, parameter)
-        depends = self.depends_on_state(names)
-        if follow_steady_state:
-            if not depends:
-                allowed = "left out where no state of steady sliding depends on the parameter"
-                raise InputError("follow_steady_state", True, allowed)
+        if self.depends_on_state(names):
             return self._followed_threshold(names, real, flutter, frequency)
         other = self.with_forms_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
         try:
@@ -237,8 +230,7 @@ class AssembledScene:
         finally:
             if other is not self:
                 other.free()
-        kept = (kept_state_warning(parameter),) if depends else ()
-        return replace(found, warnings=(*found.warnings, *told, *kept))
+        return replace(found, warnings=(*found.warnings, *told))
 
     @property
     def _top(self) -> float:
@@ -250,21 +242,20 @@ class AssembledScene:
         self, names: Sequence[str], real: float, flutter: float, frequency: float | None
     ) -> ConfirmedThreshold:
         """A threshold with the state of steady sliding sought anew at every value on the way."""
-        scale = max(abs(real), abs(flutter))
-        state = FollowedState(scale, lambda value: self._system_at(names, value)[1])
+        pencil = self._driver.pencil
+        options: RunOptions = {"leave_out": False, **self._built}
+
+        def at(value: float) -> tuple[Scene, CoupledSystem]:
+            changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
+            return changed, coupled(changed, **options)[0]
+
+        state = _FollowedState(max(abs(real), abs(flutter)), lambda value: at(value)[1].pencil())
         end = 2 * np.pi * self._top
-        window = Window(end, self._driver.pencil.damped, decay=0.1 * end)
+        window = Window(end, pencil.damped, decay=0.1 * end)
         found = threshold_between(FullLine(state, window), real, flutter, frequency)
-        told = tuple(system_warnings(*self._system_at(names, found.value)))
+        told = tuple(system_warnings(*at(found.value)))
         parameter, spent = ", ".join(names), (state.solves, state.factorisations)
         return ConfirmedThreshold(parameter, found.value, found.eigenvalue, *spent, told)
-
-    def _system_at(self, names: Sequence[str], value: float) -> tuple[Scene, CoupledSystem]:
-        """The scene at a value of parameters, and its system about its state of steady sliding."""
-        pencil = self._driver.pencil
-        changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
-        options: RunOptions = {"leave_out": False, **self._built}
-        return changed, coupled(changed, **options)[0]
 
     @property
     def _built(self) -> RunOptions:
@@ -317,10 +308,45 @@ def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> Ass
     return AssembledScene(scene, listener)
 
 
-def _sliding(scene: Scene, fields_of_all: Mapping[str, Any]) -> list[str]:
-    """Contacts whose fields may be changed together: those that are not bonded."""
-    names = [name for name, c in scene.contacts.items() if c.formulation.coupling != "bonded"]
-    for field, value in fields_of_all.items():
-        if not names:
-            raise InputError(field, value, "left out: the scene has no contact that can slide")
-    return names
+@dataclass
+class _FollowedState:
+    """Full solves of a pencil linearised about its state of steady sliding at each value."""
+
+    scale: float
+    pencil_at: Callable[[float], Pencil]
+    solves: int = field(default=0, init=False)
+    factorisations: int = field(default=0, init=False)
+
+    def modes(self, value: float, max_frequency: float) -> Modes:
+        """All modes up to a frequency (Hz), with left vectors."""
+        with EigenSolver(self.pencil_at(value)) as driver:
+            modes = driver.solve(max_frequency, left=True)
+            self.solves += driver.solves
+            self.factorisations += driver.factorisations
+        return modes
+
+    def derivatives(self, value: float, modes: Modes) -> Complexes:
+        """Derivatives of their lambda by difference quotients of the matrices, shape (n,)."""
+        step = _STEP * self.scale
+        low, high = (_works(self.pencil_at(value + way * step), modes) for way in (-1.0, 1.0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return (low - high) / (2 * step) / (2 * modes.eigenvalues)
+
+
+def _works(pencil: Pencil, modes: Modes) -> Complexes:
+    """y^H P(lambda) x of another pencil at modes and their contact forces, shape (n,)."""
+    assert modes.left is not None
+    matrices, x, f = pencil.at(), modes.vectors, modes.forces
+    y, g, roots = modes.left.vectors, modes.left.forces, modes.eigenvalues
+    contacts = matrices.multipliers
+    if len(f) != (0 if contacts is None else contacts.closure.getLocalSize()[0]):
+        raise ConvergenceError("the form of a contact changes with the parameter: fix it")
+    damping = Damping(matrices)
+    force = internal_forces(matrices, x, f) + times(matrices.mass, x) * roots**2
+    works = np.diag(all_inner(y, force + damping.times(x) * roots, pencil.comm)).copy()
+    if contacts is not None:
+        gap = times(contacts.closure, x) - times(contacts.compliance, f)
+        works += np.diag(all_inner(g, gap, pencil.comm))
+    damping.free()
+    release(matrices)
+    return works

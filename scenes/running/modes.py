@@ -1,29 +1,27 @@
 """Complex eigenvalue analysis: a scene to its modes, and its modes to data and back."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 from cea.contact.interface import Interface
 from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.modes import Modes
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.mode_table import SIGNS, ModeTable
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.checking.memory import room_for_factors
-from scenes.checking.steps import needed_by, skipped_by
+from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import short_modes
-from scenes.results.describe import describe_modes, described_run
+from scenes.results.data import RunRecord, describe_modes, described_run, opened_modes
 from scenes.results.result import Fields, Result
 from scenes.running.analysis import analysis_of
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.analysis import ComplexEigenvalueAnalysis
-from scenes.spec.reading import Scene
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
-if TYPE_CHECKING:
-    from scenes.results.opened import RunRecord
+STATE_KEPT = "steady-state-kept"
+"""Kind of the warning that a state is not the one at other parameters."""
 
 
 def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]) -> Result:
@@ -117,14 +115,16 @@ def result_of_modes(
     return replace(result, warnings=(*modes.warnings, *found))
 
 
-def _kept_state(system: CoupledSystem, modes: Modes) -> tuple[ResultWarning, ...]:
+def _kept_state(system: CoupledSystem, modes: Modes) -> Iterator[ResultWarning]:
     """That sensitivities keep the state of steady sliding: left vectors were asked for them."""
-    moving = sorted(modes.pencil.stiffness_parameters)
-    if system.steady is None or modes.left is None or not moving:
-        return ()
-    from scenes.checking.steady import kept_state_warning
-
-    return (kept_state_warning(", ".join(moving)),)
+    moving = ", ".join(sorted(modes.pencil.stiffness_parameters))
+    if system.steady is not None and modes.left is not None and moving:
+        yield ResultWarning(
+            STATE_KEPT,
+            f"the state of steady sliding depends on {moving}, and is kept in derivatives: closed "
+            "zones and contact stiffness are those of the scene",
+            {"parameters": moving},
+        )
 
 
 def describe(result: Result) -> dict[str, Any]:
@@ -133,16 +133,9 @@ def describe(result: Result) -> dict[str, Any]:
     return {"summary": result.summary} | found | described_run(result)
 
 
-def opened(record: "RunRecord") -> Fields:
+def opened(record: RunRecord) -> Fields:
     """Eigenvalues from a record."""
-    from scenes.results.opened import opened_modes
-
     return {"spectrum": opened_modes(record)}
-
-
-def steps(scene: Scene) -> tuple[dict[str, str], dict[str, str]]:
-    """Steps of a run and what it leaves out, with the reasons."""
-    return needed_by(scene), skipped_by(scene)
 
 
 def table(result: Result) -> ModeTable:

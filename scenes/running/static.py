@@ -9,14 +9,12 @@ from cea.errors import InputError
 from cea.system.contact_stresses import NormalStress, contact_stresses
 from cea.system.support_forces import support_reactions
 from scenes.checking.doubts import doubtful_motions
-from scenes.checking.steps import needed_by, skipped_by
-from scenes.results.describe import described_run
-from scenes.results.opened import RunRecord, SideStress
+from scenes.checking.skipped import skipped_by
+from scenes.results.data import RunRecord, SideStress, described_run
 from scenes.results.result import Fields, Result
 from scenes.running.analysis import analysis_of
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.analysis import StaticAnalysis
-from scenes.spec.reading import Scene
+from scenes.spec.reading import Scene, StaticAnalysis
 
 
 def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
@@ -100,11 +98,6 @@ def opened(record: RunRecord) -> Fields:
 def _stress(stress: SideStress) -> NormalStress:
     along = np.array(stress.sigma_n_along, dtype=float)
     return NormalStress(stress.min, stress.max, np.array(stress.arc), along)
-
-
-def steps(scene: Scene) -> tuple[dict[str, str], dict[str, str]]:
-    """Steps of a run and what it leaves out, with the reasons."""
-    return needed_by(scene), skipped_by(scene)
 
 
 def table(result: Result) -> list[dict[str, Any]]:

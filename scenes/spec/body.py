@@ -1,21 +1,271 @@
-"""What a scene says of a body."""
+"""What a scene says of a body: mesh, supports, damping, loads, and all else it is made of."""
 
 from dataclasses import dataclass, field
+from math import pi
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
+from cea.damping import ModalDamping, RayleighDamping
+from cea.errors import InputError
 from cea.material import IsotropicMaterial
+from cea.mesh import SIMPLICES, Cell
 from cea.rotation import Rotation
-from cea.supports.boundary import Spring
+from cea.supports.boundary import Spring, Support
+from cea.supports.frames import Cartesian, Cylindrical, Frame, SurfaceNormal
 from meshes.mesh_file import MeshFile
+from meshes.patches import NurbsFile, Patches
 from meshes.placement import Placement
-from meshes.shapes import Shape
-from scenes.spec.mesh import MeshSpec
-from scenes.spec.motion import DampingSpec
-from scenes.spec.support import SupportSpec
+from meshes.shapes import Shape, VentilatedDisc
 
 Backend = Literal["fe", "iga"]
+BACKEND_NAMES = {"fe": "finite elements", "iga": "NURBS"}
+"""Backends by the name shown."""
+
+
+def backend_name(backend: str) -> str:
+    """Name of a backend as shown; "fe+iga" where bodies of both touch."""
+    return " and ".join(BACKEND_NAMES.get(part, part) for part in backend.split("+"))
+
+
+def file_name(name: str) -> str:
+    """Name of a scene as files bear it: signs but letters, digits, _ and - become _."""
+    return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in name)
+
+
+@dataclass(frozen=True)
+class FeMesh:
+    """Lagrange mesh of a body.
+
+    Parameters
+    ----------
+    cell
+        Kind of cell.
+    degree
+        Degree of the elements.
+    geometry_degree
+        Degree of the geometry; by default that of the elements. 1 gives straight facets.
+    elements
+        Cells of a structured mesh along each direction of the shape; of closed shapes, all the way
+        round. Tetrahedra or triangles are such cells each divided into six or two.
+    size
+        Target edge length of unstructured tetrahedra or triangles (m), given instead.
+    through
+        Coordinates that must be element boundaries of a structured mesh, by direction.
+    edges
+        Singular edges of a structured mesh of quadrilaterals or hexahedra, each by the two
+        coordinates that it lies at, which are element boundaries then. All run along one
+        direction; in the plane they are points.
+    layers
+        Geometric layers of cells towards the edges, in the cells at them alone.
+    """
+
+    cell: Cell = "hexahedron"
+    degree: Annotated[int, Field(ge=1, le=4)] = 2
+    geometry_degree: Annotated[int, Field(ge=1, le=4)] | None = None
+    elements: tuple[int, ...] | None = None
+    size: Annotated[float, Field(gt=0)] | None = None
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+    edges: tuple[dict[str, float], ...] = ()
+    layers: Annotated[int, Field(ge=0, le=8)] = 0
+
+    def __post_init__(self) -> None:
+        if self.edges and self.cell in SIMPLICES:
+            raise InputError("edges", self.edges, f"left out for cell = {self.cell!r}")
+        if self.layers and not self.edges:
+            raise InputError("layers", self.layers, "0 without edges")
+        if self.cell not in SIMPLICES:
+            if self.elements is None:
+                raise InputError("elements", None, f"needed for cell = {self.cell!r}")
+            if self.size is not None:
+                raise InputError("size", self.size, f"left out for cell = {self.cell!r}")
+        elif (self.elements is None) == (self.size is None):
+            allowed = "either size, unstructured, or elements, boxes divided"
+            raise InputError("size", self.size, f"{allowed}, for cell = {self.cell!r}")
+        if self.elements is None and self.through:
+            raise InputError("through", self.through, "left out where size is given")
+
+    @property
+    def boundaries(self) -> dict[str, tuple[float, ...]]:
+        """Coordinates that are element boundaries, those of edges among them, by direction."""
+        found = {name: set(values) for name, values in self.through.items()}
+        for edge in self.edges:
+            for name, value in edge.items():
+                found.setdefault(name, set()).add(value)
+        return {name: tuple(sorted(values)) for name, values in found.items()}
+
+
+@dataclass(frozen=True)
+class IgaMesh:
+    """NURBS discretisation of a body.
+
+    Parameters
+    ----------
+    degree
+        Degree along each direction.
+    elements
+        Knot spans along each direction of the shape; of closed shapes, all the way
+        round.
+    continuity
+        Continuity at inner knots; by default one less than the degree.
+    through
+        Coordinates that must be knots, by direction.
+    """
+
+    degree: tuple[Annotated[int, Field(ge=1, le=8)], ...]
+    elements: tuple[int, ...]
+    continuity: tuple[Annotated[int, Field(ge=0)], ...] | None = None
+    through: dict[str, tuple[float, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        continuity = self.continuity or ()
+        if any(c >= p for c, p in zip(continuity, self.degree, strict=False)):
+            raise InputError("continuity", continuity, f"below the degree {self.degree}")
+
+
+@dataclass(frozen=True)
+class MeshSpec:
+    """Discretisations of a body, one for each backend it can be run on.
+
+    Parameters
+    ----------
+    fe
+        Lagrange mesh of a shape.
+    iga
+        NURBS discretisation.
+    degree
+        Degree of the elements of a mesh from a file; by default the order of its cells, at least 2
+        where elements of several kinds are divided into tetrahedra.
+    """
+
+    fe: FeMesh | None = None
+    iga: IgaMesh | None = None
+    degree: Annotated[int, Field(ge=1, le=4)] | None = None
+
+
+Component = Literal["x", "y", "z", "radial", "circumferential", "axial", "normal"]
+_CYLINDRICAL = ("radial", "circumferential", "axial")
+_COMPONENTS = (("x", "y", "z"), _CYLINDRICAL, ("normal",))
+"""Components of each frame; a support names those of one."""
+
+
+@dataclass(frozen=True)
+class SupportSpec:
+    """Displacement components held on a surface; every one when none is named.
+
+    Parameters
+    ----------
+    surface
+        Name of the surface.
+    components
+        Some of x, y, z; or of radial, circumferential, axial; or normal, a roller.
+    axis
+        Direction of the axis of radial, circumferential, axial; left out in 2D.
+    origin
+        A point of it (m), by default the origin.
+    value
+        Displacement (m) at which they are held: a number for each component named (for x, y, z
+        where none is), or one for all; by default zero. Small motions are held at zero.
+    """
+
+    surface: str
+    components: tuple[Component, ...] = ()
+    axis: tuple[float, float, float] | None = None
+    origin: tuple[float, ...] | None = None
+    value: float | tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if not any(set(self.components) <= set(names) for names in _COMPONENTS):
+            allowed = "of one frame: " + ", or ".join(", ".join(names) for names in _COMPONENTS)
+            raise InputError("components", list(self.components), allowed)
+        for name, value in (("axis", self.axis), ("origin", self.origin)):
+            if value is not None and not self._cylindrical:
+                allowed = "left out beside components other than radial, circumferential, axial"
+                raise InputError(name, list(value), allowed)
+        count = len(self.components)
+        if isinstance(self.value, tuple) and count:
+            if len(self.value) != count:
+                raise InputError("value", list(self.value), f"one number (m), or {count}")
+            if len(set(self.components)) != count:
+                allowed = "each once where each has a value"
+                raise InputError("components", list(self.components), allowed)
+        self.support()
+
+    @property
+    def _cylindrical(self) -> bool:
+        return bool(set(self.components) & set(_CYLINDRICAL))
+
+    def support(self) -> Support:
+        """The support as backends take it."""
+        if not self.components:
+            return Support(self.surface, value=self.value)
+        names = next(names for names in _COMPONENTS if self.components[0] in names)
+        numbers, value = tuple(map(names.index, self.components)), self.value
+        if isinstance(value, tuple):
+            value = tuple(each for _, each in sorted(zip(numbers, value, strict=True)))
+        frame: Frame = Cartesian() if "x" in names else SurfaceNormal()
+        if self._cylindrical:
+            frame = Cylindrical(self.origin or (), self.axis or ())
+        return Support(self.surface, numbers, frame, value)
+
+
+@dataclass(frozen=True)
+class DampingSpec:
+    """Damping of a body: Rayleigh damping C = alpha M + beta K, modal damping, or both.
+
+    The former is given by its factors, or by damping ratios.
+
+    Parameters
+    ----------
+    alpha
+        Factor on the mass (1/s).
+    beta
+        Factor on the stiffness (s).
+    ratios
+        Damping ratios at two frequencies, given instead; 1 is critical.
+    frequencies
+        These frequencies (Hz).
+    modal
+        Damping ratios of the modes of the body alone.
+    """
+
+    alpha: float | None = None
+    beta: float | None = None
+    ratios: tuple[float, float] | None = None
+    frequencies: tuple[float, float] | None = None
+    modal: ModalDamping | None = None
+
+    def __post_init__(self) -> None:
+        ways = [self.alpha is not None or self.beta is not None, self.ratios is not None]
+        if all(ways) or not (any(ways) or self.modal):
+            allowed = "alpha, beta or both; or ratios with frequencies; modal, or it beside these"
+            raise InputError("ratios", self.ratios, allowed)
+        if (self.ratios is None) != (self.frequencies is None):
+            raise InputError("frequencies", self.frequencies, "two where ratios are given")
+        self.rayleigh()
+
+    @property
+    def acts(self) -> bool:
+        """Whether anything is damped."""
+        modal = self.modal is not None and self.modal.acts
+        return modal or self.rayleigh() not in (None, RayleighDamping())
+
+    @property
+    def in_factors(self) -> "DampingSpec":
+        """The same with factors of Rayleigh damping in the place of ratios, both where one is."""
+        found = self.rayleigh()
+        if found is None:
+            return self
+        return DampingSpec(found.alpha, found.beta, modal=self.modal)
+
+    def rayleigh(self) -> RayleighDamping | None:
+        """Rayleigh damping as the system takes it; None where there is modal damping alone."""
+        if self.ratios is not None and self.frequencies is not None:
+            return RayleighDamping.of_ratios(self.ratios, self.frequencies)
+        if self.alpha is None and self.beta is None:
+            return None
+        return RayleighDamping(self.alpha or 0.0, self.beta or 0.0)
 
 
 @dataclass(frozen=True)
@@ -66,9 +316,69 @@ class BodySpec:
         return convective or self.circulates
 
     @property
+    def lengths(self) -> list[float]:
+        """Lengths (m) of a box that stands for its shape: of an arc, at its middle radius."""
+        shape = self.geometry
+        if isinstance(shape, VentilatedDisc):
+            return list(shape.lengths)
+        if isinstance(shape, Patches | NurbsFile):
+            given = shape.given if isinstance(shape, NurbsFile) else shape
+            points = np.concatenate([p.points.reshape(-1, len(p.degrees)) for p in given.patches])
+            return np.ptp(points, axis=0).tolist()
+        found = [high - low for low, high in shape.extent]
+        if "theta" in shape.directions:
+            found[shape.directions.index("theta")] *= pi / 180 * 0.5 * sum(shape.extent[0])
+        return found
+
+    @property
     def fe_degree(self) -> int | None:
         """Degree of its Lagrange elements; None where it has none."""
         if isinstance(self.geometry, MeshFile):
-            least = 2 if self.geometry.is_divided else 1  # straight tetrahedra are too stiff
-            return self.mesh.degree or max(self.geometry.order, least)
+            least = (
+                2 if self.geometry.elements.is_divided else 1
+            )  # straight tetrahedra are too stiff
+            return self.mesh.degree or max(self.geometry.elements.order, least)
         return self.mesh.fe.degree if self.mesh.fe is not None else None
+
+
+@dataclass(frozen=True)
+class LoadSpec:
+    """A load: a pressure or a force on a surface, or a force on every part of a body.
+
+    Parameters
+    ----------
+    surface
+        The surface "body.surface".
+    pressure
+        Uniform pressure on it (N/m^2), positive pushes on the body.
+    force
+        Components of a force (N; N/m in the plane) that is spread evenly over it.
+    body
+        The body, given instead of a surface.
+    body_force
+        Components of a force for each volume of it (N/m^3).
+    """
+
+    surface: str | None = None
+    pressure: float | None = None
+    force: tuple[float, ...] | None = None
+    body: str | None = None
+    body_force: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if (self.surface is None) == (self.body is None):
+            raise InputError("surface", self.surface, f"either surface or body ({self.body})")
+        own = ("pressure", "force") if self.body is None else ("body_force",)
+        given = [n for n in ("pressure", "force", "body_force") if getattr(self, n) is not None]
+        where = "on a surface" if self.body is None else "where body is given"
+        for name in given:
+            if name not in own:
+                raise InputError(name, getattr(self, name), f"left out {where}")
+        if len(given) != 1:
+            needed = "either pressure or force, not both," if self.body is None else "needed"
+            raise InputError(own[0], getattr(self, own[0]), f"{needed} {where}")
+
+    @property
+    def on(self) -> str:
+        """Name of the body it acts on."""
+        return (self.surface or self.body or "").split(".")[0]

@@ -1,26 +1,29 @@
 """What is wrong with a scene between its fields, each of which is right by itself."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from cea.errors import InputError
-from cea.suggestions import did_you_mean
-from meshes.breaks import breaks_of, check_breaks
-from meshes.edge_layers import check_edges, check_room
+from cea.contact.formulations import registered
+from cea.errors import InputError, did_you_mean
+from cea.expressions import Expression
+from cea.supports.boundary import check_surface
+from meshes.breaks import breaks_of
+from meshes.edge_layers import check_room, run_along
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-from scenes.spec.analysis import Analysis
-from scenes.spec.body import BodySpec
-from scenes.spec.contact_checks import contact_checks, fault_of, unknown_surface
-from scenes.spec.load import LoadSpec
-from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.scene import SceneSpec
-from scenes.spec.sizes import MAX_ELEMENTS, box_lengths, dofs_of
+from scenes.spec.body import BodySpec, FeMesh, IgaMesh, LoadSpec, MeshSpec
+from scenes.spec.contact import ContactSpec, suits
+from scenes.spec.problems import fault_of
+
+Scene = Any
+""":class:`scenes.spec.reading.Scene`, whose module imports this one."""
 
 LARGEST, SMALLEST = 1e30, 1e-30
 """Range of numbers, in the unit of each: lengths, stiffness and densities of any units fit, and
 products of a few of them stay in the range of floating point numbers."""
+MAX_ELEMENTS = 10**6
+"""Elements along one direction."""
 MAX_ITEMS = 200
 """Bodies, contacts and loads of a scene, supports and springs of a body, of each so many."""
 _LONGEST = 100
@@ -40,7 +43,7 @@ _CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
 _NEEDS = "left out where no contact has c_n: no state of steady sliding is sought"
 
 
-def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
+def cross_checks(scene: Scene) -> Iterator[InputError]:
     """Faults between fields, each of which is right by itself."""
     yield from _limit_checks(scene)
     if not scene.bodies:
@@ -50,26 +53,24 @@ def cross_checks(scene: SceneSpec) -> Iterable[InputError]:
         if scene.analysis.kind == "cea" or body.rotates_in_equilibrium:
             yield from fault_of(body.material.density, f"bodies.{name}.material")
     known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)
-    yield from contact_checks(scene, known)
+    yield from _contact_checks(scene, known)
     for i, load in enumerate(scene.loads):
         yield from _load_checks(scene, f"loads.{i}", load, known)
     yield from steady_checks(scene)
 
 
-def _limit_checks(scene: SceneSpec) -> Iterator[InputError]:
+def _limit_checks(scene: Scene) -> Iterator[InputError]:
     """Names that no path holds, more items than anybody has, and extreme numbers."""
     yield from scene_name_checks(scene.name)
     counts = {name: len(getattr(scene, name)) for name in ("bodies", "contacts", "loads")}
+    names = [(kind, name) for kind in ("bodies", "contacts") for name in getattr(scene, kind)]
     for name, body in scene.bodies.items():
         counts[f"bodies.{name}.supports"] = len(body.supports)
         counts[f"bodies.{name}.springs"] = len(body.springs)
+        names += [(f"bodies.{name}.geometry.faces", each) for each in body.geometry.surfaces]
     for place, count in counts.items():
         if count > MAX_ITEMS:
             yield InputError(place, f"{count} of them", f"at most {MAX_ITEMS}")
-    names = [("bodies", name) for name in scene.bodies]
-    names += [("contacts", name) for name in scene.contacts]
-    for body_name, body in scene.bodies.items():
-        names += [(f"bodies.{body_name}.geometry.faces", each) for each in body.geometry.surfaces]
     for place, name in names:
         if not (0 < len(name) <= _LONGEST and name.isprintable()) or set(name) & _PARTING:
             allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
@@ -83,7 +84,7 @@ def _limit_checks(scene: SceneSpec) -> Iterator[InputError]:
             yield InputError(place, number, f"at least {SMALLEST:g}")
 
 
-def scene_name_checks(name: str) -> Iterable[InputError]:
+def scene_name_checks(name: str) -> Iterator[InputError]:
     """Faults of the name of a scene, which files and lines on a terminal bear."""
     if not (0 < len(name.strip()) <= len(name) <= _LONGEST and name.isprintable()):
         yield InputError("name", name, f"a name of 1 to {_LONGEST} printable characters")
@@ -91,72 +92,80 @@ def scene_name_checks(name: str) -> Iterable[InputError]:
 
 def _numbers(value: Any, place: str) -> Iterator[tuple[str, float]]:
     """Numbers of nested tables and lists by their paths."""
-    parts: Iterable[tuple[Any, Any]] = ()
-    if isinstance(value, Mapping):
-        parts = value.items()
-    elif isinstance(value, list | tuple):
-        parts = enumerate(value)
-    elif isinstance(value, int | float):
+    if isinstance(value, int | float):
         yield place, value
-    for name, part in parts:
-        yield from _numbers(part, f"{place}.{name}" if place else str(name))
+    elif isinstance(value, Mapping | list | tuple):
+        for name, part in value.items() if isinstance(value, Mapping) else enumerate(value):
+            yield from _numbers(part, f"{place}.{name}" if place else str(name))
+
+
+def _unknown_surface(place: str, name: str, known: Sequence[str]) -> Iterator[InputError]:
+    return fault_of(check_surface, name, known, place)
+
+
+def _other_lengths(
+    place: str, lists: Mapping[str, Sequence[float] | None], dim: int, each: str
+) -> Iterator[InputError]:
+    """Lists that have another number of entries than space has dimensions."""
+    for name, values in lists.items():
+        if values is not None and len(values) != dim:
+            yield InputError(f"{place}.{name}", values, f"{dim} numbers, one for each of {each}")
 
 
 def _load_checks(
-    scene: SceneSpec, place: str, load: LoadSpec, known: Sequence[str]
-) -> Iterable[InputError]:
+    scene: Scene, place: str, load: LoadSpec, known: Sequence[str]
+) -> Iterator[InputError]:
     """Loads on what is not there, and forces of another dimension."""
     if load.surface is not None:
-        yield from unknown_surface(f"{place}.surface", load.surface, known)
+        yield from _unknown_surface(f"{place}.surface", load.surface, known)
     elif load.body not in scene.bodies:
         allowed = f"one of {', '.join(scene.bodies)}{did_you_mean(load.body, scene.bodies)}"
         yield InputError(f"{place}.body", load.body, allowed)
-    if load.on not in scene.bodies:
-        return
-    dim = len(scene.bodies[load.on].geometry.directions)
-    for name, value in (("force", load.force), ("body_force", load.body_force)):
-        if value is not None and len(value) != dim:
-            yield InputError(f"{place}.{name}", value, f"{dim} components")
+    if load.on in scene.bodies:
+        dim = len(scene.bodies[load.on].geometry.directions)
+        forces = {"force": load.force, "body_force": load.body_force}
+        yield from _other_lengths(place, forces, dim, "the components")
 
 
-def _body_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+def _body_checks(place: str, body: BodySpec) -> Iterator[InputError]:
     """Meshes, places, supports and springs that do not suit a shape."""
-    of_mesh = list(_mesh_checks(place, body))
-    yield from of_mesh or _size_checks(place, body)
-    dim, of_file = len(body.geometry.directions), isinstance(body.geometry, MeshFile)
+    shape, known = body.geometry, body.geometry.surfaces
+    dim, of_file = len(shape.directions), isinstance(shape, MeshFile)
+    wrong = list(_range_checks(place, body)) or list(_mesh_checks(place, body))
+    yield from wrong or _size_checks(place, body)
     yield from fault_of(body.placement.check, dim, f"{place}.placement")
     for i, support in enumerate(body.supports):
         yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
+        yield from _unknown_surface(f"{place}.supports.{i}.surface", support.surface, known)
+    for i, spring in enumerate(body.springs):
+        of_spring = {"stiffness": spring.stiffness}
+        yield from _other_lengths(f"{place}.springs.{i}", of_spring, dim, "the components")
+        yield from _unknown_surface(f"{place}.springs.{i}.surface", spring.surface, known)
     if body.rotation is not None:
         from scenes.spec.rotation_checks import rotation_checks
 
         yield from rotation_checks(place, body, body.rotation)
-    for i, spring in enumerate(body.springs):
-        if len(spring.stiffness) != dim:
-            allowed = f"{dim} values (N/m^3), one for each component"
-            yield InputError(f"{place}.springs.{i}.stiffness", spring.stiffness, allowed)
-    for name, (low, high) in zip(body.geometry.directions, body.geometry.extent, strict=True):
-        if not high - low > _THIN * max(abs(low), abs(high)):
-            allowed = "a range that is not lost in the rounding of its ends"
-            yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
     if not of_file and body.mesh == MeshSpec():
         yield InputError(f"{place}.mesh", None, "field required, but for a mesh file")
     elif not of_file and getattr(body.mesh, body.backend) is None:
         yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
-    for kind in ("supports", "springs"):
-        for i, item in enumerate(getattr(body, kind)):
-            where = f"{place}.{kind}.{i}.surface"
-            yield from unknown_surface(where, item.surface, body.geometry.surfaces)
 
 
-def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+def _range_checks(place: str, body: BodySpec) -> Iterator[InputError]:
+    """Ranges of coordinates that no mesh can divide."""
+    for name, (low, high) in zip(body.geometry.directions, body.geometry.extent, strict=True):
+        if not high - low > _THIN * max(abs(low), abs(high)):
+            allowed = "a range that is not lost in the rounding of its ends"
+            yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
+
+
+def _mesh_checks(place: str, body: BodySpec) -> Iterator[InputError]:
     """Meshes that do not suit their shape."""
-    shape, mesh = body.geometry, body.mesh
-    fe, iga, directions = mesh.fe, mesh.iga, shape.directions
-    dim, names = len(directions), ", ".join(directions)
+    shape, mesh, backend = body.geometry, body.mesh, body.backend
+    fe, iga, dim = mesh.fe, mesh.iga, len(shape.directions)
+    suited: tuple[str, ...] = ("fe", "iga")
     if isinstance(shape, MeshFile):
-        if body.backend != "fe":
-            yield InputError(f"{place}.backend", body.backend, "'fe' for a mesh file")
+        suited = ("fe",)
         for name, given in (("fe", fe), ("iga", iga)):
             if given is not None:
                 allowed = "left out: cells are those of the file; mesh.degree may be given"
@@ -164,44 +173,42 @@ def _mesh_checks(place: str, body: BodySpec) -> Iterable[InputError]:
     elif mesh.degree is not None:
         allowed = "left out but of a mesh file: fe.degree or iga.degree says it"
         yield InputError(f"{place}.mesh.degree", mesh.degree, allowed)
-    if shape.shape in ("patches", "nurbs_file") and body.backend == "fe":
-        yield InputError(f"{place}.backend", "fe", "'iga' for a geometry of patches")
     if isinstance(shape, VentilatedDisc):
-        yield from _unstructured_checks(place, body)
+        suited = ("fe",)
+    elif shape.shape in ("patches", "nurbs_file"):
+        suited = ("iga",)
+    if backend not in suited:
+        yield InputError(f"{place}.backend", backend, f"{suited[0]!r} for shape = {shape.shape!r}")
+    if isinstance(shape, VentilatedDisc):
+        if fe is not None:
+            yield from _unstructured_checks(f"{place}.mesh.fe", fe)
         return
     if fe is not None and fe.cell not in _CELLS[dim]:
         yield InputError(f"{place}.mesh.fe.cell", fe.cell, " or ".join(_CELLS[dim]))
     numbers: dict[str, tuple[int, ...] | None] = {}
     if fe is not None:
-        numbers |= {"fe.elements": fe.elements}
+        numbers["fe.elements"] = fe.elements
     if iga is not None:
         numbers |= {"iga.degree": iga.degree, "iga.elements": iga.elements}
-        numbers |= {"iga.continuity": iga.continuity}
-    for name, values in numbers.items():
-        if values is not None and len(values) != dim:
-            yield InputError(f"{place}.mesh.{name}", values, f"one number for each of {names}")
-    for backend, one in (("fe", fe), ("iga", iga)):
+        numbers["iga.continuity"] = iga.continuity
+    yield from _other_lengths(f"{place}.mesh", numbers, dim, ", ".join(shape.directions))
+    for name, one in (("fe", fe), ("iga", iga)):
         if one is not None and one.elements is not None and len(one.elements) == dim:
-            yield from _elements_checks(f"{place}.mesh.{backend}", body, one)
+            yield from _elements_checks(f"{place}.mesh.{name}", body, one)
 
 
-def _unstructured_checks(place: str, body: BodySpec) -> Iterable[InputError]:
+def _unstructured_checks(place: str, fe: FeMesh) -> Iterator[InputError]:
     """Meshes other than unstructured tetrahedra, which alone fit some shapes."""
-    shape, fe = body.geometry.shape, body.mesh.fe
-    if body.backend == "iga":
-        yield InputError(f"{place}.backend", "iga", f"'fe' for shape = {shape!r}")
-    if fe is None:
-        return
     if fe.cell != "tetrahedron":
-        yield InputError(f"{place}.mesh.fe.cell", fe.cell, f"tetrahedron for shape = {shape!r}")
+        yield InputError(f"{place}.cell", fe.cell, "tetrahedron for such a shape")
     elif fe.size is None:
-        yield InputError(f"{place}.mesh.fe.elements", fe.elements, "left out, size given instead")
+        yield InputError(f"{place}.elements", fe.elements, "left out, size given instead")
     if (fe.geometry_degree or fe.degree) > MAX_CURVED:
-        allowed = f"1 to {MAX_CURVED} for shape = {shape!r}, whatever the degree of the elements"
-        yield InputError(f"{place}.mesh.fe.geometry_degree", fe.geometry_degree, allowed)
+        allowed = f"1 to {MAX_CURVED} for such a shape, whatever the degree of the elements"
+        yield InputError(f"{place}.geometry_degree", fe.geometry_degree, allowed)
 
 
-def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iterable[InputError]:
+def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iterator[InputError]:
     """Elements that are too few for their shape, or too many for any machine."""
     elements = mesh.elements or ()
     if not all(1 <= count <= MAX_ELEMENTS for count in elements):
@@ -209,29 +216,91 @@ def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iter
         return
     edges = mesh.edges if isinstance(mesh, FeMesh) else ()
     through = mesh.boundaries if isinstance(mesh, FeMesh) else mesh.through
-    faults = list(fault_of(check_edges, body.geometry, edges, place)) if edges else []
-    faults = faults or list(fault_of(check_breaks, body.geometry, elements, through, place))
-    yield from faults
+    shape = body.geometry
+    faults = list(fault_of(run_along, shape, edges)) if edges else []
+    faults = faults or list(fault_of(breaks_of, shape, elements, through))
     if edges and not faults:
-        breaks = breaks_of(body.geometry, elements, through)
-        yield from fault_of(check_room, body.geometry, breaks, edges, place)
+        faults = list(fault_of(check_room, shape, breaks_of(shape, elements, through), edges))
+    for fault in faults:
+        value = tuple(elements) if fault.field == "elements" else fault.value
+        yield InputError(f"{place}.{fault.field}", value, fault.allowed)
 
 
 def _size_checks(place: str, body: BodySpec) -> Iterator[InputError]:
     """Sizes of elements that are none beside the length of their body."""
     fe = body.mesh.fe
-    if body.backend != "fe" or fe is None or fe.size is None:
+    if body.backend == "fe" and fe is not None and fe.size is not None:
+        length = max(body.lengths)
+        if not length / MAX_ELEMENTS <= fe.size <= length:
+            allowed = f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body"
+            yield InputError(f"{place}.mesh.fe.size", fe.size, allowed)
+
+
+def _contact_checks(scene: Scene, known: Sequence[str]) -> Iterator[InputError]:
+    """Faults of contacts; surfaces are known as "body.surface"."""
+    seen: dict[frozenset[str], str] = {}
+    for name, contact in scene.contacts.items():
+        place = f"contacts.{name}"
+        yield from _side_checks(scene, place, contact, known)
+        pressure = contact.sliding.pressure if contact.sliding is not None else None
+        if contact.sliding is not None and (pressure is None) == (contact.c_n is None):
+            allowed = "either the contact pressure (N/m^2) or c_n, which makes it of the loads"
+            yield InputError(f"{place}.sliding.pressure", pressure, allowed)
+        yield from _dimension_checks(scene, place, contact)
+        first = seen.setdefault(frozenset((contact.a, contact.b)), name)
+        if first != name:
+            allowed = f"other sides than contacts.{first}, which joins the same surfaces"
+            yield InputError(f"{place}.a", f"{contact.a} on {contact.b}", allowed)
+
+
+def _side_checks(
+    scene: Scene, place: str, contact: ContactSpec, known: Sequence[str]
+) -> Iterator[InputError]:
+    """Sides that are not there, on one body, that cannot move, or have no such abscissae."""
+    sides = {"a": contact.a.partition("."), "b": contact.b.partition(".")}
+    for side in sides:
+        yield from _unknown_surface(f"{place}.{side}", getattr(contact, side), known)
+    if sides["a"][0] == sides["b"][0]:
+        yield InputError(f"{place}.b", contact.b, f"another body than {contact.a}")
         return
-    length = max(box_lengths(body.geometry))
-    if not length / MAX_ELEMENTS <= fe.size <= length:
-        allowed = (
-            f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body; such a mesh "
-            f"has about {dofs_of(body):.2g} unknowns"
-        )
-        yield InputError(f"{place}.mesh.fe.size", fe.size, allowed)
+    for side, (body, _, surface) in sides.items():
+        where, rule = getattr(contact, side), contact.formulation
+        if body not in scene.bodies:
+            continue
+        backend, dim = scene.bodies[body].backend, len(scene.bodies[body].geometry.directions)
+        for i, support in enumerate(scene.bodies[body].supports if where in known else ()):
+            count = len(set(support.components))
+            if support.surface == surface and (count in (0, dim) or "normal" in support.components):
+                allowed = f"a surface that may move: bodies.{body}.supports.{i} holds it"
+                yield InputError(f"{place}.{side}", where, allowed)
+        if (contact.full_pass or side == "a") and not suits(rule, backend):
+            allowed = ", ".join(m for m, kind in registered().items() if suits(kind, backend))
+            allowed = f"one of {allowed} where side {side} has backend {backend!r}"
+            yield InputError(f"{place}.formulation.method", rule.method, allowed)
 
 
-def steady_checks(scene: SceneSpec) -> Iterable[InputError]:
+def _dimension_checks(scene: Scene, place: str, contact: ContactSpec) -> Iterator[InputError]:
+    """Sides of different dimensions, and directions and fields of another one."""
+    names = {side.split(".")[0] for side in (contact.a, contact.b)} & set(scene.bodies)
+    dims = {len(scene.bodies[name].geometry.directions) for name in names}
+    if len(dims) > 1:
+        yield InputError(f"{place}.b", contact.b, f"a body of the same dimension as {contact.a}")
+    for dim in dims if len(dims) == 1 else ():
+        if contact.friction_direction_on_a is not None:
+            direction = f"{place}.friction_direction_on_a"
+            yield from fault_of(contact.friction_direction_on_a.check, dim, direction)
+        sliding = contact.sliding.fields if contact.sliding is not None else {}
+        if dim == 2 and sliding.get("speed") is not None:
+            allowed = "left out in the plane, where the direction of sliding cannot turn"
+            yield InputError(f"{place}.sliding.speed", sliding["speed"], allowed)
+        fields = {"p": contact.p, "mu": contact.mu}
+        fields |= {f"sliding.{name}": value for name, value in sliding.items()}
+        for name, value in fields.items():
+            if isinstance(value, str):
+                yield from fault_of(Expression(value).check, f"{place}.{name}", dim)
+
+
+def steady_checks(scene: Scene) -> Iterator[InputError]:
     """Fields that mean nothing without a state of steady sliding."""
     if scene.slides_steadily:
         return
@@ -245,7 +314,7 @@ def steady_checks(scene: SceneSpec) -> Iterable[InputError]:
                 yield InputError(f"bodies.{name}.supports.{i}.value", support.value, _NEEDS)
 
 
-def needs_no_steady_state(analysis: Analysis, allowed: str) -> Iterable[InputError]:
+def needs_no_steady_state(analysis: Any, allowed: str) -> Iterator[InputError]:
     """Fields of an analysis that need a state of steady sliding, and what is allowed without."""
     if analysis.load_steps is not None:
         yield InputError("analysis.load_steps", analysis.load_steps, allowed)

@@ -11,7 +11,7 @@ from cea.contact.friction import AlongField, AlongVector, Circumferential
 from cea.contact.laws import NormalCompliance
 from cea.errors import InputError
 from cea.expressions import Expression
-from scenes.spec.motion import SlidingSpec
+from scenes.spec.body import Backend
 
 
 class _Registered:
@@ -49,6 +49,44 @@ Direction = Annotated[
         custom_error_message="a table {vector = ...}, {circumferential_about = ...}, {field = ...}",
     ),
 ]
+
+
+@dataclass(frozen=True)
+class SlidingSpec:
+    """What a contact does to small velocities because it slides at a speed.
+
+    Each is a number or an expression in the coordinates.
+
+    Parameters
+    ----------
+    pressure
+        Contact pressure of steady sliding (N/m^2); left out where c_n makes it of the loads.
+    speed
+        Speed of sliding (m/s): friction that turns with the direction of sliding then damps motion
+        across it, mu pressure / speed; in space only.
+    mu_slope
+        Derivative of mu in the speed (s/m), at constant pressure; below zero it feeds energy in.
+    """
+
+    pressure: float | str | None = None
+    speed: float | str | None = None
+    mu_slope: float | str | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.pressure, float) and not self.pressure >= 0:
+            raise InputError("pressure", self.pressure, "greater than or equal to 0 (N/m^2)")
+        if isinstance(self.speed, float) and not self.speed > 0:
+            raise InputError("speed", self.speed, "greater than 0 (m/s)")
+        if self.speed is None and self.mu_slope is None:
+            raise InputError("speed", None, "speed, mu_slope or both")
+        for name, value in self.fields.items():
+            if isinstance(value, str):
+                Expression(value).check(name)
+
+    @property
+    def fields(self) -> dict[str, float | str | None]:
+        """What is given, and None for what is not, by name."""
+        return {"pressure": self.pressure, "speed": self.speed, "mu_slope": self.mu_slope}
 
 
 @dataclass(frozen=True)
@@ -171,3 +209,12 @@ class ContactSpec:
 def _constant(value: float | str | None) -> float | None:
     """Value of a field that is the same everywhere, else None."""
     return Expression(value).constant if isinstance(value, str) else value
+
+
+_ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}
+"""Kinds of abscissae that surfaces of each backend have."""
+
+
+def suits(formulation: Formulation | type[Formulation], backend: Backend) -> bool:
+    """Whether surfaces of a backend have the abscissae that a formulation needs."""
+    return formulation.abscissae is None or formulation.abscissae in _ABSCISSAE[backend]

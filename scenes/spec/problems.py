@@ -4,13 +4,12 @@ pydantic tells of each error the path, its kind and the value. The path is made 
 writes, and names that were probably meant are added.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from pydantic import ValidationError
 
-from cea.errors import InputError
-from cea.suggestions import did_you_mean
+from cea.errors import InputError, did_you_mean
 
 _SHOWN = 20
 """Faults that a message tells."""
@@ -21,8 +20,10 @@ _KINDS = {
 """Kinds of values by the first word of pydantic's types of errors."""
 _TAGS = ("shape", "method", "kind")
 """Fields that tell forms of a section apart."""
-_UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
 _MISSING = ("missing", "missing_argument")
+
+_Sections = Sequence[Mapping[str, Any]]
+"""Fields of every section, as a JSON Schema has them."""
 
 
 class SceneError(ValueError):
@@ -40,82 +41,80 @@ class SceneError(ValueError):
         return type(self), (self.faults,)
 
 
+def fault_of(check: Callable[..., Any], *arguments: Any) -> Iterator[InputError]:
+    """Fault that a shared check finds, collected with the others rather than raised."""
+    try:
+        check(*arguments)
+    except InputError as error:
+        yield error
+
+
 def problems(error: ValidationError, data: Any, schema: Mapping[str, Any]) -> list[InputError]:
     """Faults that pydantic found in plain data, each under its own field.
 
     Names that were probably meant are those of a JSON Schema of what the data should be.
     """
-    sections = [
-        section["properties"]
-        for section in (schema, *schema.get("$defs", {}).values())
-        if "properties" in section
-    ]
+    every = (schema, *schema.get("$defs", {}).values())
+    sections = [section["properties"] for section in every if "properties" in section]
     found: dict[str, InputError] = {}
     for detail in error.errors(include_url=False):
         for fault in _faults_of(detail, data, sections):
-            before = found.get(fault.field)
-            if before is None:
-                found[fault.field] = fault
-            elif fault.allowed not in before.allowed.split(", or "):  # another form of the field
+            before = found.setdefault(fault.field, fault)
+            if fault.allowed not in before.allowed.split(", or "):  # another form of the field
                 allowed = f"{before.allowed}, or {fault.allowed}"
                 found[fault.field] = InputError(fault.field, fault.value, allowed)
     # Of a field of several forms what is wrong within one says more than that it is no other.
-    return [
-        fault
-        for field, fault in found.items()
-        if not any(other.startswith(f"{field}.") for other in found)
-    ]
+    within = {field: any(other.startswith(f"{field}.") for other in found) for field in found}
+    return [fault for field, fault in found.items() if not within[field]]
 
 
-def _siblings(section: Any, wrong: Any, sections: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Fields of the section that this probably is: it has the others, and one of a like name."""
-    others = set(section) - {wrong} if isinstance(section, Mapping) else set()
-    fitting = [list(names) for names in sections if others <= set(names)] if others else []
-    return min(fitting, key=lambda names: (not did_you_mean(wrong, names), len(names)), default=[])
-
-
-def _faults_of(
-    detail: Mapping[str, Any], data: Any, sections: Sequence[Mapping[str, Any]]
-) -> Iterator[InputError]:
-    """One error of pydantic; of those that a section tells of itself, each."""
+def _faults_of(detail: Mapping[str, Any], data: Any, sections: _Sections) -> Iterator[InputError]:
+    """One error of pydantic."""
     kind, value, (place, parent) = detail["type"], detail["input"], _place(detail, data)
     names = [name for section in sections for name in section]
     context = detail.get("ctx", {})
     cause, name = context.get("error"), detail["loc"][-1] if detail["loc"] else ""
     given = value if isinstance(value, Mapping) else {}
-    if isinstance(cause, InputError):
-        for each in (cause, *cause.others):
-            yield InputError(_joined(place, each.field, given), each.value, each.allowed)
-        return
-    allowed = _words(detail)
-    if kind in _UNKNOWN:
-        siblings = _siblings(parent, name, sections)
-        there = f"; there are {', '.join(siblings)}" if siblings else ""
-        meant = did_you_mean(name, siblings or names)
-        allowed = f"no such field; remove it or mend its name{there}{meant}"
-    elif kind in _MISSING and isinstance(name, int):
-        place, allowed = place.rpartition(".")[0], f"at least {name + 1} entries"
-    elif kind in _MISSING:
-        near = [each for each in given if each not in names and did_you_mean(each, [name])]
-        value, allowed = None, "field required"
-        allowed += f"; is it meant by {near[0]!r}?" if near else ""
-    elif kind in ("union_tag_invalid", "union_tag_not_found"):
-        tag = context["discriminator"].strip("'")
-        value, place = given.get(tag), f"{place}.{tag}"
-        kinds = [section[tag]["const"] for section in sections if "const" in section.get(tag, {})]
-        tags = context.get("expected_tags", "").split("'")[1::2] or kinds
-        needed = "" if value else "needed: "
-        allowed = f"{needed}one of {', '.join(tags)}{did_you_mean(value, tags)}"
-    elif kind == "form":  # of a union whose forms are told apart by the fields that are given
-        allowed = detail["msg"] + "".join(
-            did_you_mean(each, names) for each in given if each not in names
-        )
-    elif kind == "literal_error":
-        expected = context["expected"]
-        allowed = f"{expected}{did_you_mean(value, expected.split(chr(39))[1::2])}"
-    elif isinstance(cause, ValueError):
-        allowed = str(cause)
+    match kind:
+        case _ if isinstance(cause, InputError):
+            yield InputError(_joined(place, cause.field, given), cause.value, cause.allowed)
+            return
+        case _ if isinstance(cause, ValueError):
+            allowed = str(cause)
+        case "unexpected_keyword_argument" | "extra_forbidden":
+            siblings = _siblings(parent, name, sections)
+            there = f"; there are {', '.join(siblings)}" if siblings else ""
+            meant = did_you_mean(name, siblings or names)
+            allowed = f"no such field; remove it or mend its name{there}{meant}"
+        case "missing" | "missing_argument" if isinstance(name, int):
+            place, allowed = place.rpartition(".")[0], f"at least {name + 1} entries"
+        case "missing" | "missing_argument":
+            near = [each for each in given if each not in names and did_you_mean(each, [name])]
+            value = None
+            allowed = "field required" + (f"; is it meant by {near[0]!r}?" if near else "")
+        case "union_tag_invalid" | "union_tag_not_found":
+            tag = context["discriminator"].strip("'")
+            value, place = given.get(tag), f"{place}.{tag}"
+            kinds = [each[tag]["const"] for each in sections if "const" in each.get(tag, {})]
+            tags = context.get("expected_tags", "").split("'")[1::2] or kinds
+            needed = "" if value else "needed: "
+            allowed = f"{needed}one of {', '.join(tags)}{did_you_mean(value, tags)}"
+        case "form":  # of a union whose forms are told apart by the fields that are given
+            unknown = [each for each in given if each not in names]
+            allowed = detail["msg"] + "".join(did_you_mean(each, names) for each in unknown)
+        case "literal_error":
+            expected = context["expected"]
+            allowed = f"{expected}{did_you_mean(value, expected.split(chr(39))[1::2])}"
+        case _:
+            allowed = _words(detail)
     yield InputError(place, value, allowed)
+
+
+def _siblings(section: Any, wrong: Any, sections: _Sections) -> list[str]:
+    """Fields of the section that this probably is: it has the others, and one of a like name."""
+    others = set(section) - {wrong} if isinstance(section, Mapping) else set()
+    fitting = [list(names) for names in sections if others <= set(names)] if others else []
+    return min(fitting, key=lambda names: (not did_you_mean(wrong, names), len(names)), default=[])
 
 
 def _words(detail: Mapping[str, Any]) -> str:

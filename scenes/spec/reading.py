@@ -1,27 +1,194 @@
-"""Scenes read from files or plain data, and refused when wrong before work begins."""
+"""Scenes: what they say, read from files or plain data, and refused when wrong before work begins.
+
+A scene is made of frozen dataclasses, each of which refuses what is wrong with itself.
+"""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import TypeAdapter
+from pydantic import ConfigDict, Field, TypeAdapter
 
 from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError
-from scenes.spec.body import Backend
+from scenes.spec.body import Backend, BodySpec, LoadSpec
 from scenes.spec.consistency import cross_checks
-from scenes.spec.files import scene_file, tables_of
-from scenes.spec.paths import set_at
-from scenes.spec.plain import checked, plain_data
+from scenes.spec.contact import ContactSpec
+from scenes.spec.plain import checked, plain_data, scene_file, set_at, tables_of
 from scenes.spec.problems import SceneError
-from scenes.spec.scene import SceneSpec, on_backend
+
+MAX_STEPS = 1000
+"""Steps in which a load is put on."""
+
+LoadSteps = Annotated[int, Field(ge=1, le=MAX_STEPS)] | tuple[float, ...]
+"""A number of equal steps, or the part of the load at the end of each."""
+
+
+def _check_load_steps(steps: LoadSteps | None) -> None:
+    """Refuse parts of a load that do not rise from above 0 to 1."""
+    if not isinstance(steps, tuple):
+        return
+    rising = bool(steps) and all(a < b for a, b in pairwise((0.0, *steps))) and steps[-1] == 1
+    if not (rising and len(steps) <= MAX_STEPS):
+        allowed = f"at most {MAX_STEPS} parts of the load that rise from above 0 to 1"
+        raise InputError("load_steps", list(steps), allowed)
 
 
 @dataclass(frozen=True)
-class Scene(SceneSpec):
-    """A scene whose parts suit each other."""
+class StaticAnalysis:
+    """Displacements under the loads; reports stresses over the contacts.
+
+    Parameters
+    ----------
+    samples
+        Points along each side of a contact at which its normal stress is reported.
+    load_steps
+        With c_n, number of equal steps in which loads and prescribed displacements are put on; or
+        the part of them at the end of each step, rising to 1.
+    """
+
+    kind: Literal["static"]
+    samples: Annotated[int, Field(ge=2, le=1000)] = 91
+    load_steps: LoadSteps | None = None
+
+    def __post_init__(self) -> None:
+        _check_load_steps(self.load_steps)
+
+
+@dataclass(frozen=True)
+class ComplexEigenvalueAnalysis:
+    """All modes up to a frequency.
+
+    Parameters
+    ----------
+    max_frequency
+        Upper end of the window (Hz).
+    growth_threshold
+        Growth rate above which a mode is called unstable (1/s); by default 1e-4 of abs(lambda).
+    min_growth
+        With damping or rotation, growth rate (1/s), zero or less, down to which modes are sought;
+        by default a tenth of the angular frequency of the upper end.
+    load_steps
+        Number of equal steps in which loads, and displacements that supports prescribe, are put
+        on; or the part of them at the end of each step, rising to 1. The result keeps the
+        equilibrium at every step. Left out, they are put on at once.
+    geometric_stiffness
+        Whether the stresses of steady sliding stiffen, or soften, small motions.
+    """
+
+    kind: Literal["cea"]
+    max_frequency: Annotated[float, Field(gt=0)]
+    growth_threshold: Annotated[float, Field(ge=0)] | None = None
+    min_growth: Annotated[float, Field(le=0)] | None = None
+    load_steps: LoadSteps | None = None
+    geometric_stiffness: bool = False
+
+    def __post_init__(self) -> None:
+        _check_load_steps(self.load_steps)
+
+
+Analysis = StaticAnalysis | ComplexEigenvalueAnalysis
+
+BACKENDS: tuple[Backend, ...] = ("fe", "iga")
+
+
+@dataclass(frozen=True)
+class OutputSpec:
+    """What is made beside numbers.
+
+    Parameters
+    ----------
+    pictures
+        Modes to draw and animate, the most unstable first; with c_n what the contacts carry is
+        drawn too, of a static analysis that alone.
+    paraview
+        Modes to write for ParaView, the most unstable first; of a static analysis, whether to
+        write its displacement; with load steps those too.
+    """
+
+    pictures: Annotated[int, Field(ge=0)] = 0
+    paraview: Annotated[int, Field(ge=0)] = 0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """Bodies, contacts, loads and the analysis to be made of them.
+
+    Parameters
+    ----------
+    name
+        Its name.
+    bodies
+        Bodies by name; names hold no dots, commas, brackets or blanks.
+    analysis
+        What is sought: modes, or the displacement under the loads.
+    contacts
+        Contacts between surfaces of two bodies, by name.
+    loads
+        Pressures and forces.
+    output
+        What is made beside numbers.
+    description
+        In words.
+    units
+        "other" where numbers are in consistent units that are not SI, or in none; they are then not
+        compared with those of solids in SI units.
+    """
+
+    name: str
+    bodies: dict[str, BodySpec]
+    analysis: Annotated[Analysis, Field(discriminator="kind")]
+    contacts: dict[str, ContactSpec] = field(default_factory=dict)
+    loads: tuple[LoadSpec, ...] = ()
+    output: OutputSpec = field(default_factory=OutputSpec)
+    description: str = ""
+    units: Literal["SI", "other"] = "SI"
+
+    # Nested dataclasses, those of other rooms too, are checked under the same configuration.
+    __pydantic_config__: ClassVar[ConfigDict] = ConfigDict(
+        extra="forbid", strict=True, allow_inf_nan=False
+    )
+
+    @property
+    def backends(self) -> str:
+        """Backends of its bodies: "fe", "iga" or "fe+iga"."""
+        return "+".join(sorted({body.backend for body in self.bodies.values()}))
+
+    @property
+    def damped(self) -> bool:
+        """Whether anything damps, or feeds, small velocities."""
+        damping = [body.damping for body in self.bodies.values() if body.damping is not None]
+        sliding = [contact.sliding for contact in self.contacts.values()]
+        return any(each.acts for each in damping) or any(sliding)
+
+    @property
+    def rotates(self) -> bool:
+        """Whether a body rotates."""
+        return any(body.rotation is not None for body in self.bodies.values())
+
+    @property
+    def slides_steadily(self) -> bool:
+        """Whether a state of steady sliding is sought: a contact has a law of its closure."""
+        return any(contact.c_n is not None for contact in self.contacts.values())
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether a contact has friction."""
+        return any(contact.mu for contact in self.contacts.values())
+
+    @property
+    def stiffened_by_stress(self) -> bool:
+        """Whether the stresses of steady sliding stiffen, or soften, small motions."""
+        return self.analysis.kind == "cea" and self.analysis.geometric_stiffness
+
+    @property
+    def prescribes(self) -> bool:
+        """Whether a support holds anything elsewhere than at zero."""
+        supports = [each.support() for body in self.bodies.values() for each in body.supports]
+        return any(support.prescribes for support in supports)
 
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "Scene":
         """The scene with fields changed, checked anew as a file is.
@@ -49,6 +216,16 @@ class Scene(SceneSpec):
             When a body has no mesh there, or a formulation does not suit it.
         """
         return _without_faults(on_backend(self, backend))
+
+
+def on_backend(scene: Scene, backend: Backend) -> Scene:
+    """The scene with every body on one backend, not checked."""
+    return replace(scene, bodies={n: replace(b, backend=backend) for n, b in scene.bodies.items()})
+
+
+def with_contact(scene: Scene, **changes: Any) -> Scene:
+    """The scene with changed fields of every contact, not checked."""
+    return replace(scene, contacts={n: replace(c, **changes) for n, c in scene.contacts.items()})
 
 
 def load_scene(

@@ -10,7 +10,7 @@ from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.frames import Cartesian, Cylindrical
 from scenes.spec.body import BodySpec
-from scenes.spec.contact_checks import fault_of
+from scenes.spec.problems import fault_of
 
 _AXISYMMETRIC = ("annulus", "hub", "disc", "ring")
 """Shapes that a rotation about their own axis leaves as they are, and all of their surfaces."""

@@ -94,6 +94,27 @@ def test_systems_are_those_of_the_full_matrix(backend, form, shift):
     factors.free()
 
 
+def test_signs_of_determinants_know_the_piece(pencil):
+    """Negative stiffness: some shifts have an odd number of real eigenvalues beyond them."""
+    stiffness = np.diag([-2.0, -1.0, 3.0, 4.0])
+    terms = [
+        Term("mass", to_petsc(np.eye(4))),
+        Term("stiffness", to_petsc(stiffness)),
+        Term("stiffness", to_petsc(0.1 * RNG.standard_normal((4, 4))), symmetric=False),
+    ]
+    piece = LowRank(RNG.standard_normal((4, 3)), np.array([1.0, 5.0, 0.3]))
+    matrices = with_piece(Pencil(terms), piece).at()
+    K, C = stiffness + to_numpy(terms[2].matrix), (piece.vectors * piece.weights) @ piece.vectors.T
+    found = []
+    for shift in np.linspace(0.05, 2.0, 12):
+        factors = Shifted.quadratic(matrices, float(shift))
+        sign = np.sign(np.linalg.det(shift**2 * np.eye(4) + shift * C + K))
+        assert factors.parity() == int(sign < 0)
+        found.append(factors.parity())
+        factors.free()
+    assert set(found) == {0, 1}
+
+
 def update(matrix, root, shift):
     return UpdatedFactors(Mumps(to_petsc(matrix), symmetric=False), root, shift, symmetric=False)
 

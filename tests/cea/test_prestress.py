@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 from cea.material import IsotropicMaterial
 from scenes import assemble, read_scene, run_scene
 from scenes.building.build import build_body
-from scenes.checking.steps import skipped_by
+from scenes.checking.skipped import skipped_by
 from scenes.spec.plain import as_data
 
 STEEL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)

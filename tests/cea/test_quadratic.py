@@ -13,7 +13,7 @@ from reference_data import eigenvalues, stored
 from scipy.sparse import diags_array, eye_array
 
 from cea.eigen.driver import EigenSolver, solve_modes
-from cea.eigen.field_of_values import largest_growth
+from cea.eigen.field_of_values import bounded_growth, largest_growth
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import ConvergenceError, InputError
@@ -167,7 +167,7 @@ def test_windows_of_rigid_motions_alone_have_left_vectors(seed):
 
 
 def test_bounds_of_growth_hold():
-    bounded = 0
+    bounds = 0
     for seed in range(60):
         problem = random_quadratic(seed)
         end = 2 * np.pi * problem.max_frequency
@@ -175,10 +175,12 @@ def test_bounds_of_growth_hold():
         inside = np.abs(values.imag) < end - errors
         fastest = (values.real - 10 * errors)[inside].max(initial=-np.inf)
         matrices = problem.pencil().at()
-        bound = largest_growth(matrices, end)
-        bounded += np.isfinite(bound)
-        assert bound >= fastest
-    assert bounded > 20
+        assert largest_growth(matrices, end) >= fastest
+        for part in (0.5, 1.5, 6.0):
+            if bounded_growth(matrices, part * end, end):
+                bounds += 1
+                assert fastest <= part * end
+    assert bounds > 60
 
 
 @pytest.mark.parametrize("growth", [0.5, -np.inf, np.nan])

@@ -11,6 +11,7 @@ from mpi import on_ranks
 from stub_backend import StubSpace
 
 from cea.body import Body
+from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.matrices import gather, local_part
 from cea.petsc import MPI
@@ -98,14 +99,14 @@ def test_matrices_are_symmetric_and_conserve_momentum(flat):
     K, M = dense(part.stiffness()), dense(part.mass())
     np.testing.assert_array_equal(K, K.T)
     np.testing.assert_array_equal(M, M.T)
-    motions = rigid_motions(part.dof_positions)
+    motions = rigid_motions(part.space.dof_positions)
     assert np.abs(K @ motions).max() < 1e-13 * np.abs(K).max()
     assert np.linalg.matrix_rank(K, tol=1e-9 * np.abs(K).max()) == len(K) - motions.shape[1]
     volume = np.prod(flat[0].size)
     translations = motions[:, : part.dim]
     expected = MATERIAL.rho * volume * np.eye(part.dim)
     np.testing.assert_allclose(translations.T @ M @ translations, expected, atol=1e-13)
-    middle = part.dof_positions.T @ M[:: part.dim, :: part.dim].sum(axis=1)
+    middle = part.space.dof_positions.T @ M[:: part.dim, :: part.dim].sum(axis=1)
     np.testing.assert_allclose(middle, MATERIAL.rho * volume * np.array(flat[0].size) / 2)
 
 
@@ -113,7 +114,7 @@ def test_a_linear_field_is_the_answer_to_its_tractions(flat):
     """Pressed with 0.3 on both ends, nothing held: u = -0.3 / E (d - nu (others))."""
     low, high = ends(flat)
     part = made(flat, pressures=[Pressure(low, 0.3), Pressure(high, 0.3)])
-    x, dim = part.dof_positions, part.dim
+    x, dim = part.space.dof_positions, part.dim
     strain = np.full(dim, 0.3 * MATERIAL.nu / MATERIAL.E)
     strain[-1] = -0.3 / MATERIAL.E
     if dim == 2:  # plane strain
@@ -126,12 +127,12 @@ def test_curved_bodies_have_no_resultant_of_a_pressure_all_around(curved):
     part = made(curved, pressures=[Pressure(name, 0.7) for name in made(curved).surfaces])
     force = gather(part.load()).reshape(-1, part.dim)
     assert np.abs(force.sum(axis=0)).max() < 1e-13
-    assert np.abs(rigid_motions(part.dof_positions).T @ force.ravel()).max() < 1e-13
+    assert np.abs(rigid_motions(part.space.dof_positions).T @ force.ravel()).max() < 1e-13
 
 
 def test_curved_matrices_are_symmetric_skew_and_leave_rigid_motions_free(curved):
     part = made(curved)
-    K, motions = dense(part.stiffness()), rigid_motions(part.dof_positions)
+    K, motions = dense(part.stiffness()), rigid_motions(part.space.dof_positions)
     assert np.abs(K @ motions).max() < 1e-12 * np.abs(K).max()
     for rotation in (Rotation(1.0), Rotation(1.0, coriolis=False)):
         Y, Z = dense(part.gyroscopic(rotation)), dense(part.convective_stiffness(rotation))
@@ -146,13 +147,84 @@ def test_curved_matrices_are_symmetric_skew_and_leave_rigid_motions_free(curved)
     assert np.abs(S @ motions[:, : part.dim]).max() < 1e-12 * np.abs(S).max()
 
 
+def test_round_bodies_have_the_areas_normals_and_volume_of_their_shape(curved):
+    part, exact = made(curved), curved[1] is None
+    allowed = 1e-13 if exact else 5e-3
+    height = 0.3 if part.dim == 3 else 1.0
+    flat = np.pi * (1.0 - 0.5**2)
+    areas = {"inner": np.pi * height, "outer": 2 * np.pi * height, "bottom": flat, "top": flat}
+    for name, surface in part.surfaces.items():
+        assert surface.area == pytest.approx(areas[name], rel=allowed)
+        kinds = (surface.abscissae(kind) for kind in surface.abscissa_kinds)
+        for points in (surface.gauss_points(3), surface.grid(3), *kinds):
+            outward = points.x * ([1.0, 1.0, 0.0][: part.dim] if name in ("inner", "outer") else 0)
+            outward *= -1 if name == "inner" else 1
+            outward[:, -1] += {"bottom": -1.0, "top": 1.0}.get(name, 0.0)
+            outward /= np.linalg.norm(outward, axis=1)[:, None]
+            assert np.einsum("ni,ni->n", points.normal, outward).min() > 1 - allowed
+            assert points.weight.min() > 0
+            assert points.weight.sum() == pytest.approx(surface.area, rel=1e-3)
+    mass = dense(part.mass())[:: part.dim, :: part.dim].sum()
+    assert mass == pytest.approx(MATERIAL.rho * flat * height, rel=max(allowed, 1e-6))
+
+
+@pytest.mark.parametrize(
+    ("field", "options"),
+    [
+        ("supports[0].surface", {"supports": [Support("lid", (0,))]}),
+        ("springs[0].surface", {"springs": [Spring("lid", (1.0, 1.0, 1.0))]}),
+        ("pressures[0].surface", {"pressures": [Pressure("lid", 1.0)]}),
+        ("springs[0].stiffness", {"springs": [Spring("top", (1.0, 1.0))]}),
+    ],
+)
+@pytest.mark.parametrize("case", ["Q2", "NURBS 2"])
+def test_wrong_conditions_are_refused_by_name(case, field, options):
+    with pytest.raises(InputError) as refused:
+        made(ROUND[case], **options)
+    assert refused.value.field == f"bodies.part.{field}"
+    if field.endswith("surface"):
+        assert all(name in refused.value.allowed for name in ANNULUS.surfaces)
+
+
+@pytest.mark.parametrize("case", ["Q2", "NURBS 2"])
+def test_requests_that_make_no_points_are_refused(case):
+    top = made(ROUND[case]).surfaces["top"]
+    lost = SurfaceCoordinates(np.array([0, -1]), np.full((2, 2), 0.5))
+    requests = [
+        (lambda: top.abscissae("midpoints"), "one of "),
+        (lambda: top.gauss_points(0), "at least one"),
+        (lambda: top.grid(1), "at least two"),
+        (lambda: top.position(lost), r"at\.element"),
+        (lambda: top.trace(lost), r"at\.element"),
+    ]
+    for request, words in requests:
+        with pytest.raises(InputError, match=words):
+            request()
+
+
+@pytest.mark.parametrize("name", [name for name in FLAT if name != "stub"])
+def test_straight_cells_fill_the_body_and_know_its_positions(name):
+    part = made(FLAT[name])
+    own = part.space.volume_cells()
+    cells = own.straight()
+    assert len(np.unique(np.round(cells.points, 9), axis=0)) == len(cells.points)
+    control = np.linalg.lstsq(own.values.toarray(), own.points, rcond=None)[0]
+    np.testing.assert_allclose(cells.values @ control, cells.points, atol=1e-13)
+    corners = cells.points[cells.cells]
+    along = range(1, part.dim + 1) if own.simplex else [1, 3, 4][: part.dim]
+    volume = np.linalg.det(corners[:, along] - corners[:, :1])
+    assert volume.min() > 0
+    whole = volume.sum() / (6 if own.simplex else 1)
+    assert whole == pytest.approx(np.prod(FLAT[name][0].size), rel=1e-12)
+
+
 def test_springs_and_forces_have_their_sums(flat):
     low, high = ends(flat)
     stiffness = (2.0, 3.0, 5.0)[: len(flat[0].size)]
     value = tuple(0.1 * k for k in stiffness)
     loads = [Force(value, high), Force(value)]
     part = made(flat, springs=[Spring(low, stiffness)], forces=loads)
-    translations = rigid_motions(part.dof_positions)[:, : part.dim]
+    translations = rigid_motions(part.space.dof_positions)[:, : part.dim]
     total = translations.T @ dense(part.stiffness()) @ translations
     area = np.prod(flat[0].size[:-1])
     np.testing.assert_allclose(total, area * np.diag(stiffness), atol=1e-12)
@@ -183,7 +255,7 @@ def test_surfaces_measure_trace_and_differentiate(flat):
     part = made(flat)
     rng = np.random.default_rng(3)
     slope, shift = rng.normal(size=part.dim), 0.4
-    field = part.dof_positions @ slope + shift
+    field = part.space.dof_positions @ slope + shift
     for name, side in zip(ends(flat), (-1.0, 1.0), strict=True):
         surface = part.surfaces[name]
         for points in (
@@ -253,7 +325,7 @@ def test_frequencies_of_a_sliding_plate_converge_at_twice_the_degree(kind):
         low, high = ends(case)
         part = made(case, supports=[Support(low, (1,)), Support(high, (1,))])
         K, M, Z = dense(part.stiffness()), dense(part.mass()), dense(part.expansion)
-        y = part.dof_positions[:, 1]
+        y = part.space.dof_positions[:, 1]
         lines = np.unique(np.round(y, 9))[1:-1]
         # Uniform along x: one unknown for each row of nodes.
         rows = [np.column_stack([0 * y, np.abs(y - line) < 1e-8]).ravel() for line in lines]

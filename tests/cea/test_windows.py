@@ -17,6 +17,7 @@ from cea.eigen.krylov_schur import KrylovOptions, krylov_schur
 from cea.eigen.pencil import Pencil
 from cea.eigen.regions import distance_of_cone, distance_within, touching_disc
 from cea.eigen.shift_invert import ShiftInvert
+from cea.eigen.shifted import Shifted
 from cea.eigen.static import solve_static
 from cea.errors import ConvergenceError
 
@@ -238,6 +239,13 @@ def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
         assert kappa == pytest.approx([0.5, 0.5, 0.8 - 0.1j, 0.8 + 0.1j], abs=1e-11)
         assert modes.trusted.all()
         assert modes.window.complete
+
+
+def test_the_sign_of_the_determinant_counts_real_eigenvalues():
+    blocks = [[[-9.0]], [[-4.0]], [[1.0]], pair(-2.0, 3.0), pair(5.0, 1.0)]
+    matrices = pencil_of(blocks).at()
+    shifts = (-20.0, -6.0, -1.0, 3.0)
+    assert [Shifted(matrices, shift).parity() for shift in shifts] == [0, 1, 0, 1]
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.4])

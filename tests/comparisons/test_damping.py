@@ -7,7 +7,7 @@ from comparisons.study.session import Session
 
 
 def threshold(backend, share, ratio):
-    session = Session({}, Options())
+    session = Session(Options())
     case = {"backend": backend, "share": share, "ratio": ratio}
     session.begin(scene(case, Options()))
     return evaluate(case, session)["threshold"]

@@ -143,17 +143,12 @@ def test_p_in_full_is_that_of_runs():
 
 
 @pytest.mark.parametrize("name", ["p", "contacts.top.p"])
-@pytest.mark.parametrize(
-    ("given", "told"),
-    [
-        ("p = '1 + 0.5*x'", "contacts.top.P scales the field"),
-        ("P = 3.0", "which gives contacts.top.P"),
-    ],
-)
-def test_p_that_is_no_number_in_the_scene_is_refused(tmp_path, name, given, told):
+@pytest.mark.parametrize("given", ["p = '1 + 0.5*x'", "P = 3.0"])
+def test_p_that_is_no_number_in_the_scene_is_refused(tmp_path, name, given):
     """It is no reason to solve each value in full: that would put a number in its place."""
     file = tmp_path / "sandwich.toml"
     file.write_text(SANDWICH.replace("p = 1.0", given))
+    told = "a finite number in the scene; or contacts.top.P"
     with pytest.raises(InputError, match=told) as refused:
         mapped(file, [read_axis(f"{name}=0.5:2:3")], (), None)
     assert not isinstance(refused.value, NoMapError)

@@ -4,26 +4,13 @@ import dolfinx
 import numpy as np
 import pytest
 from bodies import dolfinx_body, lagrange_body
-from fe_shapes import (
-    ANNULUS,
-    BOX,
-    ELEMENTS,
-    MATERIAL,
-    body_of,
-    box,
-    coordinates,
-    exact_measures,
-)
-from lagrange_bodies import csr
+from lagrange_bodies import FLAT, MATERIAL, csr
 from mpi4py import MPI
 
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.mesh import reference_nodes
-from cea.supports.boundary import Pressure, Spring, Support
 from meshes.shape_mesh import shape_mesh
-
-every_element = pytest.mark.parametrize(("cell", "degree"), ELEMENTS)
 
 
 def quadratic(at, place):
@@ -34,7 +21,7 @@ def quadratic(at, place):
 
 def test_another_quadrature_of_the_mass_has_its_points():
     """Four points of degree 2 in each tetrahedron, by hand; the default is exact."""
-    mesh = shape_mesh(BOX, "tetrahedron", 2, size=1.5)
+    mesh = shape_mesh(FLAT[3], "tetrahedron", 2, size=0.7)
     a, b = (5 - np.sqrt(5)) / 20, (5 + 3 * np.sqrt(5)) / 20
     barycentric = np.full((4, 4), a) + (b - a) * np.eye(4)
     places = np.rint(2 * reference_nodes("tetrahedron", 2)).astype(int)
@@ -61,66 +48,6 @@ def test_another_quadrature_of_the_mass_has_its_points():
         lagrange_body("part", mesh, degree=2, material=MATERIAL, mass_quadrature=-1)
 
 
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_volume_and_areas_of_a_ring_converge_with_the_order_of_its_geometry(cell):
-    exact = exact_measures(ANNULUS)
-    for degree, rate in ((1, 2), (2, 4)):
-        errors = []
-        for n in (1, 2):
-            body = body_of(ANNULUS, cell, degree, elements=((n, 12 * n, n),), size=0.3 / n)
-            ones = body.expansion.createVecRight()
-            ones.set(1.0)
-            measured = {name: surface.area for name, surface in body.surfaces.items()}
-            measured["volume"] = ones.dot(body.mass() * ones) / 3 / MATERIAL.rho
-            errors.append([abs(measured[name] / exact[name] - 1) for name in ("volume", "outer")])
-            for name in exact:
-                assert measured[name] == pytest.approx(
-                    exact[name], rel={1: 0.05, 2: 5e-4}[degree] / n**rate
-                )
-        if cell == "hexahedron":
-            np.testing.assert_allclose(np.log2(np.divide(*errors)), rate, atol=0.1)
-
-
-@every_element
-def test_volume_sample_fills_the_body(cell, degree):
-    body = box(cell, degree)
-    x = coordinates(body, degree)
-    for n in (1, 3):
-        sample = body.volume_sample(n)
-        np.testing.assert_allclose(sample.values @ x, sample.points, atol=1e-13)
-        distinct = np.unique(np.round(sample.points, 9), axis=0)
-        assert len(distinct) == len(sample.points)
-        assert np.array_equal(np.unique(sample.cells), np.arange(len(sample.points)))
-        corners = sample.points[sample.cells]
-        # In VTK order corners 1, 3, 4 of a box and 1, 2, 3 of a tetrahedron are right-handed.
-        along = [1, 3, 4] if cell == "hexahedron" else [1, 2, 3]
-        volume = np.linalg.det(corners[:, along] - corners[:, :1])
-        assert volume.min() > 0
-        whole = volume.sum() / (1 if cell == "hexahedron" else 6)
-        assert whole == pytest.approx(np.prod(BOX.size), rel=1e-12)
-        assert len(sample.cells) == n**3 * len(body.volume_sample(1).cells)
-
-
-@pytest.mark.parametrize(
-    ("field", "options"),
-    [
-        ("bodies.part.degree", {"degree": 5}),
-        ("bodies.part.supports[0].surface", {"supports": [Support("lid", (0,))]}),
-        ("bodies.part.springs[0].surface", {"springs": [Spring("lid", (1.0, 1.0, 1.0))]}),
-        ("bodies.part.pressures[0].surface", {"pressures": [Pressure("lid", 1.0)]}),
-        ("bodies.part.springs[0].stiffness", {"springs": [Spring("top", (1.0, 1.0))]}),
-    ],
-)
-def test_wrong_input_is_refused_by_name(field, options):
-    options = {"degree": 1, "material": MATERIAL} | options
-    made = shape_mesh(ANNULUS, "tetrahedron", 1, size=0.5)
-    with pytest.raises(InputError) as refused:
-        lagrange_body("part", made, **options)
-    assert refused.value.field == field
-    if field.endswith("surface"):
-        assert all(name in refused.value.allowed for name in ANNULUS.surfaces)
-
-
 def test_a_tag_without_facets_is_refused():
     mesh = dolfinx.mesh.create_unit_cube(MPI.COMM_WORLD, 1, 1, 1)
     mesh.topology.create_connectivity(2, 3)
@@ -131,6 +58,7 @@ def test_a_tag_without_facets_is_refused():
 
 
 def test_mass_needs_a_density():
-    body = box("hexahedron", 1, material=IsotropicMaterial(1.0, 0.3))
+    mesh = shape_mesh(FLAT[3], "tetrahedron", 1, size=1.0)
+    body = lagrange_body("part", mesh, degree=1, material=IsotropicMaterial(1.0, 0.3))
     with pytest.raises(InputError, match=r"bodies\.part\.material\.rho = None: a density"):
         body.mass()

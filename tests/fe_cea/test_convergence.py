@@ -92,6 +92,8 @@ def sliding(shape):
         ("quadrilateral", 1, 8),
         ("quadrilateral", 2, 4),
         ("quadrilateral", 3, 3),
+        ("hexahedron", 1, 8),
+        ("hexahedron", 2, 4),
         ("hexahedron", 3, 2),
         ("tetrahedron", 1, 8),
         ("tetrahedron", 2, 4),

@@ -49,43 +49,15 @@ ORDERED = {
 }
 """The cells as a mesh lists their corners."""
 
-HALVES = {
-    "triangle": [(0,), (0, 2), (2,), (0, 1), (1, 2), (1,)],
-    "quadrilateral": [(0,), (0, 1), (1,), (0, 2), (0, 1, 2, 3), (1, 3), (2,), (2, 3), (3,)],
-    "tetrahedron": [(0,), (0, 3), (3,), (0, 2), (2, 3), (2,), (0, 1), (1, 3), (1, 2), (1,)],
-    "hexahedron": [
-        (0,), (0, 1), (1,), (0, 2), (0, 1, 2, 3), (1, 3), (2,), (2, 3), (3,),
-        (0, 4), (0, 1, 4, 5), (1, 5), (0, 2, 4, 6), tuple(range(8)), (1, 3, 5, 7), (2, 6),
-        (2, 3, 6, 7), (3, 7), (4,), (4, 5), (5,), (4, 6), (4, 5, 6, 7), (5, 7), (6,), (6, 7), (7,),
-    ],
-}  # fmt: skip
-"""Corners, by place in a cell, whose mean each node of order 2 is: C order written out.
 
-Corners of a simplex are its first, then the ends of its edges along x, y, z."""
+def by_hand(cell):
+    cells = np.array(ORDERED[cell])
+    if cell == "triangle":
+        cells = cells[:, [0, 2, 1]]  # C order, though any would do
+    return Mesh(cell, 1, np.array(CORNERS[cell]), cells, {"side": GMSH[cell][3]})
 
 
-def bent(points):
-    """Points moved smoothly, so that cells of order 2 are curved."""
-    x = np.array(points, dtype=float)
-    return x + 0.05 * np.sin(2 * np.roll(x, 1, axis=1))
-
-
-def by_hand(cell, order, place=bent):
-    corners, cells = np.array(CORNERS[cell]), np.array(ORDERED[cell])
-    facets = GMSH[cell][3]
-    if order == 1:
-        if cell == "triangle":
-            cells = cells[:, [0, 2, 1]]  # C order, though any would do
-        return Mesh(cell, 1, place(corners), cells, {"side": facets})
-    halves = [[tuple(sorted(c[list(half)])) for half in HALVES[cell]] for c in cells]
-    means = sorted({mean for nodes in halves for mean in nodes})
-    points = [corners[list(mean)].mean(axis=0) for mean in means]
-    cells = [[means.index(mean) for mean in nodes] for nodes in halves]
-    on = [[i for i, mean in enumerate(means) if set(mean) <= set(facet)] for facet in facets]
-    return Mesh(cell, 2, place(points), cells, {"side": on})
-
-
-def by_gmsh(cell, order):
+def by_gmsh(cell):
     family, cells, side, facets = GMSH[cell]
     corners = np.array(CORNERS[cell])
     dim = corners.shape[1]
@@ -103,19 +75,13 @@ def by_gmsh(cell, order):
         gmsh.model.mesh.reclassifyNodes()
         gmsh.model.addPhysicalGroup(dim, [volume])
         gmsh.model.addPhysicalGroup(dim - 1, [surface], name="side")
-        gmsh.model.mesh.setOrder(order)
-        tags, positions, _ = gmsh.model.mesh.getNodes()
-        positions = positions.reshape(-1, 3)
-        positions[:, :dim] = bent(positions[:, :dim])
-        for tag, x in zip(tags, positions, strict=True):
-            gmsh.model.mesh.setNode(tag, x, [])
         return read_gmsh(gmsh.model)
 
 
 def matrices(mesh, degree):
     """Stiffness, mass, spring on the side, each with rows in the order of the dofs' positions."""
     body = lagrange_body("pair", mesh, degree=degree, material=MATERIAL)
-    sample = body.volume_sample(degree)
+    sample = body.space.volume_cells()
     x = spsolve(csr_array(sample.values).tocsc(), sample.points)
     order = np.lexsort(np.round(x, 8).T)
     rows = (body.dim * order[:, None] + np.arange(body.dim)).ravel()
@@ -128,10 +94,9 @@ def matrices(mesh, degree):
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
-@pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("cell", ORDERED)
-def test_two_cells_by_hand_have_the_matrices_of_those_of_gmsh(cell, order, degree):
-    ours, gmshs = (matrices(make(cell, order), degree) for make in (by_hand, by_gmsh))
+def test_two_cells_by_hand_have_the_matrices_of_those_of_gmsh(cell, degree):
+    ours, gmshs = (matrices(make(cell), degree) for make in (by_hand, by_gmsh))
     assert ours[3].sum() > 0.4  # the area of the side
     for a, b in zip(ours, gmshs, strict=True):
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-13 * np.abs(b).max())
@@ -159,11 +124,11 @@ def test_the_example_of_the_docstring_runs():
 
 
 def test_points_of_no_cell_are_left_aside():
-    mesh = by_hand("hexahedron", 2)
+    mesh = by_hand("hexahedron")
     points = np.insert(mesh.points, 3, 77.0, axis=0)
     number = np.delete(np.arange(len(points)), 3)
     surfaces = {name: number[facets] for name, facets in mesh.surfaces.items()}
-    more = Mesh(mesh.cell, 2, points, number[mesh.cells], surfaces)
+    more = Mesh(mesh.cell, 1, points, number[mesh.cells], surfaces)
     for a, b in zip(matrices(more, 2), matrices(mesh, 2), strict=True):
         np.testing.assert_allclose(a, b, rtol=0, atol=1e-13 * np.abs(b).max())
 

@@ -11,42 +11,11 @@ from dolfinx.geometry import bb_tree, compute_colliding_cells, compute_collision
 from lagrange_bodies import FLAT, MATERIAL, ROUND, SPACE, body_of, csr
 
 from cea.errors import InputError
-from cea.mesh import Mesh
 from cea.nested.prolongation import of_body as prolongation
 from cea.supports.boundary import Support
 from meshes.shape_mesh import shape_mesh
 
 RNG = np.random.default_rng(12)
-
-
-def divided(mesh):
-    """Linear simplices divided at the middles of their edges, into four or eight each."""
-    corners = mesh.cells
-    n = corners.shape[1]
-    middles = {}
-    points = list(mesh.points)
-
-    def middle(a, b):
-        key = min(a, b), max(a, b)
-        if key not in middles:
-            middles[key] = len(points)
-            points.append(0.5 * (mesh.points[a] + mesh.points[b]))
-        return middles[key]
-
-    cells = []
-    for cell in corners:
-        m = {(i, j): middle(cell[i], cell[j]) for i in range(n) for j in range(i + 1, n)}
-        cells += [
-            [cell[i], *(m[min(i, j), max(i, j)] for j in range(n) if j != i)] for i in range(n)
-        ]
-        if n == 3:
-            cells.append([m[0, 1], m[0, 2], m[1, 2]])
-        else:
-            ring = [m[0, 2], m[0, 3], m[1, 3], m[1, 2]]
-            cells += [
-                [m[0, 1], m[2, 3], a, b] for a, b in zip(ring, ring[1:] + ring[:1], strict=True)
-            ]
-    return Mesh(mesh.cell, 1, np.array(points), np.array(cells), {})
 
 
 def values(body, u, x):
@@ -64,7 +33,7 @@ def values(body, u, x):
 
 def inside(body, count=60):
     """Random points within the cells of a body."""
-    sample = body.volume_sample(1)
+    sample = body.space.volume_cells().straight()
     share = RNG.dirichlet(np.ones(sample.cells.shape[1]), count)
     cells = sample.cells[RNG.integers(len(sample.cells), size=count)]
     return np.einsum("nk,nki->ni", share, sample.points[cells])
@@ -100,11 +69,12 @@ def test_curved_cells_of_one_geometry():
     assert step.defect < 1e-10
     P = csr(step.matrix)
     u = RNG.uniform(-1, 1, P.shape[1])
-    a, b = coarse.volume_sample(3), fine.volume_sample(3)
-    order = [np.lexsort(np.round(each.points, 9).T) for each in (a, b)]
-    np.testing.assert_allclose(a.points[order[0]], b.points[order[1]], atol=1e-12)
-    found = (b.values @ (P @ u).reshape(-1, 3))[order[1]]
-    assert np.abs(found - (a.values @ u.reshape(-1, 3))[order[0]]).max() < 1e-12
+    for name, surface in fine.surfaces.items():
+        points = surface.gauss_points(3)
+        found = surface.trace(points.at) @ (P @ u).reshape(-1, 3)
+        at = coarse.surfaces[name].locate(points.x, points.normal, 1e-3).at
+        expected = coarse.surfaces[name].trace(at) @ u.reshape(-1, 3)
+        assert np.abs(found - expected).max() < 1e-9
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -35,11 +35,9 @@ def static(bodies, contact, load):
     }
 
 
-def rings(
-    degree, elements, backends=("fe", "fe"), *, formulation=MORTAR, c_n=1e12, overlap=0.0, **more
-):
+def rings(degree, elements, backends=("fe", "fe"), *, formulation=MORTAR, c_n=1e12):
     """A ring pressed into another by an inner pressure; springs hold both."""
-    radii = {"inner": (INNER, MIDDLE + overlap), "outer": (MIDDLE, OUTER)}
+    radii = {"inner": (INNER, MIDDLE), "outer": (MIDDLE, OUTER)}
     bodies = {}
     for (name, (low, high)), backend, each in zip(radii.items(), backends, elements, strict=True):
         geometry = {"shape": "ring", "inner_radius": low, "outer_radius": high}
@@ -47,14 +45,14 @@ def rings(
         bodies[name] = body(backend, geometry, each, degree, springs=springs)
     contact = {"a": "inner.outer", "b": "outer.inner", "formulation": formulation, "c_n": c_n}
     around = {"circumferential_about": [0.0, 0.0, 1.0]}
-    contact |= {"mu": 0.2, "friction_direction_on_a": around, "reach": 4e-3, **more}
+    contact |= {"mu": 0.2, "friction_direction_on_a": around, "reach": 4e-3}
     return static(bodies, contact, {"surface": "inner.inner", "pressure": PRESSURE})
 
 
-def lame(c_n=1e12, overlap=0.0):
+def lame(c_n=1e12):
     """Contact pressure (N/m^2) of the rings in closed form.
 
-    u = A r + B / r in each; what the law takes, q / c_n, is the closure u_i - u_o + overlap.
+    u = A r + B / r in each; what the law takes, q / c_n, is the closure u_i - u_o.
     """
     first = E / ((1 + NU) * (1 - 2 * NU))
 
@@ -71,7 +69,6 @@ def lame(c_n=1e12, overlap=0.0):
     matrix[1:3, 4] = 1
     matrix[3, 2:4] = sigma(OUTER) + SPRINGS * u(OUTER)
     matrix[4] = [*u(MIDDLE), *-u(MIDDLE), -1 / c_n]
-    right[4] = -overlap
     return float(np.linalg.solve(matrix, right)[4])
 
 
@@ -112,38 +109,11 @@ def in_files(data, folder):
 
 
 def pressed(data):
-    """Result of a static scene, state of its contact, and mean pressure that a force meets."""
+    """Result of a static scene, and the state of its contact."""
     result = run_static(read_scene(data))
     (state,) = result.steady.contacts.values()
-    weight = result.interfaces["s"].points.weight
-    mean = float(weight @ state.pressure**2 / (weight @ state.pressure))
-    return result, state, mean
+    return result, state
 
 
 def kinds(result):
     return {warning.kind: warning.data for warning in result.warnings}
-
-
-def on_any_number_of_ranks(folder):
-    """State of the rings, of shapes and of files in a folder, with warnings; collective."""
-    found = {}
-    for name, data in (
-        ("shapes", rings(2, ((1, 12), (1, 8)), formulation=SEGMENTS)),
-        ("mixed", rings(2, ((1, 12), (1, 8)), ("fe", "iga"))),
-        ("files", _from(rings(2, ((1, 12), (1, 8))), folder)),
-    ):
-        result, state, _ = pressed(data)
-        found[name] = {
-            "force": state.normal_force,
-            "pressure": np.sort(state.pressure).tolist(),
-            "warnings": kinds(result),
-        }
-    return found
-
-
-def _from(data, folder):
-    """The scene with bodies from files that were written before."""
-    for name, each in data["bodies"].items():
-        file = str(Path(folder) / f"{name}.msh")
-        each |= {"geometry": {"shape": "mesh_file", "file": file, "unit": "m"}, "mesh": {}}
-    return data

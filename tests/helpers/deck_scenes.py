@@ -4,14 +4,6 @@ from scenes import load_scene, read_scene
 
 P2 = {"cell": "tetrahedron", "degree": 2, "geometry_degree": 1}
 STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
-ROUND = [
-    {"surface": "inner", "components": ["radial", "axial"], "axis": [0.0, 0.0, 1.0]},
-    {"surface": "bottom"},
-]
-SLIDING = [
-    {"surface": "outer", "components": ["circumferential"], "axis": [0.0, 0.0, 1.0]},
-    {"surface": "top", "components": ["z"]},
-]
 ELEMENTS = {
     "C3D4": ("tetrahedron", 1),
     "C3D8": ("hexahedron", 1),

@@ -65,31 +65,3 @@ def elements(deck, name):
     """Type of the elements of a set, and their nodes by number."""
     (card,) = of(deck, "ELEMENT", ELSET=name)
     return card.parameters["TYPE"], {int(n): list(map(int, rest)) for n, *rest in card.rows}
-
-
-def members(deck, name):
-    """Nodes of a set."""
-    (card,) = of(deck, "NSET", NSET=name)
-    return {int(number) for row in card.rows for number in row}
-
-
-FACES = {
-    "C3D4": ("123", "142", "243", "341"),
-    "C3D8": ("1234", "5876", "1562", "2673", "3784", "4851"),
-    "CPE3": ("12", "23", "31"),
-    "CPE4": ("12", "23", "34", "41"),
-}
-"""Corners of the faces of each element, as the manuals of both programs give them."""
-LINEAR = {"C3D10": "C3D4", "CPE6": "CPE3"}
-
-
-def faces(deck, surface, body):
-    """Corners of the faces of a surface, in their order around it, outward by the right hand."""
-    kind, of_element = elements(deck, body)
-    (card,) = of(deck, "SURFACE", NAME=surface)
-    assert card.parameters["TYPE"] == "ELEMENT"
-    corners = FACES[LINEAR.get(kind, kind)]
-    return [
-        [of_element[int(n)][int(c) - 1] for c in corners[int(face[1:]) - 1]]
-        for n, face in card.rows
-    ]

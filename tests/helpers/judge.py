@@ -85,6 +85,8 @@ def _faults(window, verdict, calls, truth, groups):
     top, frequency, growth = 2 * np.pi * window.max_frequency, np.abs(values.imag), values.real
     surely = (frequency < top - margin) & (growth > truth.min_growth + margin)
     surely &= np.abs(growth) < window.max_growth - margin
+    if window.odd:  # it says itself that one of those without frequency is missing
+        surely &= frequency > margin
     possibly = (frequency < top + margin) & (growth > truth.min_growth - margin)
     faults = []
     for ours, theirs in groups:

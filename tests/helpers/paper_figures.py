@@ -5,6 +5,6 @@ from comparisons.study.session import Session
 
 def made(figure, mesh, change=lambda scene: scene):
     """Tables and arrays of a figure on a kind of mesh."""
-    session = Session({}, None)
+    session = Session(None)
     session.begin({name: change(part) for name, part in figure.inputs(mesh).items()})
     return figure.evaluate(mesh, session), session.arrays

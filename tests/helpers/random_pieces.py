@@ -3,7 +3,7 @@
 import numpy as np
 
 from cea.contact.formulations import registered
-from scenes.spec.contact_checks import suits
+from scenes.spec.contact import suits
 
 MOST_DOFS = 400
 """Dofs of a scene, those that supports take out included, stay about below."""

@@ -41,6 +41,11 @@ def cases(options):
         yield {"size": size, "kind": "<odd>" if size % 2 else "even"}
 
 
+def on_ranks(options):
+    for size in options.sizes:
+        yield {"size": size, "ranks": size}
+
+
 def evaluate(case, session):
     options, size = session.options, case["size"]
     if options.log:
@@ -56,12 +61,8 @@ def evaluate(case, session):
         return {"square": float("nan")}
     session.keep("powers", np.arange(size))
     ranks = MPI.COMM_WORLD.allreduce(1)
-    square = np.float64(session.once["one"] * options.factor * size**options.power)
+    square = np.float64(options.factor * size**options.power)
     return {"square": None if size == 5 else square, "ranks": ranks}
-
-
-def once(options):
-    return {"one": 1.0}
 
 
 OWN = {"square": Column("square & more", "m²")}
@@ -81,30 +82,18 @@ STUDY = Study(
                 Plot("squares", "Growth.", StudyResult.frame, "size", "square", ("kind",), log="y")
             ],
         ),
-        Section("Nothing", "No table.", tables=[Table("none", "", lambda r: r.frame("none"))]),
+        Section("Nothing", "No table.", lambda r: r.frame("none")["lost"].max(), of="none"),
     ],
-    once=once,
     quick={"sizes": (2,)},
     check=lambda result: "too large" if result.frame()["square"].max() > 1e3 else "",
 )
 APART = Study(
-    "squares",
-    "Squares",
-    Options,
-    cases,
-    evaluate,
+    *("squares", "Squares", Options, on_ranks),
+    lambda case, session: {"together": MPI.COMM_WORLD.allreduce(1)},
     STUDY.sections,
-    once=once,
-    process=Process("small_study:APART", 20.0, ranks=lambda case: case["size"]),
+    process=Process("small_study:APART", 20.0),
 )
 HASTY = Study(
     *("squares", "Squares", Options, cases, evaluate, STUDY.sections),
-    once=once,
     process=Process("small_study:HASTY", 3.0),
-)
-EACH = Study(
-    *("squares", "Squares", Options, cases),
-    lambda case, session: {"process": os.getpid()},
-    STUDY.sections,
-    process=Process("small_study:EACH", 20.0, own=("kind",)),
 )

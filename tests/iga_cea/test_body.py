@@ -1,5 +1,7 @@
 """NURBS bodies: closed forms, joints, boundary conditions, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bodies import nurbs_body
@@ -8,7 +10,7 @@ from iga_data import STEEL, body, scipy_of, slow_matrices, turned
 from scipy.linalg import eigh
 
 from cea.errors import InputError
-from cea.supports.boundary import Pressure, Spring, Support
+from iga_cea.patch import check_geometry
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.shapes import Box, Disc, Sector
@@ -86,14 +88,26 @@ def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
         ({"degree": (2, 9, 2)}, "whole numbers from 1 to 8"),
         ({"degree": (2, 2)}, "3 whole numbers"),
         ({"continuity": (2, 1, 1)}, "bodies.part.continuity"),
-        ({"supports": [Support("side", (0,))]}, r"supports\[0\].surface = 'side': one of .*outer"),
-        ({"springs": [Spring("top", (1.0, 2.0))]}, r"springs\[0\].stiffness"),
-        ({"pressures": [Pressure("tpo", 1.0)]}, r"pressures\[0\].surface = 'tpo'"),
     ],
 )
 def test_wrong_input_is_refused(options: dict, message: str) -> None:
     with pytest.raises(InputError, match=message):
         body(SECTOR, (1, 1, 1), options.pop("degree", (2, 2, 2)), **options)
+
+
+@pytest.mark.parametrize("knots", [[0, 0, 0.5, 1, 1], [0, 0, 0, 0.6, 1, 1, 0.9], [0] * 3 + [1] * 4])
+def test_knots_must_rise_and_join(knots) -> None:
+    patch = replace(box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), degrees=(2, 1, 1))
+    with pytest.raises(InputError, match=r"patch.knots\[0\] = .*rising knots"):
+        check_geometry(replace(patch, knots=(np.array(knots, float), *patch.knots[1:])), "patch")
+
+
+@pytest.mark.parametrize("weight", [0.0, -1.0, np.nan])
+def test_weights_must_be_positive(weight) -> None:
+    patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    patch.weights[0, 0, 0] = weight
+    with pytest.raises(InputError, match=r"patch.weights.*positive"):
+        check_geometry(patch, "patch")
 
 
 @pytest.mark.parametrize("corner", [(-0.9, -0.8, -0.7), (0.5, 0.5, 1.0)], ids=["folded", "flat"])
@@ -137,6 +151,6 @@ def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
     mirrored = turned(patch, (0, 1, 2), 1)
     for given in (patch, mirrored):
         part = nurbs_body("part", [given], {}, (2, 1, 1), material=STEEL)
-        sample = part.volume_sample(2)
-        corners = sample.points[sample.cells]
+        cells = part.space.volume_cells().straight()
+        corners = cells.points[cells.cells]
         assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0

@@ -1,17 +1,17 @@
-"""Disc without a hole: patches collapsed at the axis."""
+"""A disc without a hole, whose patches are collapsed at the axis, and a ring under pressure."""
 
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import TILTED, body, scipy_of
-from scipy.sparse.linalg import eigsh
+from iga_data import STEEL, TILTED, body, scipy_of
+from scipy.sparse.linalg import eigsh, spsolve
 
 from cea.material import IsotropicMaterial
-from cea.supports.boundary import Support
+from cea.supports.boundary import Pressure, Spring, Support
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
-from meshes.shapes import Disc
+from meshes.shapes import Disc, Ring
 
 RADIUS, BOTTOM, TOP = 1.2, -0.1, 0.2
 DISC = Disc(RADIUS, BOTTOM, TOP)
@@ -21,9 +21,9 @@ def test_one_dof_a_level_at_the_axis() -> None:
     part = body(DISC, (3, 8, 2), (2, 3, 2), Placement())
     radial, around, levels = 3 + 2, 4 * (2 + 2), 2 + 2
     assert part.num_scalar_dofs == ((radial - 1) * around + 1) * levels
-    at_axis = np.linalg.norm(part.dof_positions[:, :2], axis=1) < 1e-12
+    at_axis = np.linalg.norm(part.space.dof_positions[:, :2], axis=1) < 1e-12
     assert at_axis.sum() == levels
-    assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
+    assert len(np.unique(np.round(part.space.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
 @pytest.mark.parametrize(
@@ -62,3 +62,24 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     leissa = [10.2158, 21.26, 21.26, 34.88, 34.88, 39.771]
     np.testing.assert_allclose(numbers, leissa, rtol=1e-3)
     assert numbers[2] - numbers[1] < 1e-6 * numbers[1]
+
+
+def test_ring_under_pressure_against_lame() -> None:
+    """Radial displacement of a thick ring in plane strain; a soft foundation holds its place."""
+    inner, outer = 0.8, 1.7
+    part = body(
+        Ring(inner, outer),
+        (6, 24),
+        (4, 4),
+        Placement(),
+        springs=[Spring("outer", (1e-9, 1e-9))],
+        pressures=[Pressure("inner", 0.7)],
+    )
+    points = part.surfaces["inner"].gauss_points(3)
+    x = spsolve(scipy_of(part.stiffness()).tocsc(), part.load().getArray())
+    moved = part.surfaces["inner"].trace(points.at) @ (scipy_of(part.expansion) @ x).reshape(-1, 2)
+    E, nu, ratio = STEEL.E, STEEL.nu, (outer / inner) ** 2
+    radial = 0.7 * inner * (1 + nu) / E * ((1 - 2 * nu) + ratio) / (ratio - 1)
+    drift = moved.mean(axis=0)  # what rounding leaves of the resultant moves the foundation
+    assert np.abs(drift).max() < 1e-5 * radial
+    np.testing.assert_allclose(moved - drift, -radial * points.normal, atol=1e-6 * radial)

@@ -7,11 +7,6 @@ from scipy.interpolate import BSpline
 from iga_cea.patch import refine
 from iga_cea.splines import (
     basis_functions,
-    basis_matrix,
-    elevation_matrix,
-    greville,
-    insertion_matrix,
-    knots_with_breaks,
 )
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
@@ -43,36 +38,6 @@ def test_basis_and_derivatives_agree_with_scipy(degree: int) -> None:
         np.put_along_axis(ours, first[:, None] + np.arange(degree + 1), values[k], axis=1)
         exact = BSpline(knots, np.eye(n), degree)(x, nu=k)
         assert np.abs(ours - exact).max() <= 1e-13 * max(1.0, np.abs(exact).max())
-
-
-def test_greville_closed_form() -> None:
-    knots = np.array([0, 0, 0, 1, 2, 3, 3, 3]) / 3
-    np.testing.assert_allclose(greville(knots, 2), np.array([0, 0.5, 1.5, 2.5, 3]) / 3, atol=1e-16)
-
-
-@pytest.mark.parametrize("degree", DEGREES)
-def test_insertion_keeps_the_curve(degree: int) -> None:
-    knots = open_knots(degree)
-    refined = knots_with_breaks(knots, degree, np.array([0.2, 0.35, 0.6, 0.9]), max(degree - 2, 0))
-    matrix = insertion_matrix(knots, degree, refined)
-    coefficients = RNG.random((len(knots) - degree - 1, 3))
-    x = points(refined)
-    before = basis_matrix(knots, degree, x) @ coefficients
-    after = basis_matrix(refined, degree, x) @ (matrix @ coefficients)
-    assert matrix.min() >= 0
-    assert np.abs(after - before).max() < 1e-14
-
-
-@pytest.mark.parametrize("degree", DEGREES)
-def test_elevation_keeps_the_curve(degree: int) -> None:
-    knots = open_knots(degree)
-    coefficients = RNG.random((len(knots) - degree - 1, 3))
-    for target in range(degree, 9):
-        elevated, matrix = elevation_matrix(knots, degree, target)
-        x = points(elevated)
-        before = basis_matrix(knots, degree, x) @ coefficients
-        after = basis_matrix(elevated, target, x) @ (matrix @ coefficients)
-        assert np.abs(after - before).max() < 1e-14
 
 
 PLACEMENT = Placement(axis=(1.0, 2.0, -0.5), angle=33.0, translation=(0.1, -0.2, 0.3))

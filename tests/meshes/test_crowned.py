@@ -84,23 +84,6 @@ def test_the_face_is_the_paraboloid(name, kind):
     np.testing.assert_allclose(x[:, across], low + high - end, rtol=1e-13, atol=1e-14)
 
 
-@pytest.mark.parametrize("name", CROWNED)
-def test_normals_of_the_face_point_outwards(name):
-    """Down the slope: by the gradient of the depth, measured from it by differences."""
-    shape = CROWNED[name]
-    points = body_of(shape, "iga", Placement()).surfaces[shape.surface].gauss_points(3)
-    step = 1e-6
-    normal = np.zeros_like(points.x)
-    sign = 1.0 if shape.at_high_end else -1.0
-    normal[:, shape.across] = sign
-    for axis in set(range(points.x.shape[1])) - {shape.across}:
-        shift = step * np.eye(points.x.shape[1])[axis]
-        slope = (depth_of(shape, points.x + shift) - depth_of(shape, points.x - shift)) / (2 * step)
-        normal[:, axis] = slope
-    normal /= np.linalg.norm(normal, axis=1)[:, None]
-    np.testing.assert_allclose(points.normal, normal, atol=1e-8)
-
-
 @pytest.mark.parametrize(
     ("arguments", "field"),
     [

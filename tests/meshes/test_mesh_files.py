@@ -44,7 +44,7 @@ def check_what_was_written(tmp_path, name, cell, order, *, lacking):
         found = read.mesh(list(mesh.surfaces))
         assert (found.cell, found.order) == (cell, order)
         assert len(found.points) == len(mesh.points)
-        assert read.fills_in == (lacking and (cell, order) == ("hexahedron", 2))
+        assert read.elements.incomplete == (lacking and (cell, order) == ("hexahedron", 2))
         ours, theirs = found.points[found.cells], mesh.points[mesh.cells]
         np.testing.assert_allclose(ours, theirs, rtol=0, atol=digits)
         for surface, facets in mesh.surfaces.items():

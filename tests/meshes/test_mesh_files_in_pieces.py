@@ -35,7 +35,11 @@ def test_a_volume_in_two_groups_is_there_once(tmp_path, version):
         gmsh.write(str(file))
     whole, half = (MeshFile(str(file), "m", part=part) for part in ("whole", "half"))
     assert (whole.extent[0], half.extent[0]) == ((0.0, 2.0), (1.0, 2.0))
-    assert MeshFile(str(file), "m").num_cells == whole.num_cells == 2 * half.num_cells
+    assert (
+        MeshFile(str(file), "m").elements.num_cells
+        == whole.elements.num_cells
+        == 2 * half.elements.num_cells
+    )
     mesh = whole.mesh(["low"])
     assert (mesh.points[mesh.surfaces["low"]][..., 0] == 0).all()
 
@@ -82,7 +86,7 @@ def test_a_mesh_and_its_tags_as_dolfinx_writes_them(tmp_path, cell):
     faces = {"low": "facets 7"}
     whole = MeshFile(str(file), "m", faces=faces)
     half = MeshFile(str(file), "m", part="cells 1", faces=faces)
-    assert whole.num_cells == 2 * half.num_cells == n
+    assert whole.elements.num_cells == 2 * half.elements.num_cells == n
     assert half.extent == ((0.0, 1.0), (0.0, 1.0), (0.0, 1.0))
     mesh = half.mesh(["low"])
     on = mesh.points[mesh.surfaces["low"]]

@@ -24,7 +24,7 @@ def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, name, ord
     file = file_of(tmp_path, name)
     mixed_file(file, order)
     body = MeshFile(str(file), "m", faces={"low": "LOW"})
-    assert body.is_divided
+    assert body.elements.is_divided
     mesh = body.mesh(["low"])
     assert (mesh.cell, mesh.order) == ("tetrahedron", order)
     assert volume(mesh) == pytest.approx(18.0, rel=1e-12)

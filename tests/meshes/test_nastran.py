@@ -122,7 +122,7 @@ def test_every_spelling_is_the_same_mesh(tmp_path, name):
     box = KINDS["hexahedron8"].reference * [0.02, 0.015, 0.01] - [0.0, 0.015, 0.0]
     np.testing.assert_allclose(corners, box, rtol=0, atol=1e-16)
     assert {name: rows.tolist() for name, rows in found.element_sets.items()} == {"PSOLID 7": [0]}
-    assert MeshFile(str(tmp_path / "a.bdf"), "m").num_cells == 1
+    assert MeshFile(str(tmp_path / "a.bdf"), "m").elements.num_cells == 1
 
 
 EDGES = {
@@ -182,28 +182,15 @@ def free_line(*fields):
     return ",".join(repr(float(f)) if isinstance(f, float) else str(f) for f in fields) + "\n"
 
 
-def system(way, kind):
-    """Cards that define the system 5."""
-    if way == "2":
-        text = free_line(f"CORD2{kind}", 5, 0, *A, *B)
-        return text + free_line("", *C)
-    points = "".join(free_line("GRID", 91 + i, 0, *x) for i, x in enumerate((A, B, C)))
-    return points + f"CORD1{kind},8,91,92,93,5,91,92,93\n"  # the second of two systems
-
-
 @pytest.mark.parametrize("default", [False, True])
 @pytest.mark.parametrize("kind", "RCS")
-@pytest.mark.parametrize("way", "12")
-def test_points_in_coordinate_systems_are_where_they_were(tmp_path, way, kind, default):
-    given = coordinates(kind, CUBE)
-    cp = "" if default else 5
-    text = "GRDSET,,5\n" if default else ""
-    text += "".join(free_line("GRID", i, cp, *x) for i, x in enumerate(given, 1))
-    found = content(tmp_path, text + system(way, kind) + free(CARDS[-1:]))
-    own = found.node_numbers < 90
-    np.testing.assert_allclose(found.points[own], CUBE, rtol=0, atol=1e-14)
-    if way == "1":
-        np.testing.assert_allclose(found.points[~own], [A, B, C], rtol=0, atol=1e-15)
+def test_points_in_coordinate_systems_are_where_they_were(tmp_path, kind, default):
+    text = free_line(f"CORD2{kind}", 5, 0, *A, *B) + free_line("", *C)
+    text += "GRDSET,,5\n" if default else ""
+    given = enumerate(coordinates(kind, CUBE), 1)
+    text += "".join(free_line("GRID", i, "" if default else 5, *x) for i, x in given)
+    found = content(tmp_path, text + free(CARDS[-1:]))
+    np.testing.assert_allclose(found.points, CUBE, rtol=0, atol=1e-14)
 
 
 def test_systems_in_systems_and_points_that_leave_the_default(tmp_path):
@@ -267,7 +254,7 @@ def test_any_other_card_is_told_and_left_out_by_the_choice_of_a_part(tmp_path, c
     with pytest.raises(InputError, match=f"here are {name} too") as refused:
         MeshFile(str(file), "m")
     assert refused.value.field == "part"
-    assert MeshFile(str(file), "m", part="PSOLID 7").num_cells == 1
+    assert MeshFile(str(file), "m", part="PSOLID 7").elements.num_cells == 1
 
 
 def test_elements_of_a_fluid_are_no_body(tmp_path):
@@ -302,8 +289,7 @@ GOOD = free(CARDS)
          "not on one line"),
         (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD2R,1,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
          "not defined by itself"),
-        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,3\n", "not defined by itself"),
-        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,99\n", "of the file, not 99"),
+        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,4\n", "CP 1'.* a coordinate system"),
         ("GRID 1 0. 0. 0.\n", "the name of a card at the beginning"),
         (" GRID          10       0" + "0.150001" * 3 + "\n", "begins in the first column"),
         ("GRID,1,,0.,0.,0.\n", "no elements"),

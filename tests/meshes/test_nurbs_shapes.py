@@ -1,22 +1,17 @@
 """NURBS patches of shapes: exact geometry, joints, named faces; patches given as numbers."""
 
 from dataclasses import replace
-from itertools import permutations
 
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from covering import covering
-from iga_data import STEEL, TILTED, body, scipy_of, slow_matrices, turned
+from iga_data import STEEL, body, scipy_of, slow_matrices, turned
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.patches import GivenPatch, Patches
-from meshes.shapes import Annulus, Hub, Ring, RingSector, Sector
-
-HUB = Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.1, 0.4)
-BOTH_SIDES = Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.2, 0.4)
+from meshes.shapes import Annulus, Ring, RingSector, Sector
 
 
 @pytest.mark.parametrize("shape", [Ring(0.8, 1.7), RingSector(0.8, 1.7, -70.0, 100.0)])
@@ -36,34 +31,6 @@ def test_circles_of_the_plane(shape) -> None:
         angles.append(np.rad2deg(np.arctan2(x[:, 1], x[:, 0])))
     found = np.unique(np.round(np.concatenate(angles) % 360, 8) % 360)
     np.testing.assert_allclose(found, np.unique(np.round(breaks[1] % 360, 8)), atol=1e-7)
-
-
-@pytest.mark.parametrize(
-    ("hub", "layers"), [(HUB, 3), pytest.param(BOTH_SIDES, 4, marks=pytest.mark.slow)]
-)
-def test_hub(hub: Hub, layers: int) -> None:
-    """Four quarters for each layer, all joined: volume, areas, normals, numbers of dofs."""
-    part = body(hub, (3, 16, 4), (2, 6, 2))
-    assert len(part.space.multipatch.patches) == 4 * layers
-    height, ring = hub.hub_top - hub.hub_bottom, hub.top - hub.bottom
-    volume = np.pi * (height * (0.5**2 - 0.3**2) + ring * (1.0 - 0.5**2))
-    assert scipy_of(part.mass()).sum() == pytest.approx(3 * STEEL.rho * volume, rel=1e-13)
-    flat = {"hub_bottom": 0.5**2 - 0.3**2, "hub_top": 0.5**2 - 0.3**2}
-    flat |= {"bottom": 1.0 - 0.5**2, "top": 1.0 - 0.5**2}
-    areas = {name: np.pi * size for name, size in flat.items()}
-    areas |= {"bore": 2 * np.pi * 0.3 * height, "outer": 2 * np.pi * ring}
-    areas["hub_side"] = 2 * np.pi * 0.5 * (height - ring)
-    assert set(areas) == set(hub.surfaces)
-    for name, surface in part.surfaces.items():
-        assert surface.area == pytest.approx(areas[name], rel=1e-13)
-        points = surface.gauss_points(2)
-        original = (points.x - TILTED.translation) @ TILTED.rotation
-        outward = original * [1, 1, 0] / np.linalg.norm(original[:, :2], axis=1)[:, None]
-        if name in flat:
-            outward = np.tile([0, 0, 1 if name.endswith("top") else -1], (len(points), 1))
-        normal = points.normal @ TILTED.rotation
-        assert np.abs(normal - outward * (-1 if name == "bore" else 1)).max() < 1e-13
-    assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
 def given(patch: NurbsPatch) -> GivenPatch:
@@ -119,17 +86,6 @@ def test_given_knots_are_kept(degree: tuple[int, int]) -> None:
 
 
 # Orders of the axes, each with one direction reversed.
-ORIENTATIONS = covering(tuple(permutations(range(3))), tuple(range(3)), strength=1)
-
-
-@pytest.mark.parametrize(("axes", "flip"), ORIENTATIONS)
-def test_patches_join_in_any_relative_orientation(axes: tuple[int, ...], flip: int) -> None:
-    ring = Annulus(0.8, 1.7, -0.1, 0.2)
-    quarters = nurbs_shape(ring, breaks_of(ring, (1, 4, 1))).patches
-    odd = [quarters[0], turned(quarters[1], axes, flip), quarters[2], turned(quarters[3], axes, 1)]
-    patches = Patches(tuple(given(patch) for patch in odd), {})
-    part = body(patches, (2, 2, 2), (2, 2, 2))
-    assert part.num_scalar_dofs == 4 * (4 * 3) * 4
 
 
 def test_patches_on_other_elements_are_refused() -> None:

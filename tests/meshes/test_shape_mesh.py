@@ -4,13 +4,16 @@ import gmsh
 import numpy as np
 import pytest
 from covering import covering
-from gmsh_models import gmsh_model, measures
+from gmsh_models import assert_outer_facets_are_named, gmsh_model, measures
+from iga_data import STEEL, body, scipy_of
 
 from cea.errors import InputError
+from cea.mesh import Mesh
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
+from meshes.structured import divided
 
 BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
 ANNULUS = Annulus(0.06, 0.15, -0.002, 0.01)
@@ -169,23 +172,48 @@ MEASURES = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "order", "structured"), covering(tuple(MEASURES), (1, 2, 3, 4), (True, False))
-)
-def test_shapes_have_their_volume_and_the_areas_of_their_surfaces(name, order, structured):
+KINDS = ("boxes", "divided boxes", "unstructured")
+
+
+@pytest.mark.parametrize(("name", "order", "kind"), covering(tuple(MEASURES), (1, 2, 3, 4), KINDS))
+def test_shapes_have_their_volume_and_the_areas_of_their_surfaces(name, order, kind):
     shape, volume, areas = MEASURES[name]
     dim = len(shape.directions)
-    if structured:
-        cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
-        mesh = {"breaks": breaks_of(shape, (3, 12, 4)[:dim])}
-    else:
-        size = 0.2 if name not in ("box", "annulus", "sector") else 0.03
-        cell, mesh = {2: "triangle", 3: "tetrahedron"}[dim], {"size": size}
+    cells = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}[dim]
+    mesh = {"breaks": breaks_of(shape, (3, 12, 4)[:dim])}
+    if kind == "unstructured":
+        mesh = {"size": 0.2 if name not in ("box", "annulus", "sector") else 0.03}
     place = PLACEMENT if dim == 3 else Placement(angle=50.0)
     rel = {1: 5e-2, 2: 2e-3, 3: 5e-4, 4: 5e-6}[order]
-    found, found_areas = measures(shape_mesh(shape, cell, order, placement=place, **mesh))
+    made = shape_mesh(shape, cells[kind != "boxes"], order, placement=place, **mesh)
+    assert_outer_facets_are_named(made)
+    found, found_areas = measures(made)
     assert found.sum() == pytest.approx(volume, rel=rel)
     assert found_areas == pytest.approx(areas, rel=rel)
+
+
+@pytest.mark.parametrize("name", MEASURES)
+def test_patches_of_shapes_have_them_exactly(name):
+    shape, volume, areas = MEASURES[name]
+    dim = len(shape.directions)
+    part = body(shape, (4, 16, 5)[:dim], (2, 6, 2)[:dim])
+    assert scipy_of(part.mass()).sum() == pytest.approx(dim * STEEL.rho * volume, rel=1e-12)
+    assert {n: each.area for n, each in part.surfaces.items()} == pytest.approx(areas, rel=1e-12)
+    assert len(np.unique(np.round(part.space.dof_positions, 9), axis=0)) == part.num_scalar_dofs
+
+
+def test_a_twisted_ring_of_hexahedra_is_not_divided():
+    """Half a turn on the way around: edges across come back the other way."""
+    n = 5
+    layers = np.arange(4 * n).reshape(n, 4)
+    after = np.vstack([layers[1:], layers[:1, ::-1]])
+    twisted = Mesh("hexahedron", 1, np.zeros((4 * n, 3)), np.hstack([layers, after]), {})
+    with pytest.raises(InputError, match="parallel edges") as refused:
+        divided(twisted)
+    assert (refused.value.field, refused.value.value) == ("cells", "5 of 5 hexahedra")
+    after[-1] = layers[0]
+    straight = Mesh("hexahedron", 1, np.zeros((4 * n, 3)), np.hstack([layers, after]), {})
+    assert len(divided(straight).cells) == 6 * n
 
 
 @pytest.mark.parametrize("order", [2, 3, 4])

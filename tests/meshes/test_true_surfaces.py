@@ -75,27 +75,6 @@ def test_nodes_of_meshes_lie_on_the_surfaces(shape, elements):
             assert np.abs(distance).max() < (1e-9 if elements is None else 1e-14), name
 
 
-def test_chords_of_a_circle_leave_it_by_their_sagitta():
-    ring = Ring(0.05, 0.08)
-    mesh = shape_mesh(ring, "quadrilateral", 1, breaks=breaks_of(ring, (1, 20)))
-    for name, radius in (("inner", 0.05), ("outer", 0.08)):
-        x = mesh.points[mesh.surfaces[name]].mean(axis=1)
-        out = x / np.linalg.norm(x, axis=1)[:, None]
-        sagitta = radius * (1 - np.cos(np.pi / 20))
-        surface = true_surfaces(ring)[name]
-        np.testing.assert_allclose(surface.distance(x, out), sagitta, rtol=1e-12)
-        np.testing.assert_allclose(surface.distance(x, -out), -sagitta, rtol=1e-12)
-        np.testing.assert_allclose(surface.normal(x, -out), -out, atol=1e-15)
-
-
-def test_a_hole_is_the_nearest_one():
-    disc = VentilatedDisc()
-    middle = np.array([*disc.hole_centres[2], 0.07])
-    out = np.array([[0.6, 0.8, 0.0]])
-    surface = true_surfaces(disc)["holes"]
-    assert surface.distance(middle + 0.009 * out, out)[0] == pytest.approx(0.001)
-
-
 @pytest.mark.parametrize(("shape", "elements"), [each for each in SHAPES if each[1]])
 def test_normals_are_the_gradients_of_distances(shape, elements):
     """Along a direction n, the distance s of x obeys ds = - v.dx / v.n with the normal v."""

@@ -46,33 +46,6 @@ def crowned_pad(backend, refined, c_n, formulation=SEGMENTS, **analysis):
     )
 
 
-def boxes(backend, n, c_n, radii, full_pass=False):
-    """A quarter of a crowned box on a box, without friction."""
-    half = [{"surface": name, "components": [name[0]]} for name in ("x_min", "y_min")]
-    base = {"shape": "box", "size": [0.02, 0.02, 0.01], "origin": [0.0, 0.0, 0.01]}
-    crown = {"shape": "crowned", "base": base, "surface": "z_min", "radii": radii}
-    crown["apex"] = dict.fromkeys(radii, 0.0)
-    block = {"shape": "box", "size": [0.02, 0.02, 0.01]}
-    bodies = {
-        "pad": body(backend, crown, (n, n, 2), material={"E": 5e9, "nu": 0.3}, supports=half),
-        "block": body(
-            *(backend, block, (n + 1, n + 1, 2)),
-            material={"E": 1e10, "nu": 0.3},
-            supports=[*half, {"surface": "z_min"}],
-        ),
-    }
-    contact = {"a": "pad.z_min", "b": "block.z_max", "c_n": c_n, "m_n": 1.5, "mu": 0.0}
-    contact |= {"formulation": {"method": "gpts", "points": 4}, "reach": 1e-3}
-    return read_scene(
-        {
-            **{"name": "boxes", "bodies": bodies},
-            "contacts": {"s": contact | {"full_pass": full_pass}},
-            "loads": [{"surface": "pad.z_max", "pressure": 1e6}],
-            "analysis": {"kind": "static"},
-        }
-    )
-
-
 def told(result):
     return [w.data for w in result.warnings if w.kind == "coarse-closed-zone"]
 

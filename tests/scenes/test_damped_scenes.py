@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from covering import covering
-from damped_numbers import damped_disc
+from damped_numbers import damped_disc, modally_damped_disc
 from dense_damped_modes import assert_modes_are_dense
 from pressed import pressed_blocks
 
@@ -15,45 +14,39 @@ from scenes.spec.reading import read_scene
 GPTS = {"method": "gpts", "points": 3}
 
 
+@pytest.mark.parametrize("scene_of", [damped_disc, modally_damped_disc])
 @pytest.mark.parametrize(
-    ("backend", "form"), covering(("fe", "iga"), ("saddle", "penalty"), strength=1)
+    ("backend", "form"), [("iga", "saddle"), pytest.param("fe", "penalty", marks=pytest.mark.slow)]
 )
-def test_modes_are_those_of_dense_matrices(backend, form):
-    assert_modes_are_dense(damped_disc(backend, form=form))
+def test_modes_are_those_of_dense_matrices(backend, form, scene_of):
+    assert_modes_are_dense(scene_of(backend, form=form))
 
 
-CHANGES = {
-    "bodies.pad.damping": {"alpha": 0.02, "beta": 0.001},
+DAMPED = {
+    "bodies.disc.damping.alpha": 0.02,
+    "bodies.disc.damping.beta": 1e-3,
     "bodies.disc.rotation.rate": 0.1,
     "bodies.disc.material.rho": 1.3,
     "contacts.interface.sliding.pressure": 0.04,
     "contacts.interface.sliding.mu_slope": 0.2,
 }
-ALIKE = ("bodies.disc.material.rho", "contacts.interface.sliding.mu_slope")
-"""Changes that act as others do: on the sums of matrices alone."""
-
-
-@pytest.fixture(scope="module")
-def assembled():
-    """A scene assembled once."""
-    scene = AssembledScene(read_scene(damped_disc("iga")))
-    yield scene
-    scene.free()
+MODALLY_DAMPED = {"bodies.disc.damping.modal.ratio": 0.1}
 
 
 @pytest.mark.parametrize(
-    "change",
-    [pytest.param(change, marks=pytest.mark.slow if change in ALIKE else ()) for change in CHANGES],
+    ("scene_of", "changes"), [(damped_disc, DAMPED), (modally_damped_disc, MODALLY_DAMPED)]
 )
-def test_changes_need_no_assembly(assembled, change, monkeypatch):
-    expected = run_modes(assembled.scene.change(change, CHANGES[change]))
-    monkeypatch.setattr("scenes.running.assembled.run_modes", None)
-    found = assembled.modes({change: CHANGES[change]})
+def test_changes_need_no_assembly(scene_of, changes):
+    assembled = AssembledScene(read_scene(scene_of("iga")))
+    expected = run_modes(assembled.scene.change(changes))
+    found = assembled.modes(changes)
+    assert all(found.bodies[name] is body for name, body in assembled.bodies.items())
+    assembled.free()
     np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
 
 
-def test_matrices_are_named(assembled):
-    matrices = assembled.modes().matrices()
+def test_matrices_are_named():
+    matrices = run_modes(read_scene(damped_disc("iga"))).matrices()
     assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y", "K_c", "L", "N", "J"]
     C, Y, K_c = (matrices[name].toarray() for name in ("C", "Y", "K_c"))
     assert (C == C.T).all()

@@ -9,8 +9,8 @@ from scipy.sparse import csr_array, diags_array
 from cea.errors import InputError
 from scenes import SceneError, load_matrices, load_scene
 from scenes.running.matrices import AssembledMatrices, run_matrices
-from scenes.spec.files import is_of_matrices
 from scenes.spec.matrices import read_matrix_scene
+from scenes.spec.plain import is_of_matrices
 
 
 @pytest.fixture(scope="module")
@@ -61,14 +61,6 @@ def test_damped_gyroscopic_circulatory_modes_are_all_those_of_lapack(result):
     assert kinds == dict.fromkeys("MDKQ", "symmetric") | {"G": "skew", "F": "general"}
 
 
-def test_sums_are_those_of_the_formulas_to_the_last_bits(result):
-    made, sums = pieces(), result.matrices()
-    K = made["K"] + 0.7 * made["F"] + 3 * made["Q"]
-    C = 1.5 * made["D"] + 2 * made["G"]
-    for name, true in {"M": made["M"], "C": C, "K": K}.items():
-        np.testing.assert_allclose(sums[name].toarray(), true, rtol=0, atol=1e-15 * abs(true).max())
-
-
 def test_what_is_symmetric_to_rounding_is_taken_so_and_told(tmp_path):
     K = diags_array([-np.ones(29), 2 * np.ones(30), -np.ones(29)], offsets=[-1, 0, 1]).toarray()
     K[3, 4] *= 1 + 4e-16
@@ -99,20 +91,15 @@ def test_files_lie_beside_the_scene_or_where_it_is_said(folder, tmp_path):
         load_matrices("tu_berlin")
 
 
-def without(*path):
-    def change(data):
-        for name in path[:-1]:
-            data = data[name]
-        del data[path[-1]]
-
-    return change
-
-
 def with_(value, *path):
+    """A change of the data of a scene; None leaves a field out."""
+
     def change(data):
         for name in path[:-1]:
             data = data[name]
         data[path[-1]] = value
+        if value is None:
+            del data[path[-1]]
 
     return change
 
@@ -120,31 +107,23 @@ def with_(value, *path):
 @pytest.mark.parametrize(
     ("change", "field", "told"),
     [
-        (without("mass"), "mass", "required"),
+        (with_(None, "mass"), "mass", "required"),
         (with_({}, "mass"), "mass", "at least one"),
-        (with_({}, "stiffness"), "stiffness", "at least one"),
-        (without("analysis"), "analysis", "required"),
+        (with_(None, "analysis"), "analysis", "required"),
         (with_({"kind": "static"}, "analysis"), "analysis.kind", "'cea'"),
         (with_(0.0, "analysis", "max_frequency"), "analysis.max_frequency", "greater than 0"),
-        (with_(1e31, "analysis", "max_frequency"), "analysis.max_frequency", "1e+30"),
         (with_(1.0, "analysis", "min_growth"), "analysis.min_growth", "less than or equal to 0"),
-        (with_(-1.0, "analysis", "growth_threshold"), "analysis.growth_threshold", "greater"),
         (with_(1.0, "mass", "X"), "mass.X", "M, D, G, K, F, Q"),
-        (without("stiffness", "Q"), "files.Q", "named in a sum"),
+        (with_(None, "stiffness", "Q"), "files.Q", "named in a sum"),
         (with_("v/w", "damping", "G"), "damping.G", "without w"),
         (with_("__import__('os')", "damping", "G"), "damping.G", "no function"),
         (with_("1/(v - 2)", "damping", "G"), "damping.G", "finite value"),
         (with_([1.0], "damping", "G"), "damping.G", "a finite number"),
-        (with_(True, "damping", "G"), "damping.G", "a finite number"),
-        (with_(None, "damping", "G"), "damping.G", "a finite number"),
         (with_("v0", "parameters", "v"), "parameters.v", "without v0"),
-        (with_("1/0", "parameters", "v"), "parameters.v", "finite"),
         (with_(1.0, "parameters", "pi"), "parameters.pi", "a name"),
-        (with_(1.0, "parameters", "a b"), "parameters.a b", "a name"),
         (with_("K.npz", "files", "ｘ"), "files.ｘ", "a name"),
         (with_(3, "files", "K"), "files.K", "text"),
         (with_({"pictures": 1}, "output"), "output", "no such field"),
-        (with_({}, "bodies"), "bodies", "no such field"),
     ],
 )
 def test_wrong_scenes_are_refused_by_name(change, field, told):
@@ -160,9 +139,7 @@ def test_wrong_scenes_are_refused_by_name(change, field, told):
     [
         ({"mass": np.eye(29)}, "files.K", "29 rows"),
         ({"mass": np.diag([*np.ones(29), 0.0])}, "mass", "1 unknowns without mass"),
-        ({"mass": -np.eye(30)}, "mass", "30 unknowns without mass"),
         ({"mass": np.eye(30) + np.diag(2 * np.ones(29), 1)}, "files.M", "symmetric"),
-        ({"mass": np.ones((30, 30))}, "mass", "positive definite"),
         ({"mass": np.eye(30) + 2 * np.eye(30)[::-1]}, "mass", "15 eigenvalues"),
     ],
 )
@@ -172,17 +149,6 @@ def test_matrices_that_make_no_problem_are_refused(matrices, field, told, tmp_pa
         run_matrices(data)
     assert refused.value.field == field
     assert told in str(refused.value)
-
-
-def test_a_mass_is_singular_or_not_whatever_its_units(tmp_path):
-    scale = np.diag(np.geomspace(1e-9, 1e9, 30))
-    near = np.ones((30, 30)) + 1e-3 * np.eye(30)
-    data = read_matrix_scene(chain(tmp_path, mass=scale @ near @ scale))
-    AssembledMatrices(data)._check_mass(data.values, AssembledMatrices(data).timer)
-    singular = scale @ np.ones((30, 30)) @ scale
-    data = read_matrix_scene(chain(tmp_path, mass=0.5 * (singular + singular.T)))
-    with pytest.raises(InputError, match="positive definite"):
-        run_matrices(data)
 
 
 def chains(folder, **parameters):

@@ -165,7 +165,7 @@ def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
     monkeypatch.setattr(nested, "build_bodies", watched)
     twice = [estimate_errors(coarse, richer).corrected for _ in range(2)]
     assert made == [["upper"]] * 2
-    monkeypatch.setattr(nested, "_same", lambda *_: False)
+    monkeypatch.setattr(nested, "made_of", lambda scene, name: id(scene))
     anew = estimate_errors(coarse, richer).corrected
     assert made[-1] == ["upper", "lower"]
     for found in twice:
@@ -249,24 +249,31 @@ def test_errors_of_a_result_without_left_vectors_are_those_with_them(backend):
     assert found.verdicts == expected.verdicts
 
 
-def test_what_cannot_be_done_is_refused():
-    scene = load_scene(Path("blocks"), [], "fe")
-    with pytest.raises(InputError, match="by = 'smooth': 'degree' or 'bisection' for upper"):
-        richer_scene(scene, "smooth")
-    with pytest.raises(InputError, match="by = 'p': 'degree' or 'bisection' or 'smooth'"):
-        richer_scene(scene, "p")
-    highest = load_scene(Path("blocks"), ["bodies.upper.mesh.fe.degree=4"], "fe")
-    with pytest.raises(InputError, match=r"upper.mesh.degree = 4: below 4"):
-        richer_scene(highest)
-    sized = ["bodies.upper.mesh.fe={cell='triangle', degree=1, size=0.5}"]
-    with pytest.raises(InputError, match=r"upper.mesh.fe.size = 0.5: left out"):
-        richer_scene(load_scene(Path("blocks"), sized, "fe"), "bisection")
+@pytest.mark.parametrize(
+    ("changes", "by", "told"),
+    [
+        ([], "smooth", "by = 'smooth': 'degree' or 'bisection' for Lagrange"),
+        ([], "p", "by = 'p': 'degree' or 'bisection' or 'smooth'"),
+        (["bodies.upper.mesh.fe.degree=4"], "degree", r"upper.mesh.degree = 4: below 4"),
+        (
+            ["bodies.upper.mesh.fe={cell='triangle', degree=1, size=0.5}"],
+            "bisection",
+            r"upper.mesh.fe.size = 0.5: left out",
+        ),
+    ],
+)
+def test_scenes_that_cannot_be_richer_are_refused(changes, by, told):
+    with pytest.raises(InputError, match=told):
+        richer_scene(load_scene(Path("blocks"), changes, "fe"), by)
+
+
+def test_estimates_of_other_scenes_are_refused():
     coarse = coarse_modes("blocks", "fe", 2, 2.0, elements={"upper": [3, 1], "lower": [2, 1]})
     with pytest.raises(InputError, match="steps = 0: 1 or more"):
         estimate_errors(coarse, steps=0)
     with pytest.raises(InputError, match=r"upper.backend = .*one backend for both"):
-        estimate_errors(coarse, coarse_modes("blocks", "iga", 2, 2.0).scene)
-    other = coarse_modes("drum", "fe", 1, 0.5, elements={"outer": [1, 8], "inner": [1, 8]}).scene
+        estimate_errors(coarse, coarse.scene.on("iga"))
+    other = load_scene(Path("drum"), [], "fe")
     with pytest.raises(InputError, match=r"bodies = .*those of the coarse scene: upper, lower"):
         estimate_errors(coarse, other)
 

@@ -11,7 +11,7 @@ from cea.contact import formulations
 from cea.contact.formulations import Formulation, register, registered
 from cea.errors import InputError
 from scenes import run_scene
-from scenes.spec.contact_checks import suits
+from scenes.spec.contact import suits
 from scenes.spec.plain import plain_data
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene

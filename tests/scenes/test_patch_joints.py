@@ -1,4 +1,4 @@
-"""NURBS patches that make one body: closed ones, gaps between them, patches given twice."""
+"""NURBS patches that make one body: closed and turned ones, gaps, and what is refused."""
 
 import numpy as np
 import pytest
@@ -106,3 +106,45 @@ def test_a_patch_given_twice_is_refused():
     quarters = annulus(0.06, 0.1, quarters=True)
     quarters["patches"].append(quarters["patches"][2])
     refused(quarters, "none given twice")
+
+
+TURNED = halves() | {
+    "patches": [
+        square([0, 0], [0.05, 0.03]),
+        {  # the right half, its parameters swapped and one reversed
+            "degrees": [1, 1],
+            "knots": [[0, 0, 2, 2], LINE],
+            "control_points": [[[0.1, 0.03], [0.05, 0.03]], [[0.1, 0.0], [0.05, 0.0]]],
+        },
+    ]
+}
+
+
+def test_patches_whose_parameters_run_otherwise_are_joined():
+    found = frequencies(scene(TURNED, [2, 2], [4, 4], **HELD))
+    whole = frequencies(scene(halves(), [2, 2], [4, 4], **HELD))
+    np.testing.assert_allclose(found, whole, rtol=1e-9)
+
+
+def test_given_patches_are_not_meshed():
+    data = scene(TURNED, [2, 2], [4, 2], **HELD)
+    data["bodies"]["b"]["backend"] = "fe"
+    data["bodies"]["b"]["mesh"]["fe"] = {"cell": "quadrilateral", "elements": [2, 2]}
+    with pytest.raises(SceneError, match=r"bodies.b.backend = 'fe': 'iga'"):
+        read_scene(data)
+
+
+@pytest.mark.parametrize(
+    ("part", "value", "allowed"),
+    [
+        ("knots", [[0, 0, 1, 1], [0, 1, 0, 1]], "do not fall"),
+        ("weights", [[1.0, 1.0], [1.0, -1.0]], "positive"),
+        ("control_points", [[[0.0, 0.0]], [[0.5, 0.0]]], "shape"),
+    ],
+)
+def test_faulty_patches_are_refused_by_name(part, value, allowed):
+    first, second = TURNED["patches"]
+    data = scene(TURNED | {"patches": [first | {part: value}, second]}, [2, 2], [4, 2], **HELD)
+    with pytest.raises(SceneError, match=allowed) as caught:
+        read_scene(data)
+    assert f"bodies.b.geometry.patches.0.{part}" in str(caught.value)

@@ -6,8 +6,7 @@ import pytest
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
 from scenes import run_scene
-from scenes.spec.reading import load_scene
-from scenes.spec.scene import on_backend, with_contact
+from scenes.spec.reading import load_scene, on_backend, with_contact
 
 
 def stresses(backend, formulation, P):

@@ -1,4 +1,4 @@
-"""Pictures of modes: which are drawn, at which phase, and that both bodies are in the frame."""
+"""Pictures of modes, and outsides of bodies: closed, of their area, with their displacements."""
 
 from dataclasses import replace
 
@@ -8,9 +8,12 @@ import pyvista
 from blocks import two_blocks
 from matplotlib.image import imread
 
-from scenes import run_scene
-from scenes.export.pictures import draw_modes
-from scenes.pictures.drawing import Drawing, largest_deflection
+from cea.timing import StageTimer
+from scenes import load_scene, run_scene
+from scenes.building.build import build_bodies
+from scenes.export.pictures import write_modes
+from scenes.pictures.drawing import draw_mode, largest_deflection
+from scenes.pictures.grids import merged, outside, sharp_edges
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 
@@ -54,7 +57,7 @@ def test_most_unstable_modes_are_drawn_first(result):
 
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_modes_are_drawn(result, backend, tmp_path):
-    (file,) = draw_modes(with_growth(result, [0.0, 0.7]), 1, tmp_path)
+    (file,) = write_modes(with_growth(result, [0.0, 0.7]), 1, tmp_path)
     assert file.name == f"mode_{backend}_2.png"
     image = imread(file)[..., :3]
     drawn = np.ptp(image, axis=2) > 0.05
@@ -66,25 +69,24 @@ def test_modes_are_drawn(result, backend, tmp_path):
     assert columns.max() < image.shape[1] - 1
 
 
-def test_images_follow_the_phase():
-    square = pyvista.Rectangle([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]]).triangulate()
-    # Re(u e^(i phase)) = (cos phase, sin phase): every point runs around a circle.
-    square.point_data["real"] = np.tile([1.0, 0.0, 0.0], (square.n_points, 1))
-    square.point_data["imaginary"] = np.tile([0.0, -1.0, 0.0], (square.n_points, 1))
-    drawing = Drawing.of({"square": square}, "circling")
-    phases = np.array([0.0, 0.7, 2.0, 3.5, 5.0])
+def test_what_is_drawn_is_displaced_and_has_the_colour_of_its_deflection():
+    """A square between bars at rest, which keep the frame."""
     centres = []
-    for image in drawing.images(phases.tolist(), 2):
-        pixels = np.asarray(image)[:380]
+    for u in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0j, 0.0]):
+        bodies = [
+            pyvista.Rectangle([[x, low, 0.0], [x + 1, low, 0.0], [x + 1, -low, 0.0]]).triangulate()
+            for x, low in ((0.0, -0.5), (-3.0, -2.0), (3.0, -2.0))
+        ]
+        for body, part in zip(bodies, (u, [0.0] * 3, [0.0] * 3), strict=True):
+            body.point_data["real"] = np.tile(np.real(part), (body.n_points, 1))
+            body.point_data["imaginary"] = np.tile(np.imag(part), (body.n_points, 1))
+        pixels = np.asarray(draw_mode(bodies, ""))[:780]
         rows, columns = np.nonzero((pixels[..., 2] > 60) & (pixels[..., 0] < 30))
         centres.append(complex(columns.mean(), -rows.mean()))
-    # centre = c + r e^(i phase) with one c and r for all phases
-    fit, residual, *_ = np.linalg.lstsq(
-        np.stack([np.ones(len(phases)), np.exp(1j * phases)], axis=1), np.array(centres), rcond=None
-    )
-    assert fit[1].real > 10
-    assert abs(fit[1].imag) < 0.1 * fit[1].real
-    assert np.sqrt(residual[0].real) < 0.1 * fit[1].real
+    right, up, delayed = centres
+    assert (right - up).real > 10
+    assert (up - right).imag == pytest.approx((right - up).real, rel=0.05)
+    assert delayed == pytest.approx(up)  # at the phase of its largest deflection
 
 
 def test_a_static_scene_has_no_modes_to_draw():
@@ -92,3 +94,45 @@ def test_a_static_scene_has_no_modes_to_draw():
     data |= {"analysis": {"kind": "static"}, "output": {"pictures": 1}}
     with pytest.raises(SceneError, match=r"output\.pictures = 1: 0 in a static analysis"):
         read_scene(data)
+
+
+INNER, OUTER, HEIGHT = 0.06, 0.15, 0.012
+VOLUME = np.pi * (OUTER**2 - INNER**2) * HEIGHT
+AREA = 2 * np.pi * (OUTER**2 - INNER**2) + 2 * np.pi * (OUTER + INNER) * HEIGHT
+MESHES = {
+    "fe": {"cell": "tetrahedron", "degree": 2, "elements": [3, 24, 2]},
+    "iga": {"degree": [3, 3, 3], "elements": [3, 8, 1]},
+}
+
+
+@pytest.fixture
+def cells(backend):
+    scene = load_scene("disc").on(backend).change(f"bodies.disc.mesh.{backend}", MESHES[backend])
+    return merged(build_bodies(scene, StageTimer())["disc"].volume_cells())
+
+
+def test_an_outside_is_closed_and_has_the_volume_of_the_body(cells):
+    """Finely divided it is that of curved elements: an error of triangles remains."""
+    coarse, fine = (outside(cells, {}, n) for n in (0, 3))
+    for surface in (coarse, fine):
+        assert surface.is_manifold
+        assert surface.n_open_edges == 0
+    assert abs(fine.volume / VOLUME - 1) < 1e-3
+    assert abs(fine.area / AREA - 1) < 1e-3
+    assert abs(fine.volume / VOLUME - 1) < abs(coarse.volume / VOLUME - 1) / 20
+
+
+def test_fields_are_those_of_the_points_between_nodes(cells):
+    """A linear field is exact where curved cells are divided."""
+    surface = outside(cells, {"x": cells.points}, 2)
+    assert surface.n_points > len(cells.points) / 2
+    np.testing.assert_allclose(surface.point_data["x"], surface.points, atol=1e-7)
+
+
+def test_sharp_edges_are_the_four_rims(cells):
+    edges = sharp_edges(outside(cells, {}, 2))
+    radii = np.hypot(edges.points[:, 0], edges.points[:, 1])
+    assert np.all(np.isclose(radii, INNER, rtol=1e-5) | np.isclose(radii, OUTER, rtol=1e-5))
+    assert edges.length > 0
+    lengths = edges.compute_cell_sizes(area=False, volume=False)["Length"]
+    assert lengths.sum() == pytest.approx(4 * np.pi * (INNER + OUTER), rel=5e-3)

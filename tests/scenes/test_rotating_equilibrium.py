@@ -1,22 +1,10 @@
 """Equilibria of bodies that rotate: those of the stiffness that small motions about them meet."""
 
 import numpy as np
-from scipy.sparse.linalg import spsolve
 from scipy.special import jv, jvp, yv, yvp
 
 from scenes import run_static
 from scenes.spec.reading import read_scene
-
-
-def stiffness(matrices, *, contacts=True):
-    """K of stored matrices as an operator, with what damping makes of displacements."""
-    K = matrices["K"] + matrices.get("K_c", 0 * matrices["K"])
-    if contacts:
-        K = K + matrices["K_n"] - matrices["K_f"]
-    if "L" not in matrices:
-        return lambda u: K @ u
-    L, N, J = (matrices[name] for name in "LNJ")
-    return lambda u: K @ u + L @ spsolve(N.tocsc(), J @ u)
 
 
 def widened_ring(rate):

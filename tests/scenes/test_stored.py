@@ -85,9 +85,16 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    "content", [None, b"", b"{", b"[1]", b'{"eigenvalues": []}', b"\x1f\x8b broken"]
+    ("name", "content"),
+    [
+        ("r.json", None),
+        ("r.json", b""),
+        ("r.json", b"{"),
+        ("r.json", b"[1]"),
+        ("r.json", b'{"eigenvalues": []}'),
+        ("r.json.gz", b"\x1f\x8b broken"),
+    ],
 )
-@pytest.mark.parametrize("name", ["r.json", "r.json.gz"])
 def test_what_is_no_record_is_refused(content, name, tmp_path):
     file = tmp_path / name
     if content is not None:

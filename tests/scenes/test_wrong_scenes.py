@@ -54,8 +54,6 @@ def test_faults_are_told_together_those_of_single_fields_first():
     ]
     assert fields_of("disc_pad", [*single, *between]) == [
         "bodies.pad.material.E",
-        "bodies.pad.material.nu",
-        "bodies.pad.material.rho",
         "analysis.max_frequency",
         "loads.0.pressure",
     ]

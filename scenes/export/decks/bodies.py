@@ -11,7 +11,7 @@ from cea.errors import InputError
 from cea.mesh import Cell, Floats, Ints, Mesh, lattice, matching_nodes, reference_nodes
 from meshes.files.content import named_sides
 from meshes.files.elements import facet_sides, full_kind
-from scenes.building.body_meshes import body_mesh, used_surfaces
+from scenes.building.build import body_mesh, used_surfaces
 from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
 
@@ -25,40 +25,6 @@ ELEMENTS: Mapping[tuple[Cell, int], str] = {
 }
 """Elements by kind of cell and degree. Squares and cubes of higher degree have a node inside here,
 none there: there is no counterpart."""
-
-
-def element_nodes(mesh: Mesh) -> Ints:
-    """Nodes of each cell in the order of its element type, right-handed, (n_cells, n_nodes)."""
-    nodes = full_kind(mesh.cell, mesh.order).reference
-    own = reference_nodes(mesh.cell, mesh.order)
-    straight = mesh.cells[:, matching_nodes(nodes, own)]
-    mirrored = mesh.cells[:, matching_nodes(nodes[:, [1, 0, *range(2, mesh.dim)]], own)]
-    return np.where(_is_mirrored(mesh)[:, None], mirrored, straight)
-
-
-def _is_mirrored(mesh: Mesh) -> NDArray[np.bool_]:
-    """Whether the first two axes of a cell change places in its element, (n_cells,)."""
-    first = np.vstack([np.zeros(mesh.dim), np.eye(mesh.dim)])
-    apart = np.abs(first[:, None] - reference_nodes(mesh.cell, mesh.order)).max(axis=2)
-    x = mesh.points[mesh.cells[:, apart.argmin(axis=1)]]
-    return np.linalg.det(x[:, 1:] - x[:, :1]) < 0
-
-
-def faces_of(mesh: Mesh, surface: str) -> tuple[Ints, Ints]:
-    """Elements, from 0, rising, and their faces, from 1, that a surface has, (n_facets,)."""
-    elements, facets = np.nonzero(named_sides(mesh)[surface])
-    sides = facet_sides(mesh.cell)
-    swapped = sides[[1, 0, *range(2, len(sides))] if mesh.is_simplex else _swapped(len(sides))]
-    faces = np.where(_is_mirrored(mesh)[elements], swapped[facets], sides[facets]) + 1
-    rising = np.lexsort((faces, elements))
-    return elements[rising], faces[rising]
-
-
-def _swapped(count: int) -> list[int]:
-    """Facets of boxes, both of the first axis and both of the second changing places."""
-    return [2, 3, 0, 1, *range(4, count)]
-
-
 _POINTS = 6
 """Gauss points along each direction of a facet: its area element is smooth."""
 
@@ -66,11 +32,6 @@ _POINTS = 6
 def set_name(place: str) -> str:
     """Name of the set of nodes, and of the surface, of a surface "body.surface"."""
     return place.replace(".", "-")
-
-
-def material_name(body: str) -> str:
-    """Name of the material of a body."""
-    return f"{body}-material"
 
 
 @dataclass(frozen=True)
@@ -110,50 +71,63 @@ class DeckBody:
         return np.unique(self.mesh.surfaces[surface])
 
     def faces_of(self, surface: str) -> tuple[Ints, Ints]:
-        """Elements, from 0, and faces, from 1, of a surface."""
-        return faces_of(self.mesh, surface)
+        """Elements, from 0, rising, and their faces, from 1, of a surface, (n_facets,)."""
+        mesh = self.mesh
+        elements, facets = np.nonzero(named_sides(mesh)[surface])
+        sides = facet_sides(mesh.cell)
+        # Facets of simplices lie across an axis each, of boxes two.
+        swapped = [1, 0] if mesh.is_simplex else [2, 3, 0, 1]
+        mirrored = sides[[*swapped, *range(len(swapped), len(sides))]]
+        faces = np.where(_is_mirrored(mesh)[elements], mirrored[facets], sides[facets]) + 1
+        rising = np.lexsort((faces, elements))
+        return elements[rising], faces[rising]
 
     def area_of(self, surface: str) -> float:
-        """Area of a surface (m^2; m in the plane)."""
+        """Area of a surface in space (m^2)."""
         return float(np.linalg.norm(self.area_vectors(surface), axis=-1).sum())
 
     def area_vectors(self, surface: str) -> Floats:
-        """Normals times area at Gauss points of the facets, of either sense, (n, points, dim)."""
+        """Normals times area at Gauss points of facets, of either sense, (n_facets, points, 3)."""
         mesh = self.mesh
-        at, weights = _gauss(mesh.dim - 1, mesh.is_simplex)
-        nodes = lattice(mesh.dim - 1, mesh.order, mesh.is_simplex) / mesh.order
-        powers = lattice(mesh.dim - 1, mesh.order, mesh.is_simplex)
-        coefficients = np.linalg.inv(_monomials(nodes, powers))
+        at, weights = _gauss(mesh.is_simplex)
+        powers = lattice(2, mesh.order, mesh.is_simplex)
+        coefficients = np.linalg.inv(_monomials(powers / mesh.order, powers))
         x = mesh.points[mesh.surfaces[surface]]
-        tangents = np.stack(
-            [
-                np.einsum("pj,jk,nkd->npd", _monomials(at, powers, i), coefficients, x)
-                for i in range(mesh.dim - 1)
-            ]
-        )
-        if mesh.dim == 2:
-            normal = np.stack([tangents[0, ..., 1], -tangents[0, ..., 0]], axis=-1)
-        else:
-            normal = np.cross(tangents[0], tangents[1])
-        return normal * weights[:, None]
+        tangents = [
+            np.einsum("pj,jk,nkd->npd", _monomials(at, powers, i), coefficients, x) for i in (0, 1)
+        ]
+        return np.cross(*tangents) * weights[:, None]
+
+
+def element_nodes(mesh: Mesh) -> Ints:
+    """Nodes of each cell in the order of its element type, right-handed, (n_cells, n_nodes)."""
+    nodes = full_kind(mesh.cell, mesh.order).reference
+    own = reference_nodes(mesh.cell, mesh.order)
+    straight = mesh.cells[:, matching_nodes(nodes, own)]
+    mirrored = mesh.cells[:, matching_nodes(nodes[:, [1, 0, *range(2, mesh.dim)]], own)]
+    return np.where(_is_mirrored(mesh)[:, None], mirrored, straight)
+
+
+def _is_mirrored(mesh: Mesh) -> NDArray[np.bool_]:
+    """Whether the first two axes of a cell change places in its element, (n_cells,)."""
+    first = np.vstack([np.zeros(mesh.dim), np.eye(mesh.dim)])
+    apart = np.abs(first[:, None] - reference_nodes(mesh.cell, mesh.order)).max(axis=2)
+    x = mesh.points[mesh.cells[:, apart.argmin(axis=1)]]
+    return np.linalg.det(x[:, 1:] - x[:, :1]) < 0
 
 
 def _monomials(x: Floats, powers: Ints, derivative: int | None = None) -> Floats:
     """Monomials, or their derivatives along one direction, at points, (n, n_monomials)."""
-    factor = np.ones(len(powers))
-    if derivative is not None:
-        factor = powers[:, derivative].astype(float)
-        lowered = np.maximum(powers - np.eye(powers.shape[1], dtype=int)[derivative], 0)
-        powers = lowered
-    return np.prod(x[:, None] ** powers, axis=2) * factor
+    if derivative is None:
+        return np.prod(x[:, None] ** powers, axis=2)
+    lowered = np.maximum(powers - np.eye(2, dtype=int)[derivative], 0)
+    return _monomials(x, lowered) * powers[:, derivative]
 
 
-def _gauss(dim: int, simplex: bool) -> tuple[Floats, Floats]:
-    """Points and weights of the unit interval, square or triangle."""
+def _gauss(simplex: bool) -> tuple[Floats, Floats]:
+    """Points and weights of the unit square or triangle."""
     x, w = np.polynomial.legendre.leggauss(_POINTS)
     x, w = (x + 1) / 2, w / 2
-    if dim == 1:
-        return x[:, None], w
     s, t = (each.ravel() for each in np.meshgrid(x, x, indexing="ij"))
     weights = np.outer(w, w).ravel()
     if simplex:
@@ -176,7 +150,7 @@ def _mesh(name: str, spec: BodySpec, surfaces: Sequence[str]) -> Mesh:
     """Mesh whose nodes are those of the elements."""
     mesh, degree = body_mesh(name, spec, surfaces).without_loose_points(), spec.fe_degree
     if degree == 2 and mesh.order == 1 and mesh.is_simplex:
-        return straight_quadratic(mesh)
+        return _straight_quadratic(mesh)
     if degree != mesh.order or (mesh.cell, mesh.order) not in ELEMENTS:
         allowed = (
             "the order of the cells for a deck, and 1 where they are no simplices: this file has "
@@ -186,29 +160,26 @@ def _mesh(name: str, spec: BodySpec, surfaces: Sequence[str]) -> Mesh:
     return mesh
 
 
-def straight_quadratic(mesh: Mesh) -> Mesh:
+def _straight_quadratic(mesh: Mesh) -> Mesh:
     """A mesh of straight simplices with a node in the middle of each edge besides."""
-    corners = lattice(mesh.dim, 1, simplex=True)
-    places = lattice(mesh.dim, 2, simplex=True)
-    ends = _ends(places, corners)
-    pairs = np.sort(mesh.cells[:, ends], axis=2)
+    pairs = np.sort(mesh.cells[:, _ends(mesh.dim)], axis=2)
     edges, number = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
     middle = edges[:, 0] != edges[:, 1]
     points = np.vstack([mesh.points, mesh.points[edges[middle]].mean(axis=1)])
     row = np.where(middle, len(mesh.points) + np.cumsum(middle) - 1, edges[:, 0])
-
-    facet = _ends(lattice(mesh.dim - 1, 2, simplex=True), lattice(mesh.dim - 1, 1, simplex=True))
     key = edges[:, 0] * len(mesh.points) + edges[:, 1]  # rising, as the edges are sorted
     surfaces = {}
     for name, facets in mesh.surfaces.items():
-        wanted = np.sort(facets[:, facet], axis=2)
-        at = np.searchsorted(key, wanted[..., 0] * len(mesh.points) + wanted[..., 1])
-        surfaces[name] = row[at]
+        wanted = np.sort(facets[:, _ends(mesh.dim - 1)], axis=2)
+        surfaces[name] = row[
+            np.searchsorted(key, wanted[..., 0] * len(mesh.points) + wanted[..., 1])
+        ]
     cells = row[number.reshape(pairs.shape[:2])]
     return replace(mesh, order=2, points=points, cells=cells, surfaces=surfaces)
 
 
-def _ends(places: Ints, corners: Ints) -> Ints:
-    """Two corners for each place of a quadratic lattice, in the middle of which it is."""
+def _ends(dim: int) -> Ints:
+    """Two corners for each node of a quadratic simplex, in the middle of which it is."""
+    corners, places = (lattice(dim, order, simplex=True) for order in (1, 2))
     sums = corners[:, None] + corners[None]
     return np.array([np.argwhere((sums == place).all(axis=2))[0] for place in places])

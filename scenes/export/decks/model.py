@@ -1,25 +1,63 @@
-"""The model of a deck: nodes, elements, sets, surfaces and materials, for any program."""
+"""The model of a deck, for any program: nodes, elements, sets, surfaces and materials."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from io import StringIO
 
-from scenes.export.decks.bodies import DeckBody, material_name, set_name
-from scenes.export.decks.lines import (
-    comments,
-    element_lines,
-    face_lines,
-    joined,
-    keyword,
-    node_lines,
-    numbers,
-    set_lines,
-)
-from scenes.export.decks.supports import transform_lines
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cea.mesh import Floats, Ints
+from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.spec.reading import Scene
 
+_PER_LINE = 12
+"""Numbers of a set on one line; 16 are allowed."""
 
-def model_text(scene: Scene, bodies: Mapping[str, DeckBody]) -> str:
-    """Text of the model file, which the decks of all programs include."""
-    heading = comments(
+
+def keyword(name: str, **parameters: object) -> str:
+    """A keyword line; underscores in names of parameters stand for spaces."""
+    words = [f"{key.replace('_', ' ')}={value}" for key, value in parameters.items()]
+    return ", ".join([f"*{name}", *words])
+
+
+def comments(lines: Iterable[str]) -> list[str]:
+    """Comment lines; texts of several lines stay comments."""
+    return [f"** {part}".rstrip() for line in lines for part in line.splitlines()]
+
+
+def numbers(*values: float) -> str:
+    """Numbers on a line, each in at most 20 characters, all that CalculiX reads of one."""
+    texts = [(repr(float(value)), value) for value in values]
+    return ", ".join(text if len(text) <= 20 else f"{value:.13E}" for text, value in texts)
+
+
+def element_lines(first: int, elements: Ints) -> list[str]:
+    """A line for each element: its number and nodes."""
+    rows = np.column_stack([np.arange(first, first + len(elements)), elements])
+    return table(rows, ",".join(["%d"] * rows.shape[1]))
+
+
+def set_lines(members: Ints) -> list[str]:
+    """Members of a set, some to a line."""
+    rows = (members[i : i + _PER_LINE] for i in range(0, len(members), _PER_LINE))
+    return [",".join(map(str, row.tolist())) for row in rows]
+
+
+def table(rows: ArrayLike, form: str) -> list[str]:
+    """A line for each row."""
+    text = StringIO()
+    np.savetxt(text, np.asarray(rows), fmt=form)
+    return text.getvalue().splitlines()
+
+
+def in_space(x: Floats) -> Floats:
+    """Points with z = 0 in the plane, (n, 3)."""
+    return np.pad(x, ((0, 0), (0, 3 - x.shape[1])))
+
+
+def model_lines(scene: Scene, bodies: Mapping[str, DeckBody]) -> Iterator[str]:
+    """Lines of the model file, which the decks of all programs include."""
+    yield from comments(
         [
             f"{scene.name}: bodies of the scene, their surfaces and materials.",
             *scene.description.splitlines(),
@@ -27,40 +65,47 @@ def model_text(scene: Scene, bodies: Mapping[str, DeckBody]) -> str:
             "surfaces, the names of the bodies and their surfaces, as in pad-bottom.",
         ]
     )
-    parts = [_body_lines(body) for body in bodies.values()]
-    return joined([heading, *parts])
+    for body in bodies.values():
+        yield from _body_lines(body)
 
 
-def _body_lines(body: DeckBody) -> list[str]:
-    solid = keyword("SOLID SECTION", ELSET=body.name, MATERIAL=material_name(body.name))
-    plane = ["1.,"] if body.mesh.dim == 2 else []  # the thickness
-    return [
-        keyword("NODE", NSET=body.name),
-        *node_lines(body.first_node, body.mesh.points),
-        keyword("ELEMENT", TYPE=body.element_type, ELSET=body.name),
-        *element_lines(body.first_element, body.elements + body.first_node),
-        *(line for name in body.mesh.surfaces for line in _surface_lines(body, name)),
-        *transform_lines(body),
-        *_material_lines(body),
-        solid,
-        *plane,
-    ]
-
-
-def _surface_lines(body: DeckBody, surface: str) -> Iterator[str]:
-    name = set_name(f"{body.name}.{surface}")
-    yield keyword("NSET", NSET=name)
-    yield from set_lines(body.nodes_of(surface) + body.first_node)
-    yield keyword("SURFACE", NAME=name, TYPE="ELEMENT")
-    elements, faces = body.faces_of(surface)
-    yield from face_lines(elements + body.first_element, faces)
-
-
-def _material_lines(body: DeckBody) -> Iterator[str]:
-    material = body.spec.material
-    yield keyword("MATERIAL", NAME=material_name(body.name))
-    yield keyword("ELASTIC")
-    yield numbers([material.E, material.nu])
+def _body_lines(body: DeckBody) -> Iterator[str]:
+    x, material = in_space(body.mesh.points), body.spec.material
+    nodes = np.arange(body.first_node, body.first_node + len(x))
+    yield keyword("NODE", NSET=body.name)
+    yield from table(np.column_stack([nodes, x]), "%d" + ",%.13E" * 3)
+    yield keyword("ELEMENT", TYPE=body.element_type, ELSET=body.name)
+    yield from element_lines(body.first_element, body.elements + body.first_node)
+    for surface in body.mesh.surfaces:
+        name = set_name(f"{body.name}.{surface}")
+        yield keyword("NSET", NSET=name)
+        yield from set_lines(body.nodes_of(surface) + body.first_node)
+        yield keyword("SURFACE", NAME=name, TYPE="ELEMENT")
+        elements, faces = body.faces_of(surface)
+        yield from table(np.column_stack([elements + body.first_element, faces]), "%d,S%d")
+    yield keyword("MATERIAL", NAME=f"{body.name}-material")
+    yield from ("*ELASTIC", numbers(material.E, material.nu))
     if material.rho is not None:
-        yield keyword("DENSITY")
-        yield numbers([material.rho]) + ","
+        yield from ("*DENSITY", f"{numbers(material.rho)},")
+    yield keyword("SOLID SECTION", ELSET=body.name, MATERIAL=f"{body.name}-material")
+    if body.mesh.dim == 2:
+        yield "1.,"  # the thickness
+
+
+def boundary_lines(bodies: Mapping[str, DeckBody], **parameters: object) -> Iterator[str]:
+    """Held components of all bodies; nothing where there are none."""
+    held = [
+        f"{set_name(f'{body.name}.{support.surface}')}, {first}, {last}"
+        for body in bodies.values()
+        for support in body.spec.supports
+        for first, last in _ranges(support.components, body.mesh.dim)
+    ]
+    if held or parameters:
+        yield keyword("BOUNDARY", **parameters)
+        yield from held
+
+
+def _ranges(components: Iterable[str], dim: int) -> list[tuple[int, int]]:
+    """First and last number of components that are held; none named are all."""
+    found = sorted({"xyz".index(each) + 1 for each in components}) or list(range(1, dim + 1))
+    return [(1, dim)] if len(found) == dim else [(each, each) for each in found]

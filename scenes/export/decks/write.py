@@ -15,111 +15,24 @@ from cea.files import check_writable, write_whole
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from meshes.mesh_file import MeshFile
-from scenes.building.body_meshes import used_surfaces
-from scenes.export.decks.abaqus import abaqus_text
-from scenes.export.decks.bodies import ELEMENTS, DeckBody, deck_bodies, set_name
-from scenes.export.decks.calculix import calculix_text
-from scenes.export.decks.model import model_text
-from scenes.spec.body import BodySpec
+from scenes.building.build import used_surfaces
+from scenes.export.decks.bodies import ELEMENTS, deck_bodies, set_name
+from scenes.export.decks.contacts import deck_contacts, moving_bodies
+from scenes.export.decks.model import boundary_lines, comments, model_lines
+from scenes.export.decks.steps import STEPS, Deck, contact_lines
+from scenes.spec.body import BodySpec, file_name
 from scenes.spec.contact import ContactSpec
-from scenes.spec.names import file_name
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import Scene
-
-_LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
-"""Names that both programs take as they are; they do not tell capitals from small letters."""
-
-
-def check_exportable(scene: Scene) -> None:
-    """Refuse a scene that a deck cannot hold."""
-    faults = [
-        InputError(field, value, f"{allowed} for a deck")
-        for field, value, wrong, allowed in _asked_of(scene)
-        if wrong
-    ]
-    if faults:
-        raise SceneError(faults)
-
-
-def _asked_of(scene: Scene) -> Iterator[tuple[str, Any, Any, str]]:
-    """Fields with their values, whether these are wrong, and what is allowed."""
-    kind = scene.analysis.kind
-    yield "analysis.kind", kind, kind != "cea", "'cea'"
-    count = f"{len(scene.loads)} of them"
-    yield "loads", count, scene.loads, "none, which without c_n move no eigenvalue,"
-    for name, body in scene.bodies.items():
-        yield from _asked_of_name(f"bodies.{name}", name)
-        yield from _asked_of_body(f"bodies.{name}", body)
-    for name, contact in scene.contacts.items():
-        yield from _asked_of_name(f"contacts.{name}", name)
-        yield from _asked_of_contact(f"contacts.{name}", contact)
-        planar = len(scene.bodies[contact.a.split(".")[0]].geometry.directions) == 2
-        sides = f"{contact.a}, {contact.b}"
-        yield f"contacts.{name}", sides, planar, "none in the plane, where no bodies touch"
-    # Sets whose names become one: capitals count as small letters, and a dot as a hyphen.
-    sets = {f"bodies.{name}": name.lower() for name in scene.bodies}
-    for name, body in scene.bodies.items():
-        from_file = isinstance(body.geometry, MeshFile)
-        surfaces = used_surfaces(scene, name) if from_file else body.geometry.surfaces
-        for each in surfaces:
-            sets[f"bodies.{name}.geometry.{each}"] = set_name(f"{name}.{each}").lower()
-    uses = Counter(sets.values())
-    for place, name in sets.items():
-        yield place, name, uses[name] > 1, "a name for its set that no other has"
-
-
-def _asked_of_name(field: str, name: str) -> Iterator[tuple[str, Any, Any, str]]:
-    allowed = "a letter, then at most 29 letters, digits, _ or -,"
-    yield field, name, not _LABEL.fullmatch(name), allowed
-
-
-def _asked_of_body(field: str, body: BodySpec) -> Iterator[tuple[str, Any, Any, str]]:
-    allowed = "'fe', Lagrange elements and no NURBS (--backend fe),"
-    yield f"{field}.backend", body.backend, body.backend != "fe", allowed
-    fe = body.mesh.fe if body.backend == "fe" else None
-    if fe is not None:  # elements of mesh files show when the file is read
-        known = (fe.cell, fe.degree) in ELEMENTS
-        wanted = "tetrahedron" if len(body.geometry.directions) == 3 else "triangle"
-        allowed = (
-            f"1, or 2 with cell = {wanted!r}, geometry_degree = 1, as no element there has the "
-            f"nodes of a {fe.cell} of degree {fe.degree},"
-        )
-        yield f"{field}.mesh.fe.degree", fe.degree, not known, allowed
-        curved = known and (fe.geometry_degree or fe.degree) not in {1, fe.degree}
-        place = f"{field}.mesh.fe.geometry_degree"
-        yield place, fe.geometry_degree, curved, f"1 or {fe.degree}"
-    for name in ("springs", "damping", "rotation"):
-        value = getattr(body, name)
-        yield f"{field}.{name}", value, value, "left out, as it is not written,"
-    for i, support in enumerate(body.supports):
-        place, components = f"{field}.supports.{i}", list(support.components)
-        allowed = "x, y, z, or radial, circumferential, axial,"
-        yield f"{place}.components", components, "normal" in components, allowed
-        allowed = "left out, where supports hold at zero,"
-        yield f"{place}.value", support.value, support.value is not None, allowed
-
-
-def _asked_of_contact(field: str, contact: ContactSpec) -> Iterator[tuple[str, Any, Any, str]]:
-    allowed = "left out, P or p given instead,"
-    yield f"{field}.c_n", contact.c_n, contact.c_n is not None, allowed
-    for name in ("P", "p"):
-        value = getattr(contact, name)
-        wrong = value is not None and not (isinstance(value, float | int) and isfinite(value))
-        yield f"{field}.{name}", value, wrong, "a finite number"
-    yield f"{field}.mu", contact.mu, not isinstance(contact.mu, float | int), "a number"
-    allowed = "false, since points lie on side a, the slave,"
-    yield f"{field}.full_pass", contact.full_pass, contact.full_pass, allowed
-    allowed = "left out, as it is not written,"
-    yield f"{field}.sliding", contact.sliding, contact.sliding is not None, allowed
-    bonded = contact.formulation.coupling == "bonded"
-    method = contact.formulation.method
-    yield f"{field}.formulation.method", method, bonded, "one that is not bonded"
-
+from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
 MAX_MODES = 10_000
 """Modes that a deck may ask for."""
-PROGRAMS = {"calculix": calculix_text, "abaqus": abaqus_text}
-"""What writes the deck of each program."""
+_LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
+"""Names that both programs take as they are; they do not tell capitals from small letters."""
+_LABELS = "a letter, then at most 29 letters, digits, _ or -,"
+
+_Claim = tuple[str, Any, Any, str]
+"""A field, its value, whether that is wrong, and what is allowed."""
 
 
 def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
@@ -147,9 +60,15 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
     """
     if not 1 <= modes <= MAX_MODES:
         raise InputError("modes", modes, f"1 to {MAX_MODES}")
-    check_exportable(scene)
+    faults = [
+        InputError(field, value, f"{allowed} for a deck")
+        for field, value, wrong, allowed in _claims(scene)
+        if wrong
+    ]
+    if faults:
+        raise SceneError(faults)
     name = file_name(scene.name)
-    files = [folder / f"{name}_{kind}.inp" for kind in ("model", *PROGRAMS)]
+    files = [folder / f"{name}_{kind}.inp" for kind in ("model", *STEPS)]
     made_on_first(MPI.COMM_WORLD, lambda: _write(scene, files, modes))
     return files
 
@@ -157,27 +76,99 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
 def _write(scene: Scene, files: list[Path], modes: int) -> None:
     for file in files:
         check_writable(file, "out")
+    assert isinstance(scene.analysis, ComplexEigenvalueAnalysis)
     bodies = deck_bodies(scene)
-    model, *decks = files
-    texts = [model_text(scene, bodies)]
-    for program, write in PROGRAMS.items():
-        texts.append(write(scene, bodies, model.name, modes, _told(scene, bodies, program)))
-    for file, text in zip([model, *decks], texts, strict=True):
-        write_whole(text.encode("ascii", "replace"), file)  # all that both programs surely read
+    contacts = deck_contacts(scene.contacts, bodies)
+    motions = moving_bodies(scene.contacts, bodies)
+    deck = Deck(bodies, contacts, motions, modes, scene.analysis.max_frequency)
+    texts, model = [model_lines(scene, bodies)], files[0].name
+    for program, steps in STEPS.items():
+        head = ["*HEADING", model.removesuffix("_model.inp")] if program == "abaqus" else []
+        head += [*comments(_about(scene, deck, program)), f"*INCLUDE, INPUT={model}"]
+        behaviour = contact_lines(deck, program)
+        texts.append(iter([*head, *boundary_lines(bodies), *behaviour, *steps(deck)]))
+    for file, lines in zip(files, texts, strict=True):
+        # ASCII is all that both programs surely read.
+        write_whole("".join(f"{line}\n" for line in lines).encode("ascii", "replace"), file)
 
 
-def _told(scene: Scene, bodies: dict[str, DeckBody], program: str) -> list[str]:
+def _about(scene: Scene, deck: Deck, program: str) -> Iterator[str]:
     """What heads a deck."""
-    lines = [f"{scene.name}, for {program}. Units are those of the scene."]
-    lines += [
-        f"{name}: {len(body.mesh.points)} nodes, {len(body.mesh.cells)} {body.element_type}"
-        for name, body in bodies.items()
-    ]
+    yield f"{scene.name}, for {program}. Units are those of the scene."
+    for name, body in deck.bodies.items():
+        yield f"{name}: {len(body.mesh.points)} nodes, {len(body.mesh.cells)} {body.element_type}"
     for name, contact in scene.contacts.items():
-        lines.append(
+        yield (
             f"Contact {name}: slave {contact.a}, master {contact.b}, penalty on the surface of the "
             f"slave in place of the formulation {contact.formulation.method}."
         )
     if program == "abaqus":
-        lines.append("Written after the manual of Abaqus/Standard, and not run with it.")
-    return lines
+        yield "Written after the manual of Abaqus/Standard, and not run with it."
+
+
+def _claims(scene: Scene) -> Iterator[_Claim]:
+    """What a deck asks of a scene."""
+    kind = scene.analysis.kind
+    yield "analysis.kind", kind, kind != "cea", "'cea'"
+    count = f"{len(scene.loads)} of them"
+    yield "loads", count, scene.loads, "none, which without c_n move no eigenvalue,"
+    for name, body in scene.bodies.items():
+        yield f"bodies.{name}", name, not _LABEL.fullmatch(name), _LABELS
+        yield from _claims_on_body(f"bodies.{name}", body)
+    for name, contact in scene.contacts.items():
+        yield f"contacts.{name}", name, not _LABEL.fullmatch(name), _LABELS
+        yield from _claims_on_contact(f"contacts.{name}", contact)
+        planar = len(scene.bodies[contact.a.split(".")[0]].geometry.directions) == 2
+        sides = f"{contact.a}, {contact.b}"
+        yield f"contacts.{name}", sides, planar, "none in the plane, where no bodies touch"
+    # Sets whose names become one: capitals count as small letters, and a dot as a hyphen.
+    sets = {f"bodies.{name}": name.lower() for name in scene.bodies}
+    for name, body in scene.bodies.items():
+        from_file = isinstance(body.geometry, MeshFile)
+        surfaces = used_surfaces(scene, name) if from_file else body.geometry.surfaces
+        for each in surfaces:
+            sets[f"bodies.{name}.geometry.{each}"] = set_name(f"{name}.{each}").lower()
+    uses = Counter(sets.values())
+    for place, name in sets.items():
+        yield place, name, uses[name] > 1, "a name for its set that no other has"
+
+
+def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
+    allowed = "'fe', Lagrange elements and no NURBS (--backend fe),"
+    yield f"{field}.backend", body.backend, body.backend != "fe", allowed
+    fe = body.mesh.fe if body.backend == "fe" else None
+    if fe is not None:  # elements of mesh files show when the file is read
+        known = (fe.cell, fe.degree) in ELEMENTS
+        wanted = "tetrahedron" if len(body.geometry.directions) == 3 else "triangle"
+        allowed = (
+            f"1, or 2 with cell = {wanted!r}, geometry_degree = 1, as no element there has the "
+            f"nodes of a {fe.cell} of degree {fe.degree},"
+        )
+        yield f"{field}.mesh.fe.degree", fe.degree, not known, allowed
+        curved = known and (fe.geometry_degree or fe.degree) not in {1, fe.degree}
+        place = f"{field}.mesh.fe.geometry_degree"
+        yield place, fe.geometry_degree, curved, f"1 or {fe.degree}"
+    unwritten = "left out, as it is not written,"
+    for name in ("springs", "damping", "rotation"):
+        yield f"{field}.{name}", getattr(body, name), getattr(body, name), unwritten
+    for i, support in enumerate(body.supports):
+        place, components = f"{field}.supports.{i}", list(support.components)
+        yield f"{place}.components", components, set(components) - set("xyz"), "x, y or z"
+        allowed = "left out, where supports hold at zero,"
+        yield f"{place}.value", support.value, support.value is not None, allowed
+
+
+def _claims_on_contact(field: str, contact: ContactSpec) -> Iterator[_Claim]:
+    allowed = "left out, P or p given instead,"
+    yield f"{field}.c_n", contact.c_n, contact.c_n is not None, allowed
+    for name in ("P", "p"):
+        value = getattr(contact, name)
+        wrong = value is not None and not (isinstance(value, float | int) and isfinite(value))
+        yield f"{field}.{name}", value, wrong, "a finite number"
+    yield f"{field}.mu", contact.mu, not isinstance(contact.mu, float | int), "a number"
+    allowed = "false, since points lie on side a, the slave,"
+    yield f"{field}.full_pass", contact.full_pass, contact.full_pass, allowed
+    sliding, formulation = contact.sliding, contact.formulation
+    yield f"{field}.sliding", sliding, sliding is not None, "left out, as it is not written,"
+    bonded = formulation.coupling == "bonded"
+    yield f"{field}.formulation.method", formulation.method, bonded, "one that is not bonded"

@@ -1,0 +1,105 @@
+"""Pictures of steady sliding: pressure, closed zone and stiffness p(x) of each contact."""
+
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+
+from cea.arrays import Floats
+from cea.contact.contact import Contact
+from cea.system.steady_state import ContactState
+from comparisons.study.plots import AXIS, BLUE, STYLE, save
+from scenes import Result
+
+_OPEN = "#D9D9D9"
+_FLAT = 0.5
+"""Length of the mean unit normal from which a contact is seen along it."""
+
+
+def draw_contacts(result: Result, out: Path) -> list[Path]:
+    """Draw what each contact with a law carries in steady sliding.
+
+    In space seen along the coordinate nearest to the contact's mean normal, or in which it is
+    thinnest where it is curved all round; in the plane values along the coordinate in which the
+    contact is longest.
+
+    Parameters
+    ----------
+    result
+        A run; rank 0 draws.
+    out
+        Folder for the PNG files ``contact_<backend>_<half pass>.png``.
+
+    Returns
+    -------
+    list of Path
+        The files; none where no state of steady sliding was sought.
+    """
+    states = result.steady.contacts if result.steady is not None else {}
+    files = []
+    for contact in result.system.contacts:
+        if contact.name not in states:
+            continue
+        name = quote(contact.name, safe=" ,")
+        files.append(out / f"contact_{result.scene.backends}_{name}.png")
+        if result.comm.rank == 0:
+            with rc_context(STYLE):
+                save(draw_contact(contact, states[contact.name]), files[-1])
+    return files
+
+
+def draw_contact(contact: Contact, state: ContactState) -> Figure:
+    """Pressure, closed zone and stiffness of a half pass beside each other."""
+    in_plane = contact.interface.points.x.shape[1] == 2
+    size = (7.0, 6.0) if in_plane else (12.0, 4.2)
+    figure = Figure(figsize=size, layout="constrained")
+    panels = figure.subplots(3, 1, sharex=True) if in_plane else figure.subplots(1, 3)
+    fields = (
+        ("contact pressure (N/m$^2$)", state.pressure, "viridis"),
+        ("closure (m)" if in_plane else "closed zone", state.closure, ""),
+        ("stiffness p (N/m$^3$)", state.stiffness, "magma"),
+    )
+    draw = _along if in_plane else _seen
+    for axes, (title, values, colours) in zip(np.ravel(panels), fields, strict=True):
+        draw(axes, contact, values, title, colours)
+    share = 100 * state.closed_fraction
+    figure.suptitle(
+        f"{contact.name}: normal force {state.normal_force:.4g} N, {share:.3g} % of the area closed"
+    )
+    return figure
+
+
+def _along(axes: Any, contact: Contact, values: Floats, title: str, colours: str) -> None:
+    """Values along a contact in the plane."""
+    x = contact.interface.points.x
+    axis = int(np.argmax(np.ptp(x, axis=0)))
+    order = np.argsort(x[:, axis], kind="stable")
+    axes.plot(x[order, axis], values[order], ".-", color=BLUE, linewidth=0.8, markersize=4)
+    if not colours:
+        axes.axhline(0.0, color=AXIS, linewidth=0.7)
+    axes.set(ylabel=title, xlabel=f"{'xy'[axis]} (m)")
+    axes.label_outer()
+
+
+def _seen(axes: Any, contact: Contact, values: Floats, title: str, colours: str) -> None:
+    """Values at the points of a contact in space; where it is closed, if no colours are given."""
+    points = contact.interface.points
+    mean = np.abs(points.normal.mean(axis=0))
+    flat = np.linalg.norm(mean) > _FLAT
+    thin = int(np.argmax(mean) if flat else np.argmin(np.ptp(points.x, axis=0)))
+    across = [axis for axis in range(3) if axis != thin]
+    if not colours:
+        values, title = (values > 0).astype(float), f"{title}: blue is closed"
+    look = colours or ListedColormap([_OPEN, BLUE])
+    most = float(values.max()) or 1.0
+    dots = axes.scatter(
+        *points.x[:, across].T, s=9.0, c=values, linewidths=0, cmap=look, vmin=0.0, vmax=most
+    )
+    if colours:
+        axes.figure.colorbar(dots, ax=axes, shrink=0.85)
+    names = (f"{'xyz'[axis]} (m)" for axis in across)
+    axes.set(aspect="equal", title=title, xlabel=next(names), ylabel=next(names))

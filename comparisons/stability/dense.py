@@ -1,0 +1,378 @@
+"""Dense eigenvalues of a scene (scipy), from its bodies' matrices and its contact points alone.
+
+Contact forces are unknowns at every point of a rule, or for every trace of a mortar side, and
+nothing is compressed, inverted or iterated:
+
+    [ K - kappa M   L^T ] [x]
+    [      J        -C  ] [f] = 0,     J = G or B,  L = J - mu-weighted slip,  C compliance
+
+The eigenvalues are those of the displacement part of A(sigma)^-1 [M; 0], which is accurate for the
+low ones however stiff the contact is; far from sigma those of M^-1 (K + L^T C^-1 J) take their
+place, unless sides are tied. Where they are (C = 0), the limit P -> infinity of the penalty form is
+taken by a singular value decomposition.
+
+With damping or rotation contact forces are eliminated, no side may be tied, and the problem
+lambda^2 M + lambda D + K is solved at twice the size, lambda relative to its typical size. D holds
+alpha M_b + beta K_b and sum 2 zeta omega (M_b phi) (M_b phi)^T of all modes of bodies, Omega Y_b,
+and what contacts that slide add; of bodies that rotate, Omega C_b M_b^-1 B_b is part of K, but for
+springs (:mod:`cea.rotation`).
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.linalg import block_diag, eigh, eigvals, svd
+from scipy.sparse import csr_array, diags_array
+
+from cea.arrays import Complexes, Floats
+from cea.contact.contact import Contact
+from cea.contact.interface import along
+from cea.expressions import Expression, evaluate
+from cea.system.coupled import CoupledSystem
+from scenes.running.system import coupled
+from scenes.spec.body import DampingSpec
+from scenes.spec.contact import SlidingSpec
+from scenes.spec.reading import Scene, read_scene
+
+_SHIFT = 0.37
+"""Shift below zero, relative to the eigenvalues looked at: next to none of them by accident."""
+_DEPENDENT = 1e-11
+"""Singular values below this part of the largest belong to gaps that depend on others."""
+_LOW = 24
+"""Modes whose size sets the shift."""
+_ABOUT = 30.0
+"""How far from the best place the near eigenvalues may give way to the far ones."""
+_INFINITE = 1e-11
+"""Eigenvalues of the inverse below this part of the largest are those of tied gaps: none."""
+_RIGID = 1e-12
+"""Eigenvalues of a body relative to its largest up to which motions are rigid."""
+_TOGETHER = 1e-3
+"""Relative distance of kappa up to which waves of a mesh are two of one frequency."""
+
+Constraint = tuple[Floats, Floats, Floats]
+"""J, T and C: gaps, slips times mu, compliances."""
+
+
+def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
+    """Lambda (1/s) of every mode of a scene with Im >= 0, by rising frequency.
+
+    Parameters
+    ----------
+    data
+        The scene as plain data. Undamped, growing partners of each pair only: where kappa is real
+        and negative lambda is positive.
+    """
+    contacts = {
+        name: contact
+        | ({"form": "saddle"} if np.inf in (contact.get("P"), contact.get("p")) else {})
+        for name, contact in data.get("contacts", {}).items()
+    }
+    given, analysis = data["analysis"], {"kind": "cea", "max_frequency": 1.0}
+    if "geometric_stiffness" in given:
+        analysis["geometric_stiffness"] = given["geometric_stiffness"]
+    scene = read_scene({**data, "analysis": analysis, "contacts": contacts})
+    system, _, _ = coupled(scene)
+    stiffness, mass = array(system.stiffness), array(system.mass)
+    compliant, stiff = [], []
+    for contact in system.contacts:
+        if contact.coupling == "lumped":
+            stiffness = stiffness + array(contact.K_n)
+            if contact.K_f is not None:
+                stiffness -= array(contact.K_f)
+        elif np.isinf(contact.slope).any():
+            stiff.append(constraint(system, contact))
+        else:
+            compliant.append(constraint(system, contact))
+    constraints = [*compliant, *([_tied(stiff)] if stiff else [])]
+    of_motion, damping = _moving(scene, system)
+    stiffness = stiffness + of_motion
+    if damping.any():
+        for J, T, C in constraints:
+            stiffness = stiffness + (J - T).T @ np.linalg.solve(C, J)
+        return _quadratic(stiffness, damping, mass)
+    return lambdas(dense_kappas(stiffness, mass, [(J, J - T, C) for J, T, C in constraints]))
+
+
+def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint]) -> Complexes:
+    """Every finite kappa = -lambda^2 of a dense pencil with constraints.
+
+    Parameters
+    ----------
+    stiffness, mass
+        K and M, shape (n, n); K may be unsymmetric.
+    constraints
+        J (m, n), L (m, n) and C (m, m) of each contact.
+    """
+    n = len(stiffness)
+    J = np.vstack([np.empty((0, n)), *(c[0] for c in constraints)])
+    L = np.vstack([np.empty((0, n)), *(c[1] for c in constraints)])
+    C = block_diag(np.empty((0, 0)), *(c[2] for c in constraints))
+    shift = _SHIFT * float(eigh(stiffness + stiffness.T, 2 * mass, eigvals_only=True).max())
+    shift *= 1e-6
+    for _ in range(2):  # the second time with the size of the low eigenvalues
+        kappa = _kappas_about(-shift, stiffness, mass, J, L, C)
+        low = np.sort(np.abs(kappa))[: min(_LOW, len(kappa))]
+        shift = _SHIFT * float(low.max())
+    near = _kappas_about(-shift, stiffness, mass, J, L, C)
+    if np.abs(np.diag(C)).min(initial=np.inf) == 0:
+        return near
+    far = (
+        eigvals(stiffness + L.T @ np.linalg.solve(C, J), mass)
+        if len(J)
+        else eigvals(stiffness, mass)
+    )
+    return _joined(near, far, shift)
+
+
+def _joined(near: Complexes, far: Complexes, shift: float) -> Complexes:
+    """The ones that are accurate near a shift, and beyond a gap the ones that are far from it.
+
+    Rounding moves an eigenvalue by kappa^2 / shift there and by the largest one here: the gap is
+    the widest about where both are equal.
+    """
+    sizes = np.sort(np.abs(far))
+    middle = np.sqrt(sizes[-1] * shift)
+    about = sizes[(sizes > middle / _ABOUT) & (sizes < middle * _ABOUT)]
+    if len(about) > 1:
+        widest = int(np.argmax(np.diff(np.log(about))))
+        middle = float(np.sqrt(about[widest] * about[widest + 1]))
+    joined = np.concatenate([near[np.abs(near) < middle], far[np.abs(far) >= middle]])
+    return joined if len(joined) == len(far) else near
+
+
+def _kappas_about(shift: float, K: Floats, M: Floats, J: Floats, L: Floats, C: Floats) -> Complexes:
+    n = len(K)
+    typical = np.abs(np.diag(K)).mean()
+    scale = 1 / np.sqrt(np.abs(np.diag(C)) + (J**2).sum(axis=1) / typical)
+    J, L, C = scale[:, None] * J, scale[:, None] * L, scale[:, None] * C * scale
+    A = np.block([[K - shift * M, L.T], [J, -C]])
+    rows = 1 / np.abs(A).max(axis=1)
+    inverse = np.linalg.solve(rows[:, None] * A, rows[:, None] * np.vstack([M, np.zeros_like(J)]))
+    inverses = eigvals(inverse[:n])
+    finite = np.abs(inverses) > _INFINITE * np.abs(inverses).max()
+    return shift + 1 / inverses[finite]
+
+
+def lambdas(kappa: Complexes) -> Complexes:
+    """Lambda with Im >= 0 of each kappa, the growing one where both are real."""
+    values = np.sqrt(-np.asarray(kappa, dtype=complex))
+    values = np.where(values.imag < 0, -values, values)
+    return values[np.lexsort((values.real, values.imag))]
+
+
+def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
+    """J, T and C of a half pass, from its points and the traces of both sides.
+
+    Where it is tied, C is that of a stiffness of 1 N/m over the whole interface.
+    """
+    half, points = contact, contact.interface.points
+    tied = np.isinf(half.slope).any()
+    closed = half.slope > 0  # points that have lifted off bear no force
+    compliance = np.zeros(len(points))
+    compliance[closed] = points.weight.sum() if tied else 1 / half.slope[closed]
+    normal, copies = points.normal, 1
+    if half.coupling == "bonded":
+        copies = normal.shape[1]
+        axes = [np.tile(axis, (len(points), 1)) for axis in np.eye(copies)]
+        gap = np.vstack([jump(system, contact, axis) for axis in axes])
+    else:
+        gap = jump(system, contact, normal)
+    slip = np.zeros_like(gap)
+    if half.friction is not None and half.friction.acts:
+        mu = np.broadcast_to(half.friction.mu, len(points))
+        slip = mu[:, None] * jump(system, contact, half.friction.direction.at(points.x, normal))
+    if half.coupling in ("mortar", "bonded"):
+        a = half.interface.a
+        trace = (a.trace if half.coupling == "bonded" else a.split_trace)(points.at)
+        if not closed.all():
+            return _projected(points.weight, compliance, trace.toarray(), gap, slip)
+        psi = trace[:, np.unique(trace.indices)].toarray()
+        project = block_diag(*[psi.T * points.weight] * copies)
+        C = block_diag(*[(psi.T * (points.weight * compliance)) @ psi] * copies)
+        return project @ gap, project @ slip, C
+    root = np.sqrt(points.weight)[closed, None]
+    return root * gap[closed], root * slip[closed], np.diag(compliance[closed])
+
+
+def _projected(
+    weight: Floats, compliance: Floats, psi: Floats, gap: Floats, slip: Floats
+) -> Constraint:
+    """Projection on traces cut by what is open, which may depend on each other, by its range.
+
+    With U an orthonormal basis of sqrt(w c) psi at the closed points, K_n is the square of
+    U^T sqrt(w / c) G.
+    """
+    closed = compliance > 0
+    w, c = weight[closed], compliance[closed]
+    at_points = np.sqrt(w * c)[:, None] * psi[closed]
+    length = np.linalg.norm(at_points, axis=0)
+    U, s, _ = svd(at_points[:, length > 0] / length[length > 0], full_matrices=False)
+    rows = (U[:, s > _DEPENDENT * s[0]].T * np.sqrt(w / c)).T
+    copies = len(gap) // len(weight)
+    project = block_diag(*[rows.T] * copies)
+    every = np.tile(closed, copies)
+    slip = slip[np.tile(closed, len(slip) // len(weight))]
+    return project @ gap[every], project @ slip, np.eye(project.shape[0])
+
+
+def _tied(parts: list[Constraint]) -> Constraint:
+    """The limit of stiff contacts: independent gaps, forces shared out as compliances share them.
+
+    Halves of a full pass, and contacts that meet in a point, have gaps that depend on each other.
+    """
+    J, T = (np.vstack([part[i] for part in parts]) for i in (0, 1))
+    values, vectors = eigh(block_diag(*(part[2] for part in parts)))
+    kept = values > _DEPENDENT * values[-1]
+    root = vectors[:, kept] / np.sqrt(values[kept])
+    U, s, V = svd(root.T @ J, full_matrices=False)
+    independent = s > _DEPENDENT * s.max()
+    U, J = U[:, independent], s[independent, None] * V[independent]
+    return J, U.T @ (root.T @ T), np.zeros((len(J), len(J)))
+
+
+def jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
+    """Jump along a direction at every point, on the unknowns of the system, shape (points, n)."""
+    interface, start = contact.interface, 0
+    columns = {}
+    for name, body in system.bodies.items():
+        columns[name] = slice(start, start + body.expansion.getSizes()[1][1])
+        start = columns[name].stop
+    jumps = np.zeros((len(direction), system.size))
+    for name, trace, sign in (
+        (contact.a, interface.trace_a, 1.0),
+        (contact.b, interface.trace_b, -1.0),
+    ):
+        full = diags_array(np.full(len(direction), sign)) @ along(trace, direction)
+        jumps[:, columns[name]] += (full @ _sparse(system.bodies[name].expansion)).toarray()
+    return jumps
+
+
+def _sparse(matrix: Any) -> csr_array:
+    """PETSc matrix of one rank as a scipy one."""
+    indptr, indices, values = matrix.getValuesCSR()
+    return csr_array((values, indices, indptr), shape=matrix.getSize())
+
+
+def array(matrix: Any) -> Floats:
+    """Dense array of a PETSc matrix of one rank."""
+    return _sparse(matrix).toarray()
+
+
+def _quadratic(K: Floats, D: Floats, M: Floats) -> Complexes:
+    n, size = len(K), np.sqrt(np.abs(K).max() / np.abs(M).max())
+    K, D, one, nothing = K / size**2, D / size, np.eye(n), np.zeros((n, n))
+    values = size * eigvals(
+        np.block([[nothing, one], [-K, -D]]), np.block([[one, nothing], [nothing, M]])
+    )
+    kept = values[values.imag >= 0]
+    return kept[np.lexsort((kept.real, kept.imag))]
+
+
+def _moving(scene: Scene, system: CoupledSystem) -> tuple[Floats, Floats]:
+    """What prestress, damping and rotation of bodies and contacts that slide add to K and to D."""
+    stiffness, damping = np.zeros((2, system.size, system.size))
+    for contact in system.contacts:
+        sliding = scene.contacts[contact.pair].sliding
+        if sliding is not None:
+            damping += _sliding(system, contact, sliding)
+    start = 0
+    for name, body in system.bodies.items():
+        own = slice(start, start + body.stiffness().getSize()[0])
+        start = own.stop
+        spec, M = scene.bodies[name], array(body.mass())
+        if name in system.prestress:
+            stiffness[own, own] += array(system.prestress[name])
+        of_material = np.zeros_like(M)
+        if spec.damping is not None:
+            springs, rayleigh = body.spring_stiffness(), spec.damping.rayleigh()
+            of_springs = np.zeros_like(M) if springs is None else array(springs)
+            of_material = _of_body(spec.damping, M, array(body.stiffness()), of_springs)
+            damping[own, own] += of_material
+            if rayleigh is not None:
+                damping[own, own] += rayleigh.beta * of_springs
+        if spec.rotation is not None:
+            rate = spec.rotation.rate
+            transport = 0.5 * array(body.gyroscopic(replace(spec.rotation, coriolis=False)))
+            stiffness[own, own] += rate * of_material @ np.linalg.solve(M, transport)
+            damping[own, own] += rate * array(body.gyroscopic(spec.rotation))
+            if spec.rotation.convective_stiffness:
+                stiffness[own, own] -= rate**2 * array(body.convective_stiffness(spec.rotation))
+    return stiffness, damping
+
+
+def _of_body(spec: DampingSpec, M: Floats, K: Floats, springs: Floats) -> Floats:
+    """Rayleigh damping without springs, and modal damping by all modes, as a full matrix."""
+    damping = np.zeros_like(M)
+    rayleigh, modal = spec.rayleigh(), spec.modal
+    if rayleigh is not None:
+        damping += rayleigh.alpha * M + rayleigh.beta * (K - springs)
+    if modal is not None:
+        kappa, vectors = eigh(K, M)
+        elastic = kappa > _RIGID * kappa[-1]
+        omega, images = np.sqrt(kappa[elastic]), M @ vectors[:, elastic]
+        ratios = np.zeros_like(omega)
+        if modal.max_frequency is not None:
+            ratios[omega <= 2 * np.pi * modal.max_frequency] = modal.ratio
+        elif modal.frequencies is None:
+            ratios[: len(modal.ratios or ())] = modal.ratios
+        else:
+            table = 2 * np.pi * np.asarray(modal.frequencies)
+            ratios = np.interp(omega, table, np.asarray(modal.ratios), right=0.0)
+        damping += (images * (2 * ratios * omega)) @ images.T
+    return damping
+
+
+def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floats:
+    """What a half pass that slides adds to the damping."""
+    points, friction = contact.interface.points, contact.friction
+    assert friction is not None
+    x, n = points.x, points.normal
+    share = 1 / sum(other.pair == contact.pair for other in system.contacts)
+    given = {name: _at(value, x) for name, value in spec.fields.items() if value is not None}
+    load = share * points.weight * given["pressure"]
+    k = friction.direction.at(x, n)
+    along = jump(system, contact, k)
+    damping: Floats = along.T @ ((load * given.get("mu_slope", 0.0))[:, None] * along)
+    if "speed" in given:
+        across = jump(system, contact, np.cross(n, k))
+        damping += across.T @ ((load * friction.mu / given["speed"])[:, None] * across)
+    return damping
+
+
+def _at(value: float | str, x: Floats) -> Floats:
+    return evaluate(Expression(value) if isinstance(value, str) else value, x)
+
+
+def carried_eigenvalues(data: Mapping[str, Any]) -> Complexes:
+    """Lambda (1/s) with Im >= 0 of one body without springs, damped by factors or by one ratio.
+
+    Of a body that rotates without Coriolis forces, convective stiffness included, a change of frame
+    gives the eigenvalues from those at rest: waves of m diameters have lambda_0 +- i m Omega, with
+
+        lambda_0^2 + (alpha + beta kappa + 2 zeta sqrt(kappa)) lambda_0 + kappa = 0.
+
+    Of the rotation only m is taken, the eigenvalues of X^T B X of modes X of one frequency rounded.
+    """
+    scene = read_scene(dict(data) | {"analysis": {"kind": "cea", "max_frequency": 1.0}})
+    ((name, spec),) = scene.bodies.items()
+    assert spec.rotation is not None
+    assert spec.damping is not None
+    body = coupled(scene)[0].bodies[name]
+    kappa, X = eigh(array(body.stiffness()), array(body.mass()))
+    kappa[kappa <= _RIGID * kappa[-1]] = 0.0
+    B = 0.5 * X.T @ array(body.gyroscopic(replace(spec.rotation, rate=1.0))) @ X
+    apart = np.flatnonzero(np.diff(kappa) > _TOGETHER * kappa[1:]) + 1
+    groups = np.split(np.arange(len(kappa)), apart)
+    diameters = [np.round(eigvals(B[np.ix_(own, own)]).imag) for own in groups]
+    rayleigh, modal = spec.damping.rayleigh(), spec.damping.modal
+    damping = np.zeros_like(kappa)
+    if rayleigh is not None:
+        damping += rayleigh.alpha + rayleigh.beta * kappa
+    if modal is not None:
+        damping += 2 * (modal.ratio or 0.0) * np.sqrt(kappa)
+    root = np.emath.sqrt(damping**2 / 4 - kappa)
+    shift = 1j * spec.rotation.rate * np.concatenate(diameters)
+    values = np.concatenate([-damping / 2 + root + shift, -damping / 2 - root + shift])
+    return values[values.imag >= 0]

@@ -1,0 +1,260 @@
+"""Small scenes as plain data, which cases make extreme."""
+
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from typing import Any
+
+Scene = dict[str, Any]
+
+STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
+LINING = {"E": 8e9, "nu": 0.3, "rho": 2500.0}
+HELD_BELOW = [{"surface": "y_min"}]
+HELD_ABOVE = [{"surface": "y_max"}]
+WALLS = [{"surface": f"x_{end}", "components": ["x"]} for end in ("min", "max")]
+"""Rollers at both ends."""
+ALONG_X_IN_SPACE = {"vector": [1.0, 0.0, 0.0]}
+ABOUT_Z = {"circumferential_about": [0.0, 0.0, 1.0]}
+
+
+def body(
+    geometry: Mapping[str, Any],
+    elements: Sequence[int],
+    *,
+    degree: int = 2,
+    E: float = 1.0,
+    nu: float = 0.3,
+    rho: float = 1.0,
+    supports: Sequence[Mapping[str, Any]] = (),
+    **others: Any,
+) -> Scene:
+    """A body on both backends; on NURBS alone where its geometry is one of patches."""
+    dim = len(elements)
+    mesh: Scene = {"iga": {"degree": [degree] * dim, "elements": list(elements)}}
+    if geometry["shape"] != "patches" and degree <= 4:
+        cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
+        mesh["fe"] = {"cell": cell, "degree": degree, "elements": list(elements)}
+    return {
+        "backend": "iga",
+        "geometry": dict(geometry),
+        "material": {"E": E, "nu": nu, "rho": rho},
+        "supports": [dict(support) for support in supports],
+        "mesh": mesh,
+        **others,
+    }
+
+
+def rectangle(size: Sequence[float], origin: Sequence[float] = (0.0, 0.0)) -> Scene:
+    """A rectangle as geometry."""
+    return {"shape": "rectangle", "size": list(size), "origin": list(origin)}
+
+
+def box(size: Sequence[float], origin: Sequence[float]) -> Scene:
+    """A box as geometry."""
+    return {"shape": "box", "size": list(size), "origin": list(origin)}
+
+
+def ring(inner: float, outer: float) -> Scene:
+    """A ring as geometry."""
+    return {"shape": "ring", "inner_radius": inner, "outer_radius": outer}
+
+
+def base(elements: Sequence[int] = (5, 3), **fields: Any) -> Scene:
+    """The body below a pad: 2 wide, 1 high, held at its foot, its top at y = 0."""
+    ground = {"supports": HELD_BELOW, **fields}
+    return body(rectangle((2.0, 1.0), (0.0, -1.0)), elements, **ground)
+
+
+def patch(bottom: Sequence[Sequence[float]], top: Sequence[Sequence[float]]) -> Scene:
+    """A quadrilateral patch between the corners of its bottom and its top: faces foot, head."""
+    return spline_patch([[list(low), list(high)] for low, high in zip(bottom, top, strict=True)])
+
+
+def spline_patch(points: Any, weights: Any = None, **fields: Any) -> Scene:
+    """One patch of linear splines, or with other degrees and knots; faces foot and head."""
+    given = {"degrees": [1, 1], "knots": [[0, 0, 1, 1], [0, 0, 1, 1]], "control_points": points}
+    given |= fields | ({} if weights is None else {"weights": weights})
+    faces = {"foot": [[0, 1, 0]]}
+    if any(column[-1] != points[0][-1] for column in points):  # a pole is no face
+        faces["head"] = [[0, 1, 1]]
+    return {"shape": "patches", "patches": [given], "faces": faces}
+
+
+def contact(a: str, b: str, **fields: Any) -> Scene:
+    """A contact with friction along x; mortar until a way changes it."""
+    return {
+        "a": a,
+        "b": b,
+        "formulation": {"method": "mortar"},
+        "mu": 0.3,
+        "friction_direction_on_a": {"vector": [1.0, 0.0]},
+        **({} if "P" in fields or "p" in fields else {"p": 1.0}),
+        **fields,
+    }
+
+
+def scene(
+    bodies: Mapping[str, Any], analysis: Mapping[str, Any] | None = None, **contacts: Any
+) -> Scene:
+    """Bodies and contacts; the reference says up to which frequency modes are wanted."""
+    return {
+        "name": "stability",
+        "bodies": dict(bodies),
+        "contacts": contacts,
+        "analysis": dict(analysis or {"kind": "cea"}),
+    }
+
+
+def layers(
+    *,
+    upper: Mapping[str, Any] | None = None,
+    lower: Mapping[str, Any] | None = None,
+    upper_elements: Sequence[int] = (5, 2),
+    lower_elements: Sequence[int] = (4, 3),
+    height: float = 0.5,
+    **fields: Any,
+) -> Scene:
+    """Two layers between rollers, one sliding on the other: the problem `blocks`, coarse.
+
+    ``upper`` and ``lower`` change fields of :func:`body`, ``height`` is that of the upper layer,
+    ``fields`` are those of the contact.
+    """
+    soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "supports": [*HELD_ABOVE, *WALLS]}
+    hard: Scene = {"supports": [*HELD_BELOW, *WALLS]}
+    return scene(
+        {
+            "upper": body(rectangle((2.0, height)), upper_elements, **(soft | dict(upper or {}))),
+            "lower": base(lower_elements, **(hard | dict(lower or {}))),
+        },
+        interface=contact("upper.y_min", "lower.y_max", **fields),
+    )
+
+
+def pad(
+    width: float = 0.5,
+    at: float = 0.75,
+    *,
+    pad_elements: Sequence[int] = (3, 2),
+    base_elements: Sequence[int] = (5, 3),
+    **fields: Any,
+) -> Scene:
+    """A pad, its left edge at x = ``at`` and held at its back, on a base from x = 0 to 2."""
+    upper = body(rectangle((width, 0.4), (at, 0.0)), pad_elements, E=0.5, supports=HELD_ABOVE)
+    return scene(
+        {"pad": upper, "base": base(base_elements)},
+        contact=contact("pad.y_min", "base.y_max", **fields),
+    )
+
+
+def on_base(geometry: Mapping[str, Any], *, held: bool = True) -> Scene:
+    """A NURBS body with the faces foot and head, on a base."""
+    supports = [{"surface": "head"}] if held else []
+    return scene(
+        {"pad": body(geometry, (3, 2), supports=supports), "base": base()},
+        contact=contact("pad.foot", "base.y_max"),
+    )
+
+
+def boxes(
+    upper: tuple[Sequence[float], Sequence[int]],
+    lower: tuple[Sequence[float], Sequence[int]],
+    *,
+    at: tuple[float, float] = (0.0, 0.0),
+    E: float = 1.0,
+    held: bool = True,
+    **fields: Any,
+) -> Scene:
+    """Two boxes on each other by size and elements, the upper one at x, y and of modulus E."""
+    top, bottom = ([{"surface": side}] if held else [] for side in ("z_max", "z_min"))
+    parts = {
+        "upper": body(box(upper[0], (*at, 0.0)), upper[1], E=E, supports=top),
+        "lower": body(box(lower[0], (0.0, 0.0, -lower[0][2])), lower[1], supports=bottom),
+    }
+    along = {"friction_direction_on_a": ALONG_X_IN_SPACE}
+    return scene(parts, contact=contact("upper.z_min", "lower.z_max", **(along | fields)))
+
+
+def unequal_boxes(**fields: Any) -> Scene:
+    """A box on a longer and wider one, twice as stiff."""
+    upper, lower = ((1.0, 0.8, 0.5), (2, 2, 1)), ((2.0, 1.0, 1.0), (2, 2, 1))
+    return boxes(upper, lower, at=(0.3, 0.1), E=0.5, p=2.0, **fields)
+
+
+def sprag(angle: float = 60.0, mu: float = 0.3, **fields: Any) -> Scene:
+    """A block whose back slides obliquely to its contact: with mu above cot(angle) it diverges.
+
+    Both bodies are turned by the angle (degrees) about z; the back of the block is held along x
+    alone. It moves along y, at cos(angle) to the normal of the contact, and friction takes away
+    mu sin(angle) of what the contact gives back.
+    """
+    turned = {"angle": angle}
+    slope = {"field": [f"-cos({angle}*pi/180)", f"-sin({angle}*pi/180)"]}
+    roller = [{"surface": "y_max", "components": ["x"]}]
+    block = body(rectangle((1.0, 0.5)), (3, 2), supports=roller, placement=turned)
+    ground = body(
+        rectangle((2.0, 1.0), (-0.5, -1.0)), (5, 2), supports=HELD_BELOW, placement=turned
+    )
+    sliding = {"mu": mu, "friction_direction_on_a": slope, **fields}
+    return scene(
+        {"block": block, "base": ground}, contact=contact("block.y_min", "base.y_max", **sliding)
+    )
+
+
+def pressed_layers(pressure: float, *, degree: int = 2, **law: Any) -> Scene:
+    """Layers pressed by normal compliance between rollers: pressure and closure are uniform."""
+    meshes = {"degree": degree}
+    data = layers(p=1.0, mu=0.0, lower_elements=(5, 3), upper=meshes, lower=meshes)
+    del data["contacts"]["interface"]["p"]
+    data["contacts"]["interface"] |= law
+    data["bodies"]["upper"]["supports"] = [{"surface": "y_max", "components": ["x"]}, *WALLS]
+    return data | {"loads": [{"surface": "upper.y_max", "pressure": pressure}]}
+
+
+def uniform(data: Mapping[str, Any], p: float) -> Scene:
+    """Pressed layers where p is known."""
+    interface = dict(data["contacts"]["interface"])
+    for name in ("c_n", "m_n"):
+        interface.pop(name, None)
+    known = changed(data, {"contacts.interface": interface | {"p": p}}) | {"loads": []}
+    for name in ("load_steps", "geometric_stiffness"):
+        known["analysis"].pop(name, None)
+    return known
+
+
+def changed(data: Mapping[str, Any], changes: Mapping[str, Any]) -> Scene:
+    """A scene with fields changed by their paths, as ``contacts.interface.mu``."""
+    copy = deepcopy(dict(data))
+    for path, value in changes.items():
+        *parents, last = path.split(".")
+        table = copy
+        for name in parents:
+            table = table.setdefault(name, {})
+        table[last] = value
+    return copy
+
+
+def up_to(frequency: float, data: Mapping[str, Any]) -> Scene:
+    """A scene with the end of its window (Hz)."""
+    return changed(data, {"analysis.max_frequency": frequency})
+
+
+def in_units(data: Mapping[str, Any], *, metre: float = 1.0, kilogram: float = 1.0) -> Scene:
+    """A scene of rectangles with p given, in units in which a metre and a kilogram are so much."""
+    copy = deepcopy(dict(data))
+    for each in copy["bodies"].values():
+        geometry = each["geometry"]
+        for name in ("size", "origin"):
+            geometry[name] = [length * metre for length in geometry[name]]
+        each["material"]["E"] *= kilogram / metre
+        each["material"]["rho"] *= kilogram / metre**3
+    for each in copy["contacts"].values():
+        each["p"] *= kilogram / metre**2
+    return copy | {"units": "other"}
+
+
+def moved(data: Mapping[str, Any], shift: Sequence[float]) -> Scene:
+    """A scene of rectangles with its origin elsewhere (m)."""
+    copy = deepcopy(dict(data))
+    for each in copy["bodies"].values():
+        origin = each["geometry"]["origin"]
+        each["geometry"]["origin"] = [o + s for o, s in zip(origin, shift, strict=True)]
+    return copy

@@ -1,0 +1,89 @@
+"""Numbers as people read them: significant digits, powers of ten, counts; texts for the page."""
+
+from collections.abc import Callable
+from html import escape
+from math import floor, isfinite, log10
+from typing import Any
+
+MISSING = "–"
+_SLOW = 0.1
+"""Growth rate (1/s) from which on three digits after the point are enough."""
+_STILL = 1e-9
+"""Growth rate (1/s) below which rounding alone grows."""
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_NARROW_SPACE = "\u202f"
+
+
+def number(value: float | None, digits: int = 3, *, sign: bool = False) -> str:
+    """Show a number with so many significant digits; very small and large ones as powers of ten.
+
+    Integers, and integer parts below a million, are never rounded. None is shown as a dash.
+    """
+    if value is None or not isfinite(value):
+        return MISSING
+    plus = "+" if sign and value > 0 else ""
+    if isinstance(value, int) or value == 0:
+        return plus + _grouped(f"{value:,.0f}")
+    exponent = floor(log10(abs(float(f"{value:.{digits - 1}e}"))))
+    if -4 < exponent < 6:
+        return plus + _grouped(f"{value:,.{max(0, digits - 1 - exponent)}f}")
+    mantissa = "1" if value == 10.0**exponent else f"{value / 10.0**exponent:.{digits - 1}f}"
+    return plus + _times_power_of_ten(mantissa, exponent)
+
+
+def shown(digits: int, *, sign: bool = False) -> Callable[[float | None], str]:
+    """:func:`number` with fixed options."""
+    return lambda value: number(value, digits, sign=sign)
+
+
+def per_cent(value: float | None, digits: int = 2) -> str:
+    """Show a signed fraction in per cent."""
+    return number(None if value is None else 100 * value, digits, sign=True)
+
+
+def decimals(places: int, *, sign: bool = False) -> Callable[[float | None], str]:
+    """Show a number with so many digits after the point."""
+
+    def show(value: float | None) -> str:
+        if value is None:
+            return MISSING
+        return ("+" if sign and value > 0 else "") + _grouped(f"{value:,.{places}f}")
+
+    return show
+
+
+def growth(value: float | None) -> str:
+    """Show a growth rate (1/s), a slow one by the digits that count."""
+    if value is None or abs(value) >= _SLOW:
+        return decimals(3, sign=True)(value)
+    return "0" if abs(value) < _STILL else number(value, 3, sign=True)
+
+
+def counted(count: int, singular: str) -> str:
+    """Count with its noun: "1 mode", "3 modes"."""
+    return f"{number(count)} {singular}{'s' * (count != 1)}"
+
+
+def plain(value: Any) -> str:
+    """Show a parameter of a scene: numbers shortly, sequences with commas."""
+    if isinstance(value, list | tuple):
+        return ", ".join(plain(v) for v in value)
+    if isinstance(value, float):
+        mantissa, _, exponent = f"{value:g}".partition("e")
+        return _grouped(mantissa) if not exponent else _times_power_of_ten(mantissa, int(exponent))
+    return str(value)
+
+
+def literal(text: Any) -> str:
+    """Text as plotly.js shows it, which reads tags in it."""
+    return escape(str(text), quote=False)
+
+
+def _times_power_of_ten(mantissa: str, exponent: int) -> str:
+    power = f"10{str(exponent).translate(_SUPERSCRIPTS)}"
+    return power if mantissa == "1" else f"{_grouped(mantissa)} · {power}"
+
+
+def _grouped(text: str) -> str:
+    """Thousands kept apart by a narrow space, and a true minus."""
+    return text.replace(",", _NARROW_SPACE).replace("-", "−")

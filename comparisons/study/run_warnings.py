@@ -1,0 +1,72 @@
+"""Warnings of many runs in few lines: one for each kind and what it is about."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+_LISTED = 4
+"""Runs up to which all are named."""
+Run = tuple[Mapping[str, Any], Iterable[Mapping[str, Any]]]
+"""What sets a run apart, by name, and its warnings as plain data."""
+
+
+def merged_warnings(runs: Sequence[Run], what: str) -> list[dict[str, Any]]:
+    """Warnings of runs as a record has them, with the runs that gave them.
+
+    Warnings of one kind are one where they are about the same: the contact, the body and whatever
+    else their data name in words.
+
+    Parameters
+    ----------
+    runs
+        All runs, those without warnings too.
+    what
+        The runs in words: "values of mu".
+
+    Returns
+    -------
+    list
+        ``kind``, ``message`` and ``data``, whose ``places`` are the runs with ``point``, what sets
+        the run apart, and its own ``message`` and ``data``.
+    """
+    given: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for point, warnings in runs:
+        for warning in warnings:
+            about = (item for item in warning["data"].items() if isinstance(item[1], str))
+            place = {"point": dict(point), "message": warning["message"], "data": warning["data"]}
+            given.setdefault((warning["kind"], *sorted(about)), []).append(place)
+    return [
+        {
+            "kind": key[0],
+            "message": _message(places, len(runs), what),
+            "data": {"places": places},
+        }
+        for key, places in given.items()
+    ]
+
+
+def kinds_at(warnings: Iterable[Mapping[str, Any]], point: Mapping[str, Any]) -> list[str]:
+    """Kinds of merged warnings that the run at a point gave."""
+    return [
+        warning["kind"]
+        for warning in warnings
+        if any(place["point"] == point for place in warning["data"].get("places", ()))
+    ]
+
+
+def _message(places: Sequence[Mapping[str, Any]], total: int, what: str) -> str:
+    """What the first says, and where that is so, or the like."""
+    message, points = places[0]["message"], [place["point"] for place in places]
+    if total == 1:
+        return str(message)
+    where = f"at all {total} {what}"
+    if len(places) < total:
+        few = f": {'; '.join(map(_named, points))}" if len(points) <= _LISTED else ""
+        where = f"at {len(places)} of {total} {what}{few}"
+    if any(place["message"] != message for place in places):
+        where = f"so at {_named(points[0])}, and the like {where}"
+    return f"{message} ({where})"
+
+
+def _named(point: Mapping[str, Any]) -> str:
+    values = ((n, f"{v:.6g}" if isinstance(v, float) else v) for n, v in point.items())
+    return ", ".join(f"{name} = {value}" for name, value in values)

@@ -1,0 +1,318 @@
+"""Modes as a page shows them: outsides of the bodies, and how they move.
+
+Positions and displacements are kept as whole numbers, fine enough for a screen. What is drawn at
+a phase phi is x + s Re(u e^(i phi)), at phase 0 the largest deflection.
+"""
+
+from base64 import b64encode
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from gzip import compress
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Complexes, Floats, Ints
+from cea.contact.contact import Contact
+from cea.eigen.classify import BY_URGENCY, GROWING
+from comparisons.study.numbers import growth, literal, number
+from comparisons.study.result import StudyResult
+from scenes import Result
+
+STEPS = 2047
+"""Steps of a displacement on either side of zero: finer ones are noise to a compressor."""
+_POSITIONS = 2**16 - 1
+"""Steps of a position along the longest side of a scene."""
+_POINTS = 4000
+"""Points of the outsides of a scene, about: more are not seen on a screen."""
+_MOST_POINTS = 8000
+"""Points from which on outsides are reduced."""
+_MOST = 3_000_000
+"""Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
+_CONTACT_POINTS = 600
+"""Points of a contact that are shown at most."""
+_ARROWS = 24
+"""Arrows of friction that are shown at most."""
+_ALIGNED = 4
+"""Bytes at whose multiples arrays begin, as typed arrays of a browser want it."""
+_NUMBERS = "shapes"
+"""Array of a case that holds the numbers of its shapes."""
+
+
+@dataclass
+class Binary:
+    """Arrays that a page holds one after the other, and reads by their place."""
+
+    _parts: list[bytes] = field(default_factory=list)
+    _size: int = 0
+
+    def add(self, values: Any, kind: str = "") -> dict[str, Any]:
+        """Keep an array as ``int16`` or ``uint16``; by default whole numbers from 0 on, by size.
+
+        Its type, where it begins (bytes) and how many numbers it has are returned.
+        """
+        values = np.asarray(values)
+        kind = kind or ("uint16" if values.max(initial=0) < 2**16 else "uint32")
+        begin = self.append(np.ascontiguousarray(values, dtype=kind).tobytes())
+        return {"type": kind, "at": begin, "length": values.size}
+
+    def append(self, content: bytes) -> int:
+        """Keep bytes, and tell where they begin."""
+        begin = self._size
+        self._parts.append(content + bytes(-len(content) % _ALIGNED))
+        self._size += len(self._parts[-1])
+        return begin
+
+    def content(self) -> bytes:
+        """Everything."""
+        return b"".join(self._parts)
+
+    def text(self) -> str:
+        """Everything, compressed."""
+        return packed(self.content())
+
+
+def packed(content: bytes) -> str:
+    """Bytes compressed with gzip, in base64; the same for the same bytes."""
+    return b64encode(compress(content, 9, mtime=0)).decode()
+
+
+@dataclass
+class Shapes:
+    """What the views of a page draw.
+
+    Parameters
+    ----------
+    scenes
+        Plain data of bodies by the key of their result.
+    modes
+        Plain data of modes by the key of their result, then their number from 1.
+    """
+
+    scenes: dict[str, Any] = field(default_factory=dict)
+    modes: dict[str, dict[str, Any]] = field(default_factory=dict)
+    binary: Binary = field(default_factory=Binary)
+    _size: int = 0
+
+    def plain(self) -> dict[str, Any]:
+        """Plain data for the page, beside the text of :attr:`binary`."""
+        return {"scenes": self.scenes, "modes": self.modes, "steps": STEPS}
+
+    def stored(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Plain data, and the array of the bytes that they refer to, if there are some."""
+        numbers = np.frombuffer(self.binary.content(), np.uint8)
+        arrays = {_NUMBERS: numbers} if len(numbers) else {}
+        return {"scenes": self.scenes, "modes": self.modes}, arrays
+
+    def add_bodies(self, key: str, result: Result) -> None:
+        """Keep the bodies of a result at rest, and its contact points; collective."""
+        cells = _cells(result)
+        if result.comm.rank == 0:
+            self._add_scene(key, result, _outsides(cells, {}))
+
+    def add(
+        self,
+        key: str,
+        result: Result,
+        modes: Sequence[int],
+        like: str | None = None,
+        title: str = "",
+    ) -> None:
+        """Keep modes of a result, as many as there is room for; collective.
+
+        Parameters
+        ----------
+        key
+            Name of the result.
+        result
+            The result.
+        modes
+            Numbers of the modes, from 0, the most important first.
+        like
+            Key of a result kept before whose bodies are the same.
+        title
+            What is said of the result.
+        """
+        from scenes.pictures.drawing import largest_deflection  # brings pyvista
+
+        cells = _cells(result)
+        shapes = {
+            name: result.mode_shapes(name, each.values, modes, everywhere=False)
+            for name, each in cells.items()
+        }
+        if result.comm.rank:
+            return
+        outsides = _outsides(cells, shapes)
+        if like is None:
+            self._add_scene(key, result, outsides)
+        kept, rows = self.modes.setdefault(key, {}), result.table()
+        for i, mode in enumerate(modes):
+            parts = [s.point_data for s in outsides.values()]
+            u = np.concatenate([data[f"real {i}"] + 1j * data[f"imaginary {i}"] for data in parts])
+            if self._size + 4 * u.size > _MOST and kept:
+                break
+            self._size += 4 * u.size
+            turned, largest = largest_deflection(u)
+            kept[str(mode + 1)] = {
+                **{
+                    name: self.binary.add(
+                        np.round(_in_space(part) * (STEPS / (largest or 1.0))).T, "int16"
+                    )
+                    for name, part in (("real", turned.real), ("imaginary", turned.imag))
+                },
+                "number": mode + 1,
+                "title": title,
+                "frequency": number(rows[mode]["frequency"], 6),
+                "growth": growth(rows[mode]["growth_rate"]),
+                "verdict": rows[mode]["verdict"],
+                "scene": like or key,
+            }
+
+    def _add_scene(self, key: str, result: Result, outsides: Mapping[str, Any]) -> None:
+        """Bodies of a scene: positions in a box, triangles, lines; points of contacts."""
+        from scenes.pictures.drawing import view_of  # brings pyvista
+
+        points = [surface.points for surface in outsides.values()]
+        every = np.concatenate(points)
+        low, extent = every.min(axis=0), float(np.ptp(every, axis=0).max())
+        step = extent / _POSITIONS
+
+        def kept(x: Floats) -> dict[str, Any]:
+            return self.binary.add(np.round(np.clip((x - low) / step, 0, _POSITIONS)).T, "uint16")
+
+        self.scenes[key] = {
+            "bodies": [
+                {
+                    "name": literal(name),
+                    "points": kept(surface.points),
+                    "triangles": self.binary.add(surface.regular_faces.T),
+                    "edges": self.binary.add(_element_edges(surface).T),
+                    "sharp": self.binary.add(_sharp_edges(surface).T),
+                }
+                for name, surface in outsides.items()
+            ],
+            "low": low.tolist(),
+            "high": every.max(axis=0).tolist(),
+            "step": step,
+            "view": view_of(points).tolist(),
+            "flat": not np.ptp(every[:, 2]),
+            "reduced": any("element" not in s.cell_data for s in outsides.values()),
+            "contacts": [
+                {"name": literal(contact.name), "a": literal(contact.a)}
+                | {"points": kept(_in_space(_some(contact, _CONTACT_POINTS).x))}
+                | _arrows(contact)
+                for contact in result.system.contacts
+            ],
+        }
+
+
+def merged(result: StudyResult) -> Shapes:
+    """Shapes that cases kept: their numbers one after the other."""
+    shapes = Shapes()
+    for case in result.cases:
+        if case["shapes"]["scenes"]:
+            begin = shapes.binary.append(result.arrays[case["key"]][_NUMBERS].tobytes())
+            shapes.scenes |= _moved(case["shapes"]["scenes"], begin)
+            shapes.modes |= _moved(case["shapes"]["modes"], begin)
+    return shapes
+
+
+def _moved(data: Any, by: int) -> Any:
+    """Plain data whose places in the numbers lie farther on."""
+    if isinstance(data, dict):
+        if {"type", "at", "length"} == data.keys():
+            return data | {"at": data["at"] + by}
+        return {name: _moved(part, by) for name, part in data.items()}
+    return [_moved(part, by) for part in data] if isinstance(data, list) else data
+
+
+def _some(contact: Contact, most: int) -> Any:
+    """Points of a contact, all of them or as many as may be, evenly spread."""
+    points = contact.interface.points
+    even = np.linspace(0, max(len(points) - 1, 0), min(len(points), most))
+    return points[np.unique(even.round().astype(np.int64))]
+
+
+def _arrows(contact: Contact) -> dict[str, Any]:
+    """Where friction pushes side a."""
+    friction, points = contact.friction, _some(contact, _ARROWS)
+    if friction is None or not friction.acts or len(points) == 0:
+        return {}
+    along = _in_space(friction.direction.at(points.x, points.normal))
+    return {"arrows": {"from": _in_space(points.x).tolist(), "along": along.tolist()}}
+
+
+def _cells(result: Result) -> dict[str, Any]:
+    """Cells of the bodies; collective."""
+    from scenes.pictures.grids import merged  # brings pyvista
+
+    return {name: merged(body.space.volume_cells()) for name, body in result.bodies.items()}
+
+
+def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict[str, Any]:
+    """Outsides of the bodies with no more points than a page has room for, and their modes.
+
+    Their points bear ``real`` and ``imaginary`` displacements by the number of the mode, from 0;
+    their triangles, where none was left out, the ``element`` that they are of.
+    """
+    from scenes.pictures.grids import outside
+
+    fields = {
+        name: {
+            f"{part} {i}": values
+            for i in range(u.shape[2])
+            for part, values in (("real", u[..., i].real), ("imaginary", u[..., i].imag))
+        }
+        for name, u in shapes.items()
+    }
+    for finer in (2, 1, 0):
+        made = {name: outside(each, fields.get(name, {}), finer) for name, each in cells.items()}
+        total = sum(surface.n_points for surface in made.values())
+        if total <= _POINTS:
+            break
+    for surface in made.values():
+        surface.cell_data["element"] = surface.cell_data["vtkOriginalCellIds"]
+    if total <= _MOST_POINTS:
+        return made
+    share = 1 - _MOST_POINTS / total
+    keep: dict[str, Any] = {"preserve_topology": True, "boundary_vertex_deletion": False}
+    return {name: s.decimate_pro(share, feature_angle=15.0, **keep) for name, s in made.items()}
+
+
+def _element_edges(surface: Any) -> Ints:
+    """Pairs of points along edges of elements, shape (n, 2); none of what was reduced."""
+    if "element" not in surface.cell_data:
+        return np.empty((0, 2), dtype=np.int64)
+    triangles, element = surface.regular_faces, np.asarray(surface.cell_data["element"])
+    pairs = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    of_elements = np.unique(np.column_stack([pairs, np.repeat(element, 3)]), axis=0)[:, :2]
+    edges, count = np.unique(of_elements, axis=0, return_counts=True)
+    return edges[count > 1]
+
+
+def _sharp_edges(surface: Any) -> Ints:
+    """Pairs of points along sharp edges, shape (n, 2)."""
+    from scenes.pictures.grids import sharp_edges
+
+    numbered = surface.copy(deep=False)
+    numbered.point_data["number"] = np.arange(surface.n_points)
+    edges = sharp_edges(numbered)
+    if not edges.n_points:
+        return np.empty((0, 2), dtype=np.int64)
+    return np.asarray(edges.point_data["number"])[edges.lines.reshape(-1, 3)[:, 1:]]
+
+
+def by_importance(result: Result) -> list[int]:
+    """Numbers of modes from 0: growing ones first, the fastest growing before, then undecided."""
+
+    def place(item: tuple[int, Any]) -> tuple[int, float]:
+        i, row = item
+        urgency = BY_URGENCY.index(row["verdict"])
+        return urgency, -row["growth_rate"] if row["verdict"] in GROWING else i
+
+    return [i for i, _ in sorted(enumerate(result.table()), key=place)]
+
+
+def _in_space(vectors: Floats) -> Floats:
+    """Vectors with z = 0 added in 2D, shape (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))

@@ -1,0 +1,135 @@
+"""Wedges by corrected test functions: dense matrices say the same, no eigenvalue lies outside."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+from blocks import assemble, coarse, two_blocks
+from corrected_numbers import corrected_numbers
+from covering import covering
+from mpi import on_ranks
+from petsc_matrices import to_numpy, to_petsc
+from same_numbers import assert_same
+
+from cea.eigen.corrected_tests import CorrectedTests
+from cea.eigen.field_of_values import field_of_values
+from cea.eigen.pencil import Pencil
+from scenes import load_scene, run_modes
+
+TOP = 1.0
+GPTS, MORTAR = {"method": "gpts", "points": 3}, {"method": "mortar"}
+SMALL = [
+    "bodies.pad.mesh.iga.elements=[3,5,1]",
+    "bodies.disc.mesh.iga.elements=[4,30,1]",
+    "bodies.disc.mesh.fe.elements=[3,24,1]",
+    "bodies.pad.mesh.fe.elements=[3,5,1]",
+]
+CONTACTS = [
+    (GPTS, 1e4, 1.5, "penalty"),
+    (GPTS, 3.0, 0.4, "saddle"),
+    (MORTAR, 1e9, 0.7, None),
+    ({"method": "segments", "points": 3}, 1e9, 0.7, "penalty"),
+]
+
+
+def symmetric(matrix):
+    return 0.5 * (matrix + matrix.T)
+
+
+def scene(backend, formulation, P, mu, form=None):
+    data = coarse(two_blocks(backend, formulation, held=True, mu=mu, P=P))
+    if form is not None:
+        data["contacts"]["interface"]["form"] = form
+    return assemble(data).pencil().at()
+
+
+@pytest.mark.parametrize(("backend", "contact"), covering(["iga", "fe"], CONTACTS, strength=1))
+def test_the_wedge_is_that_of_dense_matrices(backend, contact):
+    """X flips where the least eigenvalue of the symmetric parts is, and tau has half as much room.
+
+    Every eigenvalue of the pencil lies in the wedge, though nothing here knew of eigenvalues.
+    """
+    matrices = scene(backend, *contact)
+    tests = CorrectedTests.of(matrices)
+    assert tests is not None
+    K, M = to_numpy(matrices.operator()), to_numpy(matrices.mass)
+    if (forces := matrices.multipliers) is not None:
+        J, L, C = (to_numpy(m) for m in (forces.closure, forces.reaction, forces.compliance))
+        K = K + L.T @ np.linalg.solve(C, J)
+    N, Q, W = (to_numpy(each) for each in (tests.normals, tests.inner, tests.outer))
+    T = np.eye(len(M)) + N @ np.linalg.solve(Q, W)[: N.shape[1]]
+    A, B = T.T @ K, T.T @ M
+    least = scipy.linalg.eigvalsh(symmetric(A), symmetric(B))[0]
+    room = 1e-3 * max(abs(least), 1.0)
+    assert tests.holds(-least + room)
+    assert not tests.holds(-least - room)
+    tau = scipy.linalg.eigvalsh(0.5j * (B.T - B), symmetric(B))[-1]
+    assert 1.4 * tau <= tests.slope <= 1.5 * tau * (1 + 1e-6)
+    kappa = scipy.linalg.eigvals(K, M)
+    within = kappa.real >= least - tau * np.abs(kappa.imag) - 1e-6 * np.abs(kappa)
+    assert within.all()
+    tests.free()
+
+
+@pytest.mark.parametrize("slope", [0.0, 0.6, 9.0])
+@pytest.mark.parametrize("depth", [0.3, 20.0])
+def test_the_depth_is_where_wedge_and_window_part(slope, depth):
+    """Nothing of the parabola that lies left of -depth is in the wedge, and hardly more may be."""
+    within = CorrectedTests(*[None] * 6, slope).depth_within(TOP, depth)
+    real = -np.geomspace(depth, 1e4 * depth, 20_000)
+    height = 2 * np.sqrt(TOP * (TOP - real))
+    reaches = real + slope * height  # the largest of Re kappa + tau abs(Im kappa) at each place
+    if within is None:
+        deepest = -reaches.max()
+        assert deepest < 0.05 * (1 + slope) * (TOP + depth)
+    else:
+        assert (reaches <= -within * (1 - 1e-12)).all()
+        assert reaches.max() > -within - 0.05 * (1 + slope) * (TOP + depth)
+
+
+@pytest.mark.parametrize(
+    ("backend", "formulation", "P"),
+    covering(["fe", "iga"], [GPTS, MORTAR], [1e8, 1e14, float("inf")], strength=1),
+)
+def test_stiff_contact_moves_nothing_farther(backend, formulation, P):
+    """The plain bound grows with P, and says nothing of P = infinity; this one hardly does."""
+    matrices = scene(backend, formulation, P, 0.7, "saddle" if np.isinf(P) else None)
+    tests = CorrectedTests.of(matrices)
+    assert tests.bounds(TOP, 20.0)
+    assert not field_of_values(matrices, 20.0).bounded
+    tests.free()
+
+
+def test_without_friction_or_nodes_there_is_none():
+    assert CorrectedTests.of(scene("fe", GPTS, 3.0, 0.0)) is None
+    rng = np.random.default_rng(3)
+    friction = to_petsc(rng.normal(size=(6, 6)))
+    pencil = Pencil.of(to_petsc(np.eye(6)), to_petsc(np.eye(6)), friction)
+    assert CorrectedTests.of(pencil.at()) is None
+
+
+@pytest.mark.parametrize(
+    ("backend", "changes"),
+    [
+        ("fe", ["P=1e12"]),
+        *(
+            pytest.param(backend, changes, marks=pytest.mark.slow)
+            for backend in ("fe", "iga")
+            for changes in (["P=1e12"], ["P=1e16", 'formulation={method="mortar"}', "mu=1.5"])
+        ),
+    ],
+)
+def test_windows_of_stiff_contact_are_complete(backend, changes):
+    overrides = SMALL + [f"contacts.pad_disc.{change}" for change in changes]
+    modes = run_modes(load_scene("disc_pad", overrides, backend)).modes
+    assert modes.window.complete
+    assert modes.window.discs <= 4
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize(
+    ("backend", "ranks"),
+    [("iga", 2), *(pytest.param("fe", ranks, marks=pytest.mark.slow) for ranks in (2, 3))],
+)
+def test_ranks_agree(backend, ranks):
+    found = on_ranks(ranks, "corrected_numbers.corrected_numbers", backend)
+    assert_same(found, corrected_numbers(backend), rel=1e-6)

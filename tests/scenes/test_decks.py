@@ -1,0 +1,285 @@
+"""Decks of CalculiX and Abaqus: read back by their keywords, against the manual, and run."""
+
+import re
+
+import decks
+import numpy as np
+import pytest
+from bodies import lagrange_body
+from deck_scenes import ELEMENTS, P2, alone, body, in_contact
+
+from comparisons.bench import ccx
+from scenes import read_scene, run_modes
+from scenes.building.build import body_mesh
+from scenes.export.decks.bodies import deck_bodies
+from scenes.export.decks.write import write_deck
+from scenes.spec.problems import SceneError
+
+LABEL = r"[A-Za-z][\w-]{0,79}"
+NUMBER = r"[+-]?\d+(\.\d*)?([Ee][+-]?\d+)?"
+WHOLE = r"\d+"
+SET = f"({LABEL}|{WHOLE})"
+MODEL, STEP = "model", "step"
+
+
+def fields(*patterns):
+    """A data line with so many fields; "" may be left out."""
+    return re.compile(r"\s*,\s*".join(patterns) + r"\s*,?")
+
+
+GRAMMAR = {
+    "HEADING": (MODEL, {}, [re.compile(".*")]),
+    "NODE": (MODEL, {"NSET": LABEL}, [fields(WHOLE, NUMBER, NUMBER, NUMBER)]),
+    "ELEMENT": (
+        MODEL,
+        {"TYPE": "C3D4|C3D8|C3D10|CPE3|CPE4|CPE6", "ELSET": LABEL},
+        [re.compile(rf"{WHOLE}(,{WHOLE}){{3,10}}")],
+    ),
+    "NSET": (MODEL, {"NSET": LABEL}, [re.compile(rf"{WHOLE}(,{WHOLE}){{0,15}}")]),
+    "SURFACE": (MODEL, {"NAME": LABEL, "TYPE": "ELEMENT"}, [fields(WHOLE, "S[1-6]")]),
+    "MATERIAL": (MODEL, {"NAME": LABEL}, []),
+    "ELASTIC": (MODEL, {}, [fields(NUMBER, NUMBER)]),
+    "DENSITY": (MODEL, {}, [fields(NUMBER)]),
+    "SOLID SECTION": (MODEL, {"ELSET": LABEL, "MATERIAL": LABEL}, [fields(NUMBER)]),
+    "SURFACE INTERACTION": (MODEL, {"NAME": LABEL}, []),
+    "SURFACE BEHAVIOR": (MODEL, {"PRESSURE-OVERCLOSURE": "LINEAR"}, [fields(NUMBER)]),
+    "CONTACT PAIR": (
+        MODEL,
+        {"INTERACTION": LABEL, "TYPE": "SURFACE TO SURFACE", "SMALL SLIDING": ""},
+        [fields(LABEL, LABEL)],
+    ),
+    "CLEARANCE": (MODEL, {"MASTER": LABEL, "SLAVE": LABEL, "VALUE": NUMBER}, []),
+    "BOUNDARY": (None, {"OP": "NEW|MOD"}, [fields(SET, "[1-3]", "[1-3]")]),
+    "FRICTION": (None, {}, [fields(NUMBER)]),
+    "STEP": (MODEL, {"UNSYMM": "YES"}, []),
+    "STATIC": (STEP, {}, [fields(NUMBER, NUMBER)]),
+    "CHANGE FRICTION": (STEP, {"INTERACTION": LABEL}, []),
+    "MOTION": (
+        STEP,
+        {"ROTATION": "", "TRANSLATION": "", "TYPE": "VELOCITY"},
+        [fields(SET, *7 * [NUMBER]), fields(SET, "[1-3]", "[1-3]", NUMBER)],
+    ),
+    "FREQUENCY": (STEP, {"EIGENSOLVER": "LANCZOS"}, [fields(WHOLE, "", NUMBER)]),
+    "COMPLEX FREQUENCY": (STEP, {"FRICTION DAMPING": "NO"}, [fields(WHOLE, "", NUMBER)]),
+    "END STEP": (STEP, {}, []),
+}
+"""Where a keyword may stand (None, in both), parameters that it may have with their values, and its
+data lines: what the manual of Abaqus allows, as far as decks need it."""
+
+
+def check_grammar(file):
+    """Assert what the grammar allows, keyword by keyword, in a deck and the model it includes."""
+    place = MODEL
+    for card in decks.cards(file):
+        where, parameters, shapes = GRAMMAR[card.keyword]
+        assert where in (None, place), card
+        for name, value in card.parameters.items():
+            assert re.fullmatch(parameters[name], value), card
+        for row in card.rows:
+            # Empty fields are left out of cards.
+            lines = [",".join(row), ",".join([row[0], "", *row[1:]])]
+            assert any(shape.fullmatch(line) for shape in shapes for line in lines), (card, row)
+        place = {"STEP": STEP, "END STEP": MODEL}.get(card.keyword, place)
+    assert place == MODEL
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_elements_are_those_of_the_mesh_and_right_handed(name, tmp_path):
+    scene = alone(*ELEMENTS[name])
+    model, _, abaqus = write_deck(scene, tmp_path)
+    check_grammar(abaqus)
+    deck = decks.cards(model)
+    kind, elements = decks.elements(deck, "part")
+    assert kind == name
+    x = decks.nodes(deck)
+    mesh = deck_bodies(scene)["part"].mesh
+    assert len(elements) == len(mesh.cells)
+    assert set().union(*elements.values()) == set(x)
+    volumes = [volume(np.array([x[n] for n in nodes]), kind) for nodes in elements.values()]
+    assert min(volumes) > 0
+    sides, height = (16, 1.0) if mesh.dim == 2 else (12, 0.05)
+    exact = sides * np.sin(2 * np.pi / sides) / 2 * (0.2**2 - 0.1**2) * height
+    assert sum(volumes) == pytest.approx(exact, rel=1e-12)
+    # Nodes behind the corners lie in the middle of the edges that the manuals name.
+    corners, ends = {"C3D10": (4, "122331142434"), "CPE6": (3, "122331")}.get(name, (0, ""))
+    for nodes in elements.values() if corners else ():
+        for middle, i, j in zip(nodes[corners:], ends[::2], ends[1::2], strict=True):
+            expected = (x[nodes[int(i) - 1]] + x[nodes[int(j) - 1]]) / 2
+            assert np.allclose(x[middle], expected, atol=1e-15)
+
+
+def volume(x, kind):
+    """Volume of a straight element, or area; negative where it is inside out."""
+    kind = {"C3D10": "C3D4", "CPE6": "CPE3"}.get(kind, kind)
+    if kind == "C3D4":
+        return np.linalg.det(x[1:4] - x[0]) / 6
+    if kind == "C3D8":
+        bottom, top = (area(x[i : i + 4, :2]) for i in (0, 4))
+        assert bottom == pytest.approx(top)
+        return bottom * (x[4, 2] - x[0, 2])
+    return area(x[: int(kind[3]), :2])
+
+
+def area(x):
+    """Area of a polygon, positive where it runs counterclockwise."""
+    following = np.roll(x, -1, axis=0)
+    return float((x[:, 0] * following[:, 1] - x[:, 1] * following[:, 0]).sum() / 2)
+
+
+def test_a_contact_has_the_stiffness_the_sides_and_the_motion_of_the_scene(tmp_path):
+    _, *both = write_deck(in_contact(), tmp_path)
+    for deck in map(decks.cards, both):
+        (behaviour,) = decks.of(deck, "SURFACE BEHAVIOR")
+        straight = 3 * np.sin(np.radians(40 / 3)) * (0.14**2 - 0.09**2) / 2
+        assert float(behaviour.rows[0][0]) == pytest.approx(1e9 / straight, rel=1e-12)
+        (pair,) = decks.of(deck, "CONTACT PAIR")
+        assert pair.rows == [["pad-bottom", "disc-top"]]
+        assert float(decks.of(deck, "FRICTION")[-1].rows[0][0]) == 0.7
+    (motion,) = decks.of(decks.cards(both[1]), "MOTION")
+    name, rate, *axis = motion.rows[0]
+    chord = 0.09 * np.cos(np.radians(40 / 6))  # where a node is nearest to the axis
+    assert name == "disc"
+    assert float(rate) == pytest.approx(1 / chord)  # positive: along the friction on the pad
+    assert [float(word) for word in axis] == [0, 0, 0, 0, 0, 1]
+
+
+@pytest.mark.parametrize("mu", [0.7, 0.0])
+def test_steps_of_abaqus_are_as_the_manual_has_them(mu, tmp_path):
+    """Static steps hold every node; the frequency step frees all but the supports."""
+    file = write_deck(in_contact(**{"contacts.pad_disc.mu": mu}), tmp_path)[2]
+    check_grammar(file)
+    deck = decks.cards(file)
+    steps = ("STATIC", "FREQUENCY", "COMPLEX FREQUENCY")
+    sliding = ["STATIC", "STATIC", "FREQUENCY", "COMPLEX FREQUENCY"]
+    found = [card.keyword for card in deck if card.keyword in steps]
+    assert found == (sliding if mu else ["STATIC", "FREQUENCY"])
+    assert bool(decks.of(deck, "FRICTION")) == bool(mu)
+    held, freed = decks.of(deck, "BOUNDARY", OP="NEW")
+    assert held.rows == [["pad", "1", "3"], ["disc", "1", "3"]]
+    assert freed.rows == [["pad-top", "1", "3"], ["disc-inner", "1", "3"]]
+
+
+def test_a_model_read_back_is_the_body_that_was_written(tmp_path):
+    model = write_deck(in_contact(), tmp_path)[0]
+    scene = in_contact()
+    faces = {"pad": ("top", "bottom"), "disc": ("inner", "top")}
+    for name, used in faces.items():
+        sets = {each: f"{name}-{each}" for each in used}
+        file = {"shape": "mesh_file", "file": str(model), "unit": "m", "part": name, "faces": sets}
+        scene = scene.change({f"bodies.{name}.geometry": file, f"bodies.{name}.mesh": {}})
+    found, before = (run_modes(each).eigenvalues for each in (scene, in_contact()))
+    assert found == pytest.approx(before, abs=1e-10 * abs(before).max())
+    again = decks.cards(write_deck(scene, tmp_path / "again")[0])
+    assert len(decks.nodes(again)) == len(decks.nodes(decks.cards(model)))
+
+
+MASS = {"C3D8": None, "C3D10": 2, "C3D4": 1, "CPE4": None}
+"""Degree to which CalculiX integrates the mass; None, exactly."""
+
+
+def ours(scene, quadrature, top):
+    """Eigenvalues of this program up to a frequency, with the mass of another."""
+    scene = scene.change("analysis.max_frequency", top)
+    bodies = {
+        name: lagrange_body(
+            name,
+            body_mesh(name, spec, ()),
+            degree=spec.fe_degree,
+            material=spec.material,
+            supports=[support.support() for support in spec.supports],
+            mass_quadrature=quadrature,
+        )
+        for name, spec in scene.bodies.items()
+    }
+    return run_modes(scene, bodies=bodies).eigenvalues
+
+
+@pytest.mark.parametrize(
+    "supports", [None, [{"surface": "inner"}, {"surface": "outer", "components": ["y"]}]]
+)
+@pytest.mark.parametrize("name", MASS)
+def test_calculix_finds_the_same_frequencies(name, supports, tmp_path):
+    decks.with_calculix()
+    scene = alone(*ELEMENTS[name], supports=supports)
+    # The last of its list have not always converged, and one may be missing.
+    found = ccx.run(write_deck(scene, tmp_path, 16)[1]).eigenvalues.imag[:8]
+    values = ours(scene, MASS[name], 1.01 * found[-1] / (2 * np.pi)).imag
+    assert found == pytest.approx(np.sort(values)[:8], rel=1e-8 if supports else 1e-10)
+
+
+def test_calculix_finds_the_same_flutter(tmp_path):
+    """No spectrum tells the sign of friction: forces of the static step do."""
+    decks.with_calculix()
+    scene = in_contact()
+    deck = write_deck(scene, tmp_path, 20)[1]
+    found = ccx.run(deck)
+    values = ours(scene, 2, 1.01 * found.eigenvalues.imag[-1] / (2 * np.pi))
+    (theirs,) = found.eigenvalues[found.eigenvalues.real > 1]
+    (own,) = values[values.real > 1]
+    assert theirs.imag == pytest.approx(own.imag, rel=1e-5)
+    assert theirs.real == pytest.approx(own.real, rel=1e-3)
+    listed = deck.with_suffix(".dat").read_text().split("total surface force")[1].splitlines()
+    force = np.array(listed[2].split()[:3], dtype=float)
+    middle = np.array([-1.0, 1.0]) / np.sqrt(2)  # circumferential, in the middle of the pad
+    size = 4 / np.radians(40) * np.sin(np.radians(20)) / 2  # of the mean direction over 40 degrees
+    assert force[2] > 0  # the disc pushes the pad up
+    assert force[:2] @ middle == pytest.approx(2 * 0.7 * force[2] * size, rel=0.02)
+
+
+PAD, CONTACT = "bodies.pad", "contacts.pad_disc"
+REFUSED = [
+    (f"{PAD}.backend", {f"{PAD}.backend": "iga"}),
+    (
+        f"{PAD}.mesh.fe.degree = 2: 1, or 2 with cell = 'tetrahedron'",
+        {f"{PAD}.mesh.fe": {"cell": "hexahedron", "degree": 2, "elements": [2, 3, 1]}},
+    ),
+    (f"{PAD}.mesh.fe.degree", {f"{PAD}.mesh.fe": {**P2, "degree": 3, "elements": [2, 3, 1]}}),
+    (
+        f"{PAD}.mesh.fe.geometry_degree",
+        {f"{PAD}.mesh.fe": {**P2, "geometry_degree": 3, "elements": [2, 3, 1]}},
+    ),
+    (f"{PAD}.springs", {f"{PAD}.springs": [{"surface": "top", "stiffness": [1.0, 1.0, 1.0]}]}),
+    (f"{PAD}.damping", {f"{PAD}.damping": {"alpha": 1.0}}),
+    ("bodies.disc.rotation", {"bodies.disc.rotation": {"rate": 1.0}}),
+    *(
+        ("bodies.disc.supports.0.components", {"bodies.disc.supports": [{"surface": "inner"} | c]})
+        for c in (
+            {"components": ["normal"]},
+            {"components": ["radial"], "axis": [0.0, 0.0, 1.0]},
+        )
+    ),
+    (f"{CONTACT}.p", {f"{CONTACT}.P": None, f"{CONTACT}.p": "1e11*(1+x)"}),
+    (f"{CONTACT}.P", {f"{CONTACT}.P": float("inf")}),
+    (f"{CONTACT}.mu", {f"{CONTACT}.mu": "0.3*(1+x)"}),
+    (f"{CONTACT}.full_pass", {f"{CONTACT}.full_pass": True}),
+    (f"{CONTACT}.c_n", {f"{CONTACT}.P": None, f"{CONTACT}.c_n": 1e12}),
+    (f"{CONTACT}.sliding", {f"{CONTACT}.sliding": {"speed": 1.0, "pressure": 1e5}}),
+    *(
+        (f"{CONTACT}.friction_direction_on_a", {f"{CONTACT}.friction_direction_on_a": direction})
+        for direction in ({"field": ["-y", "x", "0"]}, {"vector": [1.0, 0.0, 0.5]})
+    ),
+    ("loads", {"loads": [{"surface": "disc.bottom", "pressure": 1.0}]}),
+]
+"""The field by which a scene with some changes is refused."""
+
+
+@pytest.mark.parametrize(("told", "changes"), REFUSED)
+def test_what_a_deck_cannot_hold_is_refused_by_its_field(told, changes, tmp_path):
+    with pytest.raises(ValueError, match=r"a deck|a vector, or|sides stay together") as error:
+        write_deck(in_contact(**changes), tmp_path)
+    assert told in str(error.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("names", [["1part"], ["part+"], ["teil-ä"], ["part", "Part"]])
+def test_names_that_programs_do_not_take_are_refused(names, tmp_path):
+    data = {"name": "names", "bodies": {name: body("tetrahedron", 1) for name in names}}
+    scene = read_scene({**data, "analysis": {"kind": "cea", "max_frequency": 1e4}})
+    with pytest.raises(SceneError, match=r"a letter, then at most|that no other has"):
+        write_deck(scene, tmp_path)
+
+
+@pytest.mark.parametrize("modes", [0, 10**9])
+def test_numbers_of_modes_are_bounded(modes, tmp_path):
+    with pytest.raises(ValueError, match="modes"):
+        write_deck(in_contact(), tmp_path, modes)
