@@ -38,7 +38,6 @@ from cea.eigen.field_of_values import SAFETY, largest_quotient
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
 from cea.eigen.regions import TIP
-from cea.eigen.shifted import force_scale
 from cea.matrices import (
     destroy,
     distributed,
@@ -99,16 +98,11 @@ class CorrectedTests:
             inner, outer = _of_penalties(matrices, normals, weight)
             closure = compliance = None
             if forces is not None:
-                scale = force_scale(matrices.stiffness, forces)
                 closure, compliance = forces.closure.copy(), forces.compliance.copy()
-                reaction = forces.reaction.copy()
-                closure.diagonalScale(L=scale)
-                reaction.diagonalScale(L=scale)
-                compliance.diagonalScale(L=scale, R=scale)
-                across = reaction.matMult(normals)
-                rest = scaled_total([(1.0, closure), (-1.0, reaction)])
+                across = forces.reaction.matMult(normals)
+                rest = scaled_total([(1.0, closure), (-1.0, forces.reaction)])
                 corner, back = scaled_total([(-1.0, compliance)]), across.transpose(PETSc.Mat())
-                made = [scale, reaction, across, rest, corner, back, inner, outer]
+                made = [across, rest, corner, back, inner, outer]
                 nest = PETSc.Mat().createNest([[inner, back], [across, corner]])
                 inner, outer = nest.convert("aij"), one_below_the_other([outer, rest])
                 destroy(*made)

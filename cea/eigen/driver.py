@@ -21,7 +21,6 @@ from cea.eigen.left_vectors import (
     left_vectors_of,
     needs_left_vectors,
     two_sided,
-    with_lengths,
 )
 from cea.eigen.modes import Modes, modes_of, warnings_of
 from cea.eigen.pencil import Matrices, Pencil, release
@@ -189,9 +188,7 @@ class EigenSolver:
                     raise
                 op = search.near
         with timer("post-processing"):
-            if left and both is not None and not (op.symmetric or subspace.graded):
-                pairs = with_lengths(op, pairs, both[1])
-            if unsure:
+            if unsure or (left and not op.symmetric):
                 pairs = two_sided(op, subspace, pairs, both)
             window = _window(search, end, pairs.values)
             wanted = both[1] if left and both is not None else None

@@ -20,27 +20,16 @@ M, or what it is in the inverse problem, which is the one that was solved: witho
 
 Far from the shift the first is the smaller one. Rounding of the entries adds
 u abs(x)^T abs(P) abs(x).
-
-Vectors of copies that rounding has parted may be nearly parallel, and condition numbers of single
-eigenvalues then say nothing. With the invariant subspace of their cluster, whose block is B and
-whose spectral projector is P, a backward error e moves every member by no more than about
-
-    norm(P) e + norm(B - mean of the cluster)
-
-(Stewart & Sun, Matrix Perturbation Theory, ch. V). Where the block is far from a multiple of one,
-as at a coalescence, that is no better than the condition numbers.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, schur, solve_sylvester
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, image_of, norms, times
-from cea.eigen.matching import connected
 from cea.eigen.residuals import Sizes, internal_forces
 from cea.eigen.shift_invert import MARGIN, ShiftInvert
 from cea.eigen.subspace import InvariantSubspace
@@ -51,50 +40,26 @@ _SMALL = 1e-8
 """Part of an eigenvalue up to which it does not matter how large a residual is exactly."""
 _LUMPED = 4.0
 """What the norm of the inverse of a mass is at most, about, in that of its diagonal."""
-_ILL_CLUSTER = 1e1
-"""Condition number from which a cluster is looked at."""
 
 
 @dataclass(frozen=True)
 class Eigenpairs:
-    """Eigenpairs of a window and around it.
+    """Eigenpairs of a window and around it."""
 
-    Parameters
-    ----------
-    values
-        Eigenvalues, shape (n,): kappa (1/s^2), or with damping or rotation lambda (1/s).
-    vectors
-        Eigenvectors with x^H M x = 1, the rows of this rank, shape (n_local, n).
-    forces
-        Contact forces that are unknowns, shape (multipliers of this rank, n).
-    residuals
-        Shape (n,), as :class:`cea.eigen.spectrum.Spectrum` has them.
-    conditions
-        Condition numbers of the values within the invariant subspace, shape (n,).
-    slopes
-        What a backward error is multiplied by, shape (n,): without damping the condition number,
-        else || y ||_M (s).
-    errors
-        Backward errors of lambda^2 (1/s^2), shape (n,): what the residual amounts to, and what
-        rounding the entries of the matrices does.
-    bounds
-        Bounds on errors of values by the clusters that they belong to, shape (n,); infinite where
-        there is none.
-    """
-
-    values: Complexes
-    vectors: Complexes
-    forces: Complexes
-    residuals: Floats
-    conditions: Floats
+    values: Complexes  # kappa (1/s^2), or with damping or rotation lambda (1/s), shape (n,)
+    vectors: Complexes  # eigenvectors with x^H M x = 1, rows of this rank, shape (n_local, n)
+    forces: Complexes  # contact forces that are unknowns, shape (multipliers of this rank, n)
+    residuals: Floats  # as :class:`cea.eigen.spectrum.Spectrum` has them
+    conditions: Floats  # condition numbers of the values within the invariant subspace
+    # what a backward error is multiplied by: the condition number, with damping norm(y)_M (s)
     slopes: Floats
+    # backward errors of lambda^2 (1/s^2): of the residual, and of rounding the matrices
     errors: Floats
-    bounds: Floats
 
     @property
     def uncertainties(self) -> Floats:
         """Errors of the values, shape (n,)."""
-        return np.minimum(self.errors * self.slopes, self.bounds)
+        return self.errors * self.slopes
 
 
 def error_estimates(op: ShiftInvert, subspace: InvariantSubspace) -> Eigenpairs:
@@ -113,12 +78,7 @@ def error_estimates(op: ShiftInvert, subspace: InvariantSubspace) -> Eigenpairs:
         values = np.where(values == 0, 1j * np.finfo(float).eps * op.scale, values)
     conditions = np.maximum(np.linalg.norm(duals, axis=0), 1.0)
     slopes = _slopes(op, subspace, duals) if op.damped else conditions
-    pairs = _checked(op, values, vectors, conditions, slopes)
-    if op.symmetric:
-        return pairs
-    within = pairs.errors * pairs.slopes / conditions
-    bounds = cluster_bounds(subspace.projected, pairs.values, within, conditions)
-    return replace(pairs, bounds=bounds)
+    return _checked(op, values, vectors, conditions, slopes)
 
 
 def _checked(
@@ -179,8 +139,7 @@ def _checked(
     sizes.free()
     if op.damped:
         slopes = np.maximum(slopes, np.minimum(least, 1 / np.sqrt(errors)))
-    bounds = np.full(n, np.inf)
-    return Eigenpairs(values, vectors, forces, residuals, conditions, slopes, errors, bounds)
+    return Eigenpairs(values, vectors, forces, residuals, conditions, slopes, errors)
 
 
 def _slopes(op: ShiftInvert, subspace: InvariantSubspace, duals: Complexes) -> Floats:
@@ -210,54 +169,3 @@ def _blocks(values: Complexes, vectors: Complexes) -> Iterator[tuple[Ints, NDArr
         for columns in column_blocks(len(numbers)):
             block = numbers[columns]
             yield block, np.asfortranarray(part(vectors)[:, block])
-
-
-def cluster_bounds(
-    projected: Floats, kappa: Complexes, errors: Floats, conditions: Floats
-) -> Floats:
-    """Bounds on the errors of eigenvalues of a projected matrix; infinite where no cluster is.
-
-    Errors are their backward errors.
-    """
-    bounds = np.full(len(kappa), np.inf)
-    every = np.linalg.eigvals(projected).astype(complex)
-    for members in clusters(kappa, errors * conditions):
-        if conditions[members].max() < _ILL_CLUSTER:
-            continue
-        reach = (errors[members] * conditions[members]).max()
-        chosen = np.abs(every[:, None] - kappa[members]).min(axis=1) <= reach
-        if chosen.sum() != len(members):
-            continue
-        block, projector = _cluster(projected, every[chosen], every[~chosen])
-        mean = np.trace(block) / len(block)
-        spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
-        bounds[members] = projector * errors[members].max() + spread
-    return bounds
-
-
-def clusters(kappa: Complexes, reach: Floats) -> list[Ints]:
-    """Numbers of eigenvalues whose errors overlap, two or more together."""
-    near = np.abs(kappa[:, None] - kappa) <= np.add.outer(reach, reach)
-    return [members for members in connected(near) if len(members) > 1]
-
-
-def _cluster(
-    projected: Floats, inside: Complexes, outside: Complexes
-) -> tuple[NDArray[np.complex128], float]:
-    """Block of a cluster in an orthonormal basis, and the norm of its spectral projector."""
-
-    def belongs(value: complex) -> bool:
-        near = np.abs(inside - value).min()
-        return bool(not len(outside) or near < np.abs(outside - value).min())
-
-    try:
-        form, _, size = schur(projected.astype(complex), output="complex", sort=belongs)
-    except LinAlgError:
-        return np.diag(inside), np.inf
-    if size != len(inside):
-        return np.diag(inside), np.inf
-    block = form[:size, :size]
-    if size == len(form):
-        return block, 1.0
-    coupling = solve_sylvester(block, -form[size:, size:], form[:size, size:])
-    return block, float(np.sqrt(1 + np.linalg.norm(coupling, 2) ** 2))

@@ -44,7 +44,7 @@ from cea.eigen.blocks import all_inner, combined, image_of, subtract, times, tra
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Matrices
-from cea.eigen.shifted import bordered, count_below, force_scale
+from cea.eigen.shifted import bordered, count_below
 from cea.errors import ConvergenceError
 from cea.matrices import (
     antisymmetrised,
@@ -76,40 +76,18 @@ _DIFFERENT: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 @dataclass(frozen=True)
 class FieldOfValues:
-    """Where x^H K x / x^H M x lies, for all x, and with it every eigenvalue.
+    """Where x^H K x / x^H M x lies, for all x, and with it every eigenvalue."""
 
-    Parameters
-    ----------
-    depth
-        X (1/s^2).
-    bounded
-        Whether Re kappa >= -X.
-    slope
-        Then abs(Im kappa) <= slope (Re kappa + X) too; infinite where that is not known.
-    """
-
-    depth: float
-    bounded: bool
-    slope: float = np.inf
+    depth: float  # X (1/s^2)
+    bounded: bool  # whether Re kappa >= -X
+    slope: float = np.inf  # then abs(Im kappa) <= slope (Re kappa + X); infinite where not known
 
 
 def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> FieldOfValues:
-    """What one factorisation says of it.
+    """What one factorisation at a depth X (1/s^2) says of it; ConvergenceError when it fails.
 
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    depth
-        X (1/s^2).
-    cone
-        Whether the slope is wanted too, without which there is no bound with circulatory pieces; it
-        stays infinite where forces are tied, or depend on each other.
-
-    Raises
-    ------
-    ConvergenceError
-        When the factorisation fails.
+    The slope is told where a cone is asked for, and needed for a bound with circulatory pieces; it
+    stays infinite where forces are tied, or depend on each other.
     """
     if matrices.symmetric:
         return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
@@ -364,9 +342,8 @@ def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
         if forces.border is not None:
             border = block_diagonal([forces.border, forces.border]).convert("aij")
         sets = Multipliers(closure, closure, compliance, border, 0, stacked=True)
-        scale = force_scale(hermitian, sets)
-        bordered_matrix = bordered(hermitian, sets, scale, symmetric=True)
+        bordered_matrix = bordered(hermitian, sets, symmetric=True)
         sets.free()
-        destroy(other, scale)
+        destroy(other)
     destroy(mean, half, diagonal)
     return bordered_matrix

@@ -56,45 +56,21 @@ _PAIR = 1e-9
 
 @dataclass(frozen=True)
 class KrylovOptions:
-    """Options of the block Krylov-Schur method and of the search of a window.
+    """Options of the block Krylov-Schur method and of the search of a window."""
 
-    Parameters
-    ----------
-    block
-        Columns of a block.
-    tolerance
-        Residual relative to theta below which a wanted eigenvalue has converged.
-    loose
-        The same of eigenvalues in a disc that are not wanted, and at which random vectors are
-        appended.
-    random_columns, random_steps
-        Random vectors appended to the last block to verify that nothing is missing, and least
-        block steps with them.
-    first_check
-        Blocks of a Krylov space before its Ritz values are looked at.
-    growth
-        Most growth of the space between two Ritz checks.
-    restart
-        Size of the space, relative to the Ritz values in the disc, at which it is restarted.
-    max_restarts
-        Restarts before a search is given up.
-    max_discs
-        Most discs beyond the first.
-    dense_limit
-        Most rows of an operator whose eigenvalues LAPACK computes.
-    """
-
-    block: int = 8
-    tolerance: float = 1e-13
+    block: int = 8  # columns of a block
+    tolerance: float = 1e-13  # residual relative to theta below which what is wanted has converged
+    # the same of eigenvalues in a disc that are not wanted, and where random vectors are appended
     loose: float = 1e-6
+    # random vectors appended to verify that nothing is missing, and least block steps with them
     random_columns: int = 4
     random_steps: int = 4
-    first_check: int = 6
-    growth: float = 1.3
-    restart: float = 3.5
-    max_restarts: int = 200
-    max_discs: int = 3
-    dense_limit: int = 1000
+    first_check: int = 6  # blocks of a Krylov space before its Ritz values are looked at
+    growth: float = 1.1  # growth of the space between two Ritz checks
+    restart: float = 3.5  # size of the space at a restart, relative to the Ritz values in the disc
+    max_restarts: int = 200  # restarts before a search is given up
+    max_discs: int = 3  # most discs beyond the first
+    dense_limit: int = 1000  # most rows of an operator whose eigenvalues LAPACK computes
 
 
 class CrowdedError(ConvergenceError):
@@ -113,33 +89,16 @@ def krylov_schur(
 ) -> InvariantSubspace:
     """What is locked together with the eigenvalues of a disc about the shift; collective.
 
-    Of small systems LAPACK computes all of them, and the result holds all of the window.
-
-    Parameters
-    ----------
-    op
-        OP.
-    radius
-        Radius of the disc, or how it follows from the Ritz values.
-    options
-        Options of the method.
-    locked
-        An invariant subspace found before, at any shift, of the same pencil.
-    seed
-        Of the random vectors.
-    most
-        Eigenvalues in the disc from which on it is crowded.
-    verify
-        Whether it is verified that none is missing.
+    Of small systems LAPACK computes all of them, and the result holds all of the window. The radius
+    is a number, or follows from the Ritz values; what is locked was found before, at any shift, of
+    the same pencil. With ``most`` eigenvalues in the disc it is crowded. ``verify`` says whether it
+    is shown that none is missing.
 
     Raises
     ------
     ConvergenceError
-        When eigenvalues of the disc do not converge; ``best`` is the invariant subspace so far.
-    CrowdedError
-        When the disc holds more than ``most`` eigenvalues.
-    SingularError
-        When an eigenvalue is next to the shift.
+        When eigenvalues of the disc do not converge, with the invariant subspace so far;
+        CrowdedError when there are too many, SingularError when one is next to the shift.
     """
     radius_of = radius if callable(radius) else lambda _: radius
     locked = locked or InvariantSubspace.empty(op.local, symmetric=op.symmetric)
@@ -158,7 +117,6 @@ def krylov_schur(
     space = _started(op, locked, block, random)
     check, restarts = options.first_check * block, 0
     verified, counted, last_random = not verify, 0, 0  # random vectors take part up to that size
-    worst: tuple[int, int, float] | None = None
 
     def append_random() -> bool:
         room = op.rows - locked.size - space.size - space.next
@@ -199,11 +157,10 @@ def krylov_schur(
                     f"{1 / least:.4g} about {op.shift:.4g} did not converge",
                     best=_locked(op, space, locked, theta, converged),
                 )
-            restarts, worst, full = restarts + 1, None, space.size
+            restarts, full = restarts + 1, space.size
             space.restart(*_leading(_square(op, space), theta, number + 3 * block))
             last_random -= (full - space.size) if last_random else 0
-        relative = residuals[wanted] / (options.tolerance * sizes[wanted])
-        check, worst = _next_check(worst, space, relative, options)
+        check = max(space.size + space.next, int(options.growth * space.size))
         if nearly[wanted].all() and not (verified or last_random):
             counted = number
             append_random()
@@ -268,27 +225,6 @@ def _clear(sizes: Floats, residuals: Floats, inside: NDArray[np.bool_], least: f
     return bool(_CLEAR * residuals[first] <= least - outer[first])
 
 
-def _next_check(
-    before: tuple[int, int, float] | None,
-    space: KrylovSpace,
-    relative: Floats,
-    options: KrylovOptions,
-) -> tuple[int, tuple[int, int, float]]:
-    """Size of the space at the next Ritz check, and what the check after it needs of this one.
-
-    The worst of the residuals of what is wanted, relative to the tolerance, falls the faster the
-    larger the space: where it fell since the last check, its rate says when it will have
-    converged, or a little earlier.
-    """
-    size, number = space.size, len(relative)
-    worst = float(np.log(max(relative.max(initial=0.0), 1.0)))
-    most = int(options.growth * size)
-    if before and before[1] == number and worst < before[2] and size > before[0]:
-        rate = (before[2] - worst) / (size - before[0])
-        most = min(most, size + int(worst / rate) // space.next * space.next)
-    return max(size + space.next, most), (size, number, worst)
-
-
 def _leading(square: Floats, theta: Complexes, number: int) -> tuple[Floats, Floats]:
     """Schur form of OP on so many eigenvalues of largest modulus; no pair is split."""
     sizes = np.sort(np.abs(theta))[::-1]
@@ -329,23 +265,9 @@ def nearest(
 ) -> tuple[InvariantSubspace, ShiftInvert]:
     """Invariant subspace of the few eigenvalues nearest to a place, and an operator near there.
 
-    With damping or rotation the disc about a real shift holds the disc about the place, and more.
-
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    place
-        A real kappa (1/s^2); with damping or rotation lambda with Im lambda >= 0 (1/s), not zero.
-    wanted
-        Number of eigenvalues, with damping of those with Im lambda >= 0; a few more may come.
-    options
-        Options of the method.
-
-    Raises
-    ------
-    ConvergenceError
-        When fewer converge.
+    The place is a real kappa (1/s^2); with damping or rotation lambda with Im lambda >= 0 (1/s),
+    not zero, and the disc about a real shift holds the disc about it, and more. A few more than
+    ``wanted`` may come, with damping of those with Im lambda >= 0. ConvergenceError when fewer do.
     """
     damped = matrices.quadratic
     scale = abs(place) if damped else np.inf

@@ -1,10 +1,9 @@
 """Left eigenvectors of a pencil: errors that right ones do not tell, and derivatives.
 
 Of the left vectors the invariant subspace of the right ones knows no more than their projection.
-What it leaves out comes of one step of inverse iteration with the transposed matrix, and vanishes
-where the subspace holds its left vectors too. Friction between bodies makes it about as large as
-one. Where it is much larger, or conditions are bad, or the mass cancels, left vectors are searched
-themselves. With the residual r and rounding u of all entries lambda is then in error by
+What it leaves out friction between bodies makes about as large as one. Where conditions are bad
+left vectors are searched themselves. With the residual r and rounding u of all entries lambda is
+then in error by
 
     e / abs(y^H (2 lambda M + D) x),    e = abs(y)^T (abs(r) + u abs(P) abs(x)),
 
@@ -23,8 +22,8 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
-from cea.eigen.errors import Eigenpairs, cluster_bounds, clusters, diagonal
-from cea.eigen.matching import DEGENERATE, assign, group
+from cea.eigen.errors import Eigenpairs
+from cea.eigen.matching import DEGENERATE, assign, connected, group
 from cea.eigen.pencil import Pencil, Role
 from cea.eigen.residuals import Sizes, internal_forces
 from cea.eigen.shift_invert import ShiftInvert
@@ -35,20 +34,12 @@ from cea.petsc import Mat
 
 SAME = 1e-4
 """Relative distance of left and right eigenvalues beyond which they are not the same."""
-_PLAIN = 30.0
-"""What may be left out for the subspace to say enough of its left vectors."""
 _ILL = 1e2
 """Condition number up to which one residual says enough of an eigenvalue."""
 _ROUGH = 1e-11
 """Residual of a damped eigenpair up to which it is as good as rounding lets it be."""
-_CANCELS = 100.0
-"""Sum of m_ii abs(x_i)^2, x^H M x = 1, up to which rounding of the mass counts for nothing."""
-_MORE = 2.0
-"""Factor by which errors by left vectors are larger where they are believed instead."""
 _UNKNOWN = 1e300
 """Error in the place of an infinite one."""
-_COLUMNS = 4
-"""Random combinations of a subspace by which its left vectors are judged."""
 
 POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
 """Powers of lambda that go with the pieces of a pencil."""
@@ -73,23 +64,8 @@ def needs_left_vectors(op: ShiftInvert, subspace: InvariantSubspace, pairs: Eige
     """Whether the right vectors say too little of the errors of eigenvalues; collective."""
     if op.symmetric or not len(pairs.values):
         return False
-    if subspace.graded or pairs.conditions.max() > _ILL:
-        return True
-    if op.damped and pairs.residuals.max() > _ROUGH:
-        return True
-    weights, parts = diagonal(op.matrices.mass)[:, 0], (pairs.vectors.real, pairs.vectors.imag)
-    sums: Floats = sum(np.einsum("i,ij,ij->j", weights, part, part) for part in parts)
-    if op.comm.tompi4py().allreduce(sums).max() > _CANCELS:
-        return True
-    mixed = np.random.default_rng(3).standard_normal((subspace.size, _COLUMNS))
-    # Of what is far from the shift a step of inverse iteration leaves rounding.
-    far = np.abs(np.diag(subspace.projected) - op.shift) / abs(op.shift)
-    mixed /= np.maximum(1.0, far)[:, None]
-    moved = subspace.projected.T @ mixed - op.shift * mixed
-    rest = np.asfortranarray(op.left_out(subspace.basis, mixed, moved))
-    comm = op.matrices.mass.comm
-    squares = columns_inner(rest, times(op.matrices.mass, rest), comm)
-    return bool(np.sqrt(squares.sum() / _COLUMNS) > _PLAIN)
+    rough = op.damped and pairs.residuals.max() > _ROUGH
+    return bool(subspace.graded or rough or pairs.conditions.max() > _ILL)
 
 
 def left_vectors_of(
@@ -124,21 +100,6 @@ def left_vectors_of(
     return LeftVectors(y, g)
 
 
-def with_lengths(op: ShiftInvert, pairs: Eigenpairs, left: LeftVectors) -> Eigenpairs:
-    """Eigenpairs with the conditions that their left vectors give."""
-    mass, n = op.matrices.mass, len(pairs.values)
-    squares = np.empty(n)
-    for block in column_blocks(n):
-        y = left.vectors[:, block]
-        squares[block] = columns_inner(y, times(mass, y), mass.comm).real
-    lengths = np.sqrt(squares)
-    if not op.damped:
-        return replace(pairs, slopes=lengths, conditions=lengths)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slopes = lengths / (2 * np.abs(pairs.values))
-    return replace(pairs, slopes=np.where(np.isfinite(slopes), slopes, pairs.slopes))
-
-
 def two_sided(
     op: ShiftInvert,
     subspace: InvariantSubspace,
@@ -153,7 +114,7 @@ def two_sided(
     values = pairs.values
     if left is None:
         unknown = np.full(len(values), np.inf)
-        return replace(pairs, errors=unknown, bounds=unknown)
+        return replace(pairs, errors=unknown)
     errors, slopes = _two_sided_errors(op, pairs, left[1])
     slopes = np.nan_to_num(slopes, nan=0.0, posinf=_UNKNOWN)
     slopes = np.maximum(slopes, np.finfo(float).tiny if subspace.graded else pairs.slopes)
@@ -168,21 +129,10 @@ def two_sided(
     if op.damped and not subspace.graded:
         moved = np.minimum(moved, np.sqrt(explained))
     errors = np.maximum(errors, moved)
-    if subspace.graded and not op.damped:
-        slopes = pairs.slopes
-    within = np.minimum(errors, _UNKNOWN) / pairs.conditions
-    bounds = cluster_bounds(subspace.projected, values, within, pairs.conditions)
-    for members in list(clusters(values, errors)):
+    for members in connected(np.abs(values[:, None] - values) <= np.add.outer(errors, errors)):
         errors[members] *= len(members)  # discs that overlap hold all of their eigenvalues
-    more = subspace.graded | (np.minimum(errors, bounds) > _MORE * pairs.uncertainties)
     conditions = pairs.conditions if op.damped else slopes
-    return replace(
-        pairs,
-        slopes=np.where(more, slopes, pairs.slopes),
-        conditions=np.where(more, conditions, pairs.conditions),
-        errors=np.where(more, errors / slopes, pairs.errors),
-        bounds=np.where(more, bounds, pairs.bounds),
-    )
+    return replace(pairs, slopes=slopes, conditions=conditions, errors=errors / slopes)
 
 
 def _two_sided_errors(
@@ -191,7 +141,7 @@ def _two_sided_errors(
     """Errors of eigenvalues, and lengths of left vectors of unit product, shape (n,)."""
     matrices, comm, n = op.matrices, op.matrices.stiffness.comm, len(pairs.values)
     errors, slopes = np.empty((2, n))
-    sizes, weights = Sizes(matrices, op.damping), diagonal(matrices.mass)
+    sizes = Sizes(matrices, op.damping)
     for block in column_blocks(n):
         value, x, y = pairs.values[block], pairs.vectors[:, block], left.vectors[:, block]
         f, square = pairs.forces[:, block], op.square(pairs.values[block])
@@ -204,16 +154,14 @@ def _two_sided_errors(
         entries = sizes.forces(x, 2 * np.abs(f), np.sqrt(np.abs(square)))
         parts = np.abs(defect) + np.finfo(float).eps * entries
         work = op.comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(y), parts))
-        lengths = [
-            op.comm.tompi4py().allreduce((weights * np.abs(v) ** 2).sum(axis=0)) for v in (x, y)
-        ]
+        squares = columns_inner(y, times(matrices.mass, y), comm).real
         turned = np.abs(columns_inner(y, derivative, comm))
         with np.errstate(divide="ignore", invalid="ignore"):
             errors[block] = work / turned
             if op.damped:
                 root = np.sqrt(work / np.abs(columns_inner(y, inertia, comm)))
                 errors[block] = np.fmin(errors[block], root)
-            slopes[block] = np.sqrt(lengths[0] * lengths[1]) / turned
+            slopes[block] = np.sqrt(np.maximum(squares, 0.0)) / turned
     sizes.free()
     errors[np.isnan(errors)] = np.inf
     return errors, slopes

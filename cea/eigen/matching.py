@@ -133,21 +133,12 @@ def match_spectrum(
     reach: float = 0.5,
     tolerance: float = DEGENERATE,
 ) -> SpectrumMatch:
-    """Find the computed partner of each exact eigenvalue of a band.
+    """Find the computed partner of each exact eigenvalue whose Im lambda is in a band.
 
-    Both lists may, and near the ends of the band should, reach beyond it: what lies there is
-    matched too, but neither missed nor called spurious.
-
-    Parameters
-    ----------
-    computed, exact
-        Eigenvalues, multiple ones as often as their multiplicity.
-    band
-        Lowest and highest Im lambda of the exact eigenvalues that must be found.
-    reach
-        Largest distance of partners relative to the exact eigenvalue.
-    tolerance
-        Relative distance of exact eigenvalues that are compared by their mean.
+    Both lists, multiple eigenvalues as often as their multiplicity, may, and near the ends of the
+    band should, reach beyond it: what lies there is matched too, but neither missed nor called
+    spurious. Partners are no farther than a ``reach`` relative to the exact one; exact ones within
+    a relative tolerance are compared by their mean.
     """
     if not band[0] < band[1]:
         raise InputError("band", band, "a lowest below a highest")
@@ -301,19 +292,6 @@ class CircumferentialContent:
     def shares(self) -> Floats:
         """Part of each mode in its order, m and -m together, shape (modes,)."""
         return self._by_order.max(axis=0)
-
-    @property
-    def travelling(self) -> Floats:
-        """Sense of travel of each mode, shape (modes,).
-
-        1 where all of its order is ``e^{+i m theta}``, -1 where all is ``e^{-i m theta}``, 0 for
-        a standing wave and for order 0.
-        """
-        top = len(self.energy) // 2
-        modes = np.arange(self.energy.shape[1])
-        forward = self.energy[top + self.orders, modes]
-        backward = self.energy[top - self.orders, modes]
-        return (forward - backward) / (forward + backward)
 
     @property
     def _by_order(self) -> Floats:

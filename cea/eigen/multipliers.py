@@ -35,26 +35,14 @@ _NEARLY_DEPENDENT = 1e-7
 
 @dataclass(frozen=True)
 class ForcesOfContact:
-    """Contact forces of one contact that are unknowns.
+    """Contact forces of one contact that are unknowns."""
 
-    Parameters
-    ----------
-    closure, slip
-        J and R, PETSc AIJ (forces x displacements); None for R without friction.
-    compliance
-        C^, PETSc AIJ (forces x forces), symmetric positive semidefinite.
-    inverse_stiffness, friction
-        c_c (m/N), 1/P, zero where the sides are tied, and c_f.
-    body_stiffness
-        P (N/m) at which the contact is where it is stiffest, and where it is softest, about as
-        stiff as the bodies.
-    """
-
-    closure: Mat
-    slip: Mat | None
-    compliance: Mat
-    inverse_stiffness: Coefficient
-    friction: Coefficient
+    closure: Mat  # J, PETSc AIJ (forces x displacements)
+    slip: Mat | None  # R, the same; None without friction
+    compliance: Mat  # C^, PETSc AIJ (forces x forces), symmetric positive semidefinite
+    inverse_stiffness: Coefficient  # c_c (m/N), 1/P, zero where the sides are tied
+    friction: Coefficient  # c_f
+    # P (N/m) at which it is where it is stiffest, and softest, about as stiff as the bodies
     body_stiffness: tuple[float, float]
 
     def reaction(self, values: Mapping[str, float], *, leave_out: bool) -> Mat:
@@ -71,28 +59,14 @@ class ForcesOfContact:
 
 @dataclass(frozen=True)
 class Multipliers:
-    """Contact forces as unknowns: K x + L^T f = r, J x - C f + Z e = 0, Z^T f = 0.
+    """Contact forces as unknowns: K x + L^T f = r, J x - C f + Z e = 0, Z^T f = 0."""
 
-    Parameters
-    ----------
-    closure, reaction
-        J and L, PETSc AIJ (multipliers x displacements); one object without friction.
-    compliance
-        C (m/N), PETSc AIJ (multipliers x multipliers); zero where the sides are tied.
-    border
-        Z, PETSc AIJ (multipliers x dependences); None where closures are independent.
-    tied
-        Number of independent constraints: closures without compliance.
-    stacked
-        Whether J was made of those of several contacts, rather than being a piece itself.
-    """
-
-    closure: Mat
-    reaction: Mat
-    compliance: Mat
-    border: Mat | None
-    tied: int
-    stacked: bool
+    closure: Mat  # J, PETSc AIJ (multipliers x displacements)
+    reaction: Mat  # L, the same; one object without friction
+    compliance: Mat  # C (m/N), multipliers x multipliers; zero where the sides are tied
+    border: Mat | None  # Z, multipliers x dependences; None where closures are independent
+    tied: int  # number of independent constraints: closures without compliance
+    stacked: bool  # whether J was made of those of several contacts, or is a piece itself
 
     @property
     def symmetric(self) -> bool:

@@ -42,22 +42,15 @@ class SingularError(ConvergenceError):
 
 
 class Mumps:
-    """LU, or LDL^T of a symmetric matrix, by MUMPS.
+    """LU, or LDL^T of a symmetric matrix, PETSc AIJ, by MUMPS; the matrix is destroyed with it.
 
-    Parameters
-    ----------
-    matrix
-        A, PETSc AIJ; it is destroyed with the factors.
-    symmetric
-        Whether A is symmetric.
-    inertia
-        Whether its negative eigenvalues will be asked for; null pivots are then counted rather
-        than failed on, and with any of them systems should not be solved.
+    With ``inertia`` its negative eigenvalues may be asked for: null pivots are counted rather than
+    failed on, and with any of them systems should not be solved.
 
     Raises
     ------
     SingularError
-        When A is singular, or the factorisation fails.
+        When the matrix is singular, or the factorisation fails.
     MemoryError
         When there is no memory for the factors.
     """

@@ -61,37 +61,19 @@ class Term:
 
 @dataclass(frozen=True)
 class Matrices:
-    """A pencil at given parameters: its sums, PETSc AIJ, None where there are none.
+    """A pencil at given parameters: its sums, PETSc AIJ, None where there are none."""
 
-    Parameters
-    ----------
-    stiffness, unsymmetric
-        Symmetric part S of K, and the rest, which friction and damping of rotating bodies make
-        (N/m).
-    mass
-        M (kg), symmetric positive definite; None in statics.
-    multipliers
-        Contact forces that are unknowns.
-    damping, gyroscopic
-        Symmetric part of C, and the rest, which rotation makes (N s/m).
-    low_rank, circulatory
-        Pieces of C of low rank (N s/m) and circulatory ones of K (N/m), which are not in these.
-    contacts
-        Pieces K_n of the stiffness with their coefficients (N/m).
-    nodes
-        Which unknowns belong together; None where that is not known.
-    """
-
-    stiffness: Mat
-    unsymmetric: Mat | None
-    mass: Any
-    multipliers: Multipliers | None
-    damping: Mat | None = None
-    gyroscopic: Mat | None = None
+    stiffness: Mat  # symmetric part S of K (N/m)
+    unsymmetric: Mat | None  # the rest of K, which friction and damping of rotating bodies make
+    mass: Any  # M (kg), symmetric positive definite; None in statics
+    multipliers: Multipliers | None  # contact forces that are unknowns
+    damping: Mat | None = None  # symmetric part of C (N s/m)
+    gyroscopic: Mat | None = None  # the rest of C, which rotation makes (N s/m)
+    # pieces of C of low rank (N s/m) and circulatory ones of K (N/m), which are not in these
     low_rank: LowRankSum | None = None
     circulatory: CirculatorySum | None = None
-    contacts: tuple[tuple[float, Mat], ...] = ()
-    nodes: Nodes | None = None
+    contacts: tuple[tuple[float, Mat], ...] = ()  # pieces K_n with their coefficients (N/m)
+    nodes: Nodes | None = None  # which unknowns belong together; None where that is not known
 
     @property
     def symmetric(self) -> bool:

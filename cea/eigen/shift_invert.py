@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import all_inner, combined, image_of, times
+from cea.eigen.blocks import all_inner, image_of, times
 from cea.eigen.pencil import Matrices
 from cea.eigen.regions import outside_of_window, upper_end
 from cea.eigen.residuals import Damping
@@ -37,18 +37,7 @@ and the first mode beyond it, and conjugates of those next to the real axis."""
 
 
 class ShiftInvert:
-    """(K - sigma M)^-1 M, with M as inner product.
-
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    shift
-        sigma (1/s^2).
-    end
-        omega of the end of the window (1/s).
-    factors
-        The pencil factorised at the shift, where it is.
+    """(K - sigma M)^-1 M, with M as inner product, of a window up to omega (1/s); SingularError.
 
     Attributes
     ----------
@@ -60,21 +49,14 @@ class ShiftInvert:
         Times that OP must be applied to take infinite eigenvalues out of a vector.
     negligible
         theta times the shift from which down eigenvalues count as infinite.
-
-    Raises
-    ------
-    SingularError
-        When the pencil is singular at the shift.
     """
 
     damped, powers, negligible = False, 1, 1e-10
     damping: Damping | None = None
 
-    def __init__(
-        self, matrices: Matrices, shift: float, end: float, *, factors: Shifted | None = None
-    ) -> None:
+    def __init__(self, matrices: Matrices, shift: float, end: float) -> None:
         self.matrices, self.shift, self.scale, self.reach = matrices, shift, end, end
-        self.factors = factors or self._factorised()
+        self.factors = self._factorised()
         self._transposed, self._decay = False, np.inf
         self.comm = matrices.stiffness.comm
         self.rank, self.symmetric = self.comm.rank, matrices.symmetric
@@ -117,14 +99,6 @@ class ShiftInvert:
         inertia = times(self.matrices.mass, x * (values - self.shift))
         return self.factors.solve_with_forces(inertia, transposed=transposed)
 
-    def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
-        """What a subspace leaves out of its left vectors: W = Q - A^-T M Q (R - sigma)^T.
-
-        It is told for combinations ``mixed`` of them, with (R - sigma)^T times these in ``moved``.
-        """
-        load = image_of(self.matrices.mass, combined(basis, moved))
-        return combined(basis, mixed) - self.factors.solve_block(load, transposed=True)
-
     def pairing(
         self, values: Complexes, left: Complexes, right: Complexes
     ) -> tuple[Complexes, Complexes]:
@@ -146,12 +120,7 @@ class ShiftInvert:
 class Companion(ShiftInvert):
     """The inverse of the companion form at a real shift; on each rank its rows of x and z.
 
-    Parameters
-    ----------
-    matrices, shift, end
-        As of :class:`ShiftInvert`; the shift is s (1/s).
-    decay
-        Decay (1/s) down to which eigenvalues are of the window.
+    Eigenvalues down to a decay (1/s) are of the window.
     """
 
     damped, powers, negligible = True, 2, 1e-6
@@ -202,14 +171,6 @@ class Companion(ShiftInvert):
         load = times(self.matrices.mass, x * (values + self.shift))
         load += self.damping.times(x, transposed=transposed)
         return self.factors.solve_with_forces(load * (self.shift - values), transposed=transposed)
-
-    def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
-        """The same of the z of left vectors, which are y, by the adjoint of OP."""
-        rows, scale = len(basis) // 2, self.scale
-        whole = combined(basis, moved)
-        load = times(self.matrices.mass, whole[:rows] + self.shift / scale * whole[rows:])
-        w = self.factors.solve_block(np.asfortranarray(load), transposed=True)
-        return combined(basis[rows:], mixed) + scale * w
 
     def pairing(
         self, values: Complexes, left: Complexes, right: Complexes

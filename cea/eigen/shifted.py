@@ -12,38 +12,24 @@ and so do circulatory pieces of K of damped problems where they are small
 (:mod:`cea.eigen.updated_factors`); otherwise they are unknowns beside the forces.
 """
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, diags_array
 
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps, SingularError
 from cea.eigen.pencil import Matrices
 from cea.eigen.unformed import CirculatorySum
 from cea.eigen.updated_factors import UpdatedFactors
-from cea.matrices import destroy, distributed, largest_row, local_part
+from cea.matrices import destroy
 from cea.petsc import PETSc
 
 
 class Shifted:
-    """A(kappa) + s (C + Y) factorised; what a driver solves for displacements with.
+    """A(kappa) + s (C + Y) factorised at a shift kappa (1/s^2) and a rate s (1/s); SingularError.
 
-    Parameters
-    ----------
-    matrices
-        The pencil at given parameters.
-    kappa
-        The shift (1/s^2).
-    rate
-        s (1/s). With kappa = -s^2 it is that of a quadratic problem; :meth:`quadratic`.
-
-    Raises
-    ------
-    SingularError
-        When the matrix is singular.
+    With kappa = -s^2 it is that of a quadratic problem; :meth:`quadratic`.
     """
 
     def __init__(self, matrices: Matrices, kappa: float = 0.0, rate: float = 0.0) -> None:
@@ -71,10 +57,8 @@ class Shifted:
     def _factorise(self, rest: CirculatorySum | None) -> None:
         """Factors with the forces, and what solves with pieces that stay out of them."""
         operator = self.matrices.operator(self.kappa, rate=self.rate)
-        self._scale: Any | None = None
         if self._forces is not None:
-            self._scale = force_scale(operator, self._forces)
-            whole = bordered(operator, self._forces, self._scale, symmetric=self._symmetric)
+            whole = bordered(operator, self._forces, symmetric=self._symmetric)
             destroy(operator)
             operator = whole
         self._update: UpdatedFactors | None = None
@@ -121,10 +105,7 @@ class Shifted:
         solver = self._update or self._factors
         assert solver is not None
         solution = solver.solve_block(b, transposed=transposed)
-        forces = solution[self._local : self._local + self.multipliers]
-        if self._scale is not None:
-            forces = forces * self._scale.array_r[: self.multipliers, None]
-        return solution[: self._local], forces
+        return solution[: self._local], solution[self._local : self._local + self.multipliers]
 
     def parity(self) -> int | None:
         """Whether the number of real eigenvalues beyond the shift is odd (1) or even (0).
@@ -143,9 +124,7 @@ class Shifted:
         """Free the factors."""
         if self._factors is not None:
             self._factors.free()
-        if self._scale is not None:
-            destroy(self._scale)
-        self._factors = self._update = self._scale = None
+        self._factors = self._update = None
         if self._forces is not None and self._forces is not self.matrices.multipliers:
             self._forces.free()
 
@@ -159,75 +138,26 @@ def count_below(matrices: Matrices, kappa: float) -> int:
     shifted = matrices.operator(kappa, symmetric_part=True)
     extra = 0
     if matrices.multipliers is not None:
-        symmetric = replace(matrices.multipliers, reaction=matrices.multipliers.closure)
-        scale = force_scale(shifted, symmetric)
-        whole = bordered(shifted, symmetric, scale, symmetric=True)
-        destroy(shifted, scale)
-        shifted, extra = whole, symmetric.size
+        whole = bordered(shifted, matrices.multipliers, symmetric=True)
+        destroy(shifted)
+        shifted, extra = whole, matrices.multipliers.size
     factors = Mumps(shifted, symmetric=True, inertia=True)
     negative = factors.negative_eigenvalues()
     factors.free()
     return negative - extra
 
 
-def force_scale(operator: Any, multipliers: Multipliers) -> Any:
-    """Factors on multipliers that make each row of J as large as the rows it touches."""
-    diagonal = operator.getDiagonal()
-    diagonal.abs()
-    sizes, squares = (_entrywise(multipliers.closure, power) for power in (1, 2))
-    touched, length = multipliers.closure.createVecLeft(), multipliers.closure.createVecLeft()
-    sizes.mult(diagonal, touched)
-    one = diagonal.duplicate()
-    one.set(1.0)
-    squares.mult(one, length)
-    largest = diagonal.max()[1] / max(np.sqrt(length.max()[1]), np.finfo(float).tiny)
-    rows = length.array_r > 0
-    scale = np.full(len(rows), largest if largest > 0 else 1.0)
-    scale[rows] = touched.array_r[rows] / length.array_r[rows]
-    scale[~(scale > 0)] = 1.0
-    length.array[:] = scale
-    destroy(diagonal, sizes, squares, touched, one)
-    return length
-
-
-def _entrywise(matrix: Any, power: int) -> Any:
-    """Absolute entries to a power."""
-    part = local_part(matrix)
-    part.data = np.abs(part.data) ** power
-    return distributed(part, matrix.getSizes()[1], matrix.comm)
-
-
-def balanced(border: Any, scale: Any, size: float) -> Any:
-    """S Z, its columns as long as rows of the rest are."""
-    part = csr_array(diags_array(scale.array_r) @ local_part(border))
-    squares = np.zeros(part.shape[1])
-    np.add.at(squares, part.indices, part.data**2)
-    lengths = np.sqrt(border.comm.tompi4py().allreduce(squares))
-    part = csr_array(part @ diags_array(size / lengths))
-    return distributed(part, border.getSizes()[1], border.comm)
-
-
-def bordered(operator: Any, multipliers: Multipliers, scale: Any, *, symmetric: bool) -> Any:
-    """[A, L^T s, .; s J, -s C s, s Z; ., Z^T s, .], PETSc AIJ; J is L where it is symmetric."""
-    closure = multipliers.closure.copy()
-    closure.diagonalScale(L=scale)
-    reaction = closure
-    if not symmetric:
-        reaction = multipliers.reaction.copy()
-        reaction.diagonalScale(L=scale)
-    transpose = reaction.transpose(PETSc.Mat())
-    corner = multipliers.compliance.copy()
-    corner.diagonalScale(L=scale, R=scale)
+def bordered(operator: Any, multipliers: Multipliers, *, symmetric: bool) -> Any:
+    """[A, L^T, .; J, -C, Z; ., Z^T, .], PETSc AIJ, which MUMPS scales; L is J where symmetric."""
+    closure = multipliers.closure
+    reaction = closure if symmetric else multipliers.reaction
+    transpose, corner = reaction.transpose(PETSc.Mat()), multipliers.compliance.copy()
     corner.scale(-1.0)
-    blocks = [[operator, transpose], [closure, corner]]
-    made = [transpose, corner, closure]
-    if multipliers.border is not None:
-        border = balanced(multipliers.border, scale, largest_row(closure))
+    blocks, made = [[operator, transpose], [closure, corner]], [transpose, corner]
+    if (border := multipliers.border) is not None:
         across = border.transpose(PETSc.Mat())
         blocks = [[operator, transpose, None], [closure, corner, border], [None, across, None]]
-        made += [border, across]
+        made.append(across)
     whole = PETSc.Mat().createNest(blocks).convert("aij")
     destroy(*made)
-    if reaction is not closure:
-        destroy(reaction)
     return whole

@@ -265,14 +265,8 @@ def headline(
 ) -> str:
     """How many modes of a window have which word, the threshold that decided, and its own word.
 
-    Parameters
-    ----------
-    words, growth
-        Words of the modes and growth rates (1/s).
-    window
-        The window.
-    threshold
-        Growth rate (1/s) above which a mode is called unstable; None takes 1e-4 of abs(lambda).
+    ``words`` and ``growth`` rates (1/s) are those of the modes; the threshold is 1e-4 of
+    abs(lambda) where it is None.
     """
     top = f"{window.max_frequency:g} Hz"
     if not words:

@@ -27,6 +27,7 @@ from scipy.linalg.lapack import dtrsen
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import beside, column_blocks, combined
+from cea.eigen.matching import connected
 from cea.eigen.shift_invert import ShiftInvert
 
 type Radius = Callable[[Complexes], float]
@@ -46,25 +47,13 @@ _GRADED = 64.0
 
 @dataclass(frozen=True)
 class InvariantSubspace:
-    """Vectors Q, M-orthonormal, with M^-1 K Q = Q R, R block upper triangular.
+    """Vectors Q, M-orthonormal, with M^-1 K Q = Q R, R block upper triangular."""
 
-    Parameters
-    ----------
-    basis, projected
-        Q, the rows of this rank, shape (n_local, k), and R (1/s^2), shape (k, k).
-    symmetric
-        Whether R is symmetric but for rounding, as without friction.
-    whole
-        Whether it holds every eigenvalue of the window, as LAPACK tells of small systems.
-    graded
-        Whether Q is orthonormal in units of its own, and not in M.
-    """
-
-    basis: Floats
-    projected: Floats
-    symmetric: bool
-    whole: bool = False
-    graded: bool = False
+    basis: Floats  # Q, the rows of this rank, shape (n_local, k)
+    projected: Floats  # R (1/s^2), shape (k, k)
+    symmetric: bool  # whether R is symmetric but for rounding, as without friction
+    whole: bool = False  # whether it holds all of the window, as LAPACK tells of small systems
+    graded: bool = False  # whether Q is orthonormal in units of its own, and not in M
 
     @classmethod
     def empty(cls, rows: int, *, symmetric: bool) -> "InvariantSubspace":
@@ -163,8 +152,8 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
     Where that is so orthonormal ones by inverse iteration stand for them, if they are as good.
     """
     rounding = _EQUAL * np.finfo(float).eps * float(np.linalg.norm(matrix))
-    for members in _equal(values, rounding):
-        if np.linalg.svd(vectors[:, members], compute_uv=False)[-1] >= _APART:
+    for members in connected(np.abs(values[:, None] - values) <= rounding):
+        if len(members) == 1 or np.linalg.svd(vectors[:, members], compute_uv=False)[-1] >= _APART:
             continue
         mean = values[members].mean()
         if mean.imag < -rounding:
@@ -181,20 +170,6 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
             vectors[:, members], values[members] = own, found
             if not real:
                 vectors[:, members + 1], values[members + 1] = own.conj(), found.conj()
-
-
-def _equal(values: Complexes, rounding: float) -> list[Ints]:
-    """Groups of two or more that differ by no more than rounding from the first of them."""
-    left, groups = np.arange(len(values)), []
-    close = np.abs(values[:, None] - values) <= rounding
-    np.fill_diagonal(close, False)
-    for first in np.flatnonzero(close.any(axis=1)):
-        if first in left:
-            members = left[close[first, left] | (left == first)]
-            left = np.setdiff1d(left, members)
-            if len(members) > 1:
-                groups.append(members)
-    return groups
 
 
 def dense_subspace(

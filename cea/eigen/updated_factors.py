@@ -32,12 +32,8 @@ class UpdatedFactors:
     """A + s B B^T + E, solved by means of A factorised.
 
     B (``root``, m x r) and E (``rest``) are on the first rows of this rank, of which A may have
-    more. ``symmetric`` says that A is, and that there is no E.
-
-    Raises
-    ------
-    SingularError
-        When A or the sum is singular, or as good as that, or E is too large.
+    more. ``symmetric`` says that A is, and that there is no E. SingularError when A or the sum is
+    singular, or as good as that, or E is too large.
     """
 
     def __init__(

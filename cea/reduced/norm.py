@@ -23,7 +23,7 @@ from cea.eigen.blocks import times, transposed_times
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil
-from cea.eigen.shifted import bordered, force_scale
+from cea.eigen.shifted import bordered
 from cea.eigen.spectrum import SLOW
 from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total
@@ -100,18 +100,15 @@ class Norms:
         compliance = block_diagonal(parts).convert("aij")
         forces = Multipliers(closure, closure, compliance, None, 0, stacked=True)
         destroy(*parts)
-        scale = force_scale(matrix, forces)
-        whole = bordered(matrix, forces, scale, symmetric=True)
-        sizes, n = scale.array_r.copy(), pieces.displacements
-        destroy(scale)
-        factors = self._kept(Mumps(whole, symmetric=True))
+        factors = self._kept(Mumps(bordered(matrix, forces, symmetric=True), symmetric=True))
+        n = pieces.displacements
         self._made.append(forces)
 
         def pressed(gaps: Floats) -> Floats:
             """(c_c C^ + J X^-1 J^T)^-1 q."""
             rows = np.zeros((n + len(gaps), gaps.shape[1]), order="F")
-            rows[n:] = sizes[:, None] * gaps
-            return -sizes[:, None] * factors.solve_block(rows)[n : n + len(gaps)]
+            rows[n:] = gaps
+            return -factors.solve_block(rows)[n : n + len(gaps)]
 
         own, below = slice(0, n), self._forces
         self._gaps = pieces.acting(lambda block: times(forces.closure, block), own, below)

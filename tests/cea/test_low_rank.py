@@ -13,10 +13,9 @@ from cea.eigen.mumps import Mumps
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.eigen.shifted import Shifted
-from cea.eigen.unformed import LowRank, LowRankTerm, sum_of
+from cea.eigen.unformed import LowRank, LowRankTerm
 from cea.eigen.updated_factors import UpdatedFactors
 from cea.errors import ConvergenceError
-from cea.petsc import PETSc
 
 GPTS = {"method": "gpts", "points": 3}
 RNG = np.random.default_rng(4)
@@ -41,25 +40,6 @@ def pencil():
     ]
     piece = LowRank(rng.standard_normal((8, 2)), np.array([0.02, 0.1]))
     return with_piece(Pencil(terms), piece)
-
-
-@pytest.mark.parametrize("columns", [RNG.standard_normal((7, 3)), 1j + np.ones((7, 2))])
-def test_products_are_those_of_the_full_matrix(columns):
-    pieces = [
-        LowRank(RNG.standard_normal((4, 2)), np.array([0.5, 0.0]), first=2),
-        LowRank(RNG.standard_normal((7, 3)), np.array([1.0, 2.0, 3.0])),
-    ]
-    factors = (2.0, 0.1)
-    whole = np.zeros((7, 7))
-    for factor, piece in zip(factors, pieces, strict=True):
-        own = (piece.vectors * piece.weights) @ piece.vectors.T
-        whole[piece.rows, piece.rows] += factor * own
-    found = sum_of(zip(factors, pieces, strict=True), 7, PETSc.COMM_SELF)
-    assert found.times(columns) == pytest.approx(whole @ columns, rel=1e-13)
-    assert found.root() @ found.root().T == pytest.approx(whole, rel=1e-13, abs=1e-15)
-    assert found.root().shape == (7, 4)
-    assert (found.sizes(np.abs(columns)) >= np.abs(whole @ np.abs(columns))).all()
-    assert sum_of([(0.0, pieces[0])], 7, PETSc.COMM_SELF) is None
 
 
 @pytest.mark.parametrize(

@@ -172,38 +172,12 @@ def test_a_disc_about_the_middle_covers_what_a_cone_leaves(slope, depth):
     assert distance_of_cone(1.0, 0.5, depth, np.inf) == np.inf
 
 
-def test_what_lies_around_the_window_need_not_converge():
-    """Nothing beyond the end is found but what is nearer to the middle than a mode that grows."""
-    beyond = [[[1.07]], [[1.11]], [[1.13]], *band(500, 1.2, 400.0)]
-    blocks = [*band(60, 0.01, 0.99), pair(0.95, 0.02), *beyond]
-    disc = Searched(pencil_of(blocks))
-    found = disc.search(1.0)
-    assert 62 <= len(found) <= len(disc.search(np.inf))
-    assert (found.real < 1.0).sum() == 62
-    grows = Searched(pencil_of([*blocks, pair(0.6, 0.59)]))
-    found = grows.search(1.0)
-    assert (np.abs(found - (0.6 + 0.59j)) < 1e-9).sum() == 1
-    assert (np.abs(found - 1.07) < 1e-9).sum() == 1
-
-
 def test_what_converged_beyond_the_disc_has_left_vectors_too():
     values = np.cumsum(np.random.default_rng(8).uniform(0.05, 0.15, 120))
     pencil = pencil_of([*([[value]] for value in values), pair(0.7, 0.05)], seed=8)
     modes = solve_modes(pencil, HERTZ, options=KRYLOV, left=True)
     assert modes.left is not None
     assert len(modes) == (values < 1.0).sum() + 2
-
-
-class Searched:
-    """A disc about 0.5, as wide as 1.15, searched once."""
-
-    def __init__(self, pencil):
-        self.op = ShiftInvert(pencil.at(), 0.5, 1.0)
-
-    def search(self, end):
-        """Eigenvalues that are found in it, of a window that ends there."""
-        self.op.reach = end
-        return krylov_schur(self.op, 0.65, KRYLOV).eigenvalues
 
 
 def test_friction_that_leaves_a_narrow_cone_takes_no_second_shift():
