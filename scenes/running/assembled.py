@@ -235,7 +235,6 @@ class AssembledScene:
 
     @property
     def _top(self) -> float:
-        """Upper end of the window (Hz)."""
         assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
         return self.scene.analysis.max_frequency
 
@@ -276,7 +275,7 @@ class AssembledScene:
     def _other_forms(self, values: Mapping[str, float]) -> list[str]:
         """Contacts whose form is left open and would be another at some parameters."""
         left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
-        return [name for name in left_open if not self._system.keeps_forms([name], values)]
+        return [name for name in left_open if not self._system.keeps_form(name, values)]
 
     def free(self) -> None:
         """Free factors kept between solves."""

@@ -115,7 +115,6 @@ def _other_lengths(
 def _load_checks(
     scene: Scene, place: str, load: LoadSpec, known: Sequence[str]
 ) -> Iterator[InputError]:
-    """Loads on what is not there, and forces of another dimension."""
     if load.surface is not None:
         yield from _unknown_surface(f"{place}.surface", load.surface, known)
     elif load.body not in scene.bodies:
@@ -134,6 +133,7 @@ def _body_checks(place: str, body: BodySpec) -> Iterator[InputError]:
     wrong = list(_range_checks(place, body)) or list(_mesh_checks(place, body))
     yield from wrong or _size_checks(place, body)
     yield from fault_of(body.placement.check, dim, f"{place}.placement")
+    yield from fault_of(body.material.elasticity.check, dim, f"{place}.material")
     for i, support in enumerate(body.supports):
         yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
         yield from _unknown_surface(f"{place}.supports.{i}.surface", support.surface, known)
@@ -152,7 +152,6 @@ def _body_checks(place: str, body: BodySpec) -> Iterator[InputError]:
 
 
 def _range_checks(place: str, body: BodySpec) -> Iterator[InputError]:
-    """Ranges of coordinates that no mesh can divide."""
     for name, (low, high) in zip(body.geometry.directions, body.geometry.extent, strict=True):
         if not high - low > _THIN * max(abs(low), abs(high)):
             allowed = "a range that is not lost in the rounding of its ends"
@@ -160,7 +159,6 @@ def _range_checks(place: str, body: BodySpec) -> Iterator[InputError]:
 
 
 def _mesh_checks(place: str, body: BodySpec) -> Iterator[InputError]:
-    """Meshes that do not suit their shape."""
     shape, mesh, backend = body.geometry, body.mesh, body.backend
     fe, iga, dim = mesh.fe, mesh.iga, len(shape.directions)
     suited: tuple[str, ...] = ("fe", "iga")
@@ -198,7 +196,6 @@ def _mesh_checks(place: str, body: BodySpec) -> Iterator[InputError]:
 
 
 def _unstructured_checks(place: str, fe: FeMesh) -> Iterator[InputError]:
-    """Meshes other than unstructured tetrahedra, which alone fit some shapes."""
     if fe.cell != "tetrahedron":
         yield InputError(f"{place}.cell", fe.cell, "tetrahedron for such a shape")
     elif fe.size is None:
@@ -209,7 +206,6 @@ def _unstructured_checks(place: str, fe: FeMesh) -> Iterator[InputError]:
 
 
 def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iterator[InputError]:
-    """Elements that are too few for their shape, or too many for any machine."""
     elements = mesh.elements or ()
     if not all(1 <= count <= MAX_ELEMENTS for count in elements):
         yield InputError(f"{place}.elements", elements, f"1 to {MAX_ELEMENTS} along each direction")

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from cea.arrays import Floats, of_size_one
+from cea.elasticity import Elasticity
 from cea.errors import InputError
 from cea.rotation import Rotation
 from cea.supports.boundary import Support
@@ -33,6 +34,8 @@ def rotation_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable[
     if not _is_on_axis(body, rotation.origin):
         allowed = f"a point of the axis of the body, as {list(body.placement.translation)}"
         yield InputError(f"{place}.rotation.origin", rotation.origin, allowed)
+    if not _material_turns(body.material.elasticity, rotation, dim):
+        yield InputError(f"{place}.material", body.material.kind, "the same all round the rotation")
     for i, spec in enumerate(body.supports):
         if body.rotates_in_equilibrium and spec.support().prescribes:
             allowed = "zero where a body rotates with damping or convective stiffness"
@@ -62,6 +65,17 @@ def _goes_round(support: Support, body: BodySpec, rotation: Rotation) -> bool:
     return True
 
 
+def _material_turns(law: Elasticity, rotation: Rotation, dim: int) -> bool:
+    """Whether stresses turn with the strains, where both are turned about the axis by a radian."""
+    spin, origin = rotation.spin(dim), np.asarray(rotation.origin[:dim], dtype=float)[:, None]
+    turn = np.eye(dim) + np.sin(1.0) * spin + (1 - np.cos(1.0)) * spin @ spin
+    arm = np.arange(1.0, dim + 1)[:, None]
+    gradient = np.square(np.arange(1.0, dim**2 + 1)).reshape(dim, dim)
+    here = law.stress(gradient[..., None], origin + arm)[..., 0]
+    there = law.stress((turn @ gradient @ turn.T)[..., None], origin + turn @ arm)[..., 0]
+    return bool(np.abs(turn @ here @ turn.T - there).max() <= _ASIDE * np.abs(here).max())
+
+
 def _turns(matrix: Floats, rotation: Rotation) -> bool:
     """Whether a matrix of components is the same in every frame that is turned about the axis."""
     spin = rotation.spin(len(matrix))
@@ -69,14 +83,12 @@ def _turns(matrix: Floats, rotation: Rotation) -> bool:
 
 
 def _are_parallel(one: Iterable[float], other: Iterable[float]) -> bool:
-    """Whether two directions, of any length but zero, are the same or opposite."""
     first, second = (of_size_one(tuple(each)) for each in (one, other))
     sine = np.linalg.norm(np.cross(first, second)) / np.linalg.norm(first) / np.linalg.norm(second)
     return bool(sine <= _ASIDE)
 
 
 def _is_on_axis(body: BodySpec, point: Iterable[float]) -> bool:
-    """Whether a point lies on the axis of a body; in the plane it may have two coordinates."""
     x = np.array([*point, 0.0])[:3]
     arm = np.cross(body.placement.rotation[:, 2], x - body.placement.translation)
     return bool(np.linalg.norm(arm) <= _ASIDE * body.geometry.extent[0][1])
