@@ -20,6 +20,7 @@ from cea.arrays import Complexes
 from cea.contact.formulations import Segments
 from cea.eigen.classify import classify, thresholds
 from cea.errors import InputError
+from cea.timing import StageTimer
 from comparisons.bench import ccx
 from comparisons.bench.ccx import Measured, run_measured
 from comparisons.study.columns import Column, wide
@@ -28,7 +29,7 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
-from scenes.export.decks.bodies import deck_bodies
+from scenes.building.build import build_bodies
 from scenes.export.decks.write import write_deck
 from scenes.results.record import read_record, write_record
 from scenes.spec.body import FeMesh, MeshSpec
@@ -158,7 +159,7 @@ def _areas(scene: Scene, found: float | None) -> float | None:
         return None
     (contact,) = scene.contacts.values()
     body, surface = contact.a.split(".")
-    return deck_bodies(scene)[body].area_of(surface) / found - 1
+    return build_bodies(scene, StageTimer())[body].surfaces[surface].area / found - 1
 
 
 def _times(name: str, runs: list[Measured], solver: list[float]) -> dict[str, Any]:

@@ -141,30 +141,31 @@ def layers_at_edges(body: BodySpec, edges: Crowding) -> bool:
 
 
 def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
-    body = scene.bodies[name]
+    body, density = scene.bodies[name], resolution.density
     if from_file(body):
         return replace(body, mesh=replace(body.mesh, degree=resolution.file_degree))
     mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
     if mesh is None:
         raise InputError(f"bodies.{name}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+    finer: FeMesh | IgaMesh
     if isinstance(mesh, FeMesh):
-        finer: FeMesh | IgaMesh = replace(mesh, degree=resolution.degree)
+        finer = replace(mesh, degree=resolution.degree)
     else:
         degree = (resolution.degree,) * len(body.geometry.directions)
         finer = replace(mesh, degree=degree, continuity=None)
     if isinstance(finer, FeMesh) and finer.size is not None:
-        finer = replace(finer, size=finer.size / resolution.density)
+        finer = replace(finer, size=finer.size / density)
         if isinstance(body.geometry, VentilatedDisc):
             curved = min(finer.geometry_degree or finer.degree, MAX_CURVED)
             finer = replace(finer, geometry_degree=curved)
     else:
-        elements = tuple(max(1, round(n * resolution.density)) for n in finer.elements or ())
-        finer = replace(finer, elements=elements)
+        finer = replace(
+            finer, elements=tuple(max(1, round(n * density)) for n in finer.elements or ())
+        )
         if structured(body):
             finer = _with_breaks(finer, scene, name, resolution.layers)
-    return replace(
-        body, mesh=MeshSpec(fe=finer) if isinstance(finer, FeMesh) else MeshSpec(iga=finer)
-    )
+    mesh_spec = MeshSpec(fe=finer) if isinstance(finer, FeMesh) else MeshSpec(iga=finer)
+    return replace(body, mesh=mesh_spec)
 
 
 def _with_breaks(mesh: FeMesh | IgaMesh, scene: Scene, name: str, layers: int) -> FeMesh | IgaMesh:

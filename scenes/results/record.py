@@ -133,15 +133,17 @@ def versions() -> dict[str, str]:
     """Versions of Python and of the packages that matter for numbers."""
     from cea.petsc import PETSc, SLEPc
 
-    found = {"python": platform.python_version()}
-    for name, package in _PACKAGES.items():
-        try:
-            found[name] = version(package)
-        except PackageNotFoundError:
-            found[name] = "not installed as a package"
+    found = {name: _version(package) for name, package in _PACKAGES.items()}
     for name, system in (("petsc", PETSc.Sys), ("slepc", SLEPc.Sys)):
         found[name] = ".".join(map(str, system.getVersion()))
-    return found
+    return {"python": platform.python_version(), **found}
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed as a package"
 
 
 @cache
@@ -160,10 +162,7 @@ def commit() -> str:
             return done.stdout.strip()
     except (OSError, subprocess.CalledProcessError):
         pass  # no git, or a checkout of another owner: the package says what it is
-    try:
-        return f"{_PACKAGE} {version(_PACKAGE)}"
-    except PackageNotFoundError:
-        return "unknown"
+    return f"{_PACKAGE} {_version(_PACKAGE)}"
 
 
 def _in_json(value: Any, place: str = "data") -> Any:

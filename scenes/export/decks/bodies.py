@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.errors import InputError
-from cea.mesh import Cell, Floats, Ints, Mesh, lattice, matching_nodes, reference_nodes
+from cea.mesh import Cell, Ints, Mesh, lattice, matching_nodes, reference_nodes
 from meshes.files.content import named_sides
 from meshes.files.elements import facet_sides, full_kind
 from scenes.building.body_meshes import body_mesh, used_surfaces
@@ -25,8 +25,6 @@ ELEMENTS: Mapping[tuple[Cell, int], str] = {
 }
 """Elements by kind of cell and degree. Squares and cubes of higher degree have a node inside here,
 none there: there is no counterpart."""
-_POINTS = 6
-"""Gauss points along each direction of a facet: its area element is smooth."""
 
 
 def set_name(place: str) -> str:
@@ -82,22 +80,6 @@ class DeckBody:
         rising = np.lexsort((faces, elements))
         return elements[rising], faces[rising]
 
-    def area_of(self, surface: str) -> float:
-        """Area of a surface in space (m^2)."""
-        return float(np.linalg.norm(self.area_vectors(surface), axis=-1).sum())
-
-    def area_vectors(self, surface: str) -> Floats:
-        """Normals times area at Gauss points of facets, of either sense, (n_facets, points, 3)."""
-        mesh = self.mesh
-        at, weights = _gauss(mesh.is_simplex)
-        powers = lattice(2, mesh.order, mesh.is_simplex)
-        coefficients = np.linalg.inv(_monomials(powers / mesh.order, powers))
-        x = mesh.points[mesh.surfaces[surface]]
-        tangents = [
-            np.einsum("pj,jk,nkd->npd", _monomials(at, powers, i), coefficients, x) for i in (0, 1)
-        ]
-        return np.cross(*tangents) * weights[:, None]
-
 
 def element_nodes(mesh: Mesh) -> Ints:
     """Nodes of each cell in the order of its element type, right-handed, (n_cells, n_nodes)."""
@@ -114,25 +96,6 @@ def _is_mirrored(mesh: Mesh) -> NDArray[np.bool_]:
     apart = np.abs(first[:, None] - reference_nodes(mesh.cell, mesh.order)).max(axis=2)
     x = mesh.points[mesh.cells[:, apart.argmin(axis=1)]]
     return np.linalg.det(x[:, 1:] - x[:, :1]) < 0
-
-
-def _monomials(x: Floats, powers: Ints, derivative: int | None = None) -> Floats:
-    """Monomials, or their derivatives along one direction, at points, (n, n_monomials)."""
-    if derivative is None:
-        return np.prod(x[:, None] ** powers, axis=2)
-    lowered = np.maximum(powers - np.eye(2, dtype=int)[derivative], 0)
-    return _monomials(x, lowered) * powers[:, derivative]
-
-
-def _gauss(simplex: bool) -> tuple[Floats, Floats]:
-    """Points and weights of the unit square or triangle."""
-    x, w = np.polynomial.legendre.leggauss(_POINTS)
-    x, w = (x + 1) / 2, w / 2
-    s, t = (each.ravel() for each in np.meshgrid(x, x, indexing="ij"))
-    weights = np.outer(w, w).ravel()
-    if simplex:
-        return np.stack([s, (1 - s) * t], axis=1), weights * (1 - s)
-    return np.stack([s, t], axis=1), weights
 
 
 def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
