@@ -73,23 +73,11 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
 
 
 def write_load_steps(result: Result, out: Path) -> list[Path]:
-    """Write the equilibria at all load steps, cut ones too, as files for ParaView.
+    """Write the equilibria at all load steps, cut ones too, as ``load_steps.pvd``; collective.
 
     Points of the bodies bear ``displacement`` (m); those of contacts with a law ``contact
     pressure`` (N/m^2), ``closure`` (m) and ``contact stiffness`` (N/m^3). Time is the part of the
-    load.
-
-    Parameters
-    ----------
-    result
-        A run; collective, rank 0 writes.
-    out
-        Folder for ``load_steps.pvd`` and the folder of the ``.vtu`` files it lists.
-
-    Returns
-    -------
-    list of Path
-        The ``.pvd`` file; none where the scene asks for no steps.
+    load. The list of files is empty where the scene asks for no steps.
     """
     path = result.steady.path if result.steady is not None else ()
     steps = [(step.factor, step.state) for step in path if step.state is not None]

@@ -34,24 +34,12 @@ def set_name(place: str) -> str:
 
 @dataclass(frozen=True)
 class DeckBody:
-    """A body with its mesh and the numbers it has in a deck.
+    """A body with its mesh and the numbers it has in a deck."""
 
-    Parameters
-    ----------
-    name
-        Name of the body, which is that of its sets of nodes and elements.
-    spec
-        What the scene says of it.
-    mesh
-        Its mesh; nodes are those of its elements.
-    first_node, first_element
-        Numbers of its first node and element, from 1 through all bodies.
-    """
-
-    name: str
+    name: str  # that of its sets of nodes and elements too
     spec: BodySpec
-    mesh: Mesh
-    first_node: int
+    mesh: Mesh  # whose nodes are those of its elements
+    first_node: int  # numbers from 1 through all bodies
     first_element: int
 
     @property

@@ -26,24 +26,12 @@ _TANGENT = 1e-6
 
 @dataclass(frozen=True)
 class DeckContact:
-    """A contact as decks have it.
+    """A contact as decks have it."""
 
-    Parameters
-    ----------
-    interaction
-        Name of its surface interaction.
-    slave, master
-        Names of the surfaces that are side a, where integration points lie, and side b.
-    stiffness
-        Contact stiffness p (N/m^3), uniform.
-    mu
-        Friction coefficient.
-    """
-
-    interaction: str
-    slave: str
+    interaction: str  # name of its surface interaction
+    slave: str  # surface that is side a, where integration points lie
     master: str
-    stiffness: float
+    stiffness: float  # p (N/m^3), uniform
     mu: float
 
 

@@ -43,25 +43,13 @@ BASIS = 2
 
 @dataclass(frozen=True)
 class Deck:
-    """What a deck is made of.
-
-    Parameters
-    ----------
-    bodies, contacts
-        Bodies by name, and contacts.
-    motions
-        Motions of the bodies that move, by name.
-    modes
-        Number of modes.
-    max_frequency
-        Upper end of the window (Hz).
-    """
+    """What a deck is made of."""
 
     bodies: Mapping[str, DeckBody]
     contacts: list[DeckContact]
-    motions: Mapping[str, RigidMotion]
-    modes: int
-    max_frequency: float
+    motions: Mapping[str, RigidMotion]  # of the bodies that move
+    modes: int  # number that is asked for
+    max_frequency: float  # upper end of the window (Hz)
 
     def closure(self, program: str) -> float:
         """How far the sides overlap (m)."""
