@@ -49,9 +49,7 @@ _Face = tuple[str, int]
 class Crowding:
     """Coordinates of one body."""
 
-    edges: tuple[
-        dict[str, float], ...
-    ] = ()  # by coordinates along two directions
+    edges: tuple[dict[str, float], ...] = ()  # by coordinates along two directions
     # those inside the body at which pressure ends, and elements do too
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
