@@ -191,21 +191,14 @@ COLUMNS = {
 DIAGRAM = Plot(
     "stability",
     "What lies above zero grows. Marks tell verdicts apart as colours do.",
-    by_verdict,
-    "frequency",
-    "growth",
-    ("verdict",),
+    *(by_verdict, "frequency", "growth", ("verdict",)),
     own=COLUMNS,
     style="markers",
 )
 STRESSES = Plot(
     "stress",
     "Normal stress along a line over the contact, both sides.",
-    stresses,
-    "arc",
-    "stress",
-    ("side",),
-    "contact",
+    *(stresses, "arc", "stress", ("side",), "contact"),
     own=COLUMNS,
 )
 SECTIONS = [

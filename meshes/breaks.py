@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from cea.arrays import Floats
-from cea.errors import InputError, require
+from cea.errors import require
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 
 Breaks = tuple[Floats, ...]
@@ -20,32 +20,20 @@ _SAMPLES = 2001
 
 
 def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -> Floats:
-    """Element boundaries as even as possible that pass through given coordinates.
-
-    Returns
-    -------
-    ndarray
-        ``count + 1`` rising coordinates.
-    """
-    stops = _stops(low, high, count, through)
-    shares = np.ones(len(stops) - 1, dtype=int)
+    """``count + 1`` element boundaries as even as possible that pass through given coordinates."""
+    stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
+    inside = bool(stops[0] == low and stops[-1] == high)
+    require(inside, "through", list(through), f"{low} to {high}")
+    require(count >= len(stops) - 1, "elements", count, f"at least {len(stops) - 1}")
     lengths = np.diff(stops)
-    for _ in range(count - len(shares)):
+    even = np.floor(count * lengths / (high - low)).astype(int)
+    shares = np.maximum(1, even - len(lengths))  # fewer than each gets
+    for _ in range(count - shares.sum()):
         shares[np.argmax(lengths / shares)] += 1
     pieces = [
         np.linspace(a, b, n + 1)[:-1] for (a, b), n in zip(pairwise(stops), shares, strict=True)
     ]
     return np.concatenate([*pieces, [high]])
-
-
-def _stops(low: float, high: float, count: int, through: Sequence[float]) -> Floats:
-    """Coordinates that must be breaks, the ends among them, rising."""
-    stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
-    require(
-        bool(stops[0] == low and stops[-1] == high), "through", list(through), f"{low} to {high}"
-    )
-    require(count >= len(stops) - 1, "count", count, f"at least {len(stops) - 1} elements")
-    return stops
 
 
 def breaks_of(
@@ -59,21 +47,6 @@ def breaks_of(
         spread(low, high, count, asked.get(name, ()))
         for name, (low, high), count in zip(shape.directions, shape.extent, elements, strict=True)
     )
-
-
-def check_breaks(
-    shape: Shape, elements: Sequence[int], through: Mapping[str, Sequence[float]], field: str
-) -> None:
-    """Refuse elements and coordinates that give no breaks, without making any."""
-    try:
-        asked = _asked(shape, elements, through)
-        for name, ends, count in zip(shape.directions, shape.extent, elements, strict=True):
-            _stops(*ends, count, asked.get(name, ()))
-    except InputError as error:
-        name, value = error.field, error.value
-        if name == "count":
-            name, value = "elements", tuple(elements)
-        raise InputError(f"{field}.{name}", value, error.allowed) from None
 
 
 def check_ends(shape: Shape, breaks: Breaks) -> None:
@@ -91,12 +64,8 @@ def _asked(
     asked = {name: list(values) for name, values in through.items()}
     unknown = set(asked) - set(shape.directions)
     require(not unknown, "through", sorted(unknown), f"directions {', '.join(shape.directions)}")
-    require(
-        len(elements) == len(shape.directions),
-        "elements",
-        tuple(elements),
-        f"one number for each of {', '.join(shape.directions)}",
-    )
+    allowed = f"one number for each of {', '.join(shape.directions)}"
+    require(len(elements) == len(shape.directions), "elements", tuple(elements), allowed)
     if isinstance(shape, CLOSED):
         asked["theta"] = [*asked.get("theta", []), 90.0, 180.0, 270.0]
     if isinstance(shape, Hub):
@@ -115,13 +84,7 @@ def fewest(shape: Shape, through: Mapping[str, Sequence[float]]) -> tuple[int, .
 
 
 def layered(breaks: Floats, towards: Sequence[float], layers: int, ratio: float) -> Floats:
-    """Breaks with geometric layers towards some of them, as corners of stress ask for.
-
-    Returns
-    -------
-    ndarray
-        Rising coordinates, the given ones among them.
-    """
+    """Breaks with geometric layers towards some of them, as corners of stress ask for."""
     require(0 < ratio < 0.5 and layers >= 0, "ratio", ratio, "below 1/2: layers may meet")
     shares = ratio ** np.arange(1, layers + 1)
     new = [breaks]
@@ -139,23 +102,7 @@ def graded(
     """Element boundaries that crowd towards some coordinates, as near edges where stress is large.
 
     Elements are at most ``largest`` long, and ``fine[c] + growth * distance`` at a distance from
-    the coordinate c.
-
-    Parameters
-    ----------
-    stops
-        Rising coordinates that must be element boundaries, the ends of the range among them.
-    largest
-        Largest size.
-    fine
-        Size at each coordinate to crowd towards.
-    growth
-        Increase of the size with distance.
-
-    Returns
-    -------
-    ndarray
-        Rising coordinates.
+    the coordinate c; the rising ``stops``, which begin and end the range, are boundaries.
     """
     require(len(stops) > 1 and largest > 0 and growth > 0, "stops", list(stops), "a range to grade")
 

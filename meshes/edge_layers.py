@@ -42,18 +42,10 @@ def run_along(shape: Shape, edges: Sequence[Edge]) -> int | None:
     return next((i for i, name in enumerate(directions) if name not in known[0]), None)
 
 
-def check_edges(shape: Shape, edges: Sequence[Edge], field: str) -> None:
-    """Refuse edges that layers cannot be laid around, as :func:`run_along` does."""
-    try:
-        run_along(shape, edges)
-    except InputError as error:
-        raise InputError(f"{field}.{error.field}", error.value, error.allowed) from None
-
-
-def check_room(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge], field: str) -> None:
+def check_room(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge]) -> None:
     """Refuse elements among which there is no room for layers towards edges."""
     counts = tuple(len(each) - 1 for each in breaks)
-    require(fit(shape, breaks, edges), f"{field}.elements", counts, TOO_FEW)
+    require(fit(shape, breaks, edges), "elements", counts, TOO_FEW)
 
 
 def fit(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge]) -> bool:

@@ -11,21 +11,20 @@ there: its control points along the arc coincide.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from types import MappingProxyType
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.errors import InputError, require
-from meshes.breaks import Breaks, check_ends
+from meshes.breaks import CLOSED, Breaks, check_ends
 from meshes.crowned import Crowned, crowned_bezier
 from meshes.patches import Face, GivenPatch, NurbsFile, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
 
-Faces = Mapping[str, tuple[Face, ...]]
+Faces = dict[str, tuple[Face, ...]]
 
 _LINE = np.array([0.0, 0.0, 1.0, 1.0])
 _ARC = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
@@ -82,36 +81,38 @@ def nurbs_shape(
     A hub has four quarters for each of its layers.
     """
     _check(shape, breaks)
+    patches, faces = _patches(shape, breaks)
+    placed = (replace(p, control_points=placement.apply(p.control_points)) for p in patches)
+    return NurbsShape(tuple(placed), faces)
+
+
+def _patches(shape: Shape, breaks: Breaks) -> tuple[list[NurbsPatch], Faces]:
+    """Patches of a shape where it stands by itself, and its faces."""
+    heights = breaks[2:]
     match shape:
         case Patches():
-            patches = tuple(
-                _given(patch, net, breaks, placement)
-                for patch, net in zip(shape.patches, shape.nets, strict=True)
-            )
-            return NurbsShape(patches, MappingProxyType(shape.faces))
+            pairs = zip(shape.patches, shape.nets, strict=True)
+            return [_given(patch, net, breaks) for patch, net in pairs], shape.faces
         case NurbsFile():
-            return nurbs_shape(shape.given, breaks, placement)
+            return _patches(shape.given, breaks)
         case Box() | Rectangle():
-            faces = _sides(shape.surfaces, range(len(breaks)))
-            return NurbsShape((_straight(shape, breaks, placement),), faces)
+            patches = [_extruded(_rectangle(breaks), heights)]
+            return patches, _on_all([0], _ends(shape.surfaces, range(len(breaks))))
         case Sector() | RingSector():
-            arc = _Arc.between(shape.start, shape.end, breaks[1])
-            faces = _sides(shape.surfaces, range(len(breaks)))
-            return NurbsShape((_round(arc, breaks[0], breaks[2:], placement),), faces)
+            part = _part_of_ring(breaks[0], shape.start, shape.end, breaks[1])
+            patches = [_extruded(part, heights)]
+            return patches, _on_all([0], _ends(shape.surfaces, range(len(breaks))))
         case Annulus() | Ring():
-            quarters = _quarters(breaks[1], breaks[0], breaks[2:], placement)
-            return NurbsShape(quarters, _sides(shape.surfaces, range(0, len(breaks), 2), 4))
+            ends = _ends(shape.surfaces, range(0, len(breaks), 2))
+            return _quarters(*breaks), _on_all(range(4), ends)
         case Disc():
-            quarters = _quarters(breaks[1], breaks[0], breaks[2:], placement)
             named = {"outer": (0, 1), "bottom": (2, 0), "top": (2, 1)}
-            faces = {name: _on_all(range(4), *end) for name, end in named.items()}
-            return NurbsShape(quarters, MappingProxyType(faces))
+            return _quarters(*breaks), _on_all(range(4), named)
         case Crowned():
-            flat = nurbs_shape(shape.base, breaks)
-            patches = tuple(_crowned(shape, patch, placement) for patch in flat.patches)
-            return NurbsShape(patches, flat.faces)
+            patches, faces = _patches(shape.base, breaks)
+            return [_crowned(shape, patch) for patch in patches], faces
         case Hub():
-            return _hub(shape, breaks, placement)
+            return _hub(shape, breaks)
         case _:
             raise InputError("shape", shape.shape, "a shape that has NURBS patches")
 
@@ -119,7 +120,7 @@ def nurbs_shape(
 def _check(shape: Shape, breaks: Breaks) -> None:
     check_ends(shape, breaks)
     joints: dict[int, Sequence[float]] = {}
-    if isinstance(shape, Annulus | Disc | Hub | Ring):
+    if isinstance(shape, CLOSED):
         joints[1] = (90.0, 180.0, 270.0)
     if isinstance(shape, Hub):
         joints |= {0: (shape.hub_radius,), 2: (shape.bottom, shape.top)}
@@ -129,16 +130,14 @@ def _check(shape: Shape, breaks: Breaks) -> None:
         require(bool(np.all(distance <= _SNAP)), field, breaks[axis], allowed)
 
 
-def _sides(names: Sequence[str], axes: Sequence[int], patches: int = 1) -> Faces:
-    """Name both sides of each axis, in order, on every patch."""
-    ends = [(axis, side) for axis in axes for side in (0, 1)]
-    return MappingProxyType(
-        {name: _on_all(range(patches), *end) for name, end in zip(names, ends, strict=True)}
-    )
+def _ends(names: Sequence[str], axes: Sequence[int]) -> dict[str, tuple[int, int]]:
+    """Axis and side by name: both sides of each axis in order."""
+    return dict(zip(names, ((axis, side) for axis in axes for side in (0, 1)), strict=True))
 
 
-def _on_all(patches: Sequence[int], axis: int, side: int) -> tuple[Face, ...]:
-    return tuple((patch, axis, side) for patch in patches)
+def _on_all(patches: Sequence[int], ends: Mapping[str, tuple[int, int]]) -> Faces:
+    """The same faces of several patches by name."""
+    return {name: tuple((patch, *end) for patch in patches) for name, end in ends.items()}
 
 
 def _between(values: Floats, low: float, high: float) -> Floats:
@@ -151,127 +150,90 @@ def _linear_parameters(values: Floats) -> Floats:
     return parameters
 
 
-@dataclass(frozen=True)
-class _Arc:
-    """Arc of the unit circle."""
+def _rectangle(breaks: Breaks) -> NurbsPatch:
+    grid = np.meshgrid(*(line[[0, -1]] for line in breaks[:2]), indexing="ij")
+    parameters = tuple(_linear_parameters(line) for line in breaks[:2])
+    return NurbsPatch((1, 1), (_LINE, _LINE), np.stack(grid, axis=-1), np.ones((2, 2)), parameters)
 
-    points: Floats
-    weight: float
-    parameters: Floats
 
-    @classmethod
-    def between(cls, start: float, end: float, breaks: Floats) -> "_Arc":
-        """Arc between two angles less than 180 apart, its breaks at given angles (degrees)."""
-        middle, half = np.deg2rad((start + end) / 2), np.deg2rad((end - start) / 2)
-        # Multiples of 90 degrees have exact control points: patches then meet exactly.
-        angles = np.array([start, end])
-        ends = np.stack([_cosine(angles), _cosine(angles - 90.0)], axis=1)
-        corner = ends.sum(axis=0) / (2 * np.cos(half) ** 2)
-        from_middle = np.deg2rad(breaks) - middle
-        parameters = (1 + np.tan(from_middle / 2) / np.tan(half / 2)) / 2
-        parameters[[0, -1]] = 0.0, 1.0
-        return cls(np.array([ends[0], corner, ends[1]]), float(np.cos(half)), parameters)
+def _part_of_ring(radii: Floats, start: float, end: float, breaks: Floats) -> NurbsPatch:
+    """Patch between radii and angles less than 180 apart, its breaks at given angles (degrees)."""
+    middle, half = np.deg2rad((start + end) / 2), np.deg2rad((end - start) / 2)
+    # Multiples of 90 degrees have exact control points: patches then meet exactly.
+    angles = np.array([start, end])
+    ends = np.stack([_cosine(angles), _cosine(angles - 90.0)], axis=1)
+    corner = ends.sum(axis=0) / (2 * np.cos(half) ** 2)
+    arc = np.array([ends[0], corner, ends[1]])
+    parameters = (1 + np.tan((np.deg2rad(breaks) - middle) / 2) / np.tan(half / 2)) / 2
+    parameters[[0, -1]] = 0.0, 1.0
+    return NurbsPatch(
+        degrees=(1, 2),
+        knots=(_LINE, _ARC),
+        control_points=radii[[0, -1], None, None] * arc,
+        weights=np.tile([1.0, np.cos(half), 1.0], (2, 1)),
+        breaks=(_linear_parameters(radii), parameters),
+    )
 
 
 def _cosine(degrees: Floats) -> Floats:
     return np.where(degrees % 180.0 == 90.0, 0.0, np.cos(np.deg2rad(degrees)))
 
 
-def _given(patch: GivenPatch, net: Floats, breaks: Breaks, placement: Placement) -> NurbsPatch:
+def _extruded(patch: NurbsPatch, heights: Sequence[Floats]) -> NurbsPatch:
+    """A patch of the plane between heights, or as it is where there are none."""
+    for z in heights:
+        layers = [np.insert(patch.control_points, 2, end, axis=-1) for end in z[[0, -1]]]
+        patch = NurbsPatch(
+            degrees=(*patch.degrees, 1),
+            knots=(*patch.knots, _LINE),
+            control_points=np.stack(layers, axis=2),
+            weights=np.stack([patch.weights, patch.weights], axis=2),
+            breaks=(*patch.breaks, _linear_parameters(z)),
+        )
+    return patch
+
+
+def _given(patch: GivenPatch, net: Floats, breaks: Breaks) -> NurbsPatch:
     """A given patch with its net, breaks scaled to the ranges of its parameters."""
     knots = tuple(np.asarray(k, dtype=float) for k in patch.knots)
-    return NurbsPatch(
-        degrees=tuple(patch.degrees),
-        knots=knots,
-        control_points=placement.apply(net),
-        weights=patch.point_weights,
-        breaks=tuple(
-            np.clip(k[0] + values * (k[-1] - k[0]), k[0], k[-1])
-            for k, values in zip(knots, breaks, strict=True)
-        ),
+    scaled = tuple(
+        np.clip(k[0] + values * (k[-1] - k[0]), k[0], k[-1])
+        for k, values in zip(knots, breaks, strict=True)
     )
+    return NurbsPatch(tuple(patch.degrees), knots, net, patch.point_weights, scaled)
 
 
-def _straight(shape: Box | Rectangle, breaks: Breaks, placement: Placement) -> NurbsPatch:
-    grid = np.meshgrid(*shape.extent, indexing="ij")
-    dim = len(breaks)
-    return NurbsPatch(
-        degrees=(1,) * dim,
-        knots=(_LINE,) * dim,
-        control_points=placement.apply(np.stack(grid, axis=-1)),
-        weights=np.ones((2,) * dim),
-        breaks=tuple(_linear_parameters(values) for values in breaks),
-    )
-
-
-def _round(
-    arc: _Arc, radii: Floats, heights: tuple[Floats, ...], placement: Placement
-) -> NurbsPatch:
-    """Patch over an arc between radii, in plane strain or between heights."""
-    plane = radii[[0, -1], None, None] * arc.points
-    weights = np.broadcast_to([1.0, arc.weight, 1.0], (2, 3))
-    for z in heights:
-        ends = np.broadcast_to(z[[0, -1], None], (2, 3, 2, 1))
-        plane = np.concatenate([np.stack([plane, plane], axis=2), ends], axis=3)
-        weights = np.stack([weights, weights], axis=2)
-    extruded = len(heights)
-    return NurbsPatch(
-        degrees=(1, 2) + (1,) * extruded,
-        knots=(_LINE, _ARC) + (_LINE,) * extruded,
-        control_points=placement.apply(plane),
-        weights=np.array(weights),
-        breaks=(_linear_parameters(radii), arc.parameters, *map(_linear_parameters, heights)),
-    )
-
-
-def _crowned(shape: Crowned, patch: NurbsPatch, placement: Placement) -> NurbsPatch:
+def _crowned(shape: Crowned, patch: NurbsPatch) -> NurbsPatch:
     """A patch of the base, crowned."""
     degrees, points, weights = crowned_bezier(
         shape, patch.degrees, patch.control_points, patch.weights
     )
     knots = tuple(np.repeat([0.0, 1.0], p + 1) for p in degrees)
-    return NurbsPatch(degrees, knots, placement.apply(points), weights, patch.breaks)
+    return NurbsPatch(degrees, knots, points, weights, patch.breaks)
 
 
-def _quarters(
-    angles: Floats, radii: Floats, heights: tuple[Floats, ...], placement: Placement
-) -> tuple[NurbsPatch, ...]:
+def _quarters(radii: Floats, angles: Floats, *heights: Floats) -> list[NurbsPatch]:
     """Four joined patches all the way round."""
-    return tuple(
-        _round(
-            _Arc.between(start, start + 90.0, _between(angles, start, start + 90.0)),
-            radii,
-            heights,
-            placement,
-        )
-        for start in (0.0, 90.0, 180.0, 270.0)
-    )
+    starts = (0.0, 90.0, 180.0, 270.0)
+    spans = ((start, start + 90.0) for start in starts)
+    return [
+        _extruded(_part_of_ring(radii, *span, _between(angles, *span)), heights) for span in spans
+    ]
 
 
-def _hub(shape: Hub, breaks: Breaks, placement: Placement) -> NurbsShape:
+def _hub(shape: Hub, breaks: Breaks) -> tuple[list[NurbsPatch], Faces]:
     """Four quarters of the ring, then of each layer of the hub from below."""
     r, theta, z = breaks
     inside, outside = _between(r, 0.0, shape.hub_radius), _between(r, shape.hub_radius, np.inf)
     levels = np.unique([shape.hub_bottom, shape.bottom, shape.top, shape.hub_top])
-    patches = list(_quarters(theta, outside, (_between(z, shape.bottom, shape.top),), placement))
-    ring = range(4)
+    patches = _quarters(outside, theta, _between(z, shape.bottom, shape.top))
     standing_out: list[int] = []
     for low, high in pairwise(levels):
         if low != shape.bottom:
             standing_out += range(len(patches), len(patches) + 4)
-        patches += _quarters(theta, inside, (_between(z, low, high),), placement)
+        patches += _quarters(inside, theta, _between(z, low, high))
     hub = range(4, len(patches))
-    return NurbsShape(
-        tuple(patches),
-        MappingProxyType(
-            {
-                "bore": _on_all(hub, 0, 0),
-                "outer": _on_all(ring, 0, 1),
-                "bottom": _on_all(ring, 2, 0),
-                "top": _on_all(ring, 2, 1),
-                "hub_bottom": _on_all(hub[:4], 2, 0),
-                "hub_top": _on_all(hub[-4:], 2, 1),
-                "hub_side": _on_all(standing_out, 0, 1),
-            }
-        ),
-    )
+    faces = _on_all(range(4), {"outer": (0, 1), "bottom": (2, 0), "top": (2, 1)})
+    faces |= _on_all(hub, {"bore": (0, 0)}) | _on_all(hub[:4], {"hub_bottom": (2, 0)})
+    faces |= _on_all(hub[-4:], {"hub_top": (2, 1)}) | _on_all(standing_out, {"hub_side": (0, 1)})
+    return patches, {name: faces[name] for name in shape.surfaces}

@@ -13,7 +13,16 @@ from functools import cached_property, partial
 from typing import Any, Self
 
 import numpy as np
-from scipy.linalg import LinAlgError, cholesky, matrix_balance, schur, solve_triangular, svd
+from scipy.linalg import (
+    LinAlgError,
+    cholesky,
+    lu_factor,
+    lu_solve,
+    matrix_balance,
+    schur,
+    solve_triangular,
+    svd,
+)
 from scipy.linalg.lapack import dtrsen
 
 from cea.arrays import Complexes, Floats, Ints
@@ -27,6 +36,8 @@ _EQUAL = 1e3
 """Distance of eigenvalues, in rounding of the matrix, up to which they may be equal."""
 _APART = 1e-2
 """Least singular value of unit eigenvectors that are told from each other."""
+_INVERSE_STEPS = 3
+"""Steps of inverse iteration by which vectors of equal eigenvalues are found."""
 _ROUNDING = 1e-13
 """theta relative to the largest that may be rounding of zero."""
 _GRADED = 64.0
@@ -149,7 +160,7 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
     """Mend vectors of equal eigenvalues of an unsymmetric matrix.
 
     Those of rigid motions, say, are what rounding makes of them, which may be one vector twice.
-    Where that is so orthonormal ones stand for them, if they are as good.
+    Where that is so orthonormal ones by inverse iteration stand for them, if they are as good.
     """
     rounding = _EQUAL * np.finfo(float).eps * float(np.linalg.norm(matrix))
     for members in _equal(values, rounding):
@@ -158,14 +169,18 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
         mean = values[members].mean()
         if mean.imag < -rounding:
             continue  # corrected with their conjugates
-        shift = mean.real if mean.imag <= rounding else mean
-        _, sizes, axes = svd(matrix - shift * np.eye(len(matrix)), lapack_driver="gesvd")
-        if sizes[-len(members)] <= rounding:
-            own = axes[-len(members) :].conj().T
-            vectors[:, members] = own
-            values[members] = np.einsum("ij,ij->j", own.conj(), matrix @ own)
-            if mean.imag > rounding:
-                vectors[:, members + 1], values[members + 1] = own.conj(), values[members].conj()
+        real = mean.imag <= rounding
+        shift = (mean.real if real else mean) + 0.1 * rounding
+        factors = lu_factor(matrix - shift * np.eye(len(matrix)))
+        own = np.random.default_rng(0).standard_normal((len(matrix), len(members)))
+        for _ in range(_INVERSE_STEPS):
+            own = np.linalg.qr(lu_solve(factors, own))[0]
+        image = matrix @ own
+        found = np.einsum("ij,ij->j", own.conj(), image)
+        if np.linalg.norm(image - own * found, axis=0).max() <= rounding:
+            vectors[:, members], values[members] = own, found
+            if not real:
+                vectors[:, members + 1], values[members + 1] = own.conj(), found.conj()
 
 
 def _equal(values: Complexes, rounding: float) -> list[Ints]:

@@ -47,7 +47,7 @@ _REFINEMENTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
 FEWEST = {2: 400, 3: 500}
 """Fewest degrees of freedom of a case, by dimension."""
 
-PARTS = ("errors", "no flutter", "finest")
+PARTS = ("errors", "no flutter")
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,7 @@ class Options:
     Parameters
     ----------
     parts
-        Of "errors" (against run time), "no flutter" (where nothing may grow) and "finest" (how many
-        digits the finest meshes reach).
+        Of "errors" (against run time) and "no flutter" (where nothing may grow).
     problems
         Problems with exact eigenvalues.
     stiffnesses
@@ -84,12 +83,10 @@ class Options:
     repeats: int = 3
 
     def __post_init__(self) -> None:
-        for problem in self.problems:
-            if problem not in PROBLEMS:
-                raise InputError("problems", problem, f"one of {', '.join(PROBLEMS)}")
-        for part in self.parts:
-            if part not in PARTS:
-                raise InputError("parts", part, f"one of {', '.join(PARTS)}")
+        for name, known in (("problems", PROBLEMS), ("parts", PARTS)):
+            for value in getattr(self, name):
+                if value not in known:
+                    raise InputError(name, value, f"one of {', '.join(known)}")
 
 
 @dataclass(frozen=True)
@@ -175,19 +172,7 @@ def scene_of(
     p: float,
     changes: Mapping[str, Any] | None = None,
 ) -> Scene:
-    """The scene of one point of a plot.
-
-    Parameters
-    ----------
-    problem, method
-        What is run, and how.
-    refinement
-        Elements along each direction, relative to the problem's coarsest mesh.
-    p
-        Contact stiffness in units of the problem.
-    changes
-        Further fields of the scene by their paths.
-    """
+    """The scene of one point of a plot: p in units of the problem, more changes by their paths."""
     scene = load_scene(problem.name, backend=method.backend).change(
         {
             **(changes or {}),

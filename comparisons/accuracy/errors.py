@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes
 from cea.eigen.matching import match_spectrum
 from cea.errors import ConvergenceError, InputError
 from comparisons.accuracy.cases import Method, method_of, refinements, scene_of
@@ -15,7 +15,6 @@ from comparisons.study.measure import measured
 from comparisons.study.session import Session
 from comparisons.study.study import Case
 from scenes import run_modes
-from scenes.spec.reading import Scene
 
 REACH = 0.25
 """Relative distance at which a computed eigenvalue no longer stands for an exact one."""
@@ -57,31 +56,28 @@ def measure(case: Case, refinement: int, repeats: int) -> dict[str, Any]:
     -------
     dict
         ``refinement``, ``dofs``, ``points``; ``seconds`` of processor time, median of the runs,
-        and of each stage; ``memory``, peak above what the process held before (MB);
-        errors of :func:`errors`.
+        and of each stage; ``memory``, peak above what the process held before (MB); errors of
+        :func:`errors`.
     """
     problem, method = PROBLEMS[case["problem"]], method_of(case)
     _warm_up(case["problem"], method)
-    scene = scene_of(problem, method, refinement, case["p"])
-    taken = [_timed(scene) for _ in range(repeats)]
-    values = exact(case["problem"], case["p"])
-    row = taken[0][0] | errors(taken[0][1], values, problem.band)
-    row |= {name: float(np.median([t[0][name] for t in taken])) for name in taken[0][2]}
+    scene, taken, memory = scene_of(problem, method, refinement, case["p"]), [], []
+    for _ in range(repeats):
+        with measured() as cost:
+            result = run_modes(scene)
+        taken.append(result.timer.processor_seconds)
+        memory.append(cost.memory)
+    row: dict[str, Any] = {
+        "dofs": result.system.size,
+        "points": len(next(iter(result.interfaces.values())).points),
+        "seconds": float(np.median([sum(stages.values()) for stages in taken])),
+        **{stage: float(np.median([each[stage] for each in taken])) for stage in taken[0]},
+        "memory": memory[0],
+    }
+    row |= errors(result.eigenvalues, exact(case["problem"], case["p"]), problem.band)
     return {"refinement": refinement} | {
         name: float(f"{v:.{_DIGITS}g}") if isinstance(v, float) else v for name, v in row.items()
     }
-
-
-def _timed(scene: Scene) -> tuple[dict[str, Any], Complexes, list[str]]:
-    """A run: its row, its eigenvalues, and which columns are seconds."""
-    with measured() as cost:
-        result = run_modes(scene)
-    stages = result.timer.processor_seconds
-    points = len(next(iter(result.interfaces.values())).points)
-    seconds = {"seconds": sum(stages.values()), **stages}
-    memory = {"memory": cost.memory}
-    row = {"dofs": result.system.size, "points": points, **seconds, **memory}
-    return row, result.eigenvalues, list(seconds)
 
 
 @cache
@@ -100,18 +96,13 @@ def errors(computed: Complexes, exact: Complexes, band: tuple[float, float]) -> 
         missing; ``modes`` listed; numbers of ``missing`` and ``spurious`` eigenvalues.
     """
     match = match_spectrum(computed, exact, band, reach=REACH)
-    quantities = {
-        "lambda": match.errors,
-        "frequency": match.frequency_errors,
-        "growth": match.growth_errors,
-    }
-    found: dict[str, Any] = {}
-    for name, values in quantities.items():
-        found[f"{name}_worst"], found[f"{name}_median"] = _summary(values)
-    counts = {"missing": len(match.missing), "spurious": len(match.spurious)}
-    return {"modes": len(match.exact), **found, **counts}
-
-
-def _summary(error: Floats) -> tuple[float | None, float | None]:
-    worst, median = float(error.max(initial=0.0)), float(np.median(error)) if len(error) else 0.0
-    return (worst if np.isfinite(worst) else None, median if np.isfinite(median) else None)
+    found: dict[str, Any] = {"modes": len(match.exact)}
+    for name, error in (
+        ("lambda", match.errors),
+        ("frequency", match.frequency_errors),
+        ("growth", match.growth_errors),
+    ):
+        values = {"worst": error.max(initial=0.0), "median": np.median(error) if len(error) else 0}
+        for which, value in values.items():
+            found[f"{name}_{which}"] = float(value) if np.isfinite(value) else None
+    return found | {"missing": len(match.missing), "spurious": len(match.spurious)}

@@ -20,17 +20,8 @@ FILE = Path(__file__).with_name("exact.json")
 
 @cache
 def exact(name: str, stiffness: float) -> Complexes:
-    """Exact eigenvalues of a problem: as stored, or computed where that list is not stored.
-
-    Parameters
-    ----------
-    name
-        Name of the problem.
-    stiffness
-        Contact stiffness relative to the problem's unit.
-    """
-    chosen = PROBLEMS[name]
-    entry = _stored().get(name, {})
+    """Exact eigenvalues of a problem, p in its unit: as stored, or computed where they are not."""
+    chosen, entry = PROBLEMS[name], json.loads(FILE.read_text()).get(name, {})
     found = entry.get("lists", {}).get(f"{stiffness:g}")
     if found is None or entry["parameters"] != _parameters(chosen):
         return chosen.exact(stiffness)
@@ -42,11 +33,10 @@ def computed(
     stiffnesses: Iterable[float] = (0.1, 1.0, 10.0, 1000.0),
 ) -> dict[str, Any]:
     """Exact lists as plain data, all computed."""
-    ordered = sorted(stiffnesses)
     return {
         chosen.name: {
             "parameters": _parameters(chosen),
-            "lists": {f"{p:g}": [[v.real, v.imag] for v in chosen.exact(p)] for p in ordered},
+            "lists": {f"{p:g}": [[v.real, v.imag] for v in chosen.exact(p)] for p in stiffnesses},
         }
         for chosen in problems
     }
@@ -57,18 +47,8 @@ def _parameters(chosen: Problem) -> dict[str, float]:
     return {"unit": chosen.unit, "mu": chosen.mu, "highest": chosen.highest_exact}
 
 
-@cache
-def _stored() -> dict[str, Any]:
-    return json.loads(FILE.read_text()) if FILE.is_file() else {}
-
-
-def main() -> None:
-    """Compute and store every list."""
+if __name__ == "__main__":
     text = json.dumps(computed())
     # A line for each list: changes can be read.
     lines = text.replace('": [[', '":\n[[').replace("]], ", "]],\n") + "\n"
     write_whole(lines.encode(), FILE)
-
-
-if __name__ == "__main__":
-    main()

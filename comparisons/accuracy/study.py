@@ -1,11 +1,11 @@
 """Error of flutter eigenvalues against run time: every discretisation with every formulation."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from comparisons.accuracy import errors, limits
-from comparisons.accuracy.cases import PARTS, Options, lines
+from comparisons.accuracy import errors, no_flutter
+from comparisons.accuracy.cases import Options, lines
 from comparisons.accuracy.page import SECTIONS
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
@@ -13,18 +13,15 @@ from comparisons.study.study import Case, Process, Study
 
 def cases(options: Options) -> Iterator[Case]:
     """Cases of each part, labelled with it."""
-    made: dict[str, Iterable[Case]] = dict(
-        zip(PARTS, (lines(options), limits.no_flutter_cases(), limits.finest_cases()), strict=True)
-    )
     for part in options.parts:
-        for case in made[part]:
+        for case in lines(options) if part == "errors" else no_flutter.cases():
             yield {"part": part, **case}
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     """Tables of a case of its part."""
-    part = dict(zip(PARTS, (errors.evaluate, limits.growth, limits.digits), strict=True))
-    return part[case["part"]](case, session)
+    part = errors if case["part"] == "errors" else no_flutter
+    return part.evaluate(case, session)
 
 
 STUDY = Study(

@@ -5,7 +5,6 @@ integrates their mass with the four points of the stiffness, which is not exact;
 both with that mass, to compare what is the same, and with the exact one, to tell what that costs.
 """
 
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,23 +16,22 @@ import numpy as np
 import pandas as pd
 
 from cea.arrays import Complexes
+from cea.body import Body
 from cea.contact.formulations import Segments
 from cea.eigen.classify import classify, thresholds
-from cea.errors import InputError
-from cea.timing import StageTimer
 from comparisons.bench import ccx
-from comparisons.bench.ccx import Measured, run_measured
 from comparisons.study.columns import Column, wide
+from comparisons.study.measure import measured
 from comparisons.study.numbers import counted, decimals, number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
-from comparisons.study.study import Case, Study
-from scenes.building.build import build_bodies
+from comparisons.study.study import Case, Process, Study, at_least_one
+from fe_cea import LagrangeSpace
+from scenes import run_modes
+from scenes.building.build import body_mesh
 from scenes.export.decks.write import write_deck
-from scenes.results.record import read_record, write_record
 from scenes.spec.body import FeMesh, MeshSpec
-from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene, load_scene, with_contact
 
 MASS_QUADRATURE = 2
@@ -66,8 +64,7 @@ class Options:
     repeats: int = 3
 
     def __post_init__(self) -> None:
-        if self.repeats < 1:
-            raise InputError("repeats", self.repeats, "1 or more")
+        at_least_one(repeats=self.repeats)
 
 
 def cases(options: Options) -> Iterator[Case]:
@@ -98,19 +95,21 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     assert session.scene is not None
     repeats = range(session.options.repeats)
     with TemporaryDirectory() as name:
-        folder = Path(name)
-        deck = write_deck(session.scene, folder, MODES)[1]
+        deck = write_deck(session.scene, Path(name), MODES)[1]
         theirs = [ccx.run(deck) for _ in repeats]
-        top = _WIDER * float(theirs[0].eigenvalues[-1].imag) / (2 * np.pi)
-        wide_enough = session.scene.change({"analysis.max_frequency": top})
-        same = [_ours(wide_enough, MASS_QUADRATURE, folder) for _ in repeats]
-        exact, _ = _ours(wide_enough, None, folder)
-    lists = [theirs[0].eigenvalues, *(_eigenvalues(answer) for answer in (same[0][0], exact))]
+    top = _WIDER * float(theirs[0].eigenvalues[-1].imag) / (2 * np.pi)
+    wide_enough = session.scene.change({"analysis.max_frequency": top})
+    same, exact = [], run_modes(wide_enough)
+    for _ in repeats:
+        with measured() as cost:
+            values = run_modes(wide_enough, bodies=bodies_of(wide_enough)).eigenvalues
+        same.append(cost)
+    lists = [theirs[0].eigenvalues, _sorted(values), _sorted(exact.eigenvalues)]
     count = min(map(len, lists))
+    timed: list[tuple[str, list[Any]]] = [(PROGRAMS[0], theirs), (PROGRAMS[1], same)]
     found = dict(zip(PROGRAMS, lists, strict=True))
-    areas = _areas(session.scene, theirs[0].area)
     return {
-        "runs": [{"dofs": exact["dofs"], "calculix": ccx.version(), "area_left_out": areas}],
+        "runs": [{"dofs": exact.system.size, "calculix": ccx.version()}],
         "modes": [
             {"program": program, "mode": i + 1, **_mode(values[i])}
             for program, values in found.items()
@@ -122,23 +121,32 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
             for i, value in enumerate(unstable(values))
         ],
         "times": [
-            _times("CalculiX", [r.measured for r in theirs], [r.seconds for r in theirs]),
-            _times("this program", [m for _, m in same], [a["seconds"] for a, _ in same]),
+            {
+                "program": program,
+                "clock": median(run.clock for run in runs),
+                "processor": median(run.processor for run in runs),
+            }
+            for program, runs in timed
         ],
     }
 
 
-def _ours(scene: Scene, quadrature: int | None, folder: Path) -> tuple[dict[str, Any], Measured]:
-    """Answer of this program in a process of its own, and what that took."""
-    file = folder / "question.json"
-    write_record({"scene_data": as_data(scene), "mass_quadrature": quadrature}, file)
-    command = [sys.executable, "-m", "comparisons.bench.own", str(file)]
-    measured = run_measured(command, folder, "own.log")
-    return read_record(file), measured
+def bodies_of(scene: Scene) -> dict[str, Body]:
+    """Bodies of a scene of Lagrange elements with the mass of CalculiX."""
+    return {
+        name: Body(
+            name,
+            LagrangeSpace.from_mesh(
+                body_mesh(name, spec, ()), degree=2, mass_quadrature=MASS_QUADRATURE
+            ),
+            spec.material,
+            supports=[each.support() for each in spec.supports],
+        )
+        for name, spec in scene.bodies.items()
+    }
 
 
-def _eigenvalues(answer: Mapping[str, Any]) -> Complexes:
-    values = np.array([complex(*pair) for pair in answer["eigenvalues"]], dtype=complex)
+def _sorted(values: Complexes) -> Complexes:
     return values[np.lexsort((values.real, values.imag))]
 
 
@@ -153,33 +161,12 @@ def unstable(values: Complexes) -> Complexes:
     return values[np.array(words) == "unstable"]
 
 
-def _areas(scene: Scene, found: float | None) -> float | None:
-    """Part of the area of side a as meshed that CalculiX leaves out; of one contact."""
-    if found is None or len(scene.contacts) != 1:
-        return None
-    (contact,) = scene.contacts.values()
-    body, surface = contact.a.split(".")
-    return build_bodies(scene, StageTimer())[body].surfaces[surface].area / found - 1
-
-
-def _times(name: str, runs: list[Measured], solver: list[float]) -> dict[str, Any]:
-    return {
-        "program": name,
-        "clock": median(run.clock for run in runs),
-        "processor": median(run.processor for run in runs),
-        "solver": median(solver),
-        "memory": max(run.memory for run in runs) / 1e6,
-    }
-
-
 _MODE = ["problem", "mesh", "mode"]
 
 
 def beside(result: StudyResult, table: str) -> pd.DataFrame:
     """Frequency and growth rate of all programs beside each other; a row for each mode."""
     frame = result.frame(table)
-    if frame.empty:
-        return frame
     found = frame[_MODE].drop_duplicates()
     for program in PROGRAMS:
         own = frame.loc[frame["program"] == program, [*_MODE, "frequency", "growth"]]
@@ -190,10 +177,7 @@ def beside(result: StudyResult, table: str) -> pd.DataFrame:
 
 def differences(result: StudyResult) -> pd.DataFrame:
     """Worst relative difference of the frequencies of both programs, by problem."""
-    frame = result.frame("modes")
-    if frame.empty:
-        return frame
-    modes = wide(frame, _MODE, "program", "frequency")
+    modes = wide(result.frame("modes"), _MODE, "program", "frequency")
     for program in PROGRAMS[1:]:
         modes[program] = (modes[program] / modes["CalculiX"] - 1).abs()
     worst = modes.groupby(["problem", "mesh"], sort=False)[[*PROGRAMS[1:]]].max().reset_index()
@@ -202,18 +186,14 @@ def differences(result: StudyResult) -> pd.DataFrame:
 
 def times(result: StudyResult) -> pd.DataFrame:
     """What each program took, its processor time also over that of CalculiX."""
-    frame = result.frame("times")
-    if frame.empty:
-        return frame
+    frame = result.frame("times")[["problem", "mesh", "program", "clock", "processor"]]
     first = frame.groupby(["problem", "mesh"])["processor"].transform("first")
     return frame.assign(ratio=frame["processor"] / first)
 
 
-def headline(result: StudyResult) -> str | None:
+def headline(result: StudyResult) -> str:
     """How far the programs are apart, and how many unstable modes each finds."""
     found = differences(result)
-    if found.empty:
-        return None
     contact = found["problem"] == "disc_pad"
     alone, touching = (found.loc[own, PROGRAMS[1]].max() for own in (~contact, contact))
     modes = result.frame("unstable")
@@ -227,10 +207,8 @@ def headline(result: StudyResult) -> str | None:
 
 
 COLUMNS = {
-    "area_left_out": Column("area left out", show=shown(2)),
     "this program": Column("same mass", show=shown(2)),
     "exact mass": Column("exact mass", show=shown(2)),
-    "solver": Column("own work", "s", shown(3)),
     **{
         f"{name}, {program}": Column(f"{name}, {program}", unit, decimals(4))
         for name, unit in (("frequency", "Hz"), ("growth", "1/s"))
@@ -245,6 +223,7 @@ STUDY = Study(
     scene=scene,
     evaluate=evaluate,
     quick={"meshes": ({"pad": (2, 3, 1), "disc": (3, 16, 1)},), "repeats": 1},
+    process=Process("comparisons.bench.calculix:STUDY", 3600.0),
     shipped=Path(__file__).parent / "calculix_results",
     sections=[
         Section(
@@ -254,15 +233,17 @@ STUDY = Study(
             "With the same points in this program the frequencies of a body agree to rounding; "
             "with the exact mass, which it has otherwise, they are lower, less on finer meshes.",
             headline,
-            tables=[
+            [
                 Table(
                     "differences",
                     "Worst relative difference of the first frequencies, with the mass of CalculiX "
                     "and with the exact one in this program.",
                     *(differences, COLUMNS),
                     printed=True,
-                )
+                ),
+                Table("modes", "Modes by rising frequency.", lambda r: beside(r, "modes"), COLUMNS),
             ],
+            of="modes",
         ),
         Section(
             "Unstable modes",
@@ -282,30 +263,14 @@ STUDY = Study(
                     printed=True,
                 )
             ],
+            of="unstable",
         ),
         Section(
             "Times",
-            "CalculiX is asked for a number of modes, this program for all modes of a window that "
-            "holds as many. Decks are written before; this program makes meshes anew.",
-            tables=[
-                Table(
-                    "times",
-                    "Whole processes on one thread: by the clock, of the processor, over that of "
-                    "CalculiX; what the program says its own work took by the clock.",
-                    *(times, COLUMNS),
-                    printed=True,
-                )
-            ],
-        ),
-        Section(
-            "Every mode",
-            tables=[
-                Table(
-                    "modes",
-                    "Modes by rising frequency; of a pair, the one that decays comes first.",
-                    *(lambda result: beside(result, "modes"), COLUMNS),
-                )
-            ],
+            "On one thread. CalculiX is asked for a number of modes and has its deck, this program "
+            "for all modes of a window that holds as many, and makes its mesh.",
+            tables=[Table("times", "Medians, over those of CalculiX.", times, printed=True)],
+            of="times",
         ),
     ],
 )

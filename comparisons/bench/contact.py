@@ -13,11 +13,11 @@ from cea.errors import InputError
 from cea.matrices import destroy
 from cea.timing import StageTimer
 from comparisons.study.columns import Column, medians
-from comparisons.study.numbers import number, shown
+from comparisons.study.numbers import shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study
+from comparisons.study.study import Case, Process, Study, at_least_one
 from scenes.building.build import build_bodies, build_contacts
 from scenes.spec.reading import Scene, read_scene
 
@@ -43,8 +43,7 @@ class Options:
     def __post_init__(self) -> None:
         if not self.elements or min(self.elements) < 1:
             raise InputError("elements", self.elements, "one or more numbers, 1 or more each")
-        if self.repeats < 1:
-            raise InputError("repeats", self.repeats, "1 or more")
+        at_least_one(repeats=self.repeats)
 
 
 def cases(options: Options) -> Iterator[Case]:
@@ -61,17 +60,7 @@ def scene(case: Case, options: Options) -> Scene:
 
 
 def blocks(backend: str, elements: int, formulation: dict[str, Any]) -> Scene:
-    """A block on a block with friction, one element through the height of each.
-
-    Parameters
-    ----------
-    backend
-        ``fe`` or ``iga``.
-    elements
-        Elements along each side of the upper block.
-    formulation
-        Points of the contact, as in scenes.
-    """
+    """A block on a block with friction, so many elements along each side of the upper, one high."""
 
     def block(low: float, along: int) -> dict[str, Any]:
         counts = [along, along, 1]
@@ -93,13 +82,11 @@ def blocks(backend: str, elements: int, formulation: dict[str, Any]) -> Scene:
         "mu": 0.3,
         "friction_direction_on_a": {"vector": [1.0, 0.0, 0.0]},
     }
+    lower = block(-0.5, max(1, round(_FEWER * elements)))
     return read_scene(
         {
             "name": "contact of two blocks",
-            "bodies": {
-                "upper": block(0.0, elements),
-                "lower": block(-0.5, max(1, round(_FEWER * elements))),
-            },
+            "bodies": {"upper": block(0.0, elements), "lower": lower},
             "contacts": {"contact": contact},
             "analysis": {"kind": "cea", "max_frequency": 1.0},
         }
@@ -141,9 +128,8 @@ def contact_cost(scene: Scene) -> dict[str, float]:
         compliance, matrices = _timed(lambda: contact.compliance(contact.slope))
         destroy(compliance)
     assembly = operators + matrices
-    ratio = (search + assembly) / basis
     seconds = {"basis": basis, "rule": rule, "search": search, "assembly": assembly}
-    return {"points": len(points), **seconds, "ratio": ratio}
+    return {"points": len(points), **seconds, "ratio": (search + assembly) / basis}
 
 
 def _timed[T](work: Callable[[], T]) -> tuple[T, float]:
@@ -158,11 +144,9 @@ def costs(result: StudyResult) -> pd.DataFrame:
     return medians(result.frame())
 
 
-_STAGES = ("basis", "rule", "search", "assembly")
 COLUMNS = {
-    "elements": Column("elements a side", show=number),
-    **{stage: Column(stage, "s", shown(3)) for stage in _STAGES},
-    "ratio": Column("over basis", show=shown(3)),
+    **{stage: Column(stage, "s", shown(3)) for stage in ("basis", "rule", "search", "assembly")},
+    "ratio": Column("search and assembly over basis", show=shown(3)),
 }
 STUDY = Study(
     name="bench contact",
@@ -177,21 +161,12 @@ STUDY = Study(
         Section(
             "Contact",
             "A block on a block with friction, quadratic elements that do not match.",
-            tables=[
-                Table(
-                    "contact",
-                    "Processor time by stage; search and assembly over that of the basis.",
-                    *(costs, COLUMNS),
-                    printed=True,
-                )
-            ],
-            plots=[
+            None,
+            [Table("contact", "Processor time by stage.", costs, COLUMNS, printed=True)],
+            [
                 Plot(
-                    "contact",
-                    "Search and assembly over evaluating the bases.",
-                    *(costs, "points", "ratio", ("backend",)),
-                    log="x",
-                    own=COLUMNS,
+                    *("contact", "Against evaluating the bases.", costs, "points", "ratio"),
+                    *(("backend",), "", "x", COLUMNS),
                 )
             ],
         )

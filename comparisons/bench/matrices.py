@@ -22,22 +22,21 @@ from cea.arrays import Complexes
 from cea.errors import InputError
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import measured
-from comparisons.study.numbers import number, shown
+from comparisons.study.numbers import shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study
+from comparisons.study.study import Case, Process, Study, at_least_one
 from scenes import Result
 from scenes.running.matrices import AssembledMatrices
 from scenes.spec.matrices import MatrixScene, load_matrices
 
-SHIFTS = 5
+_SHIFTS = 5
 """Runs of scipy."""
-WANTED = 20
+_WANTED = 20
 """Eigenvalues of each."""
 _SAME = 1e-6
 """Relative distance of eigenvalues that are the same."""
-
 Matrices = Mapping[str, Any]
 """M, C and K, scipy."""
 
@@ -64,8 +63,7 @@ class Options:
     repeats: int = 3
 
     def __post_init__(self) -> None:
-        if self.repeats < 1:
-            raise InputError("repeats", self.repeats, "1 or more")
+        at_least_one(repeats=self.repeats)
 
 
 def loaded(options: Options) -> MatrixScene:
@@ -107,12 +105,8 @@ def evaluate(case: Case, session: Session) -> dict[str, Any]:
         values = WAYS[case["way"]](assembled, first.matrices())
     apart = np.abs(first.eigenvalues[:, None] - values)
     found = int((apart.min(axis=1) <= _SAME * np.abs(first.eigenvalues)).sum())
-    return {
-        "seconds": cost.clock,
-        "processor": cost.processor,
-        "found": found,
-        "modes": len(first.eigenvalues),
-    }
+    of = len(first.eigenvalues)
+    return {"clock": cost.clock, "processor": cost.processor, "found": found, "modes": of}
 
 
 def _nearest(
@@ -123,7 +117,7 @@ def _nearest(
     def nearest(assembled: AssembledMatrices, matrices: Matrices) -> Complexes:
         top = 2 * np.pi * assembled.scene.window.max_frequency
         found = []
-        for shift in 1j * top * (np.arange(SHIFTS) + 0.5) / SHIFTS:
+        for shift in 1j * top * (np.arange(_SHIFTS) + 0.5) / _SHIFTS:
             try:
                 found.append(way(matrices, shift))
             except ArpackError as error:
@@ -140,7 +134,7 @@ def companion(matrices: Matrices, shift: complex) -> Complexes:
     # Complex matrices: of real ones ARPACK iterates with the real part of the inverse alone.
     left = block_array([[None, one], [-K, -C]], format="csc", dtype=complex)
     right = block_array([[one, None], [None, M]], format="csc", dtype=complex)
-    return eigs(left, WANTED, M=right, sigma=shift, return_eigenvectors=False)
+    return eigs(left, _WANTED, M=right, sigma=shift, return_eigenvectors=False)
 
 
 def reduced(matrices: Matrices, shift: complex) -> Complexes:
@@ -155,31 +149,25 @@ def reduced(matrices: Matrices, shift: complex) -> Complexes:
         return np.concatenate([moved, x + shift * moved])
 
     operator = LinearOperator((2 * n, 2 * n), matvec=inverse, dtype=complex)
-    return shift + 1 / eigs(operator, WANTED, return_eigenvectors=False)
+    return shift + 1 / eigs(operator, _WANTED, return_eigenvectors=False)
 
 
 WAYS: Mapping[str, Callable[[AssembledMatrices, Matrices], Complexes]] = {
     "cea, the whole window": lambda assembled, _: assembled.modes().eigenvalues,
-    f"scipy, {SHIFTS} shifts, Q(sigma) factorised": _nearest(reduced),
-    f"scipy, {SHIFTS} shifts, companion form": _nearest(companion),
+    f"scipy, {_SHIFTS} shifts, Q(sigma) factorised": _nearest(reduced),
+    f"scipy, {_SHIFTS} shifts, companion form": _nearest(companion),
 }
 
 
 def seconds(result: StudyResult) -> pd.DataFrame:
     """Medians of each way, and its processor time over that of this program."""
     found = medians(result.frame())
-    if found.empty:
-        return found
     ours = found["processor"][found["way"] == next(iter(WAYS))]
     return found.drop(columns="files").assign(relative=found["processor"] / ours.iloc[0])
 
 
-COLUMNS = {
-    "seconds": Column("clock", "s", shown(3)),
-    "found": Column("modes found", show=number),
-    "modes": Column("of", show=number),
-    "relative": Column("of ours", show=shown(3)),
-}
+OWN = {"relative": Column("of ours", show=shown(3))}
+TABLE = Table("race", "Medians of runs by turns in one process.", seconds, OWN, printed=True)
 STUDY = Study(
     name="bench matrices",
     title="All modes of a window beside shift-and-invert by scipy",
@@ -187,18 +175,5 @@ STUDY = Study(
     cases=cases,
     evaluate=evaluate,
     process=Process("comparisons.bench.matrices:STUDY", 3600.0),
-    sections=[
-        Section(
-            "Seconds",
-            tables=[
-                Table(
-                    "race",
-                    "Medians of runs by turns in one process.",
-                    seconds,
-                    COLUMNS,
-                    printed=True,
-                )
-            ],
-        )
-    ],
+    sections=[Section("Seconds", tables=[TABLE], of="runs")],
 )

@@ -5,7 +5,7 @@ modes of its symmetric part and solved densely.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -21,7 +21,6 @@ from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.matrices import dense, destroy, local_part
 from cea.petsc import PETSc, SLEPc
-from cea.timing import StageTimer
 from scenes.running.system import coupled
 from scenes.spec.reading import Scene
 
@@ -87,19 +86,16 @@ class Answer:
         Their vectors, the rows of this rank, shape (n_local, n).
     claims
         What the method says of itself.
-    stages
-        Processor seconds of its stages on this rank, where it tells.
     """
 
     kappa: Complexes
     vectors: Complexes
     claims: str = ""
-    stages: Mapping[str, float] = field(default_factory=dict)
 
     def inside(self, top: float) -> "Answer":
         """Those up to the end of a window."""
         kept = np.abs(np.sqrt(-self.kappa.astype(complex)).imag) <= np.sqrt(top)
-        return Answer(self.kappa[kept], self.vectors[:, kept], self.claims, self.stages)
+        return Answer(self.kappa[kept], self.vectors[:, kept], self.claims)
 
 
 def backward_errors(problem: Problem, found: Answer) -> Floats:
@@ -119,11 +115,10 @@ def backward_errors(problem: Problem, found: Answer) -> Floats:
 
 def this_driver(problem: Problem, wanted: int) -> Answer:
     """All modes of the window, with what shows that they are all."""
-    timer = StageTimer()
-    modes = solve_modes(problem.pencil, np.sqrt(problem.top) / (2 * np.pi), timer=timer)
+    modes = solve_modes(problem.pencil, np.sqrt(problem.top) / (2 * np.pi))
     window = modes.window
     claims = "complete" if window.bounded else f"complete to a growth of {window.max_growth:.3g}"
-    return Answer(-(modes.eigenvalues**2), modes.vectors, claims, dict(timer.processor_seconds))
+    return Answer(-(modes.eigenvalues**2), modes.vectors, claims)
 
 
 def slepc(problem: Problem, wanted: int) -> Answer:

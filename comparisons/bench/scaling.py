@@ -3,23 +3,19 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
-from math import log
-from statistics import median
 from typing import Any
 
 import pandas as pd
 
 from cea.errors import InputError
 from cea.petsc import MPI
-from cea.timing import STAGES
-from comparisons.study.columns import Column, medians
+from comparisons.study.columns import Column, medians, wide
 from comparisons.study.measure import measured
 from comparisons.study.numbers import shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study
+from comparisons.study.study import Case, Process, Study, at_least_one
 from scenes import run_modes
 from scenes.spec.reading import Scene, load_scene
 
@@ -57,10 +53,7 @@ class Options:
     def __post_init__(self) -> None:
         if self.size not in SIZES:
             raise InputError("size", self.size, f"one of {', '.join(SIZES)}")
-        if self.repeats < 1:
-            raise InputError("repeats", self.repeats, "1 or more")
-        if not self.ranks or min(self.ranks) < 1:
-            raise InputError("ranks", self.ranks, "one or more numbers, 1 or more each")
+        at_least_one(repeats=self.repeats, ranks=min(self.ranks, default=0))
 
 
 def cases(options: Options) -> Iterator[Case]:
@@ -139,60 +132,31 @@ def evaluate(case: Case, session: Session) -> list[dict[str, Any]]:
 def stages(result: StudyResult, row: str = "") -> pd.DataFrame:
     """Medians of the stages of each run, or of the runs of a row that have some."""
     found = medians(result.frame(), "stage")
-    return found.query("row == @row and processor > 0") if row and len(found) else found
+    return found.query("row == @row and processor > 0") if row else found
 
 
 def runs(result: StudyResult) -> pd.DataFrame:
     """A row for each run, its stages beside each other."""
     found = stages(result)
-    if found.empty:
-        return found
     labels = ["row", "backend", "degree", "factor", "ranks"]
-    wide = found.pivot(index=labels, columns="stage", values="processor").reset_index()
-    of_run = ["unknowns", "modes", "clock", "memory"]
-    whole = found.loc[found["stage"] == _WHOLE, [*labels, *of_run]]
-    return whole.merge(wide, on=labels)[[*labels, *of_run, *STAGES, _WHOLE]].drop(columns="factor")
+    whole = found.loc[found["stage"] == _WHOLE, [*labels, "unknowns", "modes", "clock", "memory"]]
+    every = whole.merge(wide(found, labels, "stage", "processor"), on=labels)
+    return every.drop(columns="factor")
 
 
 def speed_up(result: StudyResult) -> pd.DataFrame:
     """How much sooner the busiest rank is done on more ranks than on the fewest, by stage."""
-    found = stages(result)
-    if found.empty:
-        return found
-    rows = []
-    for (row, stage), own in found.query("row in ('strong', 'weak')").groupby(
-        ["row", "stage"], sort=False
-    ):
-        first, *more = own.sort_values("ranks").to_dict("records")
-        rows += [
-            {
-                "row": row,
-                "stage": stage,
-                "ranks": each["ranks"],
-                "fewest": first["busiest"],
-                "more": each["busiest"],
-                "ratio": first["busiest"] / each["busiest"],
-            }
-            for each in more
-            if each["busiest"]
-        ]
-    return pd.DataFrame(rows)
-
-
-def growth(result: StudyResult) -> pd.DataFrame:
-    """Powers of the unknowns by which each stage grew from one size to the next, the median."""
-    found, rows = stages(result, "size"), []
-    for stage, own in found.groupby("stage", sort=False) if len(found) else ():
-        points = own.sort_values("unknowns")[["unknowns", "processor"]].to_numpy()
-        powers = [log(b[1] / a[1]) / log(b[0] / a[0]) for a, b in pairwise(points) if b[0] > a[0]]
-        rows += [{"stage": stage, "power": median(powers)}] if powers else []
-    return pd.DataFrame(rows)
+    found = stages(result).query("row in ('strong', 'weak') and busiest > 0")
+    found = found.sort_values("ranks", kind="stable")
+    first = found.groupby(["row", "stage"])["busiest"].transform("first")
+    found = found.assign(fewest=first, ratio=first / found["busiest"])
+    found = found[found["ranks"] > found["ranks"].min()]
+    return found[["row", "stage", "ranks", "fewest", "busiest", "ratio"]]
 
 
 COLUMNS = {
-    **{stage: Column(stage, "s", shown(3)) for stage in (*STAGES, _WHOLE)},
     "fewest": Column("on the fewest", "s", shown(3)),
-    "more": Column("on these", "s", shown(3)),
+    "busiest": Column("on these", "s", shown(3)),
 }
 STUDY = Study(
     name="bench scaling",
@@ -206,11 +170,12 @@ STUDY = Study(
     sections=[
         Section(
             "Runs",
+            of="runs",
             tables=[
                 Table(
                     "runs",
-                    "Whole runs, stages in processor time of all ranks; peak memory of all ranks "
-                    "above that of the program.",
+                    "Whole runs, stages in processor time of all ranks (s); peak memory of all "
+                    "ranks above that of the program.",
                     *(runs, COLUMNS),
                     group="row",
                     printed=True,
@@ -222,31 +187,19 @@ STUDY = Study(
                     "as many unknowns on each rank; the ratio is 1 at best.",
                     *(speed_up, COLUMNS),
                 ),
-                Table(
-                    "growth",
-                    "Powers of the unknowns by which processor time grew with size, medians.",
-                    *(growth, COLUMNS),
-                ),
             ],
             plots=[
                 Plot(
                     "unknowns",
                     "Stages over unknowns.",
-                    *(lambda result: stages(result, "size"), "unknowns", "processor", ("stage",)),
-                    log="xy",
-                    own=COLUMNS,
+                    lambda result: stages(result, "size"),
+                    *("unknowns", "processor", ("stage",), "", "xy"),
                 ),
                 Plot(
                     "degree",
                     "Runs over degree.",
-                    *(
-                        lambda result: stages(result, "degree"),
-                        "degree",
-                        "processor",
-                        ("stage", "backend"),
-                    ),
-                    log="y",
-                    own=COLUMNS,
+                    lambda result: stages(result, "degree"),
+                    *("degree", "processor", ("stage", "backend"), "", "y"),
                 ),
             ],
         )

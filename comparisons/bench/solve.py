@@ -23,11 +23,11 @@ from cea.petsc import MPI, PETSc
 from comparisons.bench.methods import METHODS, OURS, SERIAL, Problem, backward_errors
 from comparisons.study.columns import Column, medians
 from comparisons.study.measure import limit_memory, measured
-from comparisons.study.numbers import number, shown
+from comparisons.study.numbers import shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study
+from comparisons.study.study import Case, Process, Study, at_least_one
 from scenes.spec.reading import Scene, load_scene
 
 SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
@@ -40,12 +40,6 @@ SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
 """Boxes of each body along r, theta and z, six quadratic tetrahedra each."""
 MAX_FREQUENCY = 27e3
 """End of the window (Hz)."""
-_EVENTS = {
-    "factorisations": ("MatLUFactorNum", "MatCholFctrNum"),
-    "solves": ("MatSolve", "MatSolveTranspos"),
-    "blocks": ("MatMatSolve", "MatMatTrSolve"),
-}
-"""What PETSc counts, by its own names."""
 
 
 @dataclass(frozen=True)
@@ -70,9 +64,7 @@ class Options:
     memory: float = 8.0
 
     def __post_init__(self) -> None:
-        for name in ("ranks", "repeats"):
-            if getattr(self, name) < 1:
-                raise InputError(name, getattr(self, name), "1 or more")
+        at_least_one(ranks=self.ranks, repeats=self.repeats)
         if not self.memory > 0:
             raise InputError("memory", self.memory, "a positive number")
         if self.size not in SIZES:
@@ -98,7 +90,6 @@ def scene(case: Case, options: Options) -> Scene:
 @cache
 def _problem(options: Options) -> Problem:
     """The matrices, assembled once in a process."""
-    PETSc.Log.begin()
     return Problem.of(scene({}, options))
 
 
@@ -110,42 +101,30 @@ def _wanted(options: Options) -> int:
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Run a method and measure it: its row, its eigenvalues, and its stages where it tells."""
+    """Run a method and measure it: its row and its eigenvalues."""
     options, comm, name = session.options, MPI.COMM_WORLD, case["method"]
     if name == SERIAL and comm.size > 1:
         raise InputError("ranks", comm.size, "1: scipy runs on one")
     limit_memory(1e9 * options.memory)
     problem = _problem(options)
     wanted = 0 if name == OURS else _wanted(options)
-    counted_before = _counts()
     # Other methods have the heap that they are used to, this program the one that it sets.
     with measured() as cost, nullcontext() if name == OURS else plain_heap():
         found = METHODS[name](problem, wanted)
-    counts = {event: n - counted_before[event] or None for event, n in _counts().items()}
     found = found.inside(problem.top)
     processor, lu = comm.allreduce(cost.processor), comm.allreduce(lu_seconds(problem))
-    errors = backward_errors(problem, found)
     row = {
         "unknowns": int(problem.mass.getSize()[0]),
         "clock": comm.allreduce(cost.clock, MPI.MAX),
         "processor": processor,
         "factorisations_worth": processor / lu,
-        **counts,
         "memory": comm.allreduce(cost.memory or 0.0),
         "eigenvalues": len(found.kappa),
         "unstable": unstable(found.kappa),
-        "backward": float(errors.max()),
+        "backward_error": float(backward_errors(problem, found).max()),
         "claims": found.claims,
     }
-    stages = {stage: comm.allreduce(seconds) for stage, seconds in found.stages.items() if seconds}
-    return {
-        "runs": [row],
-        "eigenvalues": [{"re": k.real, "im": k.imag} for k in found.kappa],
-        "stages": [
-            {"stage": stage, "processor": seconds, "factorisations_worth": seconds / lu}
-            for stage, seconds in stages.items()
-        ],
-    }
+    return {"runs": [row], "eigenvalues": [{"re": k.real, "im": k.imag} for k in found.kappa]}
 
 
 def lu_seconds(problem: Problem) -> float:
@@ -175,14 +154,6 @@ def unstable(kappa: Complexes) -> int:
     return classify(speeds.real, 0.0, thresholds(speeds), False).count("unstable")
 
 
-def _counts() -> dict[str, int]:
-    """How often PETSc factorised and solved so far."""
-    return {
-        name: sum(int(PETSc.Log.Event(event).getPerfInfo()["count"]) for event in events)
-        for name, events in _EVENTS.items()
-    }
-
-
 def errors_of(found: Complexes, exact: Complexes) -> tuple[list[float], int]:
     """Relative errors of eigenvalues, each paired with an exact one, and how many have no pair."""
     cost = np.abs(found[:, None] - exact) / np.abs(exact)
@@ -193,8 +164,6 @@ def errors_of(found: Complexes, exact: Complexes) -> tuple[list[float], int]:
 def methods(result: StudyResult) -> pd.DataFrame:
     """Medians of each method, and errors of its eigenvalues against the tightest answer."""
     runs = medians(result.frame())
-    if runs.empty:
-        return runs
     values = result.frame("eigenvalues").query("repeat == repeat.min()")
     kappa = {
         name: (own["re"] + 1j * own["im"]).to_numpy() for name, own in values.groupby("method")
@@ -210,18 +179,22 @@ def methods(result: StudyResult) -> pd.DataFrame:
 def tightest(result: StudyResult) -> str:
     """The method whose largest backward error is the least."""
     runs = result.frame()
-    return str(runs.loc[runs["backward"].idxmin(), "method"])
+    return str(runs.loc[runs["backward_error"].idxmin(), "method"])
 
 
 COLUMNS = {
     "factorisations_worth": Column("time", "LU", shown(3)),
-    "factorisations": Column("factorised", show=number),
-    "solves": Column("solves", show=number),
-    "blocks": Column("of blocks", show=number),
-    "backward": Column("backward error", show=shown(2)),
     "median": Column("error, median", show=shown(2)),
     "worst": Column("worst error of λ²", show=shown(2)),
 }
+TABLE = Table(
+    "methods",
+    "Processor time of all ranks, medians, also in numeric factorisations (LU) at the shift; peak "
+    "memory of all ranks above that of the matrices; errors of the eigenvalues (λ², relative) "
+    "against the answer with the smallest backward error.",
+    *(methods, COLUMNS),
+    printed=True,
+)
 STUDY = Study(
     name="bench solve",
     title="Eigenvalues of a window beside other methods",
@@ -234,30 +207,13 @@ STUDY = Study(
     sections=[
         Section(
             "Methods",
-            tables=[
-                Table(
-                    "methods",
-                    "Processor time of all ranks, medians, also in numeric factorisations (LU) at "
-                    "the common shift; what PETSc counted; peak memory of all ranks above that of "
-                    "the matrices; errors of the eigenvalues (λ², relative) against the answer "
-                    "with the smallest backward error.",
-                    *(methods, COLUMNS),
-                    printed=True,
-                ),
-                Table(
-                    "stages",
-                    "Processor time by stage.",
-                    lambda result: medians(result.frame("stages"), "stage"),
-                    COLUMNS,
-                ),
-            ],
+            of="runs",
+            tables=[TABLE],
             plots=[
                 Plot(
                     "error_against_time",
                     "Worst error of each method over its processor time.",
-                    *(methods, "processor", "worst", ("method",)),
-                    log="xy",
-                    own=COLUMNS,
+                    *(methods, "processor", "worst", ("method",), "", "xy", COLUMNS),
                     style="markers",
                 )
             ],

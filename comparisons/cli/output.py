@@ -35,9 +35,10 @@ Column = tuple[str, Sequence[str], bool]
 def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None:
     """Print a table of a study, whose frame is made of a result."""
     from comparisons.study.page import table_cells
+    from comparisons.study.sections import rows
 
-    made = table_cells(replace(table, group=""), table.frame(result))
-    cells = [row["cells"] for _, rows in made["groups"] for row in rows]
+    made = table_cells(replace(table, group=""), rows(table.frame, result))
+    cells = [row["cells"] for _, own in made["groups"] for row in own]
     columns = [
         (head["axis"], [str(row[i][0]) for row in cells], head["number"])
         for i, head in enumerate(made["heads"])

@@ -89,9 +89,9 @@ def list_() -> None:
     from comparisons.cli.output import print_frame
     from comparisons.study.columns import Column
     from comparisons.study.sections import Table
+    from scenes.checking.memory import dofs_of
     from scenes.spec.files import matrix_scene_names, scene_names, tables_of
     from scenes.spec.reading import load_scene
-    from scenes.spec.sizes import dofs_of
 
     rows = []
     for name in scene_names():

@@ -28,7 +28,7 @@ from scenes.refinement.meshes import (
     on_backend_of_shapes,
     refined,
 )
-from scenes.running.enrich import enriched_scene
+from scenes.running.enrich import richer_scene
 from scenes.running.nested import estimate_errors
 from scenes.spec.body import Backend
 from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
@@ -99,13 +99,13 @@ class Ladder:
             return None
         finer = refined(self.scene, self.backend, resolution)
         if number + 1 >= self.least:
-            check_memory(enriched_scene(_widened(finer)), on_disk=False)
+            check_memory(richer_scene(_widened(finer), by=None), on_disk=False)
         own = self._slower * _estimated_seconds(_widened(finer))
         return own + self.seconds_to_correct(finer)
 
     def seconds_to_correct(self, scene: Scene) -> float:
         """Time that the correction of a mesh is expected to take (s): half of that of a run."""
-        return self._slower * _estimated_seconds(enriched_scene(_widened(scene))) / 2
+        return self._slower * _estimated_seconds(richer_scene(_widened(scene), by=None)) / 2
 
     def run(self, number: int, progress: Progress) -> Mesh:
         """Modes on the mesh of a number; collective."""
@@ -137,7 +137,7 @@ class Ladder:
         if not len(mesh.eigenvalues):
             return replace(mesh, corrected=mesh.eigenvalues)
         begun, own = perf_counter(), mesh.result
-        richer = enriched_scene(own.scene)
+        richer = richer_scene(own.scene, by=None)
         found = estimate_errors(own, richer, steps=1, listener=progress.stage)
         seconds = own.comm.bcast(perf_counter() - begun)
         return replace(mesh, corrected=found.corrected, seconds=mesh.seconds + seconds)

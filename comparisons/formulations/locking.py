@@ -7,10 +7,9 @@ for any p (:mod:`exact_cea`).
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from math import inf, isfinite, tau
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -19,14 +18,14 @@ from cea.arrays import Complexes
 from cea.eigen.matching import match_spectrum
 from comparisons.study.columns import Column, wide
 from comparisons.study.formulations import Variant, variants
-from comparisons.study.numbers import number, shown
+from comparisons.study.numbers import shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
 from exact_cea.reference import exact_eigenvalues
-from scenes.spec.body import FeMesh, IgaMesh, MeshSpec, backend_name
-from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene, load_scene, on_backend
+from scenes.spec.body import backend_name
+from scenes.spec.reading import Scene, load_scene
 
 _MARGIN = 1.15
 """How far beyond the exact eigenvalues is searched: locked ones lie too high."""
@@ -94,22 +93,18 @@ def cases(options: Options) -> Iterator[Case]:
 
 def scene(case: Case, options: Options) -> Scene:
     """The ``blocks`` scene on the meshes of the study with the contact of a case."""
-    mu = f"contacts.interface.mu={options.mu0!r}*sin(pi*x/2)"
-    blocks = on_backend(load_scene(Path("blocks"), [mu]), case["backend"])
     degree = options.locking_degree
-    bodies = {
-        name: replace(
-            blocks.bodies[name],
-            mesh=MeshSpec(
-                fe=FeMesh("quadrilateral", degree, elements=elements),
-                iga=IgaMesh((degree, degree), elements),
-            ),
-        )
-        for name, elements in (("upper", options.elements_a), ("lower", options.elements_b))
+    changes: dict[str, Any] = {
+        "contacts.interface.mu": f"{options.mu0!r}*sin(pi*x/2)",
+        "analysis.max_frequency": _MARGIN * options.max_frequency / tau,
     }
-    analysis = ComplexEigenvalueAnalysis("cea", _MARGIN * options.max_frequency / tau)
-    variant = offered(options, case["backend"])[case["formulation"]]
-    return variant.of(replace(blocks, bodies=bodies, analysis=analysis), p=case["p"])
+    for body, elements in (("upper", options.elements_a), ("lower", options.elements_b)):
+        changes[f"bodies.{body}.mesh"] = {
+            "fe": {"cell": "quadrilateral", "degree": degree, "elements": list(elements)},
+            "iga": {"degree": [degree, degree], "elements": list(elements)},
+        }
+    blocks = load_scene("blocks", backend=case["backend"]).change(changes)
+    return offered(options, case["backend"])[case["formulation"]].of(blocks, p=case["p"])
 
 
 @cache
@@ -132,39 +127,34 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     return {"locking": [row]}
 
 
-def runs(result: StudyResult) -> pd.DataFrame:
-    """Rows of all runs."""
-    return result.frame("locking").drop(columns="part", errors="ignore")
-
-
 def by_stiffness(result: StudyResult) -> pd.DataFrame:
     """A row for each formulation, a column for each p."""
-    return wide(runs(result), ["backend", "formulation", "points", "traces"], "p", "error")
+    index = ["backend", "formulation", "points", "traces"]
+    return wide(result.frame("locking"), index, "p", "error")
+
+
+def finite(result: StudyResult) -> pd.DataFrame:
+    """Runs with contacts that are not tied."""
+    return result.frame("locking").query("p < inf")
 
 
 def locked(result: StudyResult) -> dict[str, list[str]]:
     """Formulations whose error grows with p, or that lose an eigenvalue, by backend."""
     found: dict[str, list[str]] = {}
-    finite = runs(result).query("p < inf")
-    for (backend, name), own in finite.groupby(["backend", "formulation"], sort=False):
+    for (backend, name), own in finite(result).groupby(["backend", "formulation"], sort=False):
         errors = own["error"].tolist()
         if own["lost"].any() or errors[-1] > _LOCKED * min(errors):
             found.setdefault(backend, []).append(name)
     return found
 
 
-def headline(result: StudyResult) -> str | None:
+def headline(result: StudyResult) -> str:
     """Which formulations lock."""
-    if runs(result).empty:
-        return None
     names = [f"{backend_name(b)}: {'; '.join(f)}" for b, f in locked(result).items()]
     return f"The error grows with p, or an eigenvalue is lost: {'. '.join(names) or 'none'}."
 
 
-OWN = {
-    "traces": Column("traces of a", show=number),
-    "error": Column("worst relative error of λ", show=shown(2)),
-}
+OWN = {"error": Column("worst relative error of λ", show=shown(2))}
 SECTION = Section(
     "Locking",
     "Worst relative error of the eigenvalues of the blocks over contact stiffnesses p. A "
@@ -174,15 +164,9 @@ SECTION = Section(
     [Table("locking", "Error at each p.", by_stiffness, OWN)],
     [
         Plot(
-            "locking",
-            "A line ends where an eigenvalue is lost.",
-            lambda result: runs(result).query("p < inf") if len(runs(result)) else runs(result),
-            x="p",
-            y="error",
-            series=("formulation",),
-            panel="backend",
-            log="xy",
-            own=OWN,
+            *("locking", "A line ends where an eigenvalue is lost.", finite, "p", "error"),
+            *(("formulation",), "backend", "xy", OWN),
         )
     ],
+    of="locking",
 )

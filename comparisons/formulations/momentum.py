@@ -34,10 +34,8 @@ def rigid_motions(body: Body) -> Floats:
     return motions.reshape(len(motions), -1)
 
 
-def momentum_defects(
-    system: CoupledSystem, motions: Mapping[str, Floats]
-) -> dict[str, dict[str, float]]:
-    """Resultant force and moment of contact forces on both bodies together, relative.
+def momentum_defects(system: CoupledSystem, motions: Mapping[str, Floats]) -> dict[str, float]:
+    """Resultants of contact forces on both bodies together, relative.
 
     For a rigid motion r of both bodies, r^T K x is the resultant of the forces K x along it: it
     vanishes for every x where K^T r does. The largest entry of K^T r is related to the largest
@@ -49,17 +47,19 @@ def momentum_defects(
         Bodies without supports, whose free dofs are the full ones.
     motions
         Rigid motions of each body (:func:`rigid_motions`).
+
+    Returns
+    -------
+    dict
+        ``linear`` and ``angular``, each of ``_normal`` and ``_friction`` forces.
     """
     dim = next(iter(system.bodies.values())).dim
-    kinds = {
-        "normal": [c.K_n for c in system.contacts if c.K_n is not None],
-        "friction": [c.K_f for c in system.contacts if c.K_f is not None],
-    }
     r, y = (system.vector() for _ in range(2))
-    defects: dict[str, dict[str, float]] = {}
-    for kind, matrices in kinds.items():
+    defects: dict[str, float] = {}
+    for kind, name_of_matrix in (("normal", "K_n"), ("friction", "K_f")):
+        every = (getattr(contact, name_of_matrix) for contact in system.contacts)
+        matrices = [matrix for matrix in every if matrix is not None]
         scale = sum(matrix.norm(PETSc.NormType.NORM_1) for matrix in matrices)
-        worst = {"linear": 0.0, "angular": 0.0}
         for number in range(len(next(iter(motions.values())))):
             for name, motion in motions.items():
                 part = r.getSubVector(system.index_sets[name])
@@ -70,7 +70,6 @@ def momentum_defects(
                 matrix.multTransposeAdd(r, y, y)
             size = r.norm(PETSc.NormType.NORM_INFINITY)
             defect = y.norm(PETSc.NormType.NORM_INFINITY) / (scale * size)
-            key = "linear" if number < dim else "angular"
-            worst[key] = max(worst[key], float(defect))
-        defects[kind] = worst
+            key = f"{'linear' if number < dim else 'angular'}_{kind}"
+            defects[key] = max(defects.get(key, 0.0), float(defect))
     return defects

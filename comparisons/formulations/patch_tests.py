@@ -13,14 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from cea.body import Body
-from cea.contact.interface import Interface
-from cea.eigen.static import solve_static
 from cea.errors import ConvergenceError
-from cea.surface import Surface
 from cea.system.contact_stresses import normal_stress
-from cea.system.coupled import CoupledSystem
-from cea.timing import StageTimer
 from comparisons.formulations.momentum import momentum_defects, rigid_motions
 from comparisons.study.columns import Column, wide
 from comparisons.study.formulations import Variant, variants
@@ -29,13 +23,19 @@ from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case
-from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes import Result
+from scenes.running.system import coupled
 from scenes.spec.body import Backend, LoadSpec
 from scenes.spec.reading import Scene, load_scene
 
 PRESSURE = 1000.0
 """Exact contact pressure of every patch test (N/m^2)."""
-
+PASSED = 1e-6
+"""Largest relative error of the normal stress of a patch test that is passed: round-off at the
+stiffest, P = 1e14 N/m, stays below it."""
+_OWN = 10.0
+"""A test is passed too with so many times the error of both bodies under the exact pressure as a
+load: on rational geometry quadrature is not exact, theirs nor that of contact forces."""
 MESHES: dict[str, tuple[Backend, str | None]] = {
     "hexahedra": ("fe", "hexahedron"),
     "tetrahedra": ("fe", "tetrahedron"),
@@ -44,15 +44,12 @@ MESHES: dict[str, tuple[Backend, str | None]] = {
     "NURBS": ("iga", None),
 }
 """Backend and cell of each kind of mesh; all of degree 2."""
-
-_SPACE = ("hexahedra", "tetrahedra")
-_PLANE = ("quadrilaterals", "triangles")
-
-
-def pairs(structured: str, simplices: str) -> tuple[tuple[str, str], ...]:
-    """Kinds of meshes of sides a and b: each beside itself, then mixed."""
-    alike = [(kind, kind) for kind in (structured, simplices, "NURBS")]
-    return (*alike, ("NURBS", structured), (structured, "NURBS"))
+_PLACEMENT = "{axis=[1.0, 2.0, -0.5], angle=37.0, translation=[0.3, -0.2, 0.7]}"
+_ROLLERS = (
+    "bodies.upper.supports=[{surface='x_min', components=['normal']},"
+    " {surface='y_min', components=['normal']}]"
+)
+"""Hold body a against everything but motion along the normal, however it is placed."""
 
 
 @dataclass(frozen=True)
@@ -65,8 +62,8 @@ class PatchTestProblem:
         Name of the interface.
     scene_file
         Scene it comes from.
-    pairs
-        Kinds of meshes of sides a and b.
+    kinds
+        Kinds of Lagrange meshes: structured, simplices.
     overrides
         What is changed in the scene, given P (N/m).
     sizes
@@ -79,11 +76,17 @@ class PatchTestProblem:
 
     name: str
     scene_file: str
-    pairs: tuple[tuple[str, str], ...]
+    kinds: tuple[str, str]
     overrides: Callable[[float], list[str]]
     sizes: tuple[float, float]
     direction: str
     held: bool = False
+
+    @property
+    def pairs(self) -> tuple[tuple[str, str], ...]:
+        """Kinds of meshes of sides a and b: each beside itself, then mixed."""
+        alike = [(kind, kind) for kind in (*self.kinds, "NURBS")]
+        return (*alike, ("NURBS", self.kinds[0]), (self.kinds[0], "NURBS"))
 
     def scene(self, meshes: tuple[str, str], P: float, more: Iterable[str] = ()) -> Scene:
         """The scene between two kinds of meshes, with more overrides."""
@@ -98,16 +101,9 @@ class PatchTestProblem:
 
     def unsupported(self, meshes: tuple[str, str], P: float) -> Scene:
         """The same bodies free of supports, in contact with friction (mu = 1)."""
-        return self.scene(
-            meshes,
-            P,
-            [
-                "bodies.upper.supports=[]",
-                "bodies.lower.supports=[]",
-                "contacts.interface.mu=1.0",
-                f"contacts.interface.friction_direction_on_a={self.direction}",
-            ],
-        )
+        free = [f"bodies.{body}.supports=[]" for body in ("upper", "lower")]
+        friction = f"contacts.interface.friction_direction_on_a={self.direction}"
+        return self.scene(meshes, P, [*free, "contacts.interface.mu=1.0", friction])
 
     def alone(self, meshes: tuple[str, str], P: float) -> Scene:
         """Both bodies without contact, the exact contact pressure as a load on each."""
@@ -115,21 +111,6 @@ class PatchTestProblem:
         contact = scene.contacts["interface"]
         loads = (LoadSpec(contact.a, PRESSURE), LoadSpec(contact.b, PRESSURE))
         return replace(scene, contacts={}, loads=scene.loads + loads)
-
-
-_ROLLERS = (
-    "bodies.upper.supports=[{surface='x_min', components=['normal']},"
-    " {surface='y_min', components=['normal']}]"
-)
-"""Hold body a against everything but motion along the normal, however it is placed."""
-
-_PLACEMENT = "{axis=[1.0, 2.0, -0.5], angle=37.0, translation=[0.3, -0.2, 0.7]}"
-
-_OBLIQUE = "{vector=[1.0, 0.5, 0.3]}"
-
-
-def _flat(P: float) -> list[str]:
-    return [_ROLLERS]
 
 
 def _rotated(P: float) -> list[str]:
@@ -143,27 +124,19 @@ def _curved(P: float) -> list[str]:
     return [f"bodies.upper.material={{E={volumetric / compliance!r}, nu=0.3}}"]
 
 
+_BLOCKS = "patch_test", ("hexahedra", "tetrahedra")
+_OBLIQUE = "{vector=[1.0, 0.5, 0.3]}"
+_AROUND = "{circumferential_about=[0.0, 0.0, 1.0]}"
 PROBLEMS = (
-    PatchTestProblem("flat", "patch_test", pairs(*_SPACE), _flat, (3.0, 1.8), _OBLIQUE),
-    PatchTestProblem("rotated", "patch_test", pairs(*_SPACE), _rotated, (3.0, 1.8), _OBLIQUE),
+    PatchTestProblem("flat", *_BLOCKS, lambda P: [_ROLLERS], (3.0, 1.8), _OBLIQUE),
+    PatchTestProblem("rotated", *_BLOCKS, _rotated, (3.0, 1.8), _OBLIQUE),
     PatchTestProblem(
-        "curved",
-        "patch_test_curved",
-        pairs(*_PLANE),
-        _curved,
-        (2.4, 1.4),
-        "{circumferential_about=[0.0, 0.0, 1.0]}",
+        *("curved", "patch_test_curved", ("quadrilaterals", "triangles")),
+        *(_curved, (2.4, 1.4), _AROUND),
         held=True,
     ),
 )
 """Every patch test."""
-
-PASSED = 1e-6
-"""Largest relative error of the normal stress of a patch test that is passed: round-off at the
-stiffest, P = 1e14 N/m, stays below it."""
-_OWN = 10.0
-"""A test is passed too with so many times the error of both bodies under the exact pressure as a
-load: on rational geometry quadrature is not exact, theirs nor that of contact forces."""
 
 
 @dataclass(frozen=True)
@@ -216,75 +189,51 @@ def cases(options: Options) -> Iterator[Case]:
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     """Errors of every formulation at every P, and the momentum that its contact forces lose."""
-    options, timer = session.options, StageTimer(session.stage)
+    options, meshes = session.options, (case["a"], case["b"])
     (problem,) = (problem for problem in PROBLEMS if problem.name == case["interface"])
-    meshes = case["a"], case["b"]
-    scenes = {P: problem.scene(meshes, P) for P in options.P}
-    bodies: dict[float, Mapping[str, Body]] = {}
-    for P, scene in scenes.items():
-        # Only where the material depends on P are bodies built anew.
-        alike = [bodies[Q] for Q in bodies if scenes[Q].bodies == scene.bodies]
-        bodies[P] = alike[0] if alike else build_bodies(scene, timer)
-    first, scene = next(iter(scenes.items()))
-    sides = scene.contacts["interface"].a, scene.contacts["interface"].b
-    own_error = 0.0
+    scenes = {P: problem.scene(meshes, P, ["analysis.samples=2"]) for P in options.P}
+    own_error, free = 0.0, problem.unsupported(meshes, options.P[0])
     if problem.held:
-        alone = problem.alone(meshes, first)
-        system = build_system(alone, build_bodies(alone, timer), {}, timer)
-        own_error = _error(system, sides, options.samples, timer) or 0.0
-    free = problem.unsupported(meshes, first)
-    free_bodies = build_bodies(free, timer)
-    motions = {name: rigid_motions(body) for name, body in free_bodies.items()}
-    errors, momentum = [], []
+        alone = session.solve(problem.alone(meshes, options.P[0]))
+        own_error = error_of(alone, scenes[options.P[0]], options.samples)
+    errors, momentum, bodies = [], [], None
+    motions: dict[str, Any] = {}
     for variant in offered(options, meshes):
-        session.stage(variant.label)
-        located: tuple[Mapping[str, Body], Mapping[str, Interface]] | None = None
-        interfaces = build_interfaces(variant.of(free, P=first), free_bodies, timer)
+        system, interfaces, _ = coupled(variant.of(free, P=options.P[0]), bodies=bodies)
+        bodies = system.bodies
+        motions = motions or {name: rigid_motions(body) for name, body in bodies.items()}
+        defects = momentum_defects(system, motions)
+        momentum.append({"formulation": variant.label} | defects)
         points = sum(len(interface.points) for interface in interfaces.values())
         labels = {"formulation": variant.label, "points": points, "own_error": own_error}
-        for P in options.P:
-            scene = variant.of(scenes[P], P=P)
-            if located is None or located[0] is not bodies[P]:
-                located = bodies[P], build_interfaces(scene, bodies[P], timer)
-            error = _error(build_system(scene, *located, timer), sides, options.samples, timer)
+        for P, scene in scenes.items():
+            error: float | None = None
+            try:
+                result = session.solve(variant.of(scene, P=P))
+                error = error_of(result, scene, options.samples)
+            except ConvergenceError:
+                pass  # singular: no number
             passed = error is not None and error <= max(PASSED, _OWN * own_error)
             errors.append(labels | {"P": P, "error": error, "passed": passed})
-        system = build_system(variant.of(free, P=first), free_bodies, interfaces, timer)
-        defects = momentum_defects(system, motions)
-        momentum.append(
-            {"formulation": variant.label}
-            | {f"{part}_{kind}": v for kind, d in defects.items() for part, v in d.items()}
-        )
     return {"patch_tests": errors, "momentum": momentum}
 
 
-def _error(
-    system: CoupledSystem, sides: tuple[str, str], samples: int, timer: StageTimer
-) -> float | None:
-    """Largest relative error of the normal stress on both sides; None when singular."""
-    try:
-        x = solve_static(system.pencil(), system.load, timer).displacement
-    except ConvergenceError:
-        return None
-    worst = 0.0
-    for name, side in (path.split(".") for path in sides):
-        body = system.bodies[name]
-        surface = body.surfaces[side]
-        points = surface.grid(_per_element(surface, samples))
-        sigma = normal_stress(surface, points.at, system.displacement(x, name), body.material)
+def error_of(result: Result, scene: Scene, samples: int) -> float:
+    """Largest relative error of the normal stress on both sides of the contact of a scene."""
+    contact, worst, system = scene.contacts["interface"], 0.0, result.system
+    for name, side in (path.split(".") for path in (contact.a, contact.b)):
+        surface, u = system.bodies[name].surfaces[side], system.displacement(result.solution, name)
+        along = round(samples / surface.num_elements ** (1 / (surface.dim - 1)))
+        at = surface.grid(max(3, along)).at
+        sigma = normal_stress(surface, at, u, system.bodies[name].material)
         worst = max(worst, float(np.abs(sigma + PRESSURE).max()) / PRESSURE)
     return worst
 
 
-def _per_element(surface: Surface, samples: int) -> int:
-    return max(3, round(samples / surface.num_elements ** (1 / (surface.dim - 1))))
-
-
 def runs(result: StudyResult, table: str = "patch_tests") -> pd.DataFrame:
     """Rows of a table, both kinds of meshes in one column."""
-    frame = result.frame(table).drop(columns="part", errors="ignore")
-    if not frame.empty:
-        frame.insert(1, "meshes", frame.pop("a") + " on " + frame.pop("b"))
+    frame = result.frame(table)
+    frame.insert(1, "meshes", frame.pop("a") + " on " + frame.pop("b"))
     return frame
 
 
@@ -294,17 +243,14 @@ def by_stiffness(result: StudyResult) -> pd.DataFrame:
     return wide(runs(result), index, "P", "error")
 
 
-def passes(result: StudyResult, interface: str) -> pd.DataFrame:
-    """The P for which each formulation passes on an interface, a column for each two meshes."""
-    frame = runs(result)
-    if frame.empty:
-        return frame
-    frame = frame[frame["interface"] == interface]
+def passes(result: StudyResult) -> pd.DataFrame:
+    """The P for which each formulation passes, a column for each two kinds of meshes."""
+    keys = ["interface", "formulation", "meshes"]
     rows = [
-        {"formulation": formulation, "meshes": meshes, "passes": _passed(own)}
-        for (formulation, meshes), own in frame.groupby(["formulation", "meshes"], sort=False)
+        dict(zip(keys, values, strict=True)) | {"passes": _passed(own)}
+        for values, own in runs(result).groupby(keys, sort=False)
     ]
-    return wide(pd.DataFrame(rows), ["formulation"], "meshes", "passes")
+    return wide(pd.DataFrame(rows), ["interface", "formulation"], "meshes", "passes")
 
 
 def _passed(own: pd.DataFrame) -> str:
@@ -312,46 +258,33 @@ def _passed(own: pd.DataFrame) -> str:
     passed = own.loc[own["passed"], "P"].tolist()
     if len(passed) in (0, len(own)):
         return "every" if passed else "none"
-    if len(passed) > 1 and passed == own["P"].tolist()[-len(passed) :]:
-        return f"{number(passed[0], 1)} and more"
     return ", ".join(number(P, 1) for P in passed)
 
 
 def momentum(result: StudyResult) -> pd.DataFrame:
     """Largest loss of momentum of each formulation on each interface, over all meshes."""
-    frame = runs(result, "momentum")
-    if frame.empty:
-        return frame
     keys = ["interface", "formulation"]
-    return frame.drop(columns="meshes").groupby(keys, sort=False).max().reset_index()
+    frame = runs(result, "momentum").drop(columns="meshes")
+    return frame.groupby(keys, sort=False).max().reset_index()
 
 
-def headline(result: StudyResult) -> str | None:
+def headline(result: StudyResult) -> str:
     """Which formulations pass on every interface but the curved one, at every P."""
-    frame = runs(result)
-    if frame.empty:
-        return None
-    flat = frame[frame["interface"] != "curved"].groupby("formulation", sort=False)["passed"].all()
+    frame = runs(result).query("interface != 'curved'")
+    flat = frame.groupby("formulation", sort=False)["passed"].all()
     return f"Pass on flat interfaces at every P: {', '.join(flat[flat].index) or 'none'}."
 
 
 def lines(result: StudyResult) -> pd.DataFrame:
     """Errors over P, a panel for each two kinds of meshes."""
     frame = runs(result)
-    if not frame.empty:
-        frame["panel"] = frame["interface"] + ", " + frame["meshes"]
-    return frame
+    return frame.assign(panel=frame["interface"] + ", " + frame["meshes"])
 
 
-OWN = {
+OWN: Mapping[str, Column] = {
     "meshes": Column("a on b"),
     "own_error": Column("own", show=shown(1)),
     "error": Column("relative error of σₙ", show=shown(1)),
-}
-MOMENTUM = {
-    f"{part}_{kind}": Column(f"{part}, {kind}", show=shown(1))
-    for part in ("linear", "angular")
-    for kind in ("normal", "friction")
 }
 SECTIONS = [
     Section(
@@ -361,14 +294,7 @@ SECTIONS = [
         "(“own”).",
         headline,
         [
-            *(
-                Table(
-                    f"passes_{problem.name}",
-                    f"Interface: {problem.name}. P (N/m) for which each formulation passes.",
-                    lambda result, name=problem.name: passes(result, name),  # type: ignore[misc]
-                )
-                for problem in PROBLEMS
-            ),
+            Table("passes", "P (N/m) for which each formulation passes.", passes, OWN, "interface"),
             Table("patch_tests", "Errors for each P (N/m).", by_stiffness, OWN, "interface"),
         ],
         [
@@ -377,12 +303,14 @@ SECTIONS = [
                 *(("formulation",), "panel", "xy", OWN),
             )
         ],
+        of="patch_tests",
     ),
     Section(
         "Momentum",
         "Resultant force (linear) and moment (angular) of contact forces on both bodies together, "
         "relative to the largest that they could have. Where meshes of a curved interface leave "
         "gaps, friction has a moment.",
-        tables=[Table("momentum", "The largest over all meshes.", momentum, MOMENTUM, "interface")],
+        tables=[Table("momentum", "The largest over all meshes.", momentum, group="interface")],
+        of="momentum",
     ),
 ]

@@ -1,21 +1,21 @@
-"""Every contact formulation put to the test: patch tests, momentum, locking, pairings."""
+"""Every contact formulation put to the test: patch tests, momentum, locking."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from comparisons.formulations import locking, pairings, patch_tests
+from comparisons.formulations import locking, patch_tests
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Study
 from scenes.spec.reading import Scene
 
-PARTS: dict[str, Any] = {"patch_tests": patch_tests, "locking": locking, "pairings": pairings}
+PARTS: dict[str, Any] = {"patch_tests": patch_tests, "locking": locking}
 """Modules of the parts, each with ``cases`` and ``evaluate``."""
 
 
 @dataclass(frozen=True)
-class Options(patch_tests.Options, locking.Options, pairings.Options):
-    """Options of all parts.
+class Options(patch_tests.Options, locking.Options):
+    """Options of both parts.
 
     Parameters
     ----------
@@ -43,24 +43,6 @@ def evaluate(case: Case, session: Session) -> Any:
     return PARTS[case["part"]].evaluate(case, session)
 
 
-QUICK = {
-    "P": (1e6, 1e14),
-    "gauss": (5,),
-    "samples": 9,
-    "interfaces": ("flat",),
-    "meshes": ("NURBS",),
-    "formulations": ("Greville", "GPTS 5", "GPTS 5, lumped", "segments", "mortar"),
-    "p": (1.0, 1e6),
-    "elements_a": (6, 2),
-    "elements_b": (7, 3),
-    "overrides": (
-        "bodies.pad.mesh.fe.elements=[2, 3, 1]",
-        "bodies.pad.mesh.iga.elements=[2, 3, 1]",
-        "bodies.disc.mesh.fe.elements=[5, 24, 1]",
-        "bodies.disc.mesh.iga.elements=[6, 28, 1]",
-        "analysis.max_frequency=8500.0",
-    ),
-}
 STUDY = Study(
     name="formulations",
     title="Contact formulations",
@@ -68,6 +50,16 @@ STUDY = Study(
     cases=cases,
     scene=scene,
     evaluate=evaluate,
-    quick=QUICK,
-    sections=[*patch_tests.SECTIONS, locking.SECTION, pairings.SECTION],
+    quick={
+        "P": (1e6, 1e14),
+        "gauss": (5,),
+        "samples": 9,
+        "interfaces": ("flat",),
+        "meshes": ("NURBS",),
+        "formulations": ("Greville", "GPTS 5", "GPTS 5, lumped", "segments", "mortar"),
+        "p": (1.0, 1e6),
+        "elements_a": (6, 2),
+        "elements_b": (7, 3),
+    },
+    sections=[*patch_tests.SECTIONS, locking.SECTION],
 )

@@ -1,28 +1,42 @@
 """The catalogue of cases, and the runs of each."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
+from inspect import getdoc, getmembers, isfunction
 
 from cea.errors import InputError
-from comparisons.stability.cases import (
-    contact,
-    damping,
-    elements,
-    friction,
-    geometry,
-    loads,
-    materials,
-    matrices,
+from comparisons.stability import (
+    cases_bodies,
+    cases_contact,
+    cases_friction,
+    cases_matrices,
+    cases_motion,
 )
-from comparisons.stability.parts.case import Case, Run
-from comparisons.stability.parts.ways import QUICK
+from comparisons.stability.case import Run, Runs
+from comparisons.stability.ways import QUICK
 
-_MODULES = (contact, damping, elements, friction, geometry, loads, materials, matrices)
+_MODULES = (cases_bodies, cases_contact, cases_friction, cases_matrices, cases_motion)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case: what it is about, what it shows, its runs."""
+
+    subject: str
+    title: str
+    runs: Callable[[], Runs]
 
 
 @cache
 def catalogue() -> dict[str, Case]:
-    """Every case by its name."""
-    found = {name: case.of(m.SUBJECT) for m in _MODULES for name, case in m.CASES.items()}
+    """Every case by its name: the public functions of modules, their docstrings the titles."""
+    found = {
+        name: Case(module.SUBJECT, (getdoc(function) or "").rstrip("."), function)
+        for module in _MODULES
+        for name, function in getmembers(module, isfunction)
+        if function.__module__ == module.__name__ and not name.startswith("_")
+    }
     return dict(sorted(found.items()))
 
 
@@ -43,7 +57,7 @@ def runs_of(name: str) -> tuple[Run, ...]:
 def numbers_of(name: str, *, quick: bool) -> list[int]:
     """Numbers of the runs of a case, from 0; a quick study takes a few of each row.
 
-    These are the ways of :data:`comparisons.stability.parts.ways.QUICK`, on one backend each, which
+    These are the ways of :data:`comparisons.stability.ways.QUICK`, on one backend each, which
     alternates from row to row; a row without them keeps its first run.
     """
     runs = runs_of(name)

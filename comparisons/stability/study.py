@@ -1,32 +1,26 @@
 """Every run of the catalogue in a process that a crash ends alone, and what came out."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import log10
 from typing import Any, get_args
 
-import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from comparisons.stability.case import Verdict
 from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
-from comparisons.stability.parts.case import Verdict
-from comparisons.stability.parts.ways import ALONE, OPEN, WAYS
 from comparisons.stability.verdicts import judged
 from comparisons.study.columns import Column
 from comparisons.study.numbers import decimals, number, shown
-from comparisons.study.plots import BLACK, GREY, VERMILION
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
-from scenes.spec.body import backend_name
 
 VERDICTS: tuple[str, ...] = get_args(Verdict)
 """Every verdict, the best first."""
-_MOST_DIGITS, _LAST_COLOUR = 16.0, 14.0
+_MOST_DIGITS = 16.0
 
 
 @dataclass(frozen=True)
@@ -147,72 +141,6 @@ def fault(result: StudyResult) -> str:
     return f"runs are not as the catalogue says: {', '.join(names)}" if names else ""
 
 
-def _maps() -> list[Callable[[StudyResult], Figure | None]]:
-    """A heat map of digits for each subject of the catalogue."""
-    subjects = dict.fromkeys(case.subject for case in catalogue().values())
-    return [_digits_map(subject) for subject in subjects]
-
-
-def _digits_map(subject: str) -> Callable[[StudyResult], Figure | None]:
-    def digits_map(result: StudyResult) -> Figure | None:
-        frame = runs(result)
-        own = frame[frame["subject"] == subject]
-        return None if own.empty else _heat_map(own)
-
-    digits_map.__name__ = f"digits_{subject.replace(' ', '_')}"
-    digits_map.__doc__ = (
-        f"Correct digits of runs, {subject}. Refused runs are grey squares, runs that warn are "
-        "circles, wrong ones crosses."
-    )
-    return digits_map
-
-
-def _heat_map(frame: pd.DataFrame) -> Figure:
-    rows = list(dict.fromkeys(zip(frame["case"], frame["title"], frame["row"], strict=True)))
-    order = [way.name for way in (*WAYS, *OPEN, *ALONE)]
-    columns = {
-        backend: sorted(own["formulation"].unique(), key=order.index)
-        for backend, own in frame.groupby("backend", sort=False)
-    }
-    widths = [len(names) for names in columns.values()] or [1]
-    size = (4.2 + 0.27 * (sum(widths) + 3), 0.17 * len(rows) + 2.4)
-    figure = Figure(figsize=size, layout="constrained")
-    panels = figure.subplots(1, len(widths), squeeze=False, width_ratios=widths)[0]
-    keys, image = [(case, row) for case, _, row in rows], None
-    for axes, (backend, names) in zip(panels, columns.items(), strict=False):
-        image = _panel(axes, frame[frame["backend"] == backend], keys, names)
-        axes.set_title(backend_name(str(backend)))
-        axes.set_yticks(range(len(rows)), [])
-    labels = [f"{title.split(',')[0]}: {row}" for _, title, row in rows]
-    panels[0].set_yticks(range(len(rows)), labels, fontsize=6.5)
-    if image is not None:
-        bar = figure.colorbar(image, ax=panels, shrink=min(1.0, 3 / size[1]), pad=0.01)
-        bar.set_label("correct digits of λ")
-    return figure
-
-
-_MARKS = {
-    "refused": {"marker": "s", "color": GREY, "markersize": 7},
-    "WRONG": {"marker": "x", "color": VERMILION, "markersize": 6, "markeredgewidth": 1.8},
-    "warned": {"marker": "o", "color": BLACK, "markersize": 4, "markerfacecolor": "none"},
-}
-
-
-def _panel(
-    axes: Axes, frame: pd.DataFrame, rows: Sequence[tuple[str, str]], columns: Sequence[str]
-) -> Any:
-    values = np.full((len(rows), len(columns)), np.nan)
-    for run in frame.itertuples():
-        i, j = rows.index((run.case, run.row)), columns.index(run.formulation)
-        values[i, j] = np.nan if run.digits is None else run.digits
-        if run.verdict in _MARKS:
-            axes.plot(j, i, linestyle="", **_MARKS[run.verdict])
-    image = axes.imshow(values, cmap="viridis", vmin=0, vmax=_LAST_COLOUR, aspect="auto")
-    axes.set_xticks(range(len(columns)), columns, rotation=90, fontsize=7)
-    axes.grid(visible=False)
-    return image
-
-
 COLUMNS = {
     "row": Column("run"),
     "runs": Column("runs", show=number),
@@ -250,7 +178,6 @@ STUDY = Study(
                     printed=True,
                 ),
             ],
-            _maps(),
         ),
         Section(
             "Every run",

@@ -15,14 +15,8 @@ from numpy.typing import NDArray
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import assign, group
 from cea.errors import ConvergenceError, InputError
-from comparisons.stability.parts.case import Run, Verdict
-from comparisons.stability.parts.problems import (
-    NOT_COMPLETE,
-    UNDECIDED,
-    Answer,
-    ModesAnswer,
-    StressAnswer,
-)
+from comparisons.stability.case import Run
+from comparisons.stability.problems import NOT_COMPLETE, UNDECIDED, Answer
 from scenes.spec.problems import SceneError
 
 _RIGID = 1e-4
@@ -41,30 +35,13 @@ _CLEAR = 2.0
 
 @dataclass(frozen=True)
 class Comparison:
-    """An answer beside the true one.
+    """An answer beside the true one."""
 
-    Parameters
-    ----------
-    error
-        Worst relative error, infinite where a mode is missing or spurious.
-    missing, spurious
-        True eigenvalues of the window that were not found, and found ones that stand for none.
-    admitted
-        Whether no mode is farther off than it says itself that it may be.
-    false_claim
-        A mode, or the window, that is called stable or unstable and is not, in words; "" if none.
-    """
-
-    error: float
-    missing: int = 0
-    spurious: int = 0
-    admitted: bool = False
-    false_claim: str = ""
-
-
-Told = tuple[Verdict, str, bool]
-"""A verdict, why in words, and whether it is one that was expected, with no warning but those that
-may come."""
+    error: float  # worst relative error, infinite where a mode is missing or spurious
+    missing: int = 0  # true eigenvalues of the window that were not found
+    spurious: int = 0  # found ones that stand for none
+    admitted: bool = False  # whether no mode is farther off than it says itself that it may be
+    false_claim: str = ""  # what is called stable or unstable and is not, in words
 
 
 def judged(run: Run) -> dict[str, Any]:
@@ -74,41 +51,41 @@ def judged(run: Run) -> dict[str, Any]:
     """
     answer: Answer | None = None
     found: Comparison | None = None
-    try:
-        true = run.reference.values() if run.reference is not None else None
-    except (InputError, SceneError):  # what cannot be assembled can only be refused
-        true = None
-    except Exception as error:  # then nothing is known, which is a fault of the catalogue or of us
-        return _row(_crashed(f"no reference, {type(error).__name__}: {error}"), None, None, None)
     begun = perf_counter()
     try:
+        true = _truth(run)
+        begun = perf_counter()
         answer = run.problem.solve(None if true is None else window_end(true, run.lowest))
+        if true is None:
+            told = _wrong("answered what has no answer")
+        else:
+            found = compared(answer, true, run.tolerance)
+            told = _answered(run, answer, found)
     except (InputError, SceneError, ConvergenceError) as error:
-        verdict = _refused(run, str(error))
+        told = {"verdict": "refused", "reason": str(error), "met": "refused" in run.expected}
+        if run.names not in str(error):
+            told = _wrong(f"refused for another reason than {run.names}: {error}")
     except Exception as error:  # a crash is data: it must not end the study
-        verdict = _crashed(f"{type(error).__name__}: {error}")
-    seconds = perf_counter() - begun
-    if answer is not None and true is None:
-        verdict = "WRONG", "answered what has no answer", False
-    elif answer is not None and true is not None:
-        found = compared(answer, true, run.tolerance)
-        verdict = _answered(run, answer, found)
-    return _row(verdict, found, answer, seconds)
+        told = _wrong(f"crash: {type(error).__name__}: {error}")
+    return {
+        **told,
+        **{name: getattr(found, name, None) for name in ("error", "missing", "spurious")},
+        **{name: getattr(answer, name, None) for name in ("residual", "condition", "dofs")},
+        "modes": None if answer is None else len(answer.eigenvalues),
+        "says": [] if answer is None else list(answer.says),
+        "seconds": perf_counter() - begun,
+    }
 
 
-def _row(
-    verdict: Told, found: Comparison | None, answer: Answer | None, seconds: float | None
-) -> dict[str, Any]:
-    of_found, of_answer = (
-        {name: getattr(part, name, None) for name in names}
-        for part, names in (
-            (found, ("error", "missing", "spurious")),
-            (answer, ("residual", "condition", "modes", "dofs")),
-        )
-    )
-    told = dict(zip(("verdict", "reason", "met"), verdict, strict=True))
-    says = list(answer.says) if answer is not None else []
-    return {**told, **of_found, **of_answer, "says": says, "seconds": seconds}
+def _truth(run: Run) -> Complexes | None:
+    try:
+        return run.reference.values() if run.reference is not None else None
+    except (InputError, SceneError):  # what cannot be assembled can only be refused
+        return None
+
+
+def _wrong(reason: str) -> dict[str, Any]:
+    return {"verdict": "WRONG", "reason": reason, "met": False}
 
 
 def window_end(true: Complexes, lowest: int) -> float:
@@ -121,60 +98,32 @@ def window_end(true: Complexes, lowest: int) -> float:
     return float(some[widest : widest + 2].mean())
 
 
-def _refused(run: Run, message: str) -> Told:
-    """Verdict on a run that was refused, or did not converge and said so."""
-    if run.names and run.names not in message:
-        return "WRONG", f"refused for another reason than {run.names}: {message}", False
-    return "refused", message, "refused" in run.expected
-
-
-def _crashed(message: str) -> Told:
-    return "WRONG", f"crash: {message}", False
-
-
-def _answered(run: Run, answer: Answer, found: Comparison) -> Told:
+def _answered(run: Run, answer: Answer, found: Comparison) -> dict[str, Any]:
     """Verdict on a run with an answer, which was compared with the true one."""
     if found.false_claim:
-        return "WRONG", found.false_claim, False
+        return _wrong(found.false_claim)
     said = [kind for kind in answer.says if kind not in run.warnings]
     says = f"it says: {', '.join(answer.says)}" if answer.says else ""
     if found.error <= run.tolerance and not _OPEN & set(said):
-        return (
-            "accurate",
-            says,
-            "accurate" in run.expected and ("warned" in run.expected or not said),
-        )
-    what = _what(found)
+        met = "accurate" in run.expected and ("warned" in run.expected or not said)
+        return {"verdict": "accurate", "reason": says, "met": met}
+    what = f"error {found.error:.1e}"
+    if found.missing or found.spurious:
+        what = f"{found.missing} modes missing, {found.spurious} spurious"
     if found.admitted and found.error > run.tolerance:
         what = f"{what}, which its uncertainties admit"
     if said or found.admitted:
         reason = "; ".join(part for part in (what, says) if part)
-        return "warned", reason, "warned" in run.expected
-    return "WRONG", f"{what}, without a word of it", False
-
-
-def _what(found: Comparison) -> str:
-    if not (found.missing or found.spurious):
-        return f"error {found.error:.1e}"
-    return f"{found.missing} modes missing, {found.spurious} spurious"
+        return {"verdict": "warned", "reason": reason, "met": "warned" in run.expected}
+    return _wrong(f"{what}, without a word of it")
 
 
 def compared(answer: Answer, true: Complexes, tolerance: float) -> Comparison:
-    """Modes beside the true ones, or stresses beside the uniform one.
+    """Modes of a window beside all true ones far beyond it.
 
-    Parameters
-    ----------
-    answer
-        The modes of a window, or stresses.
-    true
-        Lambda of every true mode, far beyond the window.
-    tolerance
-        Relative distance at which a mode may lie on either side of the window's end, and within
-        which true eigenvalues are compared by their mean: near a coalescence they lose half the
-        digits of it.
+    A mode may lie on either side of the window's end within the relative ``tolerance``, and true
+    eigenvalues within it are compared by their mean: near a coalescence they lose half the digits.
     """
-    if isinstance(answer, StressAnswer):
-        return Comparison(float(np.abs(answer.stresses / true.real[0] - 1).max()))
     top = (2 * np.pi * answer.max_frequency) ** 2
     near = true[-(true**2).real <= (1 + _BEYOND) * top]
     near = np.where(np.abs(near) ** 2 <= 2 * tolerance * _RIGID * top, 0, near)
@@ -214,7 +163,7 @@ def _errors(difference: Complexes, kappa: Complexes, scale: Floats, tolerance: f
 
 
 def _false_claim(
-    answer: ModesAnswer, partners: Complexes, columns: Ints, slack: Floats, inside: Complexes
+    answer: Answer, partners: Complexes, columns: Ints, slack: Floats, inside: Complexes
 ) -> str:
     """What is called stable or unstable and clearly is not, in words; "" if nothing is.
 

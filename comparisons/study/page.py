@@ -17,7 +17,7 @@ from comparisons.study import plots
 from comparisons.study.closing import closing
 from comparisons.study.columns import Column, column, is_missing, is_number
 from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.sections import Plot, Section, Table, rows
 from comparisons.study.shapes import Shapes, merged, packed
 from comparisons.study.study import Study
 
@@ -119,7 +119,7 @@ def _section(
     """What the template shows of a section; None of one that shows nothing."""
     tables, drawn, images = [], list[dict[str, Any]](), list[dict[str, Any]]()
     for table in section.tables:
-        frame = table.frame(result)
+        frame = rows(table.frame, result)
         if out:
             raw = frame.drop(columns="shape", errors="ignore").to_csv(index=False)
             write_whole(raw.encode(), out / f"{table.name}.csv")

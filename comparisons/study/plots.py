@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from cea.files import write_whole
 from comparisons.study.columns import column
 from comparisons.study.numbers import literal
-from comparisons.study.sections import Plot
+from comparisons.study.sections import Plot, rows
 
 # Colours of Okabe and Ito, told apart with any colour vision.
 ORANGE, SKY, GREEN, YELLOW = "#E69F00", "#56B4E9", "#009E73", "#F0E442"
@@ -81,12 +81,12 @@ def sign(verdict: str) -> str:
 
 def panels(plot: Plot, result: Any) -> list[tuple[str, list[Line]]]:
     """Panels by their titles, each with its lines; none where there are no points."""
-    frame = plot.frame(result)
+    frame = rows(plot.frame, result)
     if frame.empty:
         return []
     layers = [(frame, True, plot.lines is None and plot.style == "lines")]
     if plot.lines is not None:
-        layers.insert(0, (plot.lines(result), False, True))
+        layers.insert(0, (rows(plot.lines, result), False, True))
     places = {name: {v: i for i, v in enumerate(frame[name].unique())} for name in plot.series}
     made = []
     for value in frame[plot.panel].unique() if plot.panel else [None]:
@@ -131,7 +131,7 @@ def _look(labels: Mapping[str, Any], places: Mapping[str, Any]) -> tuple[str, st
 
 
 def _titles(plot: Plot, result: Any) -> tuple[str, str]:
-    frame = plot.frame(result)
+    frame = rows(plot.frame, result)
     x, y = (column(name, frame, plot.own).axis for name in (plot.x, plot.y))
     return x, y
 
@@ -140,9 +140,11 @@ def draw(plot: Plot, result: Any) -> Figure:
     """A figure of a plot, panels side by side."""
     made, titles = panels(plot, result), _titles(plot, result)
     columns = min(3, len(made))
-    rows = -(-len(made) // columns)
-    figure = Figure(figsize=(_PANEL[0] * columns + 1.0, _PANEL[1] * rows), layout="constrained")
-    grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
+    lines_of_panels = -(-len(made) // columns)
+    figure = Figure(
+        figsize=(_PANEL[0] * columns + 1.0, _PANEL[1] * lines_of_panels), layout="constrained"
+    )
+    grid = figure.subplots(lines_of_panels, columns, sharey=True, squeeze=False)
     for axes in grid.flat[len(made) :]:
         axes.set_axis_off()
     for axes, (title, lines) in zip(grid.flat, made, strict=False):

@@ -11,8 +11,13 @@ from comparisons.study.columns import Column
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Frame = Callable[[Any], pd.DataFrame]
-"""Makes a data frame of a result, of a study that was just run or read back alike."""
+Frame = Callable[[Any], pd.DataFrame] | str
+"""Makes a data frame of a result; a text names the table of a study whose rows it has."""
+
+
+def rows(frame: Frame, result: Any) -> pd.DataFrame:
+    """The data frame of a result, of a study that was just run or read back alike."""
+    return result.frame(frame) if isinstance(frame, str) else frame(result)
 
 
 @dataclass(frozen=True)

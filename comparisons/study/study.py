@@ -90,6 +90,13 @@ class Study:
     shipped: Path | None = None
 
 
+def at_least_one(**fields: int) -> None:
+    """Refuse options that are no numbers from 1 on."""
+    for name, value in fields.items():
+        if value < 1:
+            raise InputError(name, value, "1 or more")
+
+
 def evaluated(
     study: Study, labels: Case, session: Session
 ) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -336,9 +336,16 @@ class _Resolver:
         keyword.check("NAME", "TYPE", "COMBINE", "INTERNAL")
         found = [np.empty((0, 2), dtype=np.int64)]
         if how := keyword.parameters.get("COMBINE"):
-            require(how.upper() == "UNION", "file", f"*SURFACE, COMBINE={how}", "COMBINE=UNION")
             names = [name for line in keyword.lines for name in line if name]
-            return np.concatenate([*found, *(self.members("surface", key, n) for n in names)])
+            found += [self.members("surface", key, name) for name in names]
+            if how.upper() != "UNION":
+                two = how.upper() in ("INTERSECTION", "DIFFERENCE") and len(names) == 2
+                numbered = all((faces[:, 1] >= 0).all() for faces in found)
+                allowed = "UNION, or INTERSECTION or DIFFERENCE of two surfaces of numbered faces"
+                require(two and numbered, "file", f"*SURFACE, COMBINE={how}", allowed)
+                shared = np.isin(found[1] @ [8, 1], found[2] @ [8, 1])
+                return found[1][shared if how.upper() == "INTERSECTION" else ~shared]
+            return np.concatenate(found)
         of_sides: dict[str, list[str]] = {}
         for line in keyword.lines:
             of_sides.setdefault("".join(line[1:2]).upper(), []).append(line[0])

@@ -2,7 +2,7 @@
 
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -57,15 +57,13 @@ def ansys_content(file: Path) -> FileContent:
     require(len(count) > 0 and count.min() > 0, "file", str(file), "nodes of every element")
     heads = data[starts[:, None] + np.arange(_HEAD)]
     types = dict(arrays["types"].tolist())
-    kind = np.array([types.get(number, 0) for number in heads[:, 1].tolist()], dtype=np.int64)
+    kinds = [types.get(number, 0) for number in heads[:, 1].tolist()]
     blocks, places = [], []
-    for each, nodes in sorted(set(zip(kind.tolist(), count.tolist(), strict=True))):
-        rows = np.flatnonzero((kind == each) & (count == nodes))
+    for kind, nodes in sorted(set(zip(kinds, count.tolist(), strict=True))):
+        rows = np.flatnonzero((np.array(kinds) == kind) & (count == nodes))
         listed = data[starts[rows, None] + _HEAD + np.arange(nodes)]
-        cells = _cells(each, listed)
-        for cell in np.unique(cells).tolist():
-            own = cells == cell
-            blocks.append(_block(each, cell, heads[rows[own], 8], listed[own], numbers))
+        for own, each in _blocks(kind, heads[rows, 8], listed, numbers):
+            blocks.append(each)
             places.append(rows[own])
     order = np.empty(len(heads), dtype=np.int64)
     order[np.concatenate(places)] = np.arange(len(heads))
@@ -77,33 +75,30 @@ def ansys_content(file: Path) -> FileContent:
     return FileContent(points, numbers, blocks, _element_sets(arrays, heads, order), node_sets)
 
 
-def _cells(kind: int, nodes: Ints) -> np.ndarray:
-    """Cell of each element of a type, none where it is no solid, (n,)."""
-    count = _SOLIDS.get(kind, np.inf)
-    if count not in (8, 20) or nodes.shape[1] < count:
-        return np.full(len(nodes), "tetrahedron" if nodes.shape[1] >= count else "")
-    apex = (nodes[:, 4:5] == nodes[:, 5:8]).all(axis=1)
-    triangle, above = nodes[:, 2] == nodes[:, 3], nodes[:, 6] == nodes[:, 7]
-    return np.select(
-        [apex & triangle, apex, triangle & above],
-        ["tetrahedron", "pyramid", "wedge"],
-        "hexahedron",
-    )
-
-
-def _block(kind: int, cell: str, numbers: Ints, nodes: Ints, known: Ints) -> ElementBlock:
-    """Elements of a type that are one cell."""
-    name = f"type {kind}"
-    if not cell:
-        return without_nodes(name, numbers, "mark" if kind in _MARKS else "structural")
-    count = _SOLIDS[kind]
-    listed = [i for i in _OF_BRICK[cell] if i < count] if count in (8, 20) else list(range(count))
-    nodes = nodes[:, listed]
-    lacks = (nodes == 0).any(axis=1)
-    if lacks.any():
-        worst = f"element {int(numbers[np.argmax(lacks)])}"
-        raise InputError("file", worst, "elements with the middles of all edges")
-    return block(name, f"{cell}{len(listed)}", numbers, rows_of(known, nodes, "a node"))
+def _blocks(
+    kind: int, numbers: Ints, nodes: Ints, known: Ints
+) -> Iterator[tuple[Any, ElementBlock]]:
+    """Elements of a type, those of each cell: which they are, and their block."""
+    name, count = f"type {kind}", _SOLIDS.get(kind, 1000)
+    if nodes.shape[1] < count:
+        yield slice(None), without_nodes(name, numbers, "mark" if kind in _MARKS else "structural")
+        return
+    cells = np.full(len(nodes), "tetrahedron")
+    if count in (8, 20):
+        apex = (nodes[:, 4:5] == nodes[:, 5:8]).all(axis=1)
+        triangle, above = nodes[:, 2] == nodes[:, 3], nodes[:, 6] == nodes[:, 7]
+        conditions = [apex & triangle, apex, triangle & above]
+        cells = np.select(conditions, ["tetrahedron", "pyramid", "wedge"], "hexahedron")
+    for cell in np.unique(cells).tolist():
+        own = cells == cell
+        of_brick = [i for i in _OF_BRICK[cell] if i < count]
+        listed = nodes[own][:, of_brick if count in (8, 20) else range(count)]
+        lacks = (listed == 0).any(axis=1)
+        if lacks.any():
+            worst = f"element {int(numbers[own][np.argmax(lacks)])}"
+            raise InputError("file", worst, "elements with the middles of all edges")
+        rows = rows_of(known, listed, "a node")
+        yield own, block(name, f"{cell}{listed.shape[1]}", numbers[own], rows)
 
 
 def _element_sets(arrays: Mapping[str, Any], heads: Ints, place: Ints) -> dict[str, Ints]:

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
-from cea.errors import require
+from cea.errors import InputError
 from cea.mesh import Mesh, facet_nodes
 from meshes.files.elements import CORNERS, KINDS, full_kind
 
@@ -22,24 +22,12 @@ Role = Literal["solid", "mark", "structural"]
 class ElementBlock:
     """Elements of one kind.
 
-    Parameters
-    ----------
-    kind
-        What the file calls them, e.g. C3D20R.
-    cell
-        Their cell, ``wedge``, ``pyramid`` or ``line``; another word for what makes no body.
-    order
-        Order of their geometry.
-    numbers
-        Their numbers in the file, (n,).
-    nodes
-        Rows of their nodes among the points, (n, n_nodes), corners first; up to order 2 as
-        :data:`meshes.files.elements.KINDS` lists them.
-    reference
-        Where these nodes lie in the reference cell, from 0 to 1, (n_nodes, dim).
-    role
-        ``solid``: what bodies are made of, and where solids of more dimensions are there, marks of
-        their faces; ``mark``: of faces alone; ``structural``: shells, beams, springs and the like.
+    Their name in the file, e.g. C3D20R, their cell, ``wedge``, ``pyramid``, ``line`` or another
+    word for what makes no body; order of the geometry; numbers in the file, (n,); rows of their
+    nodes among the points, (n, n_nodes), corners first and up to order 2 as :data:`KINDS` has
+    them; where these lie in the reference cell, (n_nodes, dim). Bodies are made of ``solid`` ones,
+    which mark faces of those of more dimensions; ``mark``: of faces alone; ``structural``: shells,
+    beams, springs and the like.
     """
 
     kind: str
@@ -115,23 +103,10 @@ class Sets(Mapping[str, Ints]):
 class FileContent:
     """What a mesh file holds.
 
-    Parameters
-    ----------
-    points
-        Positions of the nodes in the unit of the file, (n, 3).
-    node_numbers
-        Numbers of the nodes in the file, (n,).
-    blocks
-        The elements.
-    element_sets
-        Elements of each set, counted through the blocks.
-    node_sets
-        Nodes of each set, as rows of the points.
-    face_sets
-        Faces of each set: elements, and which of their faces, 0 for S1 as
-        :data:`meshes.files.elements.FACES` counts them, or -1 for all that are free, (n, 2).
-    told
-        What the file has that was left out.
+    Nodes in the unit of the file, (n, 3), and their numbers; the elements; elements of each set,
+    counted through the blocks; nodes of each set, as rows of the points; faces of each set,
+    (n, 2): elements, and which of their faces, 0 for S1 as :data:`meshes.files.elements.FACES` has
+    them, -1 for all that are free; what was left out.
     """
 
     points: Floats
@@ -199,26 +174,30 @@ def node_marks(n_points: int) -> NDArray[np.uint64]:
 
 def rows_of(numbers: Ints, wanted: Ints, what: str) -> Ints:
     """Rows of wanted numbers among numbers in any order, of any shape."""
-    order = np.argsort(numbers, kind="stable")
-    rising = numbers[order]
-    twice = np.flatnonzero(np.diff(rising) == 0)
-    if len(twice):
-        require(False, "file", int(rising[twice[0]]), f"numbers of {what} that are there once")
-    place = np.minimum(np.searchsorted(rising, wanted), max(len(rising) - 1, 0))
-    known = rising[place] == wanted if len(rising) else np.zeros(wanted.shape, dtype=bool)
-    if not known.all():
-        first = int(wanted[~known].flat[0])
-        require(False, "file", first, f"a number of {what} that the file has: it is used")
-    return order[place].astype(np.int64)
+    rows = _rows(numbers, wanted)
+    rising = np.sort(numbers)
+    for wrong, allowed in (
+        (rising[1:][np.diff(rising) == 0], f"numbers of {what} that are there once"),
+        (wanted[rows < 0], f"a number of {what} that the file has: it is used"),
+    ):
+        if wrong.size:
+            raise InputError("file", int(wrong[0]), allowed)
+    return rows
 
 
 def known_rows(numbers: Ints, wanted: Ints) -> Ints:
     """Rows of those wanted numbers that are there, (n,); sets may name what a file left out."""
+    rows = _rows(numbers, wanted)
+    return rows[rows >= 0]
+
+
+def _rows(numbers: Ints, wanted: Ints) -> Ints:
+    """Rows of wanted numbers, -1 of those that are not there."""
     if not len(numbers):
-        return np.empty(0, dtype=np.int64)
+        return np.full(wanted.shape, -1, dtype=np.int64)
     order = np.argsort(numbers, kind="stable")
-    place = np.minimum(np.searchsorted(numbers[order], wanted), len(numbers) - 1)
-    return order[place[numbers[order][place] == wanted]].astype(np.int64)
+    place = np.minimum(np.searchsorted(numbers, wanted, sorter=order), len(numbers) - 1)
+    return np.where(numbers[order[place]] == wanted, order[place], -1).astype(np.int64)
 
 
 def shown(names: Iterable[str], limit: int = 20) -> str:

@@ -18,19 +18,7 @@ DIVIDED = ("wedge", "pyramid")
 
 
 class Kind(NamedTuple):
-    """Cell, order and nodes of a kind of element.
-
-    Parameters
-    ----------
-    cell
-        A :data:`cea.mesh.Cell`, ``wedge`` or ``pyramid``.
-    order
-        Order of its geometry.
-    groups
-        Corners whose mean each node is; of a corner itself.
-    reference
-        Nodes of the reference cell, (n, dim), from 0 to 1.
-    """
+    """Cell, order, corners whose mean each node is, nodes of the reference cell from 0 to 1."""
 
     cell: str
     order: int

@@ -1,10 +1,10 @@
 """Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it.
 
-A builder of a body or of contact points is given all that these are made of and nothing else of the
-scene, so that scenes in which it is equal have the same bodies, or points.
+What a body or the points of a half pass are made of is kept beside them: scenes in which it is
+equal have the same bodies, or points.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,12 +14,12 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body, Space
 from cea.contact.contact import Contact
-from cea.contact.formulations import Formulation
 from cea.contact.friction import FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.laws import Friction, LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError
 from cea.expressions import Expression, evaluate
+from cea.mesh import Mesh
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure
@@ -30,48 +30,12 @@ from cea.timing import StageTimer
 from meshes.breaks import breaks_of
 from meshes.mesh_file import MeshFile
 from meshes.true_surfaces import true_surfaces
-from scenes.building.body_meshes import body_mesh, used_surfaces
 from scenes.spec.body import BodySpec, IgaMesh, LoadSpec
-from scenes.spec.contact import ContactSpec, SlidingSpec
+from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
-
-@dataclass(frozen=True)
-class BodyParts:
-    """What a body is made of."""
-
-    spec: BodySpec
-    loads: tuple[LoadSpec, ...] = ()
-    surfaces: tuple[str, ...] = ()
-
-
-def body_parts(scene: Scene, name: str) -> BodyParts:
-    """What a body of a scene is made of."""
-    spec = scene.bodies[name]
-    of_file = isinstance(spec.geometry, MeshFile)
-    return BodyParts(
-        replace(spec, damping=None, rotation=None),
-        tuple(load for load in scene.loads if load.on == name),
-        tuple(used_surfaces(scene, name)) if of_file else (),
-    )
-
-
-@dataclass(frozen=True)
-class PointParts:
-    """What the contact points of a half pass are made of, beside the two bodies."""
-
-    a: str
-    b: str
-    formulation: Formulation
-    reach: float | None
-    max_missed: float
-    full_pass: bool
-
-
-def point_parts(spec: ContactSpec, *, opposite: bool = False) -> PointParts:
-    """What the points of a contact are made of; opposite ones are those of the second half."""
-    a, b = (spec.b, spec.a) if opposite else (spec.a, spec.b)
-    return PointParts(a, b, spec.formulation, spec.reach, spec.max_missed, spec.full_pass)
+_ROUNDING = 1e-14
+"""Friction below this part of the largest counts as zero."""
 
 
 class Built[Part](dict[str, Part]):
@@ -81,16 +45,23 @@ class Built[Part](dict[str, Part]):
         super().__init__(parts)
         self.made_of = dict(made_of)
 
-    def made_of_the_same(self, wanted: Mapping[str, Any]) -> "Built[Part]":
-        """Those that are made of what is wanted; itself where all are."""
-        same = [name for name in wanted if name in self and self.made_of[name] == wanted[name]]
-        if same == list(self):
-            return self
-        return Built({name: self[name] for name in same}, {name: wanted[name] for name in same})
+
+def _alike[Part](given: Mapping[str, Part] | None, wanted: Mapping[str, Any]) -> dict[str, Part]:
+    """Those that are made of what is wanted."""
+    if not isinstance(given, Built):
+        return {}
+    return {name: given[name] for name in wanted if given.made_of.get(name) == wanted[name]}
 
 
-_ROUNDING = 1e-14
-"""Friction below this part of the largest counts as zero."""
+def made_of(scene: Scene, name: str) -> tuple[BodySpec, tuple[LoadSpec, ...], tuple[str, ...]]:
+    """What a body of a scene is made of: its spec, its loads, surfaces asked of a mesh file."""
+    spec = scene.bodies[name]
+    of_file = isinstance(spec.geometry, MeshFile)
+    return (
+        replace(spec, damping=None, rotation=None),
+        tuple(load for load in scene.loads if load.on == name),
+        tuple(used_surfaces(scene, name)) if of_file else (),
+    )
 
 
 def build_bodies(
@@ -110,18 +81,13 @@ def build_bodies(
             allowed = f"those of the scene: {', '.join(scene.bodies)}"
             raise InputError("bodies", list(given), allowed)
         return given
-    made_of = {name: body_parts(scene, name) for name in scene.bodies}
-    reused = given.made_of_the_same(made_of) if given is not None else {}
-    if list(reused) == list(made_of):
-        return reused
+    wanted = {name: made_of(scene, name) for name in scene.bodies}
+    alike = _alike(given, wanted)
+    if list(alike) == list(wanted):
+        return Built(alike, wanted)
     with timer("meshing"):
-        bodies = {
-            name: reused[name]
-            if name in reused
-            else build_body(name, parts.spec, parts.loads, parts.surfaces)
-            for name, parts in made_of.items()
-        }
-    return Built(bodies, made_of)
+        bodies = {n: alike.get(n) or build_body(n, *parts) for n, parts in wanted.items()}
+    return Built(bodies, wanted)
 
 
 def build_body(
@@ -134,6 +100,8 @@ def build_body(
         space = _nurbs_space(name, spec, spec.mesh.iga)
     else:
         raise InputError(f"bodies.{name}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
+    places = [load.surface and load.surface.split(".")[1] for load in loads]
+    pairs = list(zip(loads, places, strict=True))
     return Body(
         name,
         space,
@@ -141,13 +109,13 @@ def build_body(
         supports=[each.support() for each in spec.supports],
         springs=spec.springs,
         pressures=[
-            Pressure(load.surface.split(".")[1], load.pressure)
-            for load in loads
-            if load.surface is not None and load.pressure is not None
+            Pressure(place, load.pressure)
+            for load, place in pairs
+            if place is not None and load.pressure is not None
         ],
         forces=[
-            Force(force, load.surface.split(".")[1] if load.surface is not None else None)
-            for load in loads
+            Force(force, place)
+            for load, place in pairs
             if (force := load.force or load.body_force) is not None
         ],
     )
@@ -169,13 +137,44 @@ def _nurbs_space(name: str, spec: BodySpec, mesh: IgaMesh) -> Space:
     from meshes.nurbs_shapes import nurbs_shape
 
     breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
-    shape = nurbs_shape(spec.geometry, breaks, spec.placement)
-    return NurbsSpace(
-        shape.patches,
-        shape.faces,
-        mesh.degree,
-        continuity=mesh.continuity,
-        field=f"bodies.{name}",
+    shape, field = nurbs_shape(spec.geometry, breaks, spec.placement), f"bodies.{name}"
+    continuity = mesh.continuity
+    return NurbsSpace(shape.patches, shape.faces, mesh.degree, continuity=continuity, field=field)
+
+
+def used_surfaces(scene: Scene, body: str) -> list[str]:
+    """Surfaces of a body that supports, springs, loads and contacts name."""
+    spec = scene.bodies[body]
+    places = [load.surface for load in scene.loads if load.surface is not None]
+    places += [side for contact in scene.contacts.values() for side in (contact.a, contact.b)]
+    own = [place.partition(".")[2] for place in places if place.partition(".")[0] == body]
+    held = [support.surface for support in spec.supports]
+    held += [spring.surface for spring in spec.springs]
+    return list(dict.fromkeys([*held, *own]))
+
+
+def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
+    """Mesh of a body of Lagrange elements; of a mesh file, with the surfaces that are asked for."""
+    if isinstance(spec.geometry, MeshFile):
+        with _below(f"bodies.{body}.geometry"):
+            return spec.geometry.mesh(surfaces, spec.placement)
+    from meshes.shape_mesh import shape_mesh
+
+    fe = spec.mesh.fe
+    if fe is None:
+        raise InputError(f"bodies.{body}.mesh.fe", None, "needed for 'fe'")
+    breaks = None
+    if fe.elements is not None:
+        breaks = breaks_of(spec.geometry, fe.elements, fe.boundaries)
+    return shape_mesh(
+        spec.geometry,
+        fe.cell,
+        fe.geometry_degree or fe.degree,
+        breaks=breaks,
+        size=fe.size,
+        placement=spec.placement,
+        edges=fe.edges,
+        layers=fe.layers,
     )
 
 
@@ -186,13 +185,20 @@ class _Half:
     name: str
     pair: str
     spec: ContactSpec
-    points: PointParts
+    a: str
+    b: str
     direction: FrictionDirection | Reversed | None
-    share: float
+    share: float = 1.0
+
+    @property
+    def made_of(self) -> tuple[Any, ...]:
+        """What its points are made of, beside the two bodies."""
+        spec = self.spec
+        return self.a, self.b, spec.formulation, spec.reach, spec.max_missed, spec.full_pass
 
     def surfaces(self, bodies: Mapping[str, Body]) -> tuple[Surface, Surface]:
         """Side a and side b."""
-        (body_a, a), (body_b, b) = self.points.a.split("."), self.points.b.split(".")
+        (body_a, a), (body_b, b) = self.a.split("."), self.b.split(".")
         return bodies[body_a].surfaces[a], bodies[body_b].surfaces[b]
 
     def is_joined_by(self, interface: Interface, bodies: Mapping[str, Body]) -> bool:
@@ -205,11 +211,10 @@ def _halves(contacts: Mapping[str, ContactSpec]) -> Iterator[_Half]:
     """The one half of each half pass, both halves of each full pass."""
     for name, spec in contacts.items():
         direction, share = spec.friction_direction_on_a, 0.5 if spec.full_pass else 1.0
-        yield _Half(name, name, spec, point_parts(spec), direction, share)
+        yield _Half(name, name, spec, spec.a, spec.b, direction, share)
         if spec.full_pass:
             reversed_ = Reversed(direction) if direction is not None else None
-            points = point_parts(spec, opposite=True)
-            yield _Half(f"{name}, b on a", name, spec, points, reversed_, share)
+            yield _Half(f"{name}, b on a", name, spec, spec.b, spec.a, reversed_, share)
 
 
 def build_interfaces(
@@ -223,37 +228,22 @@ def build_interfaces(
     Of those given they are used again that are made of the same, between these bodies.
     """
     halves = {half.name: half for half in _halves(scene.contacts)}
-    reused: Mapping[str, Interface] = {}
-    if isinstance(given, Built):
-        between = {
-            name: half.points
-            for name, half in halves.items()
-            if name in given and half.is_joined_by(given[name], bodies)
-        }
-        reused = given.made_of_the_same(between)
-    if reused and list(reused) == list(halves):
-        return reused
+    wanted = {name: half.made_of for name, half in halves.items()}
+    alike = {n: i for n, i in _alike(given, wanted).items() if halves[n].is_joined_by(i, bodies)}
+    if alike and list(alike) == list(halves):
+        return Built(alike, wanted)
     with timer("search"):
-        interfaces = {
-            name: reused[name] if name in reused else _located(half, bodies)
-            for name, half in halves.items()
-        }
-    return Built(interfaces, {name: half.points for name, half in halves.items()})
+        found = {n: alike.get(n) or _located(half, bodies) for n, half in halves.items()}
+    return Built(found, wanted)
 
 
 def _located(half: _Half, bodies: Mapping[str, Body]) -> Interface:
     """Points of a half pass; of the larger side of a full pass those that find nothing go."""
-    parts, (a, b) = half.points, half.surfaces(bodies)
-    points = parts.formulation.points_on(a, b, parts.reach or default_reach(a, b))
-    larger = parts.full_pass and a.area > b.area
-    return pair(
-        a,
-        b,
-        points,
-        field=f"contacts.{half.pair}",
-        reach=parts.reach,
-        max_missed=1.0 if larger else parts.max_missed,
-    )
+    spec, (a, b) = half.spec, half.surfaces(bodies)
+    points = spec.formulation.points_on(a, b, spec.reach or default_reach(a, b))
+    missed = 1.0 if spec.full_pass and a.area > b.area else spec.max_missed
+    field = f"contacts.{half.pair}"
+    return pair(a, b, points, field=field, reach=spec.reach, max_missed=missed)
 
 
 def build_contacts(scene: Scene, interfaces: Mapping[str, Interface]) -> list[Contact]:
@@ -264,7 +254,7 @@ def build_contacts(scene: Scene, interfaces: Mapping[str, Interface]) -> list[Co
 def _contact(half: _Half, interface: Interface) -> Contact:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, points = half.spec, interface.points
-    with _of_contact(half.pair):
+    with _below(f"contacts.{half.pair}"):
         law: NormalLaw
         if spec.law is not None:
             law = replace(spec.law, c=half.share * spec.law.c)
@@ -273,15 +263,21 @@ def _contact(half: _Half, interface: Interface) -> Contact:
         else:
             P = spec.P or 0.0  # one of the three is given
             law = LinearLaw(half.share * np.full(len(points), P / points.weight.sum()))
-        sliding = _sliding(spec.sliding, points.x) if spec.sliding is not None else None
+        sliding = None
+        if spec.sliding is not None:
+            given = {n: value for n, value in spec.sliding.fields.items() if value is not None}
+            sliding = Sliding(**{n: _values(f"sliding.{n}", v, points.x) for n, v in given.items()})
         friction = None
         if half.direction is not None:
-            friction = Friction(_friction(spec.mu, points.x), half.direction)
+            mu = _values("mu", spec.mu, points.x)
+            # what rounding leaves where an expression vanishes counts as zero
+            negligible = np.abs(mu) < _ROUNDING * np.abs(mu).max(initial=0.0)
+            friction = Friction(np.where(negligible, 0.0, mu), half.direction)
         return Contact(
             name=half.name,
             pair=half.pair,
-            a=half.points.a.split(".")[0],
-            b=half.points.b.split(".")[0],
+            a=half.a.split(".")[0],
+            b=half.b.split(".")[0],
             interface=interface,
             law=law,
             friction=friction,
@@ -293,12 +289,12 @@ def _contact(half: _Half, interface: Interface) -> Contact:
 
 
 @contextmanager
-def _of_contact(name: str) -> Iterator[None]:
-    """Name the contact in faults of its fields."""
+def _below(place: str) -> Iterator[None]:
+    """Name the section in faults of its fields."""
     try:
         yield
     except InputError as error:
-        raise InputError(f"contacts.{name}.{error.field}", error.value, error.allowed) from None
+        raise InputError(f"{place}.{error.field}", error.value, error.allowed) from None
 
 
 def _values(name: str, field: float | str, x: Floats) -> Floats:
@@ -307,15 +303,6 @@ def _values(name: str, field: float | str, x: Floats) -> Floats:
         return evaluate(Expression(field) if isinstance(field, str) else field, x)
     except InputError as error:
         raise InputError(name, error.value, error.allowed) from None
-
-
-def _friction(mu: float | str, x: Floats) -> Floats:
-    """Friction at points; what rounding leaves where an expression vanishes counts as zero."""
-    values = _values("mu", mu, x)
-    negligible = _ROUNDING * np.abs(values).max(initial=0.0)
-    return (
-        np.where(np.abs(values) <= negligible, 0.0, values) if np.isfinite(negligible) else values
-    )
 
 
 def build_system(
@@ -329,6 +316,12 @@ def build_system(
     """Coupled matrices of a scene: mass only for eigenvalues, loads only where they matter."""
     contacts = build_contacts(scene, interfaces)
     static = scene.analysis.kind == "static"
+    motions = {}
+    for name, body in scene.bodies.items():
+        if not static or body.rotation is not None:  # at rest nothing else moves
+            damping = body.damping
+            rayleigh, modal = (damping.rayleigh(), damping.modal) if damping else (None, None)
+            motions[name] = Motion(rayleigh, body.rotation, modal)
     with timer("assembly"):
         return couple(
             bodies,
@@ -336,22 +329,5 @@ def build_system(
             with_mass=not static,
             with_load=static or scene.slides_steadily,
             leave_out=leave_out,
-            motions={
-                name: Motion(
-                    body.damping.rayleigh() if body.damping is not None else None,
-                    body.rotation,
-                    body.damping.modal if body.damping is not None else None,
-                )
-                for name, body in scene.bodies.items()
-                if not static or body.rotation is not None  # at rest nothing else moves
-            },
+            motions=motions,
         )
-
-
-def _sliding(spec: SlidingSpec, x: Floats) -> Sliding:
-    """How a half pass slides, at its points."""
-    values = {
-        name: _values(f"sliding.{name}", value, x) if value is not None else None
-        for name, value in spec.fields.items()
-    }
-    return Sliding(**values)

@@ -20,7 +20,6 @@ from cea.system.coupled import CoupledSystem
 from cea.volume import VolumeSample
 from cea.warned import ResultWarning
 from scenes.spec.reading import Scene
-from scenes.spec.sizes import box_lengths
 
 _SOFTEST = 1e3
 """E (N/m^2) below which a solid is softer than any that brakes, clutches or tyres are made of."""
@@ -70,7 +69,7 @@ def doubtful_numbers(scene: Scene) -> Iterator[ResultWarning]:
                 f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",
                 {"body": name, "field": field, "value": value},
             )
-        length, (low, high) = max(box_lengths(body.geometry)), _LENGTHS
+        length, (low, high) = max(body.lengths), _LENGTHS
         if not low <= length <= high:
             yield ResultWarning(
                 "doubtful-size",

@@ -22,9 +22,11 @@ from cea.heap import give_back, kept
 from cea.mesh import SIMPLICES
 from cea.petsc import MPI
 from cea.warned import ResultWarning
+from meshes.mesh_file import MeshFile
+from meshes.patches import NurbsFile, Patches
+from meshes.shapes import VentilatedDisc
 from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
-from scenes.spec.sizes import dofs_of, node_counts
 
 _NUMBER, _ENTRY = 8, 12
 """Bytes of a number, and of an entry of a sparse matrix with its column."""
@@ -51,12 +53,8 @@ _LARGE = 0.25
 class MemoryEstimate:
     """Memory that a scene needs on all ranks together.
 
-    Parameters
-    ----------
-    dofs, factor_entries
-        Unknowns, and entries of the factors of the stiffness.
-    factors, others
-        Bytes of the factors, and of all else.
+    ``dofs`` are unknowns, ``factor_entries`` those of the factors of the stiffness; ``factors`` and
+    ``others`` the bytes of the factors, and of all else.
     """
 
     dofs: float
@@ -86,10 +84,10 @@ def estimated_memory(scene: Scene) -> MemoryEstimate:
         dim, (near, width) = len(body.geometry.directions), _couplings(body)
         dofs += dofs_of(body)
         nonzeros += dim * dofs_of(body) * near**dim
-        entries += dim**2 * sum(_dissected(counts, width) for counts in node_counts(body))
+        entries += dim**2 * sum(_dissected(counts, width) for counts in _node_counts(body))
     static = scene.analysis.kind == "static"
     quadratic = not static and (scene.damped or scene.rotates)
-    unsymmetric = quadratic or any(contact.mu for contact in scene.contacts.values())
+    unsymmetric = quadratic or scene.has_friction
     vectors = 0.0 if static else min(_VECTORS, dofs) * (_QUADRATIC if quadratic else 1.0)
     return MemoryEstimate(
         dofs,
@@ -97,6 +95,48 @@ def estimated_memory(scene: Scene) -> MemoryEstimate:
         _FACTORS * (1.0 if unsymmetric else _SYMMETRIC) * _NUMBER * entries,
         _PROGRAM + _MATRICES * _ENTRY * nonzeros + _NUMBER * vectors * dofs,
     )
+
+
+def dofs_of(body: BodySpec) -> float:
+    """Estimate of the unknowns of a body, supports not taken out."""
+    return len(body.geometry.directions) * sum(map(prod, _node_counts(body)))
+
+
+def _node_counts(body: BodySpec) -> list[tuple[float, ...]]:
+    """Nodes along each direction of boxes that stand for a mesh, one for each patch."""
+    shape, fe, iga, lengths = body.geometry, body.mesh.fe, body.mesh.iga, body.lengths
+    if isinstance(shape, MeshFile):
+        own, dim = shape.elements, len(lengths)
+        degree = body.fe_degree or own.order
+        nodes = len(own.used) * (degree / own.order) ** dim
+        if own.incomplete:
+            nodes = max(nodes, float(own.num_cells * degree**dim))
+        even = (nodes / prod(lengths)) ** (1 / dim)
+        return [tuple(max(1.0, even * length) for length in lengths)]
+    if body.backend == "fe" and fe is not None:
+        # boxes of the target edge length have about as many nodes as unstructured tetrahedra
+        size = fe.size or inf
+        if isinstance(shape, VentilatedDisc):
+            size = shape.mean_size(size)
+        along = fe.elements or [max(1.0, length / size) for length in lengths]
+        return [tuple(fe.degree * n + 1.0 for n in along)]
+    if iga is None:
+        return []
+    given = shape.given if isinstance(shape, NurbsFile) else shape
+    inner = [(0,) * len(lengths)]  # knots that a geometry brings along
+    if isinstance(given, Patches):
+        inner = [
+            tuple(len(k) - 2 * p - 2 for k, p in zip(patch.knots, patch.degrees, strict=True))
+            for patch in given.patches
+        ]
+    continuity = iga.continuity or tuple(p - 1 for p in iga.degree)
+    along_each = list(zip(iga.degree, continuity, iga.elements, strict=True))
+    return [
+        tuple(
+            float((p - c) * (n + k) + c + 1) for (p, c, n), k in zip(along_each, knots, strict=True)
+        )
+        for knots in inner
+    ]
 
 
 def _couplings(body: BodySpec) -> tuple[float, float]:
@@ -133,9 +173,9 @@ def available_memory() -> float:
 
     What the process is confined to counts where that is less.
     """
-    machine = float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     soft = resource.getrlimit(resource.RLIMIT_AS)[0]
-    limits = [machine, inf if soft == resource.RLIM_INFINITY else float(soft)]
+    limits = [float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))]
+    limits += [] if soft == resource.RLIM_INFINITY else [float(soft)]
     for file in ("memory.max", "memory/memory.limit_in_bytes"):
         try:
             limits.append(float((Path("/sys/fs/cgroup") / file).read_text()))
@@ -162,25 +202,35 @@ def _on_all_machines(amount: Callable[[], float], comm: Any) -> float:
     return float(available)
 
 
-def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD, *, on_disk: bool = True) -> None:
-    """Refuse a scene that cannot fit into the memory of the machines of all ranks; collective."""
+def check_memory(
+    scene: Scene, comm: Any = MPI.COMM_WORLD, *, on_disk: bool = True
+) -> tuple[ResultWarning, ...]:
+    """Refuse a scene that cannot fit into the memory of the machines of all ranks; collective.
+
+    Returns a warning where it fits with factors on disk alone, which those that modes are sought
+    with may be.
+    """
     available, estimate = _on_all_machines(available_memory, comm), estimated_memory(scene)
     if estimate.bytes > _LARGE * available:  # what was freed may not do in one piece
         give_back()
     if estimate.bytes <= available:
-        return
-    told = (
-        f"{estimate.dofs:.3g} dofs take about {_gigabytes(estimate.bytes)} of the "
-        f"{_gigabytes(available)} there are"
-    )
-    if on_disk and _may_be_on_disk(scene):
+        return ()
+    needed, there = _gigabytes(estimate.bytes), _gigabytes(available)
+    told = f"{estimate.dofs:.3g} dofs take about {needed} of the {there} there are"
+    if on_disk and scene.analysis.kind == "cea" and not scene.slides_steadily:
         disk = _on_all_machines(free_disk, comm)
+        factors, rest = _gigabytes(estimate.factors), _gigabytes(estimate.bytes_with_files)
         if estimate.bytes_with_files <= available and estimate.factors <= disk:
-            return
-        told += (
-            f", or {_gigabytes(estimate.bytes_with_files)} with {_gigabytes(estimate.factors)} of "
-            f"factors on disk, where {_gigabytes(disk)} are free"
-        )
+            message = (
+                f"factors were kept on disk, about {factors}: in memory the scene takes about "
+                f"{needed} of {there}"
+            )
+            data = {
+                **{"memory": estimate.bytes, "available": available, "files": estimate.factors},
+                "memory_with_files": estimate.bytes_with_files,
+            }
+            return (ResultWarning("factors-on-disk", message, data),)
+        told += f", or {rest} with {factors} of factors on disk, where {_gigabytes(disk)} are free"
     name, body = max(scene.bodies.items(), key=lambda item: dofs_of(item[1]))
     mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
     field, value = f"bodies.{name}.geometry.file", getattr(body.geometry, "file", None)
@@ -191,32 +241,17 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD, *, on_disk: bool = Tr
 
 
 @contextmanager
-def room_for_factors(
-    scene: Scene, comm: Any = MPI.COMM_WORLD
-) -> Iterator[tuple[ResultWarning, ...]]:
+def room_for_factors(scene: Scene) -> Iterator[tuple[ResultWarning, ...]]:
     """Keep factors on disk while this lasts, where memory would not do; collective.
 
-    What the result must be read with tells of it; the factors must be freed before it ends.
+    The result must be read with the warnings; the factors must be freed before it ends.
     """
-    estimate, available = estimated_memory(scene), _on_all_machines(available_memory, comm)
-    if estimate.bytes <= available or not _may_be_on_disk(scene):
+    warnings = check_memory(scene)
+    if not warnings:
         yield ()
         return
-    message = (
-        f"factors were kept on disk, about {_gigabytes(estimate.factors)}: in memory the scene "
-        f"takes about {_gigabytes(estimate.bytes)} of {_gigabytes(available)}"
-    )
-    data = {
-        **{"memory": estimate.bytes, "available": available, "files": estimate.factors},
-        "memory_with_files": estimate.bytes_with_files,
-    }
     with factors_on_disk():
-        yield (ResultWarning("factors-on-disk", message, data),)
-
-
-def _may_be_on_disk(scene: Scene) -> bool:
-    """Whether factors of a scene may be on disk: those that modes are sought with."""
-    return scene.analysis.kind == "cea" and not scene.slides_steadily
+        yield warnings
 
 
 def _gigabytes(number: float) -> str:

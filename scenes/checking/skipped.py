@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from scenes.building.body_meshes import changed_elements
+from meshes.mesh_file import MeshFile
 from scenes.checking.doubts import left_alone
 from scenes.spec.reading import Scene
 
@@ -49,7 +49,7 @@ def skipped_by(scene: Scene) -> dict[str, str]:
     meshes = [body.mesh.fe for body in scene.bodies.values() if body.backend == "fe"]
     if not any(mesh.size for mesh in meshes if mesh is not None):
         skipped["gmsh"] = "no body has an unstructured mesh"
-    return skipped | changed_elements(scene)
+    return skipped | _changed_elements(scene)
 
 
 def _unused(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -76,3 +76,27 @@ def _unused(scene: Scene) -> Iterator[tuple[str, str]]:
         ]
         if names:
             yield f"bodies.*.mesh.{other}", f"{', '.join(names)}: on the backend {backend}"
+
+
+def _changed_elements(scene: Scene) -> dict[str, str]:
+    """What becomes of elements of mesh files that meshes here do not have, with the bodies."""
+    files = {n: b.geometry for n, b in scene.bodies.items() if isinstance(b.geometry, MeshFile)}
+    parts = {name: file.elements for name, file in files.items()}
+    divided = [name for name, part in parts.items() if part.is_divided]
+    filled = [name for name, part in parts.items() if part.incomplete and name not in divided]
+    told = {}
+    if filled:
+        told["serendipity"] = (
+            f"elements of {', '.join(filled)} get the middles of faces and cells: the same "
+            "geometry, displacements of the Lagrange space"
+        )
+    if divided:
+        told["mixed elements"] = (
+            f"elements of {', '.join(divided)}, of several kinds, are divided into tetrahedra: "
+            "nodes are kept, those on diagonals are put by the elements' own shape functions"
+        )
+    if left_out := [
+        f"{name}: {each}" for name, file in files.items() for each in file.content.told
+    ]:
+        told["mesh files"] = f"not taken from the file of {'; '.join(left_out)}"
+    return told

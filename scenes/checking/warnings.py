@@ -19,8 +19,9 @@ from cea.rotation import Rotation
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.warned import ResultWarning
+from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import VentilatedDisc
-from scenes.building.body_meshes import nodes_left_out
+from scenes.building.build import used_surfaces
 from scenes.checking.wave_resolution import unresolved, waves
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
@@ -90,6 +91,20 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
             if scene.analysis.kind == "cea" and spec.mu:
                 found += point_rule(name, scene, halves)
     return tuple(found)
+
+
+def nodes_left_out(scene: Scene) -> Iterator[ResultWarning]:
+    """Sets of nodes that hold more of a body than the faces that they are used for."""
+    for body, spec in scene.bodies.items():
+        if isinstance(spec.geometry, MeshFile):
+            counts = spec.geometry.nodes_left_out(used_surfaces(scene, body))
+            for surface, count in counts.items():
+                yield ResultWarning(
+                    "nodes-left-out",
+                    f"{count} nodes of the set of {body}.{surface} make no face with others of the "
+                    "set and are left out: supports, springs, loads and contacts act on faces",
+                    {"body": body, "surface": surface, "nodes": count},
+                )
 
 
 def volumetric_locking(name: str, body: BodySpec) -> Iterator[ResultWarning]:

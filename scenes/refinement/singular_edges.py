@@ -15,7 +15,6 @@ from meshes.shapes import Hub, Shape
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
-from scenes.spec.sizes import box_lengths
 
 _ENDS = {"min": 0, "max": 1}
 _NAMED = {
@@ -126,7 +125,7 @@ def _contact_edges(scene: Scene, name: str) -> Iterator[SingularEdge]:
 def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:
     """Whether a contact is as good as a joint; one whose stiffness is no number counts as such."""
     bodies = [scene.bodies[side.partition(".")[0]] for side in (contact.a, contact.b)]
-    lengths = sorted(box_lengths(bodies[0].geometry))
+    lengths = sorted(bodies[0].lengths)
     p = contact.p
     if contact.P is not None:  # over about the largest of its faces
         p = contact.P / prod(lengths[1:])

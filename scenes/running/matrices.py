@@ -21,18 +21,11 @@ from scenes.matrices.pencil import (
 )
 from scenes.results.result import Result
 from scenes.running.analysis import analysis_of
-from scenes.running.modes import describe, lines, opened, table
+from scenes.running.modes import describe as describe
+from scenes.running.modes import lines as lines
+from scenes.running.modes import opened as opened
+from scenes.running.modes import table as table
 from scenes.spec.matrices import ROLES, MatrixScene
-
-__all__ = [
-    "AssembledMatrices",
-    "describe",
-    "lines",
-    "opened",
-    "run",
-    "run_matrices",
-    "table",
-]
 
 
 class AssembledMatrices:
@@ -60,17 +53,12 @@ class AssembledMatrices:
         When a file holds no such matrix, their sizes differ, or the mass is not symmetric.
     """
 
-    def __init__(
-        self,
-        scene: MatrixScene,
-        listener: Callable[[str], None] | None = None,
-    ) -> None:
+    def __init__(self, scene: MatrixScene, listener: Callable[[str], None] | None = None) -> None:
         self.scene = scene
         self.timer = StageTimer(listener)
         with self.timer("reading"):
             self.pieces = read_pieces(scene, MPI.COMM_WORLD)
-        self._pencil = matrix_pencil(scene, self.pieces)
-        self._driver = EigenSolver(self._pencil)
+        self._driver = EigenSolver(matrix_pencil(scene, self.pieces))
         self._checked: tuple[float, ...] | None = None
 
     @property
@@ -118,15 +106,8 @@ class AssembledMatrices:
             left=left,
             timer=timer,
         )
-        return Result(
-            analysis_of(scene),
-            scene,
-            timer,
-            skipped_by(scene, self.pieces),
-            self.warnings(modes),
-            spectrum=modes,
-            pieces=self.pieces,
-        )
+        known = analysis_of(scene), scene, timer, skipped_by(scene, self.pieces)
+        return Result(*known, self.warnings(modes), spectrum=modes, pieces=self.pieces)
 
     def warnings(self, modes: Modes) -> tuple[ResultWarning, ...]:
         """What modes of its pencil must be read with."""
@@ -154,10 +135,8 @@ class AssembledMatrices:
             When spectra do not tell of thresholds.
         """
         for value in (real, flutter):
-            scene = self.scene.change({parameter: value})
-            self._check_mass(scene.values, StageTimer())
-        name = self._driver.pencil.parameter(parameter).name
-        top = self.scene.window.max_frequency
+            self._check_mass(self.scene.change({parameter: value}).values, StageTimer())
+        name, top = self._driver.pencil.parameter(parameter).name, self.scene.window.max_frequency
         found = first_threshold(
             self._driver, name, real, flutter, max_frequency=top, frequency=frequency
         )
@@ -178,29 +157,9 @@ class AssembledMatrices:
 
 
 def run_matrices(
-    scene: MatrixScene,
-    *,
-    left: bool = False,
-    listener: Callable[[str], None] | None = None,
+    scene: MatrixScene, *, left: bool = False, listener: Callable[[str], None] | None = None
 ) -> Result:
-    """Modes of a scene of matrices.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    left
-        Whether left eigenvectors are wanted too, for sensitivities.
-    listener
-        Called with the name of each stage as it begins.
-
-    Raises
-    ------
-    InputError
-        When a file or the mass is refused.
-    ConvergenceError
-        When the window cannot be filled; the modes found so far are attached.
-    """
+    """Modes of a scene of matrices; parameters and errors of :meth:`AssembledMatrices.modes`."""
     assembled = AssembledMatrices(scene, listener)
     result = assembled.modes(left=left, listener=listener)
     for stage, seconds in assembled.timer.seconds.items():
@@ -214,37 +173,21 @@ run = run_matrices
 
 
 def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str]:
-    """What a scene of matrices does not need, with the reason; none of it is computed."""
-    values = scene.values
-    skipped = dict.fromkeys(
-        ("meshing", "search", "contact", "gmsh", "newton"), "matrices come from files"
-    )
+    """What a scene of matrices does not need, or gives without use, with the reason."""
+    values, sums = scene.values, {role: scene.sum(role) for role in ROLES}
+    acting = {role: [n for n, c in sums[role].items() if c.at(values) != 0] for role in ROLES}
+    without = ("meshing", "search", "contact", "pictures", "paraview")
+    skipped = dict.fromkeys(without, "matrices come from files")
     for role in ("damping", "stiffness"):
-        zero = [name for name, c in scene.sum(role).items() if c.at(values) == 0]
+        zero = [name for name in sums[role] if name not in acting[role]]
         skipped |= {f"{role}.{name}": "its coefficient is zero" for name in zero}
-    acting = [name for name, c in scene.sum("damping").items() if c.at(values) != 0]
-    if not acting:
+    used = {name for formulas in sums.values() for c in formulas.values() for name in c.names}
+    unused = {path: "in no coefficient" for path in values if path not in used}
+    if not acting["damping"]:
         skipped["damping"] = "no damping matrix: the problem is linear in lambda^2"
-    stiff = [name for name, c in scene.sum("stiffness").items() if c.at(values) != 0]
-    if not acting and all(symmetric for n in stiff for _, symmetric in pieces[n].parts):
-        skipped["unsymmetric solver"] = "every matrix of the stiffness is symmetric"
-    skipped["pictures"] = "matrices have no geometry"
-    skipped["paraview"] = "matrices have no geometry"
-    return skipped | unused_parameters(scene)
-
-
-def unused_parameters(scene: MatrixScene) -> dict[str, str]:
-    """What a scene of matrices gives though its run does without it, with the reason.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    """
-    formulas = [formula for role in ROLES for formula in scene.sum(role).values()]
-    used = frozenset().union(*(formula.names for formula in formulas))
-    found = {path: "in no coefficient" for path in scene.values if path not in used}
-    acting = [c for c in scene.sum("damping").values() if c.at(scene.values) != 0]
-    if scene.window.min_growth is not None and not acting:
-        found["analysis.min_growth"] = "nothing damps, and every growth is sought"
-    return {field: f"{GIVEN}{reason}" for field, reason in found.items()}
+        parts = [part for name in acting["stiffness"] for part in pieces[name].parts]
+        if all(symmetric for _, symmetric in parts):
+            skipped["unsymmetric solver"] = "every matrix of the stiffness is symmetric"
+        if scene.window.min_growth is not None:
+            unused["analysis.min_growth"] = "nothing damps, and every growth is sought"
+    return skipped | {field: f"{GIVEN}{reason}" for field, reason in unused.items()}

@@ -1,16 +1,15 @@
 """Two discretisations of one scene: prolongation, errors of eigenvalues."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from cea.body import Body
-from cea.eigen.pencil import Matrices, release
+from cea.eigen.pencil import release
 from cea.errors import InputError
 from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import Prolongation, of_body, of_system
 from cea.timing import StageTimer
-from scenes.building.build import body_parts, build_bodies
+from scenes.building.build import build_bodies, made_of
 from scenes.checking.memory import check_memory
 from scenes.results.result import Result
 from scenes.running.enrich import richer_scene
@@ -59,7 +58,7 @@ def estimate_errors(
     """
     scene = richer if richer is not None else richer_scene(result.scene)
     own = result.scene
-    one_sided = own.damped or own.rotates or any(each.mu for each in own.contacts.values())
+    one_sided = own.damped or own.rotates or own.has_friction
     if one_sided and result.modes.left is None and len(result.modes):
         options: RunOptions = {
             "listener": listener,
@@ -67,23 +66,15 @@ def estimate_errors(
             "interfaces": result.interfaces,
         }
         result = run_modes(own, left=True, **options)
-    with _on(scene, result, listener) as (matrices, step, timer), timer("krylov"):
-        found = error_estimate(result.modes, matrices, step, steps=steps)
-        return replace(found, growth_threshold=result.analysis.growth_threshold)
-
-
-@contextmanager
-def _on(
-    scene: Scene, result: Result, listener: Callable[[str], None] | None
-) -> Iterator[tuple[Matrices, Prolongation, StageTimer]]:
-    """The pencil of another scene, the prolongation to it, and a timer of what it takes."""
     bodies = _with_those_of(result, scene, listener)
     system, _, timer = coupled(scene, bodies=bodies, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
         step = prolongation(result.bodies, system.bodies)
     try:
-        yield matrices, step, timer
+        with timer("krylov"):
+            found = error_estimate(result.modes, matrices, step, steps=steps)
+            return replace(found, growth_threshold=result.analysis.growth_threshold)
     finally:
         step.free()
         release(matrices)
@@ -94,12 +85,8 @@ def _with_those_of(
 ) -> dict[str, Body]:
     """Bodies of a scene; those of a result that are the same, with their matrices."""
     check_memory(scene, on_disk=False)
-    same = {name for name in scene.bodies if _same(name, scene, result.scene)}
+    own = result.scene
+    same = {n for n in own.bodies if n in scene.bodies and made_of(scene, n) == made_of(own, n)}
     others = {name: body for name, body in scene.bodies.items() if name not in same}
     made = build_bodies(replace(scene, bodies=others), StageTimer(listener))
     return {name: result.bodies[name] if name in same else made[name] for name in scene.bodies}
-
-
-def _same(name: str, scene: Scene, other: Scene) -> bool:
-    """Whether a body is the same in two scenes, in its loads and the surfaces it shows too."""
-    return name in other.bodies and body_parts(scene, name) == body_parts(other, name)

@@ -1,8 +1,10 @@
 """What a scene says of a body: mesh, supports, damping, loads, and all else it is made of."""
 
 from dataclasses import dataclass, field
+from math import pi
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 
 from cea.damping import ModalDamping, RayleighDamping
@@ -13,8 +15,9 @@ from cea.rotation import Rotation
 from cea.supports.boundary import Spring, Support
 from cea.supports.frames import Cartesian, Cylindrical, Frame, SurfaceNormal
 from meshes.mesh_file import MeshFile
+from meshes.patches import NurbsFile, Patches
 from meshes.placement import Placement
-from meshes.shapes import Shape
+from meshes.shapes import Shape, VentilatedDisc
 
 Backend = Literal["fe", "iga"]
 BACKEND_NAMES = {"fe": "finite elements", "iga": "NURBS"}
@@ -311,6 +314,21 @@ class BodySpec:
         """Whether forces of a rotation act on displacements that are at rest in space."""
         convective = self.rotation is not None and self.rotation.convective_stiffness
         return convective or self.circulates
+
+    @property
+    def lengths(self) -> list[float]:
+        """Lengths (m) of a box that stands for its shape: of an arc, at its middle radius."""
+        shape = self.geometry
+        if isinstance(shape, VentilatedDisc):
+            return list(shape.lengths)
+        if isinstance(shape, Patches | NurbsFile):
+            given = shape.given if isinstance(shape, NurbsFile) else shape
+            points = np.concatenate([p.points.reshape(-1, len(p.degrees)) for p in given.patches])
+            return np.ptp(points, axis=0).tolist()
+        found = [high - low for low, high in shape.extent]
+        if "theta" in shape.directions:
+            found[shape.directions.index("theta")] *= pi / 180 * 0.5 * sum(shape.extent[0])
+        return found
 
     @property
     def fe_degree(self) -> int | None:

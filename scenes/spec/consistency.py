@@ -9,14 +9,13 @@ from cea.errors import InputError
 from cea.expressions import Expression
 from cea.suggestions import did_you_mean
 from cea.supports.boundary import check_surface
-from meshes.breaks import breaks_of, check_breaks
-from meshes.edge_layers import check_edges, check_room
+from meshes.breaks import breaks_of
+from meshes.edge_layers import check_room, run_along
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.spec.body import BodySpec, FeMesh, IgaMesh, LoadSpec, MeshSpec
 from scenes.spec.contact import ContactSpec, suits
 from scenes.spec.problems import fault_of
-from scenes.spec.sizes import MAX_ELEMENTS, box_lengths
 
 Scene = Any
 """:class:`scenes.spec.reading.Scene`, whose module imports this one."""
@@ -24,6 +23,8 @@ Scene = Any
 LARGEST, SMALLEST = 1e30, 1e-30
 """Range of numbers, in the unit of each: lengths, stiffness and densities of any units fit, and
 products of a few of them stay in the range of floating point numbers."""
+MAX_ELEMENTS = 10**6
+"""Elements along one direction."""
 MAX_ITEMS = 200
 """Bodies, contacts and loads of a scene, supports and springs of a body, of each so many."""
 _LONGEST = 100
@@ -212,19 +213,21 @@ def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iter
         return
     edges = mesh.edges if isinstance(mesh, FeMesh) else ()
     through = mesh.boundaries if isinstance(mesh, FeMesh) else mesh.through
-    faults = list(fault_of(check_edges, body.geometry, edges, place)) if edges else []
-    faults = faults or list(fault_of(check_breaks, body.geometry, elements, through, place))
-    yield from faults
+    shape = body.geometry
+    faults = list(fault_of(run_along, shape, edges)) if edges else []
+    faults = faults or list(fault_of(breaks_of, shape, elements, through))
     if edges and not faults:
-        breaks = breaks_of(body.geometry, elements, through)
-        yield from fault_of(check_room, body.geometry, breaks, edges, place)
+        faults = list(fault_of(check_room, shape, breaks_of(shape, elements, through), edges))
+    for fault in faults:
+        value = tuple(elements) if fault.field == "elements" else fault.value
+        yield InputError(f"{place}.{fault.field}", value, fault.allowed)
 
 
 def _size_checks(place: str, body: BodySpec) -> Iterator[InputError]:
     """Sizes of elements that are none beside the length of their body."""
     fe = body.mesh.fe
     if body.backend == "fe" and fe is not None and fe.size is not None:
-        length = max(box_lengths(body.geometry))
+        length = max(body.lengths)
         if not length / MAX_ELEMENTS <= fe.size <= length:
             allowed = f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body"
             yield InputError(f"{place}.mesh.fe.size", fe.size, allowed)

@@ -7,7 +7,7 @@ from covering import covering
 
 from cea.errors import InputError
 from cea.matrices import destroy
-from comparisons.stability.parts.dense import array
+from comparisons.stability.dense import array
 
 FREE = "where(x < 0.37, 0, 3.0)"
 """The closed part begins inside of elements of either side; side a reaches from 0.2 to 0.7."""

@@ -1,4 +1,4 @@
-"""Studies of formulations: locking, patch tests, momentum, pairings of backends."""
+"""Studies of formulations: locking, patch tests, momentum."""
 
 from functools import cache
 from pathlib import Path
@@ -7,13 +7,11 @@ from tempfile import mkdtemp
 import numpy as np
 import pytest
 
-from comparisons.formulations import locking, pairings, patch_tests
+from comparisons.formulations import locking, patch_tests
 from comparisons.formulations.patch_tests import PRESSURE, PROBLEMS
-from comparisons.formulations.study import QUICK as QUICK_OPTIONS
 from comparisons.formulations.study import STUDY, Options
 from comparisons.study.run import run
 from scenes import run_scene
-from scenes.spec.reading import load_scene
 
 YARDSTICKS = ("segments", "mortar")
 QUICK = {
@@ -37,7 +35,7 @@ def part(name, **options):
 @cache
 def few_locking():
     options = {"p": (1.0, 1e4, 1e6, np.inf), "formulations": ("Greville", *YARDSTICKS)}
-    return locking.runs(part("locking", **options))
+    return part("locking", **options).frame("locking")
 
 
 @cache
@@ -166,7 +164,7 @@ def test_momentum(interface):
 
 
 def test_what_passes_is_told_by_meshes():
-    passes = patch_tests.passes(patch_test("curved"), "curved").set_index("formulation")
+    passes = patch_tests.passes(patch_test("curved")).set_index("formulation")
     assert passes.loc["mortar", "NURBS on NURBS"] == "every"
     assert passes.loc["GPTS 5", "NURBS on NURBS"] == "10¹⁴"
     assert passes.loc["mortar", "quadrilaterals on quadrilaterals"] == "none"
@@ -190,48 +188,3 @@ def test_locking_of_every_formulation():
     assert {"node-to-surface", "mortar"}.isdisjoint(found["fe"])
     for backend in ("fe", "iga"):
         assert {"segments", "GPTS 6"} <= set(found[backend])
-
-
-@cache
-def coarse_pairings():
-    return part("pairings", overrides=QUICK_OPTIONS["overrides"])
-
-
-def test_pairings_find_the_same_unstable_mode():
-    runs = coarse_pairings().frame("pairing_runs")
-    assert runs["complete"].all()
-    assert (runs["found"] > 20).all()
-    assert runs["dofs"].iloc[-1] > runs["dofs"].iloc[-2]
-    pairs = coarse_pairings().frame("pairing_differences")
-    assert len(pairs) == 4
-    assert (pairs["modal_assurance"][:3] > 0.99).all()
-    # The disc decides: these meshes of it are coarse, and of both backends far apart.
-    bounds = [2e-2 if "on NURBS," in c else 1e-3 for c in pairs["compared"]]
-    assert (pairs["frequency_change"].abs()[:3] < bounds[:3]).all()
-
-
-@pytest.mark.slow
-def test_a_pairing_is_the_scene_with_mortar():
-    mixed = [
-        *(*QUICK_OPTIONS["overrides"], "bodies.pad.backend=iga", "bodies.disc.backend=fe"),
-        "contacts.pad_disc.formulation={method='mortar'}",
-    ]
-    modes = run_scene(load_scene(Path("disc_pad"), mixed)).modes
-    frame = coarse_pairings().frame("pairing_modes")
-    mode = frame[frame["run"] == "NURBS on finite elements"].iloc[0]
-    (i,) = modes.unstable(10.0).nonzero()[0]
-    assert mode["frequency"] == pytest.approx(modes.frequencies[i], rel=1e-9)
-    assert mode["growth"] == pytest.approx(modes.growth_rates[i], rel=1e-7)
-
-
-@pytest.mark.slow
-def test_pairings_on_the_meshes_of_the_scene():
-    """Six modes agree; the growth of that near a coalescence is another with a higher degree."""
-    result = part("pairings")
-    pairs = result.frame("pairing_differences")
-    finer = pairs["compared"].str.contains("degree")
-    assert (pairs[~finer].groupby("compared").size() == 6).all()
-    assert pairs[~finer]["within"].all()
-    (changed,) = pairs[finer & (pairs["growth_change"].abs() > 0.15)]["frequency_first"]
-    assert changed == pytest.approx(7986, abs=5)
-    assert "7 986 Hz" in pairings.headline(result).replace("\u202f", " ")

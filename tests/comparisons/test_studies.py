@@ -10,9 +10,10 @@ from comparisons.cli.study import BENCHMARKS, STUDIES, study_at
 from comparisons.study.page import write_study
 from comparisons.study.result import read
 from comparisons.study.run import run
+from comparisons.study.sections import rows
 
 # `make stability ARGS=--quick` is a step of its own; test_stability.py runs one of its cases.
-LONG = ("stability", "accuracy")
+LONG = ("stability", "accuracy", "agreement")
 QUICK = [
     *(
         pytest.param(name, place, marks=pytest.mark.slow if name in LONG else ())
@@ -32,7 +33,7 @@ def test_quick_options_run_and_show(name, place, tmp_path):
     write_study(study, result, tmp_path)
     stored = read(name, tmp_path)
     for section in study.sections:
-        frames = [table.frame(stored) for table in section.tables]
+        frames = [rows(table.frame, stored) for table in section.tables]
         assert not frames or any(len(frame) for frame in frames), section.title
         if section.headline:
             assert section.headline(stored) == section.headline(result)

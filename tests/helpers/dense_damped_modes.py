@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from comparisons.stability.parts.dense_damped import damped_eigenvalues
+from comparisons.stability.dense import dense_eigenvalues
 from scenes import run_modes
 from scenes.spec.reading import read_scene
 
@@ -16,6 +16,6 @@ def in_window(values, window):
 def assert_modes_are_dense(data):
     """Every mode of a scene is an eigenvalue of its dense matrices, and all of the window are."""
     modes = run_modes(read_scene(data)).modes
-    expected = in_window(damped_eigenvalues(data), modes.window)
+    expected = in_window(dense_eigenvalues(data), modes.window)
     assert len(expected) > 5
     np.testing.assert_allclose(np.sort_complex(modes.eigenvalues), expected, rtol=1e-9, atol=1e-9)

@@ -6,7 +6,7 @@ from gmsh_models import assert_outer_facets_are_named, volumes
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
-from meshes.edge_layers import RATIO, check_edges, check_room
+from meshes.edge_layers import RATIO, check_room, run_along
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector
@@ -58,8 +58,8 @@ def test_cells_fit_and_fill_the_shape(case, order, layers):
 
 
 def checked(breaks, edges):
-    check_edges(ANNULUS, edges, "mesh.fe")
-    check_room(ANNULUS, breaks, edges, "mesh.fe")
+    run_along(ANNULUS, edges)
+    check_room(ANNULUS, breaks, edges)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_edges_without_room_for_layers_are_refused(elements, edges, told):
     breaks = breaks_of(ANNULUS, elements)
     with pytest.raises(InputError, match=told) as caught:
         checked(breaks, edges)
-    assert caught.value.field in ("mesh.fe.elements", "mesh.fe.edges")
+    assert caught.value.field in ("elements", "edges")
     with pytest.raises(InputError, match=told):
         shape_mesh(ANNULUS, "hexahedron", 1, breaks=breaks, edges=edges, layers=1)
 

@@ -10,7 +10,7 @@ from deck_scenes import ELEMENTS, P2, alone, body, in_contact
 
 from comparisons.bench import ccx
 from scenes import read_scene, run_modes
-from scenes.building.body_meshes import body_mesh
+from scenes.building.build import body_mesh
 from scenes.export.decks.bodies import deck_bodies
 from scenes.export.decks.write import write_deck
 from scenes.spec.problems import SceneError

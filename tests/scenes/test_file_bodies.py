@@ -93,7 +93,7 @@ def test_files_lie_beside_the_scene_and_sets_are_surfaces(scene_file, monkeypatc
         ("mesh.degree=9", "mesh.degree", "less than or equal to 4"),
         ("supports.0.surface='z'", "supports.0.surface", "one of upper"),
         ("rotation={axis = [0.0, 0.0, 1.0], rate = 1.0}", "geometry.shape", "to rotate"),
-        ("backend='iga'", "backend", "'fe' for a mesh file"),
+        ("backend='iga'", "backend", "'fe' for shape = 'mesh_file'"),
     ],
 )
 def test_what_is_refused_of_a_scene(scene_file, setting, field, words):

@@ -12,7 +12,7 @@ from cea.errors import ConvergenceError
 from cea.system.steady_equations import SteadyEquations, free_tangent
 from cea.system.steady_state import uniqueness_at
 from cea.timing import StageTimer
-from comparisons.stability.parts.scenes import sprag
+from comparisons.stability.scenes import sprag
 from scenes import read_scene, run_scene
 from scenes.building.build import build_bodies, build_interfaces, build_system
 

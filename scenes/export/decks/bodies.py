@@ -11,7 +11,7 @@ from cea.errors import InputError
 from cea.mesh import Cell, Ints, Mesh, lattice, matching_nodes, reference_nodes
 from meshes.files.content import named_sides
 from meshes.files.elements import facet_sides, full_kind
-from scenes.building.body_meshes import body_mesh, used_surfaces
+from scenes.building.build import body_mesh, used_surfaces
 from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
 

@@ -18,8 +18,7 @@ from cea.ranks import made_on_first
 from cea.surface import Surface
 from cea.timing import StageTimer
 from meshes.mesh_file import MeshFile
-from scenes.building.body_meshes import used_surfaces
-from scenes.building.build import build_bodies
+from scenes.building.build import build_bodies, used_surfaces
 from scenes.export.decks.bodies import ELEMENTS, deck_bodies, set_name
 from scenes.export.decks.contacts import deck_contacts, moving_bodies
 from scenes.export.decks.model import boundary_lines, comments, model_lines

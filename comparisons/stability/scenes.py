@@ -53,6 +53,11 @@ def box(size: Sequence[float], origin: Sequence[float]) -> Scene:
     return {"shape": "box", "size": list(size), "origin": list(origin)}
 
 
+def ring(inner: float, outer: float) -> Scene:
+    """A ring as geometry."""
+    return {"shape": "ring", "inner_radius": inner, "outer_radius": outer}
+
+
 def base(elements: Sequence[int] = (5, 3), **fields: Any) -> Scene:
     """The body below a pad: 2 wide, 1 high, held at its foot, its top at y = 0."""
     ground = {"supports": HELD_BELOW, **fields}
@@ -61,10 +66,10 @@ def base(elements: Sequence[int] = (5, 3), **fields: Any) -> Scene:
 
 def patch(bottom: Sequence[Sequence[float]], top: Sequence[Sequence[float]]) -> Scene:
     """A quadrilateral patch between the corners of its bottom and its top: faces foot, head."""
-    return patches([[list(low), list(high)] for low, high in zip(bottom, top, strict=True)])
+    return spline_patch([[list(low), list(high)] for low, high in zip(bottom, top, strict=True)])
 
 
-def patches(points: Any, weights: Any = None, **fields: Any) -> Scene:
+def spline_patch(points: Any, weights: Any = None, **fields: Any) -> Scene:
     """One patch of linear splines, or with other degrees and knots; faces foot and head."""
     given = {"degrees": [1, 1], "knots": [[0, 0, 1, 1], [0, 0, 1, 1]], "control_points": points}
     given |= fields | ({} if weights is None else {"weights": weights})
@@ -149,14 +154,29 @@ def on_base(geometry: Mapping[str, Any], *, held: bool = True) -> Scene:
     )
 
 
-def boxes(sizes: Mapping[str, tuple[Any, ...]], **fields: Any) -> Scene:
-    """Two boxes on each other; ``sizes`` gives size, origin, elements and E of upper and lower."""
+def boxes(
+    upper: tuple[Sequence[float], Sequence[int]],
+    lower: tuple[Sequence[float], Sequence[int]],
+    *,
+    at: tuple[float, float] = (0.0, 0.0),
+    E: float = 1.0,
+    held: bool = True,
+    **fields: Any,
+) -> Scene:
+    """Two boxes on each other by size and elements, the upper one at x, y and of modulus E."""
+    top, bottom = ([{"surface": side}] if held else [] for side in ("z_max", "z_min"))
     parts = {
-        name: body(box(size, origin), elements, E=E, supports=supports)
-        for name, (size, origin, elements, E, supports) in sizes.items()
+        "upper": body(box(upper[0], (*at, 0.0)), upper[1], E=E, supports=top),
+        "lower": body(box(lower[0], (0.0, 0.0, -lower[0][2])), lower[1], supports=bottom),
     }
     along = {"friction_direction_on_a": ALONG_X_IN_SPACE}
     return scene(parts, contact=contact("upper.z_min", "lower.z_max", **(along | fields)))
+
+
+def unequal_boxes(**fields: Any) -> Scene:
+    """A box on a longer and wider one, twice as stiff."""
+    upper, lower = ((1.0, 0.8, 0.5), (2, 2, 1)), ((2.0, 1.0, 1.0), (2, 2, 1))
+    return boxes(upper, lower, at=(0.3, 0.1), E=0.5, p=2.0, **fields)
 
 
 def sprag(angle: float = 60.0, mu: float = 0.3, **fields: Any) -> Scene:

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
-from comparisons.stability.parts.dense import dense_eigenvalues
-from comparisons.stability.parts.dense_damped import carried_eigenvalues, damped_eigenvalues
+from comparisons.stability.dense import carried_eigenvalues, dense_eigenvalues
 
 _BEYOND = 1.3
 """How far beyond the modes looked at an exact list reaches."""
@@ -23,7 +22,7 @@ class Reference:
     Parameters
     ----------
     name
-        Where it comes from: "dense", "at rest", "exact", "benign", "formula".
+        Where it comes from: "dense", "at rest", "exact", "formula".
     values
         Computes it: lambda (1/s) of every mode with Im >= 0, far beyond the window; or the normal
         stress (N/m^2) of a static scene.
@@ -33,14 +32,16 @@ class Reference:
     values: Callable[[], Complexes]
 
 
-def dense(scene: Mapping[str, Any]) -> Reference:
-    """Dense eigenvalues of the assembled matrices of a scene (scipy)."""
-    return Reference("dense", lambda: _values(dense_eigenvalues, _key(scene)))
+def dense(scene: Mapping[str, Any], *, factor: float = 1.0, copies: int = 1) -> Reference:
+    """Dense eigenvalues of the assembled matrices of a scene (scipy), times a factor.
 
+    Each so many times, for a scene of so many ``copies`` of this one.
+    """
 
-def damped(scene: Mapping[str, Any]) -> Reference:
-    """Dense eigenvalues of the assembled matrices of a scene with damping or rotation (scipy)."""
-    return Reference("dense", lambda: _values(damped_eigenvalues, _key(scene)))
+    def values() -> Complexes:
+        return np.repeat(factor * _values(dense_eigenvalues, _key(scene)), copies)
+
+    return Reference("dense", values)
 
 
 def carried(scene: Mapping[str, Any]) -> Reference:
@@ -48,36 +49,8 @@ def carried(scene: Mapping[str, Any]) -> Reference:
     return Reference("at rest", lambda: _values(carried_eigenvalues, _key(scene)))
 
 
-def benign(scene: Mapping[str, Any], factor: float = 1.0) -> Reference:
-    """Dense eigenvalues of a scene that is the same in benign units, or of benign parameters.
-
-    Parameters
-    ----------
-    scene
-        The benign scene.
-    factor
-        By what its eigenvalues are multiplied.
-    """
-    return Reference("benign", lambda: factor * _values(dense_eigenvalues, _key(scene)))
-
-
-def copies(number: int, scene: Mapping[str, Any]) -> Reference:
-    """Dense eigenvalues of a scene, each so many times, for a scene of so many that are equal."""
-    return Reference("dense", lambda: np.repeat(_values(dense_eigenvalues, _key(scene)), number))
-
-
 def exact(problem: str, *, max_frequency: float, **parameters: Any) -> Reference:
-    """Exact eigenvalues (:func:`exact_cea.reference.whole_spectrum`).
-
-    Parameters
-    ----------
-    problem
-        "drum", "blocks", "blocks_constant" or "ring".
-    max_frequency
-        Upper end of the window (Hz); the list reaches farther.
-    parameters
-        Those of the problem.
-    """
+    """Exact eigenvalues of a problem with its parameters, beyond a window's end (Hz)."""
 
     def values() -> Complexes:
         from exact_cea.reference import whole_spectrum
@@ -103,6 +76,4 @@ def _key(scene: Mapping[str, Any]) -> str:
 
 @cache
 def _values(compute: Callable[[dict[str, Any]], Complexes], scene: str) -> Complexes:
-    values = compute(json.loads(scene))
-    values.flags.writeable = False
-    return values
+    return compute(json.loads(scene))
