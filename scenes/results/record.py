@@ -21,9 +21,10 @@ from typing import Any
 
 from cea.errors import InputError
 from cea.files import regular, write_whole
+from scenes.results.data import Record
 from scenes.results.result import Result
 
-PROVENANCE = ("command", "inputs", "versions", "commit", "machine", "seconds", "warnings")
+PROVENANCE = tuple(Record.model_fields)
 """Fields of every record; what else it holds is data of its command."""
 RUN = "run"
 """Command that a record of a run names."""
@@ -87,7 +88,8 @@ def record(
         "versions": versions(),
         "commit": commit(),
         "machine": {
-            **{"cpus": os.cpu_count(), "machine": platform.machine()},
+            "cpus": os.cpu_count(),
+            "machine": platform.machine(),
             "system": platform.system(),
         },
         "seconds": seconds,
