@@ -19,12 +19,8 @@ ELEMENTS: Mapping[tuple[Cell, int], str] = {
     ("tetrahedron", 1): "C3D4",
     ("tetrahedron", 2): "C3D10",
     ("hexahedron", 1): "C3D8",
-    ("triangle", 1): "CPE3",
-    ("triangle", 2): "CPE6",
-    ("quadrilateral", 1): "CPE4",
 }
-"""Elements by kind of cell and degree. Squares and cubes of higher degree have a node inside here,
-none there: there is no counterpart."""
+"""Elements by kind of cell and degree; none there has the node inside a cube of higher degree."""
 
 
 def set_name(place: str) -> str:
@@ -104,7 +100,7 @@ def _mesh(name: str, spec: BodySpec, surfaces: Sequence[str]) -> Mesh:
         return _straight_quadratic(mesh)
     if degree != mesh.order or (mesh.cell, mesh.order) not in ELEMENTS:
         allowed = (
-            "the order of the cells for a deck, and 1 where they are no simplices: this file has "
+            "the order of the cells for a deck, in space, and 1 of hexahedra: this file has "
             f"a {mesh.cell} of order {mesh.order}"
         )
         raise InputError(f"bodies.{name}.mesh.degree", degree, allowed)

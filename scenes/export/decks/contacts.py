@@ -17,7 +17,6 @@ from cea.errors import InputError
 from cea.mesh import Floats
 from cea.surface import Surface
 from scenes.export.decks.bodies import DeckBody, set_name
-from scenes.export.decks.model import in_space
 from scenes.spec.contact import ContactSpec
 
 _TANGENT = 1e-6
@@ -57,11 +56,11 @@ class RigidMotion:
 
     def at(self, x: Floats) -> Floats:
         """Velocities at points, (n, 3)."""
-        points, direction = in_space(x), self.direction
+        direction = self.direction
         if isinstance(direction, AlongVector):
-            return np.broadcast_to(_unit(direction.vector), points.shape)
+            return np.broadcast_to(_unit(direction.vector), x.shape)
         axis = _unit(direction.circumferential_about)
-        return np.cross(axis, points - np.asarray(direction.origin)) / self.radius
+        return np.cross(axis, x - np.asarray(direction.origin)) / self.radius
 
 
 def moving_bodies(

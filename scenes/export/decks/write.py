@@ -126,9 +126,6 @@ def _claims(scene: Scene) -> Iterator[_Claim]:
     for name, contact in scene.contacts.items():
         yield f"contacts.{name}", name, not _LABEL.fullmatch(name), _LABELS
         yield from _claims_on_contact(f"contacts.{name}", contact)
-        planar = len(scene.bodies[contact.a.split(".")[0]].geometry.directions) == 2
-        sides = f"{contact.a}, {contact.b}"
-        yield f"contacts.{name}", sides, planar, "none in the plane, where no bodies touch"
     # Sets whose names become one: capitals count as small letters, and a dot as a hyphen.
     sets = {f"bodies.{name}": name.lower() for name in scene.bodies}
     for name, body in scene.bodies.items():
@@ -147,10 +144,9 @@ def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
     fe = body.mesh.fe if body.backend == "fe" else None
     if fe is not None:  # elements of mesh files show when the file is read
         known = (fe.cell, fe.degree) in ELEMENTS
-        wanted = "tetrahedron" if len(body.geometry.directions) == 3 else "triangle"
         allowed = (
-            f"1, or 2 with cell = {wanted!r}, geometry_degree = 1, as no element there has the "
-            f"nodes of a {fe.cell} of degree {fe.degree},"
+            "1, or 2 with cell = 'tetrahedron', geometry_degree = 1, of bodies in space, as no "
+            f"element there has the nodes of a {fe.cell} of degree {fe.degree},"
         )
         yield f"{field}.mesh.fe.degree", fe.degree, not known, allowed
         curved = known and (fe.geometry_degree or fe.degree) not in {1, fe.degree}
