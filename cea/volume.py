@@ -1,31 +1,13 @@
-"""Views of the volume of a body for pictures and for comparing modes: points, cells, values."""
+"""The volume of a body: its cells as they are, or straight ones through their corners."""
 
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-
-
-@dataclass(frozen=True)
-class VolumeSample:
-    """Points through a body joined to straight cells, for pictures and for comparing modes.
-
-    Parameters
-    ----------
-    points
-        Positions (m), shape (n, dim).
-    cells
-        Point numbers of each cell, shape (n_cells, 4) tetrahedra or (n_cells, 8) hexahedra in 3D,
-        (n_cells, 3) or (n_cells, 4) in 2D, in VTK order.
-    values
-        Values of the scalar basis functions at the points, shape (n, num_scalar_dofs).
-    """
-
-    points: Floats
-    cells: Ints
-    values: csr_array
+from cea.mesh import lattice
 
 
 @dataclass(frozen=True)
@@ -61,5 +43,33 @@ class VolumeCells:
     degree: int
     points: Floats
     weights: Floats
+    cells: Ints
+    values: csr_array
+
+    def straight(self) -> "StraightCells":
+        """Straight cells through the corners of these, on which fields are what they are."""
+        dim = self.points.shape[1]
+        places = lattice(dim, self.degree, self.simplex).tolist()
+        corners = np.vstack([np.zeros((1, dim), dtype=int), np.eye(dim, dtype=int)])
+        if not self.simplex:
+            corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+            if dim == 3:
+                corners = np.vstack([np.insert(corners, 2, z, axis=1) for z in (0, 1)])
+        at = [places.index(corner) for corner in (self.degree * corners).tolist()]
+        used, cells = np.unique(self.cells[:, at], return_inverse=True)
+        cells = cells.reshape(-1, len(at))
+        return StraightCells(self.points[used], cells, csr_array(self.values[used]))
+
+
+@dataclass(frozen=True)
+class StraightCells:
+    """Points of a body joined to straight cells.
+
+    Positions (m), (n, dim); points of each cell in VTK order, (n_cells, dim + 1) simplices or
+    (n_cells, 2^dim) boxes; values of the scalar basis functions at the points,
+    (n, num_scalar_dofs).
+    """
+
+    points: Floats
     cells: Ints
     values: csr_array

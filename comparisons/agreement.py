@@ -1,4 +1,4 @@
-"""Both backends on the same scenes: the patch test, and the disc and pad in pairs of backends.
+"""Both backends on the disc and pad: basic formulations, and every pairing of backends.
 
 With mortar contact only the bodies' own discretisation is left to differ: pad and disc are then run
 in every pairing, and the last once more with a higher degree on the same elements. What changes
@@ -11,7 +11,6 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from cea.contact.formulations import (
@@ -23,7 +22,6 @@ from cea.contact.formulations import (
     NodeToSurface,
 )
 from comparisons.study.columns import Column
-from comparisons.study.formulations import Variant
 from comparisons.study.numbers import decimals, number, per_cent, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
@@ -33,17 +31,8 @@ from comparisons.study.study import Case, Study
 from scenes import Result
 from scenes.results.matching import match_unstable
 from scenes.spec.body import Backend, BodySpec, MeshSpec, backend_name
-from scenes.spec.reading import BACKENDS, Scene, load_scene, on_backend, with_contact
+from scenes.spec.reading import BACKENDS, Scene, load_scene, with_contact
 
-EXPECTED = {
-    ("Greville", 25, 1e14): 1722.0,
-    ("Greville", 25, 1e6): 3233.0,
-    ("grid", 81, 1e6): 1678.0,
-    ("GPTS 15", 2025, 1e6): 0.446,
-    ("GPTS 25", 5625, 1e6): 0.116,
-}
-"""Oscillation of sigma_n (N/m^2) on the worse side of the NURBS patch test, from an independent
-prototype: by formulation, number of points and P (N/m)."""
 FREQUENCY_BOUND, GROWTH_BOUND = 0.01, 0.15
 """Largest relative differences of frequencies and of growth rates that agree."""
 
@@ -54,56 +43,32 @@ class Options:
 
     Parameters
     ----------
-    parts
-        patch_test, disc_pad.
-    gauss
-        GPTS points per direction in each element of the patch test.
     refined_degree
         Degree, in every direction, that the last pairing is run with once more.
     overrides
         Changes of the disc_pad scene.
     """
 
-    parts: tuple[str, ...] = ("patch_test", "disc_pad")
-    gauss: tuple[int, ...] = (15, 25)
     refined_degree: int = 3
     overrides: tuple[str, ...] = ()
 
 
-def patch_rules(backend: Backend, options: Options) -> dict[str, Formulation]:
-    """Formulations of the patch test by name: collocation in the manner of the backend first."""
-    own, grid = (Greville(), Grid(9)) if backend == "iga" else (NodeToSurface(), Grid(4))
-    every = (own, grid, *map(GaussPointToSurface, options.gauss))
-    return {Variant(rule).label: rule for rule in every}
-
-
-def pad_rules(backend: Backend) -> dict[str, Formulation]:
+def rules(backend: Backend) -> dict[str, Formulation]:
     """Formulations of the disc and pad; a grid has about as many points on either backend."""
     own, grid = (Greville(), Grid(10)) if backend == "iga" else (NodeToSurface(), Grid(4))
     return {"collocation": own, "grid": grid, "GPTS": GaussPointToSurface(5), "mortar": Mortar()}
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Runs of the patch test; the disc and pad with each formulation, all backends together."""
-    if "patch_test" in options.parts:
-        for backend in BACKENDS:
-            for name, P in product(patch_rules(backend, options), (1e6, 1e14)):
-                yield {"part": "patch_test", "backend": backend, "formulation": name, "P": P}
-    if "disc_pad" in options.parts:
-        for kind in pad_rules("fe"):
-            yield {"part": "disc_pad", "formulation": kind}
+    """Each formulation, all backends together."""
+    for formulation in rules("fe"):
+        yield {"formulation": formulation}
 
 
-def scene(case: Case, options: Options) -> Scene | dict[str, Scene]:
-    """Scene of a patch test, or scenes of the disc and pad by the backends of pad and disc."""
-    if case["part"] == "patch_test":
-        patch = on_backend(load_scene(Path("patch_test")), case["backend"])
-        rule = patch_rules(case["backend"], options)[case["formulation"]]
-        return with_contact(patch, formulation=rule, P=case["P"])
-    disc_pad, mortar = (
-        load_scene(Path("disc_pad"), options.overrides),
-        case["formulation"] == "mortar",
-    )
+def scene(case: Case, options: Options) -> dict[str, Scene]:
+    """Scenes by the backends of pad and disc."""
+    disc_pad = load_scene(Path("disc_pad"), options.overrides)
+    mortar = case["formulation"] == "mortar"
     scenes = {}
     for pad, disc in (
         product(BACKENDS, BACKENDS) if mortar else zip(BACKENDS, BACKENDS, strict=True)
@@ -113,7 +78,7 @@ def scene(case: Case, options: Options) -> Scene | dict[str, Scene]:
             for name, backend in (("pad", pad), ("disc", disc))
         }
         name = f"{backend_name(pad)} on {backend_name(disc)}"
-        rule = pad_rules(pad)[case["formulation"]]
+        rule = rules(pad)[case["formulation"]]
         scenes[name] = with_contact(replace(disc_pad, bodies=bodies), formulation=rule)
     if mortar:
         degree = options.refined_degree
@@ -129,34 +94,6 @@ def _of_degree(body: BodySpec, degree: int) -> BodySpec:
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """A case of its part."""
-    return _patch_test(case, session) if case["part"] == "patch_test" else _disc_pad(case, session)
-
-
-def _patch_test(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Oscillation of sigma_n on both sides, and sigma_n along the diagonal."""
-    result = session.solve()
-    (interface,), (sides,) = result.interfaces.values(), result.stresses.values()
-    a, b = (sides[side].oscillation for side in "ab")
-    key = case["formulation"], len(interface.points), case["P"]
-    expected = EXPECTED.get(key) if case["backend"] == "iga" else None
-    row = {
-        "points": len(interface.points),
-        "oscillation_a": a,
-        "oscillation_b": b,
-        "oscillation": max(a, b),
-        "expected": expected,
-        "ratio": max(a, b) / expected if expected else None,
-    }
-    along = [
-        {"side": side, "arc": float(arc), "sigma_n": None if np.isnan(sigma) else float(sigma)}
-        for side, s in sides.items()
-        for arc, sigma in zip(s.arc, s.sigma_n_along, strict=True)
-    ]
-    return {"patch_test": [row], "patch_stresses": along}
-
-
-def _disc_pad(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     """Modes in every pairing of backends, unstable ones paired with those of the first."""
     assert session.scene is not None
     results = {name: session.solve(scene) for name, scene in session.scene.items()}
@@ -187,7 +124,7 @@ def _disc_pad(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
         for one, other in compared
         for pair in _paired(results[one], results[other])
     ]
-    return {"pad_runs": runs, "pad_modes": modes, "agreement": pairs}
+    return {"runs": runs, "modes": modes, "agreement": pairs}
 
 
 def _run(result: Result) -> dict[str, Any]:
@@ -225,28 +162,11 @@ def _paired(first: Result, second: Result) -> Iterator[dict[str, Any]]:
 
 def unstable(result: StudyResult) -> pd.DataFrame:
     """Unstable modes of the disc and pad."""
-    frame = result.frame("pad_modes")
+    frame = result.frame("modes")
     return frame[frame["unstable"]].drop(columns="unstable")
 
 
-def softest(result: StudyResult) -> pd.DataFrame:
-    """Normal stress along the diagonal at the least P, a panel for each run."""
-    frame = result.frame("patch_stresses")
-    frame = frame[frame["P"] == frame["P"].min()]
-    return frame.assign(panel=frame["backend"].map(backend_name) + ", " + frame["formulation"])
-
-
-def patch_headline(result: StudyResult) -> str:
-    """The range of oscillations, and the worst ratio to what was expected."""
-    frame = result.frame("patch_test")
-    least, most = (number(f(frame["oscillation"])) for f in (min, max))
-    ratios = frame["ratio"].dropna()
-    worst = max(ratios, key=lambda ratio: max(ratio, 1 / ratio), default=None)
-    beside = f"; at worst {number(worst, 4)} times what was expected" if worst else ""
-    return f"In the patch test σₙ oscillates by {least} to {most} N/m²{beside}."
-
-
-def pad_headline(result: StudyResult) -> str:
+def headline(result: StudyResult) -> str:
     """How far paired modes are apart, and which are not converged."""
     frame = result.frame("agreement")
     finer = frame["compared"].str.contains("degree")
@@ -268,13 +188,6 @@ def pad_headline(result: StudyResult) -> str:
 
 
 OWN = {
-    "oscillation_a": Column("side a", "N/m²", shown(3)),
-    "oscillation_b": Column("side b", "N/m²", shown(3)),
-    "oscillation": Column("worse", "N/m²", shown(4)),
-    "expected": Column("expected", "N/m²", shown(4)),
-    "ratio": Column("worse / expected", show=shown(4)),
-    "arc": Column("along the diagonal", "m", shown(3)),
-    "sigma_n": Column("σₙ", "N/m²", shown(4)),
     "run": Column("pad on disc"),
     "condition": Column("largest condition", show=shown(2)),
     "frequency_first": Column("frequency", "Hz", decimals(2)),
@@ -295,7 +208,7 @@ SECTIONS = [
         f"{number(100 * FREQUENCY_BOUND, 1)} % in frequency and {number(100 * GROWTH_BOUND, 2)} % "
         "in growth rate. Found: eigenvalues below the end of the window; counted: those that the "
         "inertia of the symmetric part has there.",
-        pad_headline,
+        headline,
         [
             Table(
                 "agreement",
@@ -304,12 +217,12 @@ SECTIONS = [
                 printed=True,
             ),
             Table("unstable_modes", "Unstable modes of every run.", unstable, OWN),
-            Table("runs", "Every run.", "pad_runs", OWN),
-            Table("modes", "", "pad_modes", shown=False),
+            Table("runs", "Every run.", "runs", OWN),
+            Table("modes", "", "modes", shown=False),
         ],
         [
             Plot(
-                *("stability", "Every mode of every run.", "pad_modes", "frequency", "growth"),
+                *("stability", "Every mode of every run.", "modes", "frequency", "growth"),
                 *(("run",), "formulation"),
                 style="markers",
             )
@@ -317,36 +230,15 @@ SECTIONS = [
         modes=True,
         of="agreement",
     ),
-    Section(
-        "Patch test",
-        "Oscillation of σₙ, largest minus smallest over the contact surface of a side; exact is a "
-        "uniform −1000 N/m². Expected is that of an independent prototype, where it was run.",
-        patch_headline,
-        [
-            Table(
-                *("patch_test", "Oscillation.", "patch_test", OWN),
-                printed=True,
-            ),
-        ],
-        [
-            Plot(
-                *("patch_stresses", "σₙ at the least P.", softest, "arc", "sigma_n"),
-                *(("side",), "panel"),
-                own=OWN,
-            )
-        ],
-        of="patch_test",
-    ),
 ]
 STUDY = Study(
     name="agreement",
-    title="Both backends on the same scenes",
+    title="Both backends on the disc and pad",
     options=Options,
     cases=cases,
     scene=scene,
     evaluate=evaluate,
     quick={
-        "gauss": (3,),
         "overrides": (
             "bodies.pad.mesh.fe.elements=[2, 3, 1]",
             "bodies.pad.mesh.iga.elements=[2, 3, 1]",

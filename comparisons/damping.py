@@ -165,6 +165,15 @@ COLUMNS = {
     "exact": Column("exact", show=shown(8)),
     "threshold": Column("friction at which flutter begins", show=shown(8)),
 }
+TABLE = Table("damping", "Friction at which flutter begins.", "runs", COLUMNS, printed=True)
+PLOT = Plot(
+    "damping",
+    "Lines: exact, two degrees of freedom. Markers: elastic bodies.",
+    *("runs", "ratio", "threshold", ("share", "backend")),
+    log="x",
+    own=COLUMNS,
+    lines=curves,
+)
 STUDY = Study(
     name="damping",
     title="Damping moves the threshold of flutter",
@@ -173,30 +182,5 @@ STUDY = Study(
     scene=scene,
     evaluate=evaluate,
     quick={"backends": ("iga",), "shares": (1.0, 10.0), "ratios": (0.1,)},
-    sections=[
-        Section(
-            "Thresholds",
-            headline=headline,
-            plots=[
-                Plot(
-                    "damping",
-                    "Lines: exact, two degrees of freedom. Markers: elastic bodies.",
-                    StudyResult.frame,
-                    *("ratio", "threshold", ("share", "backend")),
-                    log="x",
-                    own=COLUMNS,
-                    lines=curves,
-                )
-            ],
-            tables=[
-                Table(
-                    "damping",
-                    "Friction at which flutter begins.",
-                    StudyResult.frame,
-                    COLUMNS,
-                    printed=True,
-                )
-            ],
-        )
-    ],
+    sections=[Section("Thresholds", "", headline, [TABLE], [PLOT], of="runs")],
 )

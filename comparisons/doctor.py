@@ -12,20 +12,13 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from scenes.spec.body import Backend
+from typing import Literal
 
 _PROJECT = "friction-cea"
-_OLDEST = (3, 12)
-"""Python."""
-_RANKS = 2
 _PATIENCE = 60.0
 """Seconds that a program may take."""
 _COUNT = "import sys; from cea.petsc import MPI; sys.stdout.write(f'of {MPI.COMM_WORLD.size};')"
-_LITTLE = 2e9
-"""Bytes of memory below which even the scenes of the project do not all run."""
+_AGAIN = "make distclean setup"
 LIBRARIES = {"libGL.so.1": "libgl1", "libEGL.so.1": "libegl1", "libGLU.so.1": "libglu1-mesa"}
 """Shared libraries that meshing with gmsh and pictures need, and their packages on Debian."""
 _SCENE = "blocks"
@@ -69,27 +62,16 @@ def examine(*, launched: bool) -> Iterator[Finding]:
     launched
         Whether a launcher of MPI began this process.
     """
-    yield python()
+    yield Finding("python", ".".join(map(str, sys.version_info[:3])))
     installed = list(packages())
     yield from installed
     yield compiler()
-    yield python_header()
     yield from libraries()
     if any(finding.mend for finding in installed):
         return  # what follows would fail for what is told already
     yield launcher(launched=launched)  # before MPI begins here: no launcher starts inside of it
-    yield mpi()
-    yield memory()
     yield solve("fe")
     yield solve("iga")
-
-
-def python() -> Finding:
-    """The running Python."""
-    needed = ".".join(map(str, _OLDEST))
-    fits = sys.version_info[:2] >= _OLDEST
-    mend = None if fits else f"install Python {needed} or newer, then: make setup"
-    return Finding("python", ".".join(map(str, sys.version_info[:3])), mend)
 
 
 def packages() -> Iterator[Finding]:
@@ -97,8 +79,7 @@ def packages() -> Iterator[Finding]:
     try:
         required = requires(_PROJECT) or []
     except PackageNotFoundError:
-        mend = "in the folder of the project: make setup"
-        yield Finding(_PROJECT, "not installed: runs from its folder, or not at all", mend)
+        yield Finding(_PROJECT, "not installed", "in the folder of the project: make setup")
         return
     yield Finding(_PROJECT, version(_PROJECT))
     for requirement in required:
@@ -127,25 +108,15 @@ def package(requirement: str) -> Finding:
 
 
 def compiler() -> Finding:
-    """The C compiler, which forms of finite elements are compiled with when first used."""
+    """The C compiler with the header of Python, which compiles forms of finite elements."""
     command = shlex.split(os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc")
-    mend = "sudo apt-get install gcc libc6-dev"
+    mend = f"sudo apt-get install gcc libc6-dev python3.{sys.version_info.minor}-dev"
     if shutil.which(command[0]) is None:
         return Finding("C compiler", f"no {command[0]}", mend)
-    trial = [*command, "-fsyntax-only", "-x", "c", "-"]
-    if _run(trial, "#include <math.h>\n") is None:
-        return Finding("C compiler", f"{command[0]} compiles nothing: no headers of C", mend)
-    told = _run([command[0], "--version"]) or command[0]
-    return Finding("C compiler", told.splitlines()[0])
-
-
-def python_header() -> Finding:
-    """The header that compiled forms include."""
-    header = Path(sysconfig.get_path("include"), "Python.h")
-    if header.is_file():
-        return Finding("Python.h", str(header))
-    name = f"python{sys.version_info.major}.{sys.version_info.minor}-dev"
-    return Finding("Python.h", "not there", f"sudo apt-get install {name}")
+    header = f"-I{sysconfig.get_path('include')}"
+    if _run([*command, header, "-fsyntax-only", "-x", "c", "-"], "#include <Python.h>\n") is None:
+        return Finding("C compiler", f"{command[0]} compiles nothing: no headers", mend)
+    return Finding("C compiler", (_run([command[0], "--version"]) or command[0]).splitlines()[0])
 
 
 def libraries() -> Iterator[Finding]:
@@ -173,55 +144,35 @@ def launcher(*, launched: bool) -> Finding:
         return Finding("mpiexec", "began this program")
     if not right.is_file():
         return Finding("mpiexec", f"no {right}", mend)
-    told = _run([str(right), "-n", str(_RANKS), sys.executable, "-c", _COUNT]) or ""
-    if told.count(f"of {_RANKS};") != _RANKS:
+    told = _run([str(right), "-n", "2", sys.executable, "-c", _COUNT]) or ""
+    if told.count("of 2;") != 2:
         mend = f"{mend}; then try: {right} -n 2 hostname"
-        return Finding("mpiexec", f"{right} does not start {_RANKS} ranks of one program", mend)
-    other = shutil.which("mpiexec")
-    beside = "" if other is None or Path(other).samefile(right) else f"; {other} is another, not it"
-    return Finding("mpiexec", f"{right} starts {_RANKS} ranks{beside}")
+        return Finding("mpiexec", f"{right} does not start 2 ranks of one program", mend)
+    return Finding("mpiexec", f"{right} starts 2 ranks")
 
 
-def mpi() -> Finding:
-    """The MPI library that PETSc and its Python packages share."""
-    try:
-        from cea.petsc import MPI
-    except Exception as fault:  # a library that does not load says so in many ways
-        return Finding("MPI", f"{fault}".splitlines()[0], "make distclean setup")
-    return Finding("MPI", " ".join(MPI.Get_library_version().partition("\n")[0].split()))
-
-
-def memory() -> Finding:
-    """Memory that a run may have."""
-    from scenes.checking.memory import available_memory
-
-    available = available_memory()
-    mend = "raise the limit: ulimit -v unlimited, or that of the group"
-    return Finding("memory", f"{available / 1e9:.1f} GB", mend if available < _LITTLE else None)
-
-
-def solve(backend: "Backend") -> Finding:
+def solve(backend: Literal["fe", "iga"]) -> Finding:
     """Modes of two blocks in contact, beside exact eigenvalues."""
     name, start = f"solve on {backend}", perf_counter()
     try:
         error = worst_error(backend)
     except Exception as fault:  # whatever it is, it is what the doctor is asked for
         told = f"{type(fault).__name__}: {fault}".splitlines()[0]
-        return Finding(name, told, "make distclean setup; should it stay, tell what this says")
+        return Finding(name, told, f"{_AGAIN}; should it stay, tell what this says")
     told = f"{perf_counter() - start:.1f} s, error {error:.0e}"
     if error > _TOLERANCE:
-        return Finding(name, f"{told}: wrong eigenvalues", "make distclean setup")
+        return Finding(name, f"{told}: wrong eigenvalues", _AGAIN)
     return Finding(name, told)
 
 
-def worst_error(backend: "Backend") -> float:
+def worst_error(backend: Literal["fe", "iga"]) -> float:
     """Largest relative error of the eigenvalues of the two blocks."""
     import numpy as np
 
     from scenes import run_modes
     from scenes.spec.reading import load_scene
 
-    found = run_modes(load_scene(_SCENE, backend=backend).change(_COARSE)).eigenvalues
+    found = run_modes(load_scene(_SCENE).on(backend).change(_COARSE)).eigenvalues
     exact = np.array(_EXACT)
     return float((np.abs(found[None] - exact[:, None]).min(axis=1) / np.abs(exact)).max())
 

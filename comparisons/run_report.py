@@ -233,7 +233,7 @@ SECTIONS = [
     Section(
         "Run time",
         headline=size,
-        plots=[Plot("stages", "", stages, "stage", "seconds", style="bars")],
+        tables=[Table("stages", "", stages)],
     ),
     Section("Left out", tables=[Table("skipped", "Not needed by the scene.", left_out)]),
     Section(

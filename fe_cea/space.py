@@ -17,12 +17,12 @@ from cea.ranks import agreed
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.surface import TrueSurface
-from cea.volume import VolumeCells, VolumeSample
+from cea.volume import VolumeCells
 from fe_cea.distribution import distribute, lasting_communicator
 from fe_cea.facets import gather_facets
 from fe_cea.matrices import LagrangeMatrices
 from fe_cea.prolongation import prolongation
-from fe_cea.sampling import cell_jacobians, lagrange_cells, sample_volume
+from fe_cea.sampling import cell_jacobians, lagrange_cells
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
 
@@ -166,16 +166,6 @@ class LagrangeSpace(LagrangeMatrices):
     def prolongation(self, coarse: "LagrangeSpace") -> tuple[csr_array, float]:
         """Functions of the space of a coarser mesh (:mod:`fe_cea.prolongation`)."""
         return prolongation(coarse.scalar, self.scalar, self.comm, f"{self._field}.mesh")
-
-    def volume_sample(self, subdivisions: int) -> VolumeSample:
-        """Sample of the whole body, each cell divided so many times a direction; on every rank.
-
-        Raises
-        ------
-        InputError
-            When subdivisions is less than 1.
-        """
-        return sample_volume(self.scalar, subdivisions)
 
     def volume_cells(self) -> VolumeCells:
         """Lagrange cells of the degree of the space, or of the geometry where higher; collective.

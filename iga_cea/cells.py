@@ -1,4 +1,4 @@
-"""The whole of a body of patches: Bezier elements of its knot spans, and samples."""
+"""The whole of a body of patches: Bezier elements of its knot spans."""
 
 from functools import reduce
 
@@ -7,10 +7,9 @@ from scipy.sparse import coo_array, csr_array, diags_array, kron, vstack
 from scipy.special import comb
 
 from cea.arrays import Floats, Ints
-from cea.errors import InputError
-from cea.volume import VolumeCells, VolumeSample
+from cea.volume import VolumeCells
 from iga_cea.multipatch import Multipatch
-from iga_cea.patch import Patch, outward, subdivided, tensor_cells
+from iga_cea.patch import Patch
 from iga_cea.splines import insertion_matrix
 
 
@@ -42,27 +41,6 @@ def bezier_cells(multipatch: Multipatch) -> VolumeCells:
         cells=np.concatenate(cells),
         values=every,
     )
-
-
-def sample_volume(multipatch: Multipatch, subdivisions: int) -> VolumeSample:
-    """Sample of all patches, each knot span divided so many times a direction.
-
-    Points on joints of patches appear once for each patch.
-    """
-    if subdivisions < 1:
-        raise InputError("subdivisions", subdivisions, "at least 1")
-    cells, values, count = [], [], 0
-    for patch, dofs in zip(multipatch.patches, multipatch.dofs, strict=True):
-        parameters = [subdivided(breaks, subdivisions) for breaks in patch.breaks]
-        basis = patch.basis_on_grid(parameters)
-        columns = dofs.ravel()[basis.indices]
-        shape = (basis.shape[0], multipatch.num_scalar_dofs)
-        values.append(csr_array((basis.data, columns, basis.indptr), shape=shape))
-        grid = tensor_cells([len(x) for x in parameters])
-        cells.append(count + outward(grid, values[-1] @ multipatch.control_points))
-        count += basis.shape[0]
-    every = csr_array(vstack(values, format="csr"))
-    return VolumeSample(every @ multipatch.control_points, np.concatenate(cells), every)
 
 
 def _extraction(patch: Patch, degree: int) -> tuple[csr_array, Floats]:
@@ -103,7 +81,8 @@ def _elements(counts: list[int], degree: int, points: Floats) -> Ints:
     size = (degree + 1,) * len(counts)
     windows = np.lib.stride_tricks.sliding_window_view(numbers, size)
     elements = windows[(slice(None, None, degree),) * len(counts)].reshape(-1, *size)
-    net = tensor_cells(counts)
-    if outward(net, points) is not net:
+    ends = degree * (degree + 1) ** np.arange(len(counts))[::-1]
+    corners = points[elements.reshape(len(elements), -1)[:, [0, *ends]]]
+    if np.linalg.det(corners[:, 1:] - corners[:, :1]).sum() < 0:
         elements = elements[:, ::-1]
     return elements.reshape(len(elements), -1)

@@ -229,31 +229,7 @@ def refine(geometry: PatchGeometry, degree: Sequence[int], continuity: Sequence[
     )
 
 
-def tensor_cells(counts: Sequence[int]) -> Ints:
-    """Corners of the cells of a tensor grid in VTK order (quadrilaterals or hexahedra)."""
-    numbers = np.arange(np.prod(counts)).reshape(counts)
-    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
-    layers: list[tuple[int, ...]] = [()] if len(counts) == 2 else [(0,), (1,)]
-    corners = [(*corner, *layer) for layer in layers for corner in square]
-    return np.stack(
-        [
-            numbers[tuple(slice(s, n - 1 + s) for s, n in zip(c, counts, strict=True))].ravel()
-            for c in corners
-        ],
-        axis=1,
-    )
-
-
 def subdivided(breaks: Floats, parts: int) -> Floats:
     """Breaks with each span divided evenly, shape (spans * parts + 1,)."""
     pieces = [np.linspace(a, b, parts, endpoint=False) for a, b in pairwise(breaks)]
     return np.concatenate([*pieces, breaks[-1:]])
-
-
-def outward(cells: Ints, points: Floats) -> Ints:
-    """Cells of a tensor grid in VTK order, mirrored where the grid is left-handed."""
-    corners = points[cells]
-    edges = corners[:, [1, 3, 4][: points.shape[1]]] - corners[:, :1]
-    if np.linalg.det(edges).sum() > 0:
-        return cells
-    return cells[:, [0, 3, 2, 1, 4, 7, 6, 5][: cells.shape[1]]]

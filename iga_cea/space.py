@@ -13,8 +13,8 @@ from cea.petsc import MPI
 from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
-from cea.volume import VolumeCells, VolumeSample
-from iga_cea.cells import bezier_cells, sample_volume
+from cea.volume import VolumeCells
+from iga_cea.cells import bezier_cells
 from iga_cea.collapse import collapsed_lines, face_is_collapsed
 from iga_cea.matrices import NurbsMatrices
 from iga_cea.multipatch import End, Multipatch, join
@@ -122,18 +122,6 @@ class NurbsSpace:
         """Functions of coarser patches (:mod:`iga_cea.prolongation`)."""
         rank, field = self.comm.rank, f"{self._field}.patches"
         return prolongation(coarse.multipatch, self.multipatch, rank, field)
-
-    def volume_sample(self, subdivisions: int) -> VolumeSample:
-        """Sample of the whole body, each knot span divided so many times a direction.
-
-        Complete on every rank. Points on joints of patches appear once for each patch.
-
-        Raises
-        ------
-        InputError
-            When subdivisions is less than 1.
-        """
-        return sample_volume(self.multipatch, subdivisions)
 
     def volume_cells(self) -> VolumeCells:
         """Bezier elements of the knot spans. Complete on every rank.

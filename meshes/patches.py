@@ -69,11 +69,12 @@ class GivenPatch:
         for axis, (knots, p) in enumerate(zip(self.knots, self.degrees, strict=True)):
             _check_knots(np.asarray(knots, dtype=float), p, f"knots[{axis}]", knots)
         counts = tuple(len(k) - p - 1 for k, p in zip(self.knots, self.degrees, strict=True))
-        points = _array(self.control_points, "control_points")
+        nested = "nested lists of finite numbers, equally long at each depth"
+        shape = finite_numbers(self.control_points, "control_points", nested).shape
         allowed = f"shape {(*counts, dim)}: knots less degree less 1 along each parameter"
-        require(points.shape == (*counts, dim), "control_points", points.shape, allowed)
+        require(shape == (*counts, dim), "control_points", shape, allowed)
         if self.weights is not None:
-            weights = _array(self.weights, "weights")
+            weights = finite_numbers(self.weights, "weights", nested)
             require(weights.shape == counts, "weights", weights.shape, f"shape {counts}")
             require(bool(np.all(weights > 0)), "weights", float(weights.min()), "positive numbers")
 
@@ -152,17 +153,18 @@ class Patches:
         if self.merge_nodes is None:
             return tuple(nets)
         every = np.concatenate([net.reshape(-1, net.shape[-1]) for net in nets])
-        every = every[first_of_near(every, self.merge_nodes)]
-        ends = np.cumsum([net.size // net.shape[-1] for net in nets])[:-1]
-        parts = zip(np.split(every, ends), nets, strict=True)
-        return tuple(part.reshape(net.shape) for part, net in parts)
+        first = first_of_near(every, self.merge_nodes)
+        parts = np.split(
+            every[first], np.cumsum([patch.point_weights.size for patch in self.patches])
+        )
+        return tuple(part.reshape(net.shape) for part, net in zip(parts, nets, strict=False))
 
     @cached_property
     def directions(self) -> tuple[str, ...]:
         """Names of the parameters."""
         return self.names[: len(self.patches[0].degrees)]
 
-    @cached_property
+    @property
     def surfaces(self) -> tuple[str, ...]:
         """Names of the surfaces."""
         return tuple(self.faces)
@@ -171,13 +173,6 @@ class Patches:
     def extent(self) -> tuple[tuple[float, float], ...]:
         """Range of the scaled parameters."""
         return ((0.0, 1.0),) * len(self.directions)
-
-
-def _array(nested: tuple[Any, ...], field: str) -> Floats:
-    """Nested lists as an array of finite numbers."""
-    return finite_numbers(
-        nested, field, "nested lists of finite numbers, equally long at each depth"
-    )
 
 
 def _check_knots(knots: Floats, p: int, field: str, given: tuple[float, ...]) -> None:
@@ -286,20 +281,16 @@ def _read(file: Path, _changed: int, _size: int) -> tuple[list[Spline], Faces]:
 def _of_splinepy(text: str) -> tuple[list[Spline], Faces]:
     """Patches of a file of splinepy; it names no faces."""
     data = json.loads(text)
-    packed = bool(data["Base64Encoding"])
-    return [_of_json(one, packed) for one in data["SplineList"]], {}
-
-
-def _of_json(data: Mapping[str, Any], packed: bool) -> Spline:
-    degrees = tuple(int(p) for p in data["degrees"])
-    given = data.get("knot_vectors")
-    if given is None:  # Bezier patches
-        given = [[0.0] * (p + 1) + [1.0] * (p + 1) for p in degrees]
-    points, weights = data["control_points"], data.get("weights")
-    if packed:
-        points = _unpacked(points).reshape(-1, int(data["dim"]))
-        weights = None if weights is None else _unpacked(weights)
-    return _spline(degrees, given, np.asarray(points, dtype=float), weights)
+    splines = []
+    for one in data["SplineList"]:
+        degrees, points, weights = one["degrees"], one["control_points"], one.get("weights")
+        bezier = [[0.0] * (p + 1) + [1.0] * (p + 1) for p in degrees]
+        if data["Base64Encoding"]:
+            points = _unpacked(points).reshape(-1, int(one["dim"]))
+            weights = None if weights is None else _unpacked(weights)
+        knots = one.get("knot_vectors") or bezier
+        splines.append(_spline(degrees, knots, np.asarray(points, dtype=float), weights))
+    return splines, {}
 
 
 def _unpacked(text: str) -> Floats:
@@ -356,4 +347,4 @@ def _spline(degrees: Any, knots: Any, points: Floats, weights: Any) -> Spline:
     net = points.reshape(*shape[::-1], points.shape[-1]).transpose(*order, len(shape))
     if weights is not None:
         weights = np.asarray(weights, dtype=float).reshape(shape[::-1]).T
-    return tuple(degrees), vectors, net, weights
+    return tuple(map(int, degrees)), vectors, net, weights

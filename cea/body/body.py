@@ -22,7 +22,7 @@ from cea.supports.boundary import Force, Pressure, Spring, Support, check_bounda
 from cea.supports.constraints import Constraints
 from cea.supports.loads import foundation, surface_forces
 from cea.surface import Surface
-from cea.volume import VolumeCells, VolumeSample
+from cea.volume import VolumeCells
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,10 +253,6 @@ class Body:
     def node_positions(self) -> Floats | None:
         """Where the scalar dofs of this rank lie (m), as :attr:`Space.node_positions`."""
         return self.space.node_positions
-
-    def volume_sample(self, subdivisions: int) -> VolumeSample:
-        """Sample of the whole body, as :meth:`Space.volume_sample`."""
-        return self.space.volume_sample(subdivisions)
 
     def volume_cells(self) -> VolumeCells:
         """Cells of the whole body, as :meth:`Space.volume_cells`."""

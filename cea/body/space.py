@@ -14,7 +14,7 @@ from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.surface import Surface
-from cea.volume import VolumeCells, VolumeSample
+from cea.volume import VolumeCells
 
 
 class Space(Protocol):
@@ -125,13 +125,6 @@ class Space(Protocol):
         ------
         InputError
             When the spaces are not those of one body.
-        """
-        ...
-
-    def volume_sample(self, subdivisions: int) -> VolumeSample:
-        """Sample of the whole body, each cell or knot span divided so many times a direction.
-
-        Gathered: complete on rank 0.
         """
         ...
 

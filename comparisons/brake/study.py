@@ -1,4 +1,4 @@
-"""``ventilated_brake`` on meshes that become finer, and with contacts of other stiffness.
+"""``ventilated_brake`` on meshes that become finer.
 
 Modes of each mesh are matched with those of the next by their shapes on the contact surfaces and by
 eigenvalue; the spread of a mode over the meshes says how far its frequency and its growth rate may
@@ -8,7 +8,7 @@ stiffness (``cea study accuracy``), and mortar does not lock where p is larger s
 
 import resource
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from math import isclose
 from pathlib import Path
@@ -28,7 +28,7 @@ from comparisons.study.shapes import by_importance
 from comparisons.study.study import Case, Study
 from scenes.checking.memory import estimated_memory
 from scenes.results.matching import match_runs
-from scenes.spec.reading import Scene, load_scene, with_contact
+from scenes.spec.reading import Scene, load_scene
 
 SCENE = "ventilated_brake"
 _KILOBYTE = 1024
@@ -45,8 +45,6 @@ class Options:
     ----------
     sizes
         Target edge lengths of the tetrahedra (m), of disc and pads alike, falling.
-    stiffnesses
-        Contact stiffnesses p (N/m^3) that are run on the coarsest mesh.
     overrides
         Fields of the scene that differ, as ``--set`` takes them.
 
@@ -57,39 +55,29 @@ class Options:
     """
 
     sizes: tuple[float, ...] = (0.012, 0.0075, 0.006)
-    stiffnesses: tuple[float, ...] = (5e12, 5e13, 5e14)
     overrides: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        falling = all(a > b > 0 for a, b in zip(self.sizes, self.sizes[1:], strict=False))
+        falling = all(a > b > 0 for a, b in pairwise(self.sizes))
         if not self.sizes or not falling or not self.sizes[0] > 0:
             raise InputError("sizes", self.sizes, "one or more positive lengths (m), falling")
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Every mesh with the stiffness of the scene; other stiffnesses on the coarsest."""
-    own = next(iter(load_scene(SCENE, options.overrides).contacts.values())).p
+    """Every mesh."""
     for size in options.sizes:
-        yield {"size": size, "p": own}
-    for p in options.stiffnesses:
-        if p != own:
-            yield {"size": options.sizes[0], "p": p}
+        yield {"size": size}
 
 
 def scene(case: Case, options: Options) -> Scene:
     """The scene of a case."""
-    return with_contact(scene_of_size(case["size"], options.overrides), p=case["p"])
+    return scene_of_size(case["size"], options.overrides)
 
 
 def scene_of_size(size: float, overrides: Iterable[str] = ()) -> Scene:
     """``ventilated_brake`` with tetrahedra of one target edge length (m) in disc and pads."""
     brake = load_scene(Path(SCENE), list(overrides))
-    bodies = {}
-    for name, body in brake.bodies.items():
-        assert body.mesh.fe is not None
-        mesh = replace(body.mesh, fe=replace(body.mesh.fe, size=size))
-        bodies[name] = replace(body, mesh=mesh)
-    return replace(brake, bodies=bodies)
+    return brake.change({f"bodies.{name}.mesh.fe.size": size for name in brake.bodies})
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -98,14 +86,13 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     before = [size for size in sizes if size > case["size"]]
     coarser = None
     if before:  # the run before this one, unless the study was resumed here
-        coarser = session.solve(scene({**case, "size": before[-1]}, session.options))
+        coarser = session.solve(scene({"size": before[-1]}, session.options))
     result = session.solve()
     if coarser is not None:
         for group in match_runs(coarser, result).groups:
             numbers = {"first": group.first.tolist(), "second": group.second.tolist()}
             matches.append(numbers | {"assurance": group.assurance})
-    rows, window = result.table(), result.modes.window
-    name = f"{case['size']:g}-{case['p']}"
+    rows, name = result.table(), f"{case['size']:g}"
     if case["size"] == sizes[-1]:
         kept = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
         session.keep_modes(name, result, kept)
@@ -114,45 +101,25 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
         "dofs": result.dofs,
         "modes": len(rows),
         "unstable": sum(row["verdict"] == "unstable" for row in rows),
-        "complete": bool(window.complete),
+        "complete": bool(result.modes.window.complete),
         "seconds": result.timer.total,
         "factorisation": result.timer.seconds["factorisation"],
         "krylov": result.timer.seconds["krylov"],
         "memory": result.comm.allreduce(peak, MPI.SUM) / 1e9,
         "estimated": estimated_memory(result.scene).bytes / 1e9,
-        "evidence": window.evidence,
-        "verdict": result.verdict,
     }
+    kept_of_modes = ("mode", "frequency", "damping_ratio", "uncertainty", "verdict")
     modes = [
-        {
-            "shape": f"{name}/{row['mode']}",
-            "mode": row["mode"],
-            "frequency": row["frequency"],
-            "growth": row["growth_rate"],
-            "damping_ratio": row["damping_ratio"],
-            "uncertainty": row["uncertainty"],
-            "verdict": row["verdict"],
-        }
+        {"shape": f"{name}/{row['mode']}", "growth": row["growth_rate"]}
+        | {key: row[key] for key in kept_of_modes}
         for row in rows
     ]
     return {"brake_runs": [run], "modes": modes, "matches": matches}
 
 
-def on_meshes(result: StudyResult, table: str) -> pd.DataFrame:
-    """Rows of the runs with the stiffness of the scene."""
-    frame = result.frame(table)
-    return frame if frame.empty else frame[frame["p"] == result.cases[0]["labels"]["p"]]
-
-
-def brake_runs(result: StudyResult) -> pd.DataFrame:
-    """What each mesh gave and took."""
-    frame = on_meshes(result, "brake_runs").drop(columns=["p", "evidence", "verdict"])
-    return frame.assign(size=frame["size"] * 1e3)
-
-
 def brake_modes(result: StudyResult) -> pd.DataFrame:
     """Every mode of the finest mesh, or group of modes that nearly coalesce, over all meshes."""
-    modes = on_meshes(result, "modes")
+    modes = result.frame("modes")
     sizes = list(modes["size"].unique())
     by_size = [modes[modes["size"] == size].reset_index(drop=True) for size in sizes]
     rows = []
@@ -163,7 +130,7 @@ def brake_modes(result: StudyResult) -> pd.DataFrame:
         fastest = [own.loc[own["growth"].idxmax()] if len(own) else None for own in found]
         last = fastest[-1]
         assert last is not None
-        row: dict[str, Any] = {"modes": ", ".join(str(i + 1) for i in members[-1])}
+        row: dict[str, Any] = {"mode": ", ".join(str(i + 1) for i in members[-1])}
         row |= {f"frequency_{s * 1e3:g}mm": m for s, m in zip(sizes, means, strict=True)}
         row["spread"] = (max(known) - min(known)) / known[-1] if len(known) > 1 else None
         growths = [None if mode is None else mode["growth"] for mode in fastest]
@@ -178,7 +145,7 @@ def _over_meshes(result: StudyResult, by_size: list[pd.DataFrame]) -> Iterator[l
     The growing and the decaying mode of a pair, which were one mode each before they met, stay
     together.
     """
-    every = on_meshes(result, "matches")
+    every = result.frame("matches")
     sizes = [own["size"].iloc[0] for own in by_size[1:]]
     matches = [every[every["size"] == size].to_dict("records") for size in sizes]
     frequencies = by_size[-1]["frequency"].tolist()
@@ -197,26 +164,9 @@ def _over_meshes(result: StudyResult, by_size: list[pd.DataFrame]) -> Iterator[l
         yield chain
 
 
-def brake_unstable(result: StudyResult) -> pd.DataFrame:
+def unstable(result: StudyResult) -> pd.DataFrame:
     """Unstable pairs of every run: the growing mode of each."""
-    frame = result.frame("modes")
-    frame = frame[frame["verdict"] == "unstable"].drop(columns=["mode", "verdict"])
-    return frame.assign(size=frame["size"] * 1e3)
-
-
-def brake_stiffness(result: StudyResult) -> pd.DataFrame:
-    """Runs on the coarsest mesh with every stiffness, and the fastest mode of each."""
-    runs = result.frame("brake_runs")
-    runs = runs[runs["size"] == runs["size"].max()].sort_values("p", kind="stable")
-    unstable = result.frame("modes").query("verdict == 'unstable'")
-    rows = []
-    for run in runs.to_dict("records"):
-        own = unstable[(unstable["size"] == run["size"]) & (unstable["p"] == run["p"])]
-        first = own.loc[own["growth"].idxmax()] if len(own) else {"growth": None, "frequency": None}
-        row = {name: run[name] for name in ("p", "modes", "unstable")}
-        row |= {"fastest": first["growth"], "at": first["frequency"]}
-        rows.append(row | {name: run[name] for name in ("complete", "verdict")})
-    return pd.DataFrame(rows)
+    return result.frame("modes").query("verdict == 'unstable'").drop(columns="verdict")
 
 
 def headline(result: StudyResult) -> str:
@@ -227,34 +177,14 @@ def headline(result: StudyResult) -> str:
     return f"{len(grow)} unstable pairs on the finest mesh; their frequencies spread by {spread} %."
 
 
-def points(result: StudyResult) -> pd.DataFrame:
-    """Modes of all meshes."""
-    frame = on_meshes(result, "modes")
-    return frame.assign(size=frame["size"] * 1e3)
-
-
-def at_stiffnesses(result: StudyResult) -> pd.DataFrame:
-    """Modes of the coarsest mesh at every stiffness."""
-    frame = result.frame("modes")
-    return frame[frame["size"] == frame["size"].max()]
-
-
-_MODES = {"modes": Column("mode"), "damping_ratio": Column("damping ratio", show=shown(2))}
-_MODES |= {"spread": Column("spread", "%", per_cent)}
 OWN = {
-    "size": Column("size", "mm", plain),
-    "p": Column("p", "N/m³", plain),
-    "modes": Column("modes", show=number),
+    "size": Column("size", "m", plain),
     "unstable": Column("unstable pairs", show=number),
-    "seconds": Column("time", "s", decimals(0)),
-    "factorisation": Column("factors", "s", decimals(0)),
-    "krylov": Column("Krylov", "s", decimals(0)),
+    **{name: Column(name, "s", decimals(0)) for name in ("seconds", "factorisation", "krylov")},
     "memory": Column("memory", "GB", decimals(1)),
     "estimated": Column("estimated", "GB", decimals(1)),
-    "damping_ratio": Column("damping ratio", show=shown(3)),
     "uncertainty": Column("algebraic error", "1/s", shown(1)),
-    "fastest": Column("fastest growth", "1/s", shown(4)),
-    "at": Column("at", "Hz", decimals(1)),
+    "spread": Column("spread", "%", per_cent),
 }
 STUDY = Study(
     name="brake",
@@ -266,7 +196,6 @@ STUDY = Study(
     shipped=Path(__file__).with_name("results"),
     quick={
         "sizes": (0.04, 0.03),
-        "stiffnesses": (5e13, 5e14),
         "overrides": (
             *(f"bodies.{b}.mesh.fe.degree=1" for b in ("disc", "lower_pad", "upper_pad")),
             "bodies.disc.geometry={shape='annulus',inner_radius=0.08,outer_radius=0.18,bottom=0,top=0.035}",
@@ -282,30 +211,19 @@ STUDY = Study(
             "coalesce, the largest of their growth rates.",
             headline,
             [
-                Table("brake_runs", "Every mesh.", brake_runs, OWN, printed=True),
-                Table("brake_modes", "Modes over the meshes.", brake_modes, _MODES, printed=True),
-                Table("brake_unstable", "Unstable pairs.", brake_unstable, OWN, printed=True),
+                Table("brake_runs", "Every mesh.", "brake_runs", OWN, printed=True),
+                Table("brake_modes", "Modes over the meshes.", brake_modes, OWN, printed=True),
+                Table("brake_unstable", "Unstable pairs.", unstable, OWN, printed=True),
             ],
             [
                 Plot(
-                    *("brake", "Every mode of every mesh.", points, "frequency", "growth"),
+                    *("brake", "Every mode of every mesh.", "modes", "frequency", "growth"),
                     *(("size",), "", "", OWN),
                     style="markers",
                 )
             ],
             modes=True,
-        ),
-        Section(
-            "Contact stiffness",
-            "On the coarsest mesh.",
-            tables=[Table("brake_stiffness", "Every p.", brake_stiffness, OWN, printed=True)],
-            plots=[
-                Plot(
-                    *("brake_p", "Every mode at every p.", at_stiffnesses, "frequency", "growth"),
-                    *(("p",), "", "", OWN),
-                    style="markers",
-                )
-            ],
+            of="modes",
         ),
     ],
 )

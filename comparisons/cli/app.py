@@ -12,17 +12,18 @@ from typer.main import get_command
 
 import cea
 from cea.errors import InputError
+from comparisons.cli.options import PLAIN
 from comparisons.cli.ranks import launched_together, one_voice
 
 COMMANDS = {
     "run": ("run:run", "Run one scene and write its result.json."),
-    "converge": ("converge:converge", "Refine a scene until its modes hold the digits asked for."),
+    "converge": ("sweep:converge", "Refine a scene until its modes hold the digits asked for."),
     "solve": ("run:solve", "Solve (lambda^2 M + lambda C + K) x = 0 for matrices from files."),
     "sweep": ("sweep:sweep", "Follow the modes of a scene along its fields: what grows where."),
     "threshold": ("sweep:threshold", "Find where flutter begins and ends along a field."),
     "study": ("study:app", "Run a study: both backends, formulations, accuracy, damping, ..."),
-    "figure": ("paper:figure", "Make a figure of the paper."),
-    "claims": ("paper:claims", "Judge the paper's claims by the figures' data."),
+    "figure": ("study:figure", "Make a figure of the paper."),
+    "claims": ("study:claims", "Judge the paper's claims by the figures' data."),
     "bench": ("study:bench", "Time and memory beside other programs and methods."),
     "scene": ("scene:app", "Look at scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
@@ -39,7 +40,7 @@ RENAMED = {
     "formulations": "study formulations",
     "peers": "bench calculix",
     "race": "bench matrices",
-    "reference": "study reference",
+    "reference": "converge disc_pad",
 }
 """Commands under the names that they had, and what they are called now."""
 
@@ -80,7 +81,7 @@ class _LightGroup(TyperGroup):
         found = getattr(import_module(f"comparisons.cli.{module}"), attribute)
         if isinstance(found, typer.Typer):
             return get_command(found)
-        alone = typer.Typer(add_completion=False, rich_markup_mode=None)
+        alone = typer.Typer(**PLAIN)
         alone.command(name)(found)
         return get_command(alone)
 
@@ -90,14 +91,7 @@ class _LightGroup(TyperGroup):
             formatter.write_dl([(name, help) for name, (_, help) in COMMANDS.items()])
 
 
-# Help is plain: help in colours takes as long as all else that `cea --help` does.
-app = typer.Typer(
-    cls=_LightGroup,
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-)
+app = typer.Typer(cls=_LightGroup, no_args_is_help=True, pretty_exceptions_enable=False, **PLAIN)
 
 
 def _tell_version(wanted: bool) -> None:
@@ -123,8 +117,6 @@ def main() -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(
-                errors="replace"
-            )  # marks and signs end no run where none can be shown
+            stream.reconfigure(errors="replace")  # signs that none can show end no run
     with one_voice(launched_together()):
         app(standalone_mode=True)

@@ -1,24 +1,176 @@
 """The command line ``cea exact``: reference eigenvalues for any parameters."""
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
 
 import typer
+from typer.core import TyperGroup
 
 from cea.errors import InputError
-from cea.files import check_writable
-from comparisons.cli.options import need
+from comparisons.cli.options import PLAIN, command_with, need
 
 if TYPE_CHECKING:
     from exact_cea.entries import Entry
     from exact_cea.material import Material
 
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-)
+_HELP = {
+    "m": "Circumferential order; may be repeated.",
+    "p": "Contact stiffness per area, or inf.",
+    "mu": "Friction coefficient; of blocks constant, in the place of mu0.",
+    "mu0": "Friction mu0 sin(pi x / length) [0.3].",
+    "thresholds": "Instead: exceptional points up to mu0.",
+    "kz": "Wave number in z, e.g. pi/2; none: plane strain.",
+    **{"E": "Young's modulus", "nu": "Poisson's ratio", "rho": "Density", "height": "Thickness"},
+    **{"inner": "Inner radius.", "interface": "Radius of the interface.", "outer": "Outer radius."},
+    "length": "Distance of the roller walls.",
+    **{"k11": "Stiffness.", "k12": "Coupling.", "k22": "Stiffness.", "k3": "That of the contact."},
+    **{f"k{i}": f"Stiffness of contact {i}." for i in (1, 2)},
+    **{f"c{i}": f"Damping of contact {i}." for i in (1, 2)},
+    "rotation": "Speed of the frame.",
+    "max_frequency": "List all eigenvalues with Im up to this, Re to half.",
+    "count": "Or: list so many, lowest first.",
+    "json": "File for the entries.",
+}
+"""Help of options; of those that end in _a and _b it is that of the name before, of each body."""
+_TYPES: Mapping[str, Any] = {
+    **{"m": list[int], "thresholds": bool, "count": int | None, "json": Path | None},
+    **{"max_frequency": float | None, "mu0": str | None, "kz": str | None},
+}
+"""Types of options that are no text; numbers are texts, which keep all their digits."""
+
+_ELASTIC = {"E_a": "0.1", "nu_a": "0.25", "rho_a": "0.35", "E_b": "1", "nu_b": "0.3", "rho_b": "1"}
+_BRAKE = {"E_a": "1e10", "nu_a": "0.25", "rho_a": "2500"} | {
+    **{"E_b": "2.1e11", "nu_b": "0.3", "rho_b": "7800"}
+}
+_LIST = {"max_frequency": None, "count": None, "json": None}
+
+
+def _drum(o: Any) -> "list[Entry]":
+    """Annulus a around annulus b, clamped outside and inside, in plane strain or 3D (--kz)."""
+    from exact_cea import entries
+    from exact_cea.drum import Drum
+
+    radii = o.inner, o.interface, o.outer
+    problems = [Drum.of(m, o.p, o.mu, o.kz, *_materials(o), *radii) for m in o.m]
+    return [entries.drum(problem, *_window(o, 14)) for problem in problems]
+
+
+def _blocks(o: Any) -> "list[Entry]":
+    """Layer a on layer b between roller walls, with sinusoidal or constant friction."""
+    from exact_cea import entries
+    from exact_cea.blocks import Blocks
+
+    if o.mu is not None and (o.mu0 is not None or o.thresholds):
+        raise InputError("mu", o.mu, "not together with mu0 or thresholds")
+    default = "1" if o.thresholds else "0.3"
+    friction = next(each for each in (o.mu, o.mu0, default) if each is not None)
+    problem = Blocks.of(o.p, friction, o.kz, *_materials(o), o.height_a, o.height_b, o.length)
+    if o.thresholds:
+        if o.max_frequency is None or o.count is not None:
+            allowed = "given, without count, for thresholds"
+            raise InputError("max_frequency", o.max_frequency, allowed)
+        return entries.thresholds(problem, float(problem.mu0), o.max_frequency)
+    make = entries.blocks_sine if o.mu is None else entries.blocks_constant
+    return [make(problem, *_window(o, 11))]
+
+
+def _ring(o: Any) -> "list[Entry]":
+    """Ring pad a on disc b with rolling rims, by a Galerkin method of high degree."""
+    from exact_cea import entries
+    from exact_cea.galerkin_problems import Ring
+
+    sizes = o.inner, o.outer, o.height_a, o.height_b
+    problems = [Ring.of(m, o.p, o.mu, *_materials(o), *sizes) for m in o.m]
+    return [entries.ring(problem, *_window(o, 20)) for problem in problems]
+
+
+def _hoffmann(o: Any) -> "list[Entry]":
+    """A system of two degrees of freedom, the model of Hoffmann."""
+    from exact_cea import entries, lumped
+
+    stiffness = o.k11, o.k12, o.k22, o.k3
+    info = {"mu_c": str(float(lumped.hoffmann_threshold(*stiffness)))}
+    return [entries.lumped_system(lumped.hoffmann(o.mu, *stiffness), info)]
+
+
+def _hulten(o: Any) -> "list[Entry]":
+    """A system of two degrees of freedom, the model of Hulten."""
+    from exact_cea import entries, lumped
+
+    contacts, info = (o.k1, o.k2, o.c1, o.c2), {}
+    if not lumped.rationals(rotation=o.rotation)[0]:
+        found = zip(("mu_c", "omega_c2"), lumped.hulten_threshold(*contacts), strict=True)
+        info = {name: value.str(22, radius=False) for name, value in found}
+    return [entries.lumped_system(lumped.hulten(o.mu, *contacts, o.rotation), info)]
+
+
+_PROBLEMS: dict[str, tuple[Callable[[Any], "list[Entry]"], dict[str, Any]]] = {
+    "drum": (
+        _drum,
+        {"m": ..., "p": "1", "mu": "0.3", "kz": None}
+        | _ELASTIC
+        | {"inner": "0.5", "interface": "1", "outer": "1.5"}
+        | _LIST,
+    ),
+    "blocks": (
+        _blocks,
+        {"p": "1", "mu0": None, "mu": None, "thresholds": False, "kz": None}
+        | _ELASTIC
+        | {"height_a": "0.5", "height_b": "1", "length": "2"}
+        | _LIST,
+    ),
+    "ring": (
+        _ring,
+        {"m": ..., "p": "1e12", "mu": "0.3"}
+        | _BRAKE
+        | {"inner": "0.08", "outer": "0.16", "height_a": "0.01", "height_b": "0.02"}
+        | _LIST,
+    ),
+    "hoffmann": (
+        _hoffmann,
+        {"mu": "0.3", "k11": "2.5", "k12": "0.5", "k22": "2", "k3": "4/3", "json": None},
+    ),
+    "hulten": (
+        _hulten,
+        {"mu": "0.3", "k1": "1", "k2": "1.44", "c1": "0", "c2": "0", "rotation": "0", "json": None},
+    ),
+}
+"""What makes the entries of each problem, and its options with their defaults."""
+
+
+class _Problems(TyperGroup):
+    """A command for each problem."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of the problems."""
+        return list(_PROBLEMS)
+
+    def get_command(self, ctx: Any, name: str) -> Any:
+        """Command of a problem."""
+        if name not in _PROBLEMS:
+            return None
+        make, defaults = _PROBLEMS[name]
+
+        def call(**given: Any) -> None:
+            from cea.files import check_writable
+
+            if given["json"] is not None:
+                check_writable(given["json"], "json")
+            _deliver(make(SimpleNamespace(**given)), given["json"])
+
+        call.__doc__ = make.__doc__
+        options = {}
+        for option, default in defaults.items():
+            quantity, _, body = option.rpartition("_")
+            text = f"{_HELP[quantity]} of body {body}." if body in ("a", "b") else _HELP[option]
+            kind = str | None if default is None else str
+            options[option] = (_TYPES.get(option, kind), default, text)
+        return command_with(call, options, name)
+
+
+app = typer.Typer(cls=_Problems, no_args_is_help=True, **PLAIN)
 
 
 @app.callback()
@@ -27,194 +179,16 @@ def exact() -> None:
     need("exact")
 
 
-_P = Annotated[str, typer.Option("--p", help="Contact stiffness per area, or inf.")]
-_Mu = Annotated[str, typer.Option("--mu", help="Friction coefficient.")]
-_M = Annotated[list[int], typer.Option("--m", help="Circumferential order; may be repeated.")]
-_Kz = Annotated[
-    str | None, typer.Option("--kz", help="Wave number in z, e.g. pi/2; none: plane strain.")
-]
-_EA = Annotated[str, typer.Option("--E-a", help="Young's modulus of body a.")]
-_NuA = Annotated[str, typer.Option("--nu-a", help="Poisson's ratio of body a.")]
-_RhoA = Annotated[str, typer.Option("--rho-a", help="Density of body a.")]
-_EB = Annotated[str, typer.Option("--E-b", help="Young's modulus of body b.")]
-_NuB = Annotated[str, typer.Option("--nu-b", help="Poisson's ratio of body b.")]
-_RhoB = Annotated[str, typer.Option("--rho-b", help="Density of body b.")]
-_Inner = Annotated[str, typer.Option("--inner", help="Inner radius.")]
-_Interface = Annotated[str, typer.Option("--interface", help="Radius of the interface.")]
-_Outer = Annotated[str, typer.Option("--outer", help="Outer radius.")]
-_HeightA = Annotated[str, typer.Option("--height-a", help="Thickness of body a.")]
-_HeightB = Annotated[str, typer.Option("--height-b", help="Thickness of body b.")]
-_Max = Annotated[
-    float | None,
-    typer.Option("--max-frequency", help="List all eigenvalues with Im up to this, Re to half."),
-]
-_Count = Annotated[int | None, typer.Option("--count", help="Or: list so many, lowest first.")]
-
-
-def _writable(file: Path | None) -> Path | None:
-    """Refuse a file that cannot be written before work begins."""
-    if file is not None:
-        check_writable(file, "json")
-    return file
-
-
-_Json = Annotated[
-    Path | None, typer.Option("--json", callback=_writable, help="File for the entries.")
-]
-
-
-@app.command()
-def drum(
-    m: _M,
-    p: _P = "1",
-    mu: _Mu = "0.3",
-    kz: _Kz = None,
-    E_a: _EA = "0.1",
-    nu_a: _NuA = "0.25",
-    rho_a: _RhoA = "0.35",
-    E_b: _EB = "1",
-    nu_b: _NuB = "0.3",
-    rho_b: _RhoB = "1",
-    inner: _Inner = "0.5",
-    interface: _Interface = "1",
-    outer: _Outer = "1.5",
-    max_frequency: _Max = None,
-    count: _Count = None,
-    json: _Json = None,
-) -> None:
-    """Annulus a around annulus b, clamped outside and inside, in plane strain or 3D (--kz)."""
-    from exact_cea import entries
-    from exact_cea.drum import Drum
-
-    a, b = _materials(E_a, nu_a, rho_a, E_b, nu_b, rho_b)
-    window = _window(max_frequency, count, 14)
-    problems = [Drum.of(order, p, mu, kz, a, b, inner, interface, outer) for order in m]
-    _deliver([entries.drum(problem, *window) for problem in problems], json)
-
-
-@app.command()
-def blocks(
-    p: _P = "1",
-    mu0: Annotated[
-        str | None, typer.Option("--mu0", help="Friction mu0 sin(pi x / length) [0.3].")
-    ] = None,
-    mu: Annotated[str | None, typer.Option("--mu", help="Or: constant friction.")] = None,
-    thresholds: Annotated[
-        bool, typer.Option("--thresholds", help="Instead: exceptional points up to mu0.")
-    ] = False,
-    kz: _Kz = None,
-    E_a: _EA = "0.1",
-    nu_a: _NuA = "0.25",
-    rho_a: _RhoA = "0.35",
-    E_b: _EB = "1",
-    nu_b: _NuB = "0.3",
-    rho_b: _RhoB = "1",
-    height_a: _HeightA = "0.5",
-    height_b: _HeightB = "1",
-    length: Annotated[str, typer.Option("--length", help="Distance of the roller walls.")] = "2",
-    max_frequency: _Max = None,
-    count: _Count = None,
-    json: _Json = None,
-) -> None:
-    """Layer a on layer b between roller walls, with sinusoidal or constant friction."""
-    from exact_cea import entries
-    from exact_cea.blocks import Blocks
-
-    if mu is not None and (mu0 is not None or thresholds):
-        raise InputError("mu", mu, "not together with mu0 or thresholds")
-    a, b = _materials(E_a, nu_a, rho_a, E_b, nu_b, rho_b)
-    default = "1" if thresholds else "0.3"
-    friction = next(value for value in (mu, mu0, default) if value is not None)
-    problem = Blocks.of(p, friction, kz, a, b, height_a, height_b, length)
-    if thresholds:
-        if max_frequency is None or count is not None:
-            raise InputError("max_frequency", max_frequency, "given, without count, for thresholds")
-        _deliver(entries.thresholds(problem, float(problem.mu0), max_frequency), json)
-        return
-    window = _window(max_frequency, count, 11)
-    make = entries.blocks_sine if mu is None else entries.blocks_constant
-    _deliver([make(problem, *window)], json)
-
-
-@app.command()
-def ring(
-    m: _M,
-    p: _P = "1e12",
-    mu: _Mu = "0.3",
-    E_a: _EA = "1e10",
-    nu_a: _NuA = "0.25",
-    rho_a: _RhoA = "2500",
-    E_b: _EB = "2.1e11",
-    nu_b: _NuB = "0.3",
-    rho_b: _RhoB = "7800",
-    inner: _Inner = "0.08",
-    outer: _Outer = "0.16",
-    height_a: _HeightA = "0.01",
-    height_b: _HeightB = "0.02",
-    max_frequency: _Max = None,
-    count: _Count = None,
-    json: _Json = None,
-) -> None:
-    """Ring pad a on disc b with rolling rims, by a Galerkin method of high degree."""
-    from exact_cea import entries
-    from exact_cea.galerkin_problems import Ring
-
-    a, b = _materials(E_a, nu_a, rho_a, E_b, nu_b, rho_b)
-    window = _window(max_frequency, count, 20)
-    problems = [Ring.of(order, p, mu, a, b, inner, outer, height_a, height_b) for order in m]
-    _deliver([entries.ring(problem, *window) for problem in problems], json)
-
-
-@app.command(name="lumped")
-def lumped_(
-    model: Annotated[str, typer.Argument(help="hoffmann or hulten.")],
-    mu: _Mu = "0.3",
-    k11: Annotated[str, typer.Option("--k11", help="hoffmann: stiffness.")] = "2.5",
-    k12: Annotated[str, typer.Option("--k12", help="hoffmann: coupling.")] = "0.5",
-    k22: Annotated[str, typer.Option("--k22", help="hoffmann: stiffness.")] = "2",
-    k3: Annotated[str, typer.Option("--k3", help="hoffmann: of the contact.")] = "4/3",
-    k1: Annotated[str, typer.Option("--k1", help="hulten: stiffness of contact 1.")] = "1",
-    k2: Annotated[str, typer.Option("--k2", help="hulten: stiffness of contact 2.")] = "1.44",
-    c1: Annotated[str, typer.Option("--c1", help="hulten: damping of contact 1.")] = "0",
-    c2: Annotated[str, typer.Option("--c2", help="hulten: damping of contact 2.")] = "0",
-    rotation: Annotated[str, typer.Option("--rotation", help="hulten: speed of the frame.")] = "0",
-    json: _Json = None,
-) -> None:
-    """Systems of two degrees of freedom: the models of Hoffmann and of Hulten."""
-    from exact_cea import entries, lumped
-
-    if model == "hoffmann":
-        stiffness = k11, k12, k22, k3
-        info = {"mu_c": str(float(lumped.hoffmann_threshold(*stiffness)))}
-        system = lumped.hoffmann(mu, *stiffness)
-    elif model == "hulten":
-        system = lumped.hulten(mu, k1, k2, c1, c2, rotation)
-        info = {}
-        if not lumped.rationals(rotation=rotation)[0]:
-            mu_c, omega2 = lumped.hulten_threshold(k1, k2, c1, c2)
-            info = {
-                "mu_c": mu_c.str(22, radius=False),
-                "omega_c2": omega2.str(22, radius=False),
-            }
-    else:
-        raise InputError("model", model, "hoffmann or hulten")
-    _deliver([entries.lumped_system(system, info)], json)
-
-
-def _materials(
-    E_a: str, nu_a: str, rho_a: str, E_b: str, nu_b: str, rho_b: str
-) -> "tuple[Material, Material]":
+def _materials(o: Any) -> "tuple[Material, Material]":
     from exact_cea.material import Material
 
-    return Material.of(E_a, nu_a, rho_a, "a"), Material.of(E_b, nu_b, rho_b, "b")
+    a, b = (o.E_a, o.nu_a, o.rho_a), (o.E_b, o.nu_b, o.rho_b)
+    return Material.of(*a, "a"), Material.of(*b, "b")
 
 
-def _window(
-    max_frequency: float | None, count: int | None, default: int
-) -> tuple[float | None, int | None]:
-    if max_frequency is None and count is None:
-        return None, default
-    return max_frequency, count
+def _window(o: Any, default: int) -> tuple[float | None, int | None]:
+    count = default if o.max_frequency is None and o.count is None else o.count
+    return o.max_frequency, count
 
 
 _NOT_IN_LINE = {

@@ -1,13 +1,34 @@
-"""What several commands do with their options: the backend, extras, ``--redraw``."""
+"""Options that several commands share, and what commands do with them."""
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+import typer
+from typer.main import get_command
 
 from cea.errors import InputError
 
 Backend = Literal["fe", "iga"]
+
+SceneName = Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")]
+Settings = Annotated[
+    list[str] | None, typer.Option("--set", help="Override, e.g. contacts.pad_disc.mu=0.3")
+]
+OnBackend = Annotated[Backend | None, typer.Option(help="Backend for every body.")]
+Data = Annotated[
+    str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
+]
+Out = Annotated[Path, typer.Option(help="Folder of the result.")]
+Redraw = Annotated[
+    bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
+]
+Anew = Annotated[bool, typer.Option("--anew", help="Run every case, also those that are stored.")]
+
+PLAIN: Mapping[str, Any] = {"add_completion": False, "rich_markup_mode": None}
+"""Options of every group: help in colours takes as long as all else that `cea --help` does."""
 
 _MODULES = {
     "pictures": ("matplotlib", "PIL", "plotly", "pyvista"),
@@ -36,6 +57,24 @@ def need(*extras: str) -> None:
                 f"{', '.join(missing)} is not installed: "
                 f"python -m pip install 'friction-cea[{extra}]'"
             )
+
+
+def command_with(
+    call: Callable[..., None], options: Mapping[str, tuple[Any, Any, str]], name: str | None = None
+) -> Any:
+    """A command with an option for each name: its type, default and help."""
+    one, parameters = typer.Typer(**PLAIN), []
+    for option, (kind, default, text) in options.items():
+        given = typer.Option(default, f"--{option.replace('_', '-')}", help=text)
+        parameters.append(
+            inspect.Parameter(
+                option, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=given
+            )
+        )
+    call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
+    call.__annotations__ = {option: kind for option, (kind, _, _) in options.items()}
+    one.command(name)(call)
+    return get_command(one)
 
 
 def refuse(given: Mapping[str, Any], why: str) -> None:

@@ -1,6 +1,7 @@
 """What commands print: progress, tables, results."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,8 @@ from rich.text import Text
 from cea.errors import printable
 
 if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
     from comparisons.study.sections import Table as FrameTable
     from scenes import Result
 
@@ -32,6 +35,43 @@ Column = tuple[str, Sequence[str], bool]
 """Heading, texts, and whether they are numbers, which are never wrapped."""
 
 
+class Working:
+    """Work that goes on, a line of what is shown."""
+
+    def __init__(self, shown: "Progress", task: "TaskID") -> None:
+        self._shown, self._task, self._step = shown, task, ""
+
+    def stage(self, name: str) -> None:
+        """Name what is being done within a step."""
+        words = f"{self._step}: {name}" if self._step else name
+        self._shown.update(self._task, description=words)
+
+    def step(self, name: str) -> None:
+        """Begin a step; the one before it, if any, is done."""
+        if self._step:
+            self._shown.advance(self._task)
+        self._step = name
+        self._shown.update(self._task, description=name)
+
+
+@contextmanager
+def working(title: str, *, steps: int | None = None, to: Console = console) -> Iterator[Working]:
+    """Show how far a block of work is: time gone and, where its steps are known, time left.
+
+    It is shown on a terminal alone.
+    """
+    from rich import progress
+
+    columns = [progress.SpinnerColumn(), progress.TextColumn("{task.description}", markup=False)]
+    if steps is not None:
+        columns += [progress.BarColumn(), progress.MofNCompleteColumn()]
+        columns.append(progress.TimeRemainingColumn())
+    columns.append(progress.TimeElapsedColumn())
+    hidden = not to.is_terminal
+    with progress.Progress(*columns, console=to, transient=True, disable=hidden) as shown:
+        yield Working(shown, shown.add_task(title, total=steps))
+
+
 def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None:
     """Print a table of a study, whose frame is made of a result."""
     from comparisons.study.page import table_cells
@@ -44,7 +84,7 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
         for i, head in enumerate(made["heads"])
     ]
     if cells:
-        _print(_table(columns, table.caption), to)
+        _print(to, columns, f"{table.name}.csv", title=table.caption)
 
 
 def print_result(result: "Result", to: Console = console) -> None:
@@ -103,17 +143,29 @@ def _print_modes(result: "Result", to: Console) -> None:
         columns += [
             (TITLES[name], [line[name] for line in texts], name != "verdict") for name in names
         ]
-        styles = [_COLOURS.get(row["verdict"], "") for row in rows]
-        count = len(columns)
-        while to.is_terminal and count > _NEEDED and not _fits(_table(columns[:count]), to):
-            count -= 1
-        _print(_table(columns[:count], styles=styles), to)
-        if left_out := [heading for heading, _, _ in columns[count:]]:
-            say(to, f"no room for: {', '.join(left_out)} (in result.json)")
+        _print(to, columns, "result.json", [_COLOURS.get(row["verdict"], "") for row in rows])
         say(to, SIGNS)
         for line in result.steady_lines():
             say(to, line)
     say(to, f"window: {result.modes.window.evidence}")
+
+
+def _print(
+    to: Console, columns: Sequence[Column], file: str, styles: Sequence[str] = (), title: str = ""
+) -> None:
+    """Print a table; on a terminal its last columns are left out where it has no room for them.
+
+    Text is wrapped at words; a terminal wraps what numbers make too wide all the same.
+    """
+    count = len(columns)
+    while to.is_terminal and count > _NEEDED and _least(_table(columns[:count])) > to.width:
+        count -= 1
+    table = _table(columns[:count], title, styles)
+    width = max(to.width, _least(table)) if to.is_terminal else _ROOM
+    room = Console(width=width, file=to.file, force_terminal=to.is_terminal, highlight=False)
+    room.print(table, crop=False)
+    if left_out := [heading for heading, _, _ in columns[count:]]:
+        say(to, f"no room for: {', '.join(left_out)} (in {file})")
 
 
 def _table(columns: Sequence[Column], title: str = "", styles: Sequence[str] = ()) -> Table:
@@ -137,14 +189,3 @@ def _least(table: Table) -> int:
     """Width below which a number would be cut."""
     room = Console(width=_ROOM)
     return Measurement.get(room, room.options, table).minimum
-
-
-def _fits(table: Table, to: Console) -> bool:
-    return _least(table) <= to.width
-
-
-def _print(table: Table, to: Console) -> None:
-    """Print a table as wide as it is: a terminal wraps what numbers make too wide."""
-    width = max(to.width, _least(table)) if to.is_terminal else _ROOM
-    room = Console(width=width, file=to.file, force_terminal=to.is_terminal, highlight=False)
-    room.print(table, crop=False)

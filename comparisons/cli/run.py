@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from comparisons.cli.options import Backend, need, refuse
+from comparisons.cli.options import Data, OnBackend, Out, SceneName, Settings, need, refuse
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from comparisons.cli.progress import Working
+    from comparisons.cli.output import Working
     from scenes import Result
     from scenes.spec.matrices import MatrixScene
     from scenes.spec.reading import Scene
@@ -24,14 +24,10 @@ _Report = Annotated[
 
 
 def run(
-    scene: Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")],
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", help="Override, e.g. contacts.pad_disc.mu=0.3")
-    ] = None,
-    backend: Annotated[Backend | None, typer.Option(help="Backend for every body.")] = None,
-    data: Annotated[
-        str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
-    ] = None,
+    scene: SceneName,
+    set_: Settings = None,
+    backend: OnBackend = None,
+    data: Data = None,
     out: Annotated[
         Path | None,
         typer.Option(help="Folder for result.json and all else; results/NAME by default."),
@@ -40,7 +36,7 @@ def run(
     report: _Report = False,
 ) -> None:
     """Run one scene and write its result.json."""
-    from comparisons.cli.progress import working
+    from comparisons.cli.output import working
     from scenes.spec.body import file_name
     from scenes.spec.files import is_of_matrices
 
@@ -81,7 +77,7 @@ def solve(
         float | None,
         typer.Option(help="Growth rate (1/s), zero or less, down to which damped modes count."),
     ] = None,
-    out: Annotated[Path, typer.Option(help="Folder for result.json.")] = Path("results/solve"),
+    out: Out = Path("results/solve"),
     overwrite: _Overwrite = False,
     report: _Report = False,
 ) -> None:
@@ -89,12 +85,8 @@ def solve(
     from scenes.spec.matrices import read_matrix_scene
 
     files = {"M": mass, "K": stiffness} | ({"C": damping} if damping is not None else {})
-    analysis = {
-        "kind": "cea",
-        "max_frequency": max_frequency,
-        "growth_threshold": growth_threshold,
-        "min_growth": min_growth,
-    }
+    limits = {"growth_threshold": growth_threshold, "min_growth": min_growth}
+    analysis = {"kind": "cea", "max_frequency": max_frequency, **limits}
     scene = read_matrix_scene(
         {
             "name": "solve",
@@ -121,8 +113,7 @@ def _run(
     report: bool,
 ) -> None:
     """Run a scene, print its result, then put it in the place of an earlier one."""
-    from comparisons.cli.output import console, print_result, say
-    from comparisons.cli.progress import working
+    from comparisons.cli.output import console, print_result, say, working
     from scenes.results.folder import RESULT, check_run_out, new_folder
     from scenes.results.record import save_result
     from scenes.running.analysis import run_scene
@@ -146,28 +137,26 @@ def _run(
         say(console, f"not of this program, and kept: {', '.join(new.kept)}")
     typer.echo(f"{result.dofs} dofs, {result.timer.total:.2f} s; {out / RESULT}")
     if page:
-        typer.echo(f"The report to open: {page}")
+        typer.echo(f"The page to open: {page}")
 
 
 def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str]]:
     """Write the pictures and files for ParaView that a scene asks for; their names."""
-    files: dict[str, list[str]] = {}
+    files: dict[str, list[Path]] = {}
     output = result.scene.output
     if output.pictures:
         from comparisons.contact_pictures import draw_contacts
 
         work.stage("pictures")
-        pictures = draw_contacts(result, folder)
+        files["pictures"] = draw_contacts(result, folder)
         if result.spectrum is not None:
             from scenes.export.pictures import write_modes
 
-            pictures += write_modes(result, output.pictures, folder)
-        files["pictures"] = [file.name for file in pictures]
+            files["pictures"] += write_modes(result, output.pictures, folder)
     if output.paraview:
         from scenes.export.paraview import write_load_steps, write_paraview
 
         work.stage("files for ParaView")
-        collections = write_paraview(result, output.paraview, folder)
-        collections += write_load_steps(result, folder)
-        files["paraview"] = [file.name for file in collections]
-    return files
+        files["paraview"] = write_paraview(result, output.paraview, folder)
+        files["paraview"] += write_load_steps(result, folder)
+    return {kind: [file.name for file in some] for kind, some in files.items()}

@@ -5,20 +5,11 @@ from typing import Annotated, Literal
 
 import typer
 
-from comparisons.cli.options import Backend, need
+from comparisons.cli.options import PLAIN, Data, OnBackend, Out, SceneName, Settings, need
 
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    rich_markup_mode=None,
-)
+app = typer.Typer(no_args_is_help=True, **PLAIN)
 
-_Scene = Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")]
-_Set = Annotated[
-    list[str] | None, typer.Option("--set", help="Override, e.g. loads[0].pressure=1e5")
-]
-_Out = Annotated[Path | None, typer.Option(help="File to write instead.")]
+_File = Annotated[Path | None, typer.Option(help="File to write instead.")]
 
 
 @app.callback()
@@ -28,16 +19,14 @@ def scene() -> None:
 
 @app.command()
 def check(
-    scene: _Scene,
-    set_: _Set = None,
-    backend: Annotated[Backend | None, typer.Option(help="Backend for every body.")] = None,
-    data: Annotated[
-        str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
-    ] = None,
+    scene: SceneName,
+    set_: Settings = None,
+    backend: OnBackend = None,
+    data: Data = None,
     picture: Annotated[
         bool, typer.Option("--picture/--no-picture", help="Draw bodies, supports, contact points.")
     ] = True,
-    out: Annotated[Path, typer.Option(help="Folder of the picture.")] = Path("results/check"),
+    out: Out = Path("results/check"),
 ) -> None:
     """Tell every fault of a scene, else what it would take; nothing is solved."""
     from scenes.spec.files import is_of_matrices
@@ -56,10 +45,12 @@ def check(
     typer.echo("no faults")
 
 
-def _check_bodies(scene: str, set_: list[str], backend: Backend | None, file: Path | None) -> None:
+def _check_bodies(
+    scene: str, set_: list[str], backend: Literal["fe", "iga"] | None, file: Path | None
+) -> None:
     """Look at a scene of bodies; faults end the command with their lines."""
     from cea.files import check_writable
-    from comparisons.cli.output import console, print_skipped, print_warnings
+    from comparisons.cli.output import print_skipped, print_warnings, working
     from scenes.checking.check import inspect_scene, told
     from scenes.spec.problems import SceneError
     from scenes.spec.reading import load_scene
@@ -67,7 +58,7 @@ def _check_bodies(scene: str, set_: list[str], backend: Backend | None, file: Pa
     if file is not None:
         need("pictures")
         check_writable(file, "out")
-    with console.status("bodies and contact points"):
+    with working("bodies and contact points"):
         inspection = inspect_scene(load_scene(scene, set_, backend))
     for line in told(inspection):
         typer.echo(line)
@@ -112,30 +103,30 @@ def _first(description: str) -> str:
 
 @app.command()
 def export(
-    scene: _Scene,
+    scene: SceneName,
     to: Annotated[
         Literal["inp"], typer.Option(help="Form: inp, decks of CalculiX and Abaqus.")
     ] = "inp",
-    set_: _Set = None,
+    set_: Settings = None,
     backend: Annotated[
         Literal["fe"] | None, typer.Option(help="Backend for every body; decks need fe.")
     ] = None,
     modes: Annotated[int, typer.Option(help="Modes that the decks ask for.")] = 20,
-    out: Annotated[Path, typer.Option(help="Folder of the decks.")] = Path("results/export"),
+    out: Out = Path("results/export"),
 ) -> None:
     """Write a scene of Lagrange elements as input decks of CalculiX and Abaqus."""
-    from comparisons.cli.output import console
+    from comparisons.cli.output import working
     from scenes.export.decks.write import write_deck
     from scenes.spec.reading import load_scene
 
-    with console.status("export"):
+    with working("export"):
         files = write_deck(load_scene(scene, set_ or [], backend), out, modes)
     for file in files:
         typer.echo(f"{file}")
 
 
 @app.command()
-def reference(out: _Out = None) -> None:
+def reference(out: _File = None) -> None:
     """Every field of a scene, its type, default and meaning, as Markdown."""
     from scenes.spec.schema import reference_text
 
@@ -147,7 +138,7 @@ def schema(
     matrices: Annotated[
         bool, typer.Option("--matrices", help="That of scenes of matrices.")
     ] = False,
-    out: _Out = None,
+    out: _File = None,
 ) -> None:
     """JSON Schema of scenes, with which editors complete and check them."""
     from scenes.spec.schema import schema_text

@@ -1,25 +1,28 @@
-"""``cea study NAME`` and ``cea bench NAME``, whose options are the fields of a dataclass."""
+"""Studies, benchmarks and figures of the paper: ``cea study, bench, figure, claims``.
+
+Options of a study are the fields of a dataclass.
+"""
 
 import inspect
 import re
-from dataclasses import fields
+from dataclasses import fields, replace
 from importlib import import_module
 from pathlib import Path
 from types import UnionType
-from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
 from typer.core import TyperGroup
-from typer.main import get_command
 
 from cea.errors import InputError
+from comparisons.cli.options import PLAIN, Anew, Out, command_with, need
 
 if TYPE_CHECKING:
     from comparisons.study.result import StudyResult
     from comparisons.study.study import Study
 
 STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
-    "agreement": ("agreement:STUDY", "Both backends on the same scenes, every formulation.", ()),
+    "agreement": ("agreement:STUDY", "Both backends on disc and pad, in every pairing.", ()),
     "accuracy": ("accuracy.study:STUDY", "Error of every method against run time.", ("exact",)),
     "formulations": (
         *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
@@ -30,13 +33,11 @@ STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
         ("exact",),
     ),
     "brake": ("brake.study:STUDY", "A ventilated brake on several meshes.", ()),
-    "reference": ("reference.study:STUDY", "Converged modes of disc and pad, as stored.", ()),
     "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),
 }
 """Place of each study below comparisons, its help, and the extras that it needs beside pictures."""
 BENCHMARKS: dict[str, tuple[str, str, tuple[str, ...]]] = {
-    "assembly": ("bench.assembly:STUDY", "Stiffness and mass, beside dolfinx and others.", ()),
-    "contact": ("bench.contact:STUDY", "Search and assembly of up to a million points.", ()),
+    "assembly": ("bench.assembly:STUDY", "Stiffness and mass, beside dolfinx.", ()),
     "solve": ("bench.solve:STUDY", "Modes of disc_pad, beside SLEPc, scipy, projection.", ()),
     "scaling": ("bench.scaling:STUDY", "More ranks, finer meshes, higher degrees.", ()),
     "matrices": ("bench.matrices:STUDY", "Matrices from files, beside scipy.", ()),
@@ -69,8 +70,6 @@ class Studies(TyperGroup):
 
     def get_command(self, ctx: Any, name: str) -> Any:
         """Command of a study."""
-        from comparisons.cli.options import need
-
         if name not in self.table:
             return None
         place, _, extras = self.table[name]
@@ -106,20 +105,7 @@ def command_of(place: str) -> Any:
         run_study(study, {name: v for name, v in given.items() if v not in (None, [])}, **common)
 
     call.__doc__ = f"{study.title}."
-    parameters = [
-        inspect.Parameter(
-            name,
-            inspect.Parameter.KEYWORD_ONLY,
-            annotation=kind,
-            default=typer.Option(default, f"--{name.replace('_', '-')}", help=text),
-        )
-        for name, (kind, default, text) in shown.items()
-    ]
-    call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
-    call.__annotations__ = {name: kind for name, (kind, _, _) in shown.items()}
-    one = typer.Typer(rich_markup_mode=None, add_completion=False)
-    one.command()(call)
-    return get_command(one)
+    return command_with(call, shown)
 
 
 def _option(hint: Any) -> tuple[Any, Any]:
@@ -170,13 +156,12 @@ def run_study(
         check_out(out)
         result = _run(study, given, out, quick, _labels(only or []), anew)
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
-        if MPI.COMM_WORLD.rank == 0:
-            report = write_study(study, result, new.part)
-    if MPI.COMM_WORLD.rank:
+        page = write_study(study, result, new.part) if MPI.COMM_WORLD.rank == 0 else None
+    if page is None:
         return
     finished(out)
     _print(study, result)
-    typer.echo(f"The report to open: {new.final(report)}")
+    typer.echo(f"The page to open: {new.final(page)}")
     fault = study.check(result) if study.check else ""
     if fault:
         typer.echo(fault, err=True)
@@ -186,7 +171,7 @@ def run_study(
 def _run(
     study: "Study", given: dict[str, Any], out: Path, quick: bool, only: dict[str, str], anew: bool
 ) -> "StudyResult":
-    from comparisons.cli.progress import working
+    from comparisons.cli.output import working
     from comparisons.study.progress import Progress
     from comparisons.study.run import run, selected
 
@@ -222,7 +207,7 @@ def _labels(only: list[str]) -> dict[str, str]:
     return dict(each.split("=", 1) for each in only)
 
 
-app = typer.Typer(cls=Studies, no_args_is_help=True, rich_markup_mode=None, add_completion=False)
+app = typer.Typer(cls=Studies, no_args_is_help=True, **PLAIN)
 
 
 @app.callback()
@@ -230,11 +215,36 @@ def study() -> None:
     """Run a study: cases, their tables and plots on one page."""
 
 
-bench = typer.Typer(
-    cls=Benchmarks, no_args_is_help=True, rich_markup_mode=None, add_completion=False
-)
+bench = typer.Typer(cls=Benchmarks, no_args_is_help=True, **PLAIN)
 
 
 @bench.callback()
 def _bench() -> None:
     """Time and memory beside other programs and methods, on this machine."""
+
+
+_PAPER = "comparisons.paper.study:STUDY"
+
+
+def figure(
+    names: Annotated[
+        list[str], typer.Argument(help="Numbers of figures, studies by name, or all.")
+    ],
+    only: Annotated[
+        list[str] | None,
+        typer.Option(help="mesh=NURBS: what to compute; what is stored is shown too."),
+    ] = None,
+    anew: Anew = False,
+    out: Out = Path("results/figures"),
+) -> None:
+    """Make figures of the paper on every kind of mesh: data, pictures, its numbers beside ours."""
+    need("pictures")
+    given = {"figures": () if names == ["all"] else tuple(names)}
+    run_study(study_at(_PAPER), given, out=out, only=only, anew=anew)
+
+
+def claims(anew: Anew = False, out: Out = Path("results/claims")) -> None:
+    """Judge the paper's claims by the numbers of all figures; what is not stored is computed."""
+    need("pictures")
+    paper = study_at(_PAPER)
+    run_study(replace(paper, sections=paper.sections[:1]), {}, out=out, anew=anew)

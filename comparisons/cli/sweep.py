@@ -1,12 +1,18 @@
-"""The commands ``cea sweep`` and ``cea threshold``: one scene along its fields."""
+"""The commands ``cea sweep``, ``threshold``, ``converge``: a scene along fields, or on meshes."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from time import perf_counter
+from typing import Annotated, Any, Literal
 
 import typer
 
 from comparisons.cli.options import (
-    Backend,
+    Data,
+    OnBackend,
+    Out,
+    Redraw,
+    SceneName,
+    Settings,
     deliver,
     need,
     refuse,
@@ -16,22 +22,15 @@ from comparisons.cli.options import (
 )
 
 IN_PART = 3
-"""Exit code of a command that answered in part."""
+"""Exit code of a command that answered in part, or did not reach the digits asked for."""
 _CONFIRM = 3
 """Thresholds of a map that are confirmed where no number is given."""
 _EVERY = 10_000
 """More thresholds than a map has."""
 
-_Scene = Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")]
-_Set = Annotated[list[str] | None, typer.Option("--set", help="Override of another field.")]
-_Backend = Annotated[Backend | None, typer.Option(help="Backend for every body.")]
-_Data = Annotated[
-    str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
-]
-
 
 def sweep(
-    scene: _Scene,
+    scene: SceneName,
     axes: Annotated[
         list[str],
         typer.Argument(
@@ -39,9 +38,9 @@ def sweep(
             "field~normal:mean:deviation, ~lognormal:median:deviation, ~uniform:low:high."
         ),
     ],
-    set_: _Set = None,
-    backend: _Backend = None,
-    data: _Data = None,
+    set_: Settings = None,
+    backend: OnBackend = None,
+    data: Data = None,
     samples: Annotated[
         int | None, typer.Option(help="Samples of fields that are spread; 2,000 by default.")
     ] = None,
@@ -57,10 +56,8 @@ def sweep(
     confirm: Annotated[
         int, typer.Option(help="Thresholds of a map that full solves confirm.")
     ] = _CONFIRM,
-    redraw: Annotated[
-        bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
-    ] = False,
-    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/sweep"),
+    redraw: Redraw = False,
+    out: Out = Path("results/sweep"),
 ) -> None:
     """Follow the modes of a scene along its fields: what grows where, and from where on.
 
@@ -68,9 +65,9 @@ def sweep(
     by bases of a few full solves with a bound for every value, one other field by a full solve
     at each value. Of fields that are spread samples tell how probable it is that each mode grows.
     """
+    from comparisons.sweep.page import read_sweep, write_sweep
     from comparisons.sweep.points import Axis, read_fields
     from comparisons.sweep.study import Asked
-    from scenes.results.folder import check_out
 
     need("pictures", "maps")
     refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
@@ -93,23 +90,24 @@ def sweep(
         confirm=confirm,
         why_in_full="--full" if full else "",
     )
-    if redraw:
-        _draw_anew(asked, out)
+    if not redraw:
+        _sweep(asked, out)
         return
-    check_out(out)
-    _sweep(asked, out)
+    made, given = read_sweep(out), asked.plain()
+    refuse_another({name: given[name] for name in ("scene", "fields")}, made.record["inputs"])
+    typer.echo(f"The page to open: {deliver(lambda folder: write_sweep(made, folder), out)}")
 
 
 def threshold(
-    scene: _Scene,
+    scene: SceneName,
     axes: Annotated[
         list[str],
         typer.Argument(help="What varies, the field of the thresholds first, as in cea sweep."),
     ],
-    set_: _Set = None,
-    backend: _Backend = None,
-    data: _Data = None,
-    out: Annotated[Path, typer.Option(help="Folder of the result.")] = Path("results/threshold"),
+    set_: Settings = None,
+    backend: OnBackend = None,
+    data: Data = None,
+    out: Out = Path("results/threshold"),
 ) -> None:
     """Find where modes begin and cease to grow along a field, each confirmed by a full solve.
 
@@ -118,11 +116,9 @@ def threshold(
     """
     from comparisons.sweep.points import read_axis
     from comparisons.sweep.study import Asked
-    from scenes.results.folder import check_out
 
     need("pictures", "maps")
     fields = tuple(read_axis(axis) for axis in axes)
-    check_out(out)
     overrides = with_backend(scene, set_ or (), backend)
     _sweep(Asked(scene, fields, overrides, data, confirm=_EVERY), out)
 
@@ -131,14 +127,15 @@ def _sweep(asked: Any, out: Path) -> None:
     """Make a sweep and tell of it; one field without a map is solved in full."""
     from dataclasses import replace
 
-    from comparisons.cli.output import print_frame, print_warnings
-    from comparisons.cli.progress import working
+    from comparisons.cli.output import print_frame, print_warnings, working
     from comparisons.study.sections import Table
     from comparisons.sweep import tables
     from comparisons.sweep.page import FILE, write_sweep
     from comparisons.sweep.scene import NoMapError
     from comparisons.sweep.study import run
+    from scenes.results.folder import check_out
 
+    check_out(out)
     with working("sweep") as work:
         try:
             made = run(asked, out, work.stage)
@@ -164,10 +161,61 @@ def _sweep(asked: Any, out: Path) -> None:
         raise typer.Exit(IN_PART)
 
 
-def _draw_anew(asked: Any, out: Path) -> None:
-    """Draw a sweep from its record."""
-    from comparisons.sweep.page import read_sweep, write_sweep
+def converge(
+    scene: SceneName,
+    digits: Annotated[int, typer.Option(help="Significant digits of frequencies.")] = 3,
+    growth_digits: Annotated[
+        int | None, typer.Option(help="Those of growth rates; one less by default.")
+    ] = None,
+    backend: Annotated[
+        Literal["both", "fe", "iga"], typer.Option(help="Backends that are refined.")
+    ] = "both",
+    budget: Annotated[float, typer.Option(help="Seconds that all of it may take.")] = 900.0,
+    unstable: Annotated[
+        bool,
+        typer.Option("--unstable", help="Only modes not known to be stable must hold digits."),
+    ] = False,
+    sweep_digits: Annotated[
+        int, typer.Option(help="Digits that the mesh written for sweeps holds.")
+    ] = 2,
+    set_: Settings = None,
+    redraw: Redraw = False,
+    out: Out = Path("results/converge"),
+) -> None:
+    """Refine a scene until its modes hold the digits asked for, and tell their error bars."""
+    begun = perf_counter()
+    from comparisons.cli.output import console, print_frame, print_warnings, say, working
+    from comparisons.converge.page import LEVELS, MODES, read_converge, write_converge
+    from comparisons.converge.request import Request
+    from comparisons.converge.study import run_converge
+    from comparisons.study.progress import Progress
+    from scenes.results.folder import check_out
 
-    made, given = read_sweep(out), asked.plain()
-    refuse_another({name: given[name] for name in ("scene", "fields")}, made.record["inputs"])
-    typer.echo(f"The page to open: {deliver(lambda folder: write_sweep(made, folder), out)}")
+    need("pictures")
+    refuse_with_redraw(redraw, {"set": set_, "unstable": unstable})
+    backends = None if backend == "both" else (backend,)
+    asked = scene, digits, growth_digits, backends, budget, unstable, sweep_digits
+    request = Request(*asked, tuple(set_ or ()))
+    if redraw:
+        data = read_converge(out)
+        refuse_another({"scene": scene}, data["inputs"])
+        page = deliver(lambda folder: write_converge(data, folder), out)
+        typer.echo(f"The page to open: {page}")
+        return
+    check_out(out)
+    with working("converge") as work:
+
+        def begin(name: str) -> None:
+            say(console, f"· {name}")
+            work.step(name)
+
+        data = run_converge(request, Progress(step=begin, stage=work.stage), begun)
+        page = deliver(lambda folder: write_converge(data, folder), out)
+    for line in (data["first"], data["words"], *data["hints"]):
+        typer.echo(line)
+    print_frame(MODES, data)
+    print_frame(LEVELS, data)
+    print_warnings(data["warnings"])
+    typer.echo(f"The page to open: {page}")
+    if not data["held"]:
+        raise typer.Exit(IN_PART)

@@ -16,14 +16,14 @@ def rigid_motions(body: Body) -> Floats:
     """Full displacements of the rigid motions of a body, shape (motions, full dofs).
 
     Translations along each coordinate, then rotations about the origin. Coefficients that
-    reproduce the coordinates are found by least squares from a sample of the body.
+    reproduce the coordinates are found by least squares from those of its cells.
     """
     comm, dim = body.comm, body.dim
-    sample = body.volume_sample(4)
+    cells = body.volume_cells()
     x = None
     if comm.rank == 0:
-        values = csr_array(sample.values)
-        x = spsolve((values.T @ values).tocsc(), values.T @ sample.points)
+        values = csr_array(cells.values)
+        x = spsolve((values.T @ values).tocsc(), values.T @ cells.points)
     x = comm.bcast(x)
     spins = [(i, j) for i in range(dim) for j in range(i)]
     motions = np.zeros((dim + len(spins), len(x), dim))

@@ -125,7 +125,7 @@ def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
 
     arrays, shapes = {}, {}
     for name, body in result.system.bodies.items():
-        sample = body.volume_sample(1)
+        sample = body.volume_cells().straight()
         u = result.mode_shapes(name, sample.values, [mode], everywhere=False)[..., 0]
         if body.comm.rank == 0:
             rounded = np.round(sample.points, _DIGITS)

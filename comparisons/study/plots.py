@@ -1,4 +1,4 @@
-"""Plots of data frames: matplotlib draws the PNG files, plotly the pages, both the same lines."""
+"""Plots of data frames as figures of plotly.js; look and files of figures that matplotlib draws."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,17 +29,7 @@ VERDICT_MARKS = {
     "rigid": ("circle-open", GREY, "○"),
 }
 """Marker, colour and sign of each verdict: none is told by colour alone."""
-_OF_MATPLOTLIB = {
-    "circle": "o",
-    "square": "s",
-    "triangle-up": "^",
-    "diamond": "D",
-    "triangle-down": "v",
-    "cross": "P",
-    "star": "*",
-}
-"""Markers by their names in plotly, where ``-open`` behind one leaves it empty."""
-_MARKERS = tuple(_OF_MATPLOTLIB)
+_MARKERS = ("circle", "square", "triangle-up", "diamond", "triangle-down", "cross", "star")
 _OF_BACKENDS = {"fe": ("square-open", BLUE), "iga": ("circle", VERMILION)}
 STYLE = {
     "font.size": 9,
@@ -57,8 +47,6 @@ STYLE = {
 }
 """Style of every figure that matplotlib draws."""
 _DPI = 200
-_PANEL = (4.4, 3.6)
-"""Width and height of a panel (inches)."""
 
 
 @dataclass(frozen=True)
@@ -136,41 +124,6 @@ def _titles(plot: Plot, result: Any) -> tuple[str, str]:
     return x, y
 
 
-def draw(plot: Plot, result: Any) -> Figure:
-    """A figure of a plot, panels side by side."""
-    made, titles = panels(plot, result), _titles(plot, result)
-    columns = min(3, len(made))
-    lines_of_panels = -(-len(made) // columns)
-    figure = Figure(
-        figsize=(_PANEL[0] * columns + 1.0, _PANEL[1] * lines_of_panels), layout="constrained"
-    )
-    grid = figure.subplots(lines_of_panels, columns, sharey=True, squeeze=False)
-    for axes in grid.flat[len(made) :]:
-        axes.set_axis_off()
-    for axes, (title, lines) in zip(grid.flat, made, strict=False):
-        for line in lines:
-            if plot.style == "bars":
-                axes.bar([str(x) for x in line.x], line.y, color=line.colour, label=line.label)
-                continue
-            axes.plot(
-                line.x,
-                [float("nan") if y is None else y for y in line.y],
-                color=line.colour,
-                linestyle="-" if line.joined else "",
-                marker=_OF_MATPLOTLIB.get(line.marker.removesuffix("-open"), ""),
-                markerfacecolor="none" if line.marker.endswith("-open") else line.colour,
-                markersize=5,
-                linewidth=1.2,
-                label=line.label or None,
-            )
-        for axis in plot.log:
-            axes.set(**{f"{axis}scale": "log"})
-        axes.set(xlabel=titles[0], ylabel=titles[1], title=title)
-        if any(line.label for line in lines):
-            axes.legend(fontsize=6.5)
-    return figure
-
-
 def save(figure: Figure, file: Path) -> bytes:
     """Write a figure as PNG, whole or not at all, and give its content."""
     stream = BytesIO()
@@ -194,7 +147,7 @@ def drawn_by_page(plot: Plot, result: Any) -> list[dict[str, Any]]:
             "marker": {"symbol": "circle-open", "size": 18, "color": BLACK}}  # fmt: skip
     made, every = [], panels(plot, result)
     for i, (title, lines) in enumerate(every):
-        traces = [_trace(line, plot.style) for line in lines]
+        traces = [_trace(line) for line in lines]
         if any(line.shapes for line in lines):
             traces.append(kept)
         room = 12 * len(traces)
@@ -206,10 +159,8 @@ def drawn_by_page(plot: Plot, result: Any) -> list[dict[str, Any]]:
     return made
 
 
-def _trace(line: Line, style: str) -> dict[str, Any]:
+def _trace(line: Line) -> dict[str, Any]:
     trace: dict[str, Any] = {"x": line.x, "y": line.y, "name": literal(line.label)}
-    if style == "bars":
-        return trace | {"type": "bar", "marker": {"color": line.colour}}
     modes = [*(["lines"] if line.joined else []), *(["markers"] if line.marker else [])]
     trace |= {"type": "scatter", "mode": "+".join(modes), "line": {"color": line.colour}}
     if line.marker:

@@ -60,7 +60,7 @@ class Plot:
     Parameters
     ----------
     name
-        Stem of the PNG file.
+        Its name on the page.
     caption
         What it shows.
     frame
@@ -78,7 +78,7 @@ class Plot:
     lines
         Makes lines without markers, in the same columns; those of ``frame`` are markers then.
     style
-        "lines", "markers" or "bars".
+        "lines" or "markers".
     """
 
     name: str

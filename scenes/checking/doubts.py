@@ -17,7 +17,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.ranks import made_on_first
 from cea.system.coupled import CoupledSystem
-from cea.volume import VolumeSample
+from cea.volume import StraightCells
 from cea.warned import ResultWarning
 from scenes.spec.reading import Scene
 
@@ -95,8 +95,9 @@ def _doubtful_material(E: float, rho: float | None) -> Iterator[tuple[str, float
 def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
     """Displacements larger than their body and strains that linear elasticity has no right to."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
-        sample, full = body.volume_sample(1), system.displacement(x, name, everywhere=False)
-        found = made_on_first(body.comm, partial(_motion, sample, full))
+        full = system.displacement(x, name, everywhere=False)
+        cells = body.volume_cells().straight()
+        found = made_on_first(body.comm, partial(_motion, cells, full))
         motion, length, strain = body.comm.bcast(found)
         if motion > length:
             yield ResultWarning(
@@ -114,7 +115,7 @@ def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[Re
             )
 
 
-def _motion(sample: VolumeSample, full: Floats) -> tuple[float, float, float]:
+def _motion(sample: StraightCells, full: Floats) -> tuple[float, float, float]:
     """Largest displacement (m), length of the body (m), largest mean principal strain of a cell."""
     u = sample.values @ full.reshape(-1, sample.points.shape[1])
     x, moved = sample.points[sample.cells], u[sample.cells]
@@ -134,7 +135,8 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
         (low, high), (least, greatest) = (boxes[name] for name in pair)
         if (np.maximum(low, least) >= np.minimum(high, greatest)).any():
             continue
-        comm, samples = bodies[pair[0]].comm, [bodies[name].volume_sample(1) for name in pair]
+        comm = bodies[pair[0]].comm
+        samples = [bodies[name].volume_cells().straight() for name in pair]
         cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *samples)))
         if cells:
             yield ResultWarning(
@@ -154,12 +156,12 @@ def _box(body: Body) -> tuple[Floats, Floats]:
     return np.min(lows, axis=0), np.max(highs, axis=0)
 
 
-def _middles_inside(one: VolumeSample, other: VolumeSample) -> int:
+def _middles_inside(one: StraightCells, other: StraightCells) -> int:
     """How many cells of each of two bodies have their middle in the other."""
     return _inside(one, other) + _inside(other, one)
 
 
-def _inside(one: VolumeSample, other: VolumeSample) -> int:
+def _inside(one: StraightCells, other: StraightCells) -> int:
     """How many cells of one have their middle in straight cells of the other."""
     middles = one.points[one.cells].mean(axis=1)
     dim = middles.shape[1]

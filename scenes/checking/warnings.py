@@ -305,7 +305,7 @@ def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Resu
         rotation = scene.bodies[name].rotation
         if rotation is None or not rotation.convective_stiffness or body.material.rho is None:
             continue
-        speeds = np.linalg.norm(_velocity(rotation, body.volume_sample(1).points), axis=1)
+        speeds = np.linalg.norm(_velocity(rotation, body.volume_cells().straight().points), axis=1)
         speed = float(max(body.comm.allgather(speeds.max(initial=0.0))))
         wave = float(np.sqrt(body.material.lame[1] / body.material.rho))
         if speed > _SURFACE_WAVES * wave:

@@ -132,8 +132,8 @@ def _body_checks(place: str, body: BodySpec) -> Iterator[InputError]:
     """Meshes, places, supports and springs that do not suit a shape."""
     shape, known = body.geometry, body.geometry.surfaces
     dim, of_file = len(shape.directions), isinstance(shape, MeshFile)
-    of_mesh = list(_mesh_checks(place, body))
-    yield from of_mesh or _size_checks(place, body)
+    wrong = list(_range_checks(place, body)) or list(_mesh_checks(place, body))
+    yield from wrong or _size_checks(place, body)
     yield from fault_of(body.placement.check, dim, f"{place}.placement")
     for i, support in enumerate(body.supports):
         yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
@@ -146,14 +146,18 @@ def _body_checks(place: str, body: BodySpec) -> Iterator[InputError]:
         from scenes.spec.rotation_checks import rotation_checks
 
         yield from rotation_checks(place, body, body.rotation)
-    for name, (low, high) in zip(shape.directions, shape.extent, strict=True):
-        if not high - low > _THIN * max(abs(low), abs(high)):
-            allowed = "a range that is not lost in the rounding of its ends"
-            yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
     if not of_file and body.mesh == MeshSpec():
         yield InputError(f"{place}.mesh", None, "field required, but for a mesh file")
     elif not of_file and getattr(body.mesh, body.backend) is None:
         yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+
+
+def _range_checks(place: str, body: BodySpec) -> Iterator[InputError]:
+    """Ranges of coordinates that no mesh can divide."""
+    for name, (low, high) in zip(body.geometry.directions, body.geometry.extent, strict=True):
+        if not high - low > _THIN * max(abs(low), abs(high)):
+            allowed = "a range that is not lost in the rounding of its ends"
+            yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
 
 
 def _mesh_checks(place: str, body: BodySpec) -> Iterator[InputError]:

@@ -98,17 +98,14 @@ class MatrixScene:
     @property
     def values(self) -> dict[str, float]:
         """Values of the parameters by their paths in the scene, ``parameters.NAME``."""
-        return {path: formula.at({}) for path, formula in self._of_parameters().items()}
+        paths = {f"{PARAMETERS}.{name}": value for name, value in self.parameters.items()}
+        return {path: _formula(value, {}, path).at({}) for path, value in paths.items()}
 
     def sum(self, role: Role) -> dict[str, Formula]:
         """Coefficient of each matrix in one of the sums."""
         names = {name: f"{PARAMETERS}.{name}" for name in self.parameters}
         found: Mapping[str, float | str] = getattr(self, role)
         return {m: _formula(value, names, f"{role}.{m}") for m, value in found.items()}
-
-    def _of_parameters(self) -> dict[str, Formula]:
-        paths = {f"{PARAMETERS}.{name}": value for name, value in self.parameters.items()}
-        return {path: _formula(value, {}, path) for path, value in paths.items()}
 
     def of_pencil(self) -> list[Parameter]:
         """The parameters of the pencil; they may have either sign."""
@@ -141,22 +138,19 @@ def load_matrices(
     SceneError
         With one line for each fault.
     """
-    tables, file = tables_of(scene), scene_file(scene)
+    tables, folder = tables_of(scene), scene_file(scene).parent
     if "bodies" in tables and "files" not in tables:
         allowed = "a scene of matrices; one of bodies is read by load_scene"
         raise SceneError([InputError("scene", str(scene), allowed)])
-    comes_with_the_project = file.parent == OF_MATRICES
+    comes_with_the_project = folder == OF_MATRICES
     if not comes_with_the_project and isinstance(tables.get("data", ""), str):
-        tables["data"] = str(file.parent / tables.get("data", ""))
+        tables["data"] = str(folder / tables.get("data", ""))
     if data is not None:
         tables["data"] = str(data)
     set_fields(tables, overrides)
     read = read_matrix_scene(tables)
     if comes_with_the_project and not read.data:
-        allowed = (
-            f"the folder that holds {', '.join(read.files.values())}; it does not come with the "
-            "project"
-        )
+        allowed = f"the folder of {', '.join(read.files.values())}, which do not come with it"
         raise SceneError([InputError("data", None, allowed)])
     return read
 
@@ -184,47 +178,44 @@ def _adapter() -> TypeAdapter[MatrixScene]:
 def _checks(scene: MatrixScene) -> Iterator[InputError]:
     """Faults of names, numbers and sums."""
     yield from scene_name_checks(scene.name)
-    if scene.analysis.kind != "cea":
-        yield InputError("analysis.kind", scene.analysis.kind, "'cea'")
-    elif not SMALLEST <= scene.analysis.max_frequency <= LARGEST:
+    analysis = scene.analysis
+    if analysis.kind != "cea":
+        yield InputError("analysis.kind", analysis.kind, "'cea'")
+    elif not SMALLEST <= analysis.max_frequency <= LARGEST:
         allowed = f"{SMALLEST:g} to {LARGEST:g} (Hz)"
-        yield InputError("analysis.max_frequency", scene.analysis.max_frequency, allowed)
-    yield from needs_no_steady_state(scene.analysis, "left out: matrices have no contacts")
-    for section, names in (("files", scene.files), (PARAMETERS, scene.parameters)):
-        if len(names) > MAX_ITEMS:
-            yield InputError(section, f"{len(names)} of them", f"at most {MAX_ITEMS}")
-            return
-        for name in names:
-            if not (name.isidentifier() and name.isascii()) or name in RESERVED:
-                allowed = f"a name of letters, digits and _, none of {', '.join(sorted(RESERVED))}"
-                yield InputError(f"{section}.{name}", name, allowed)
+        yield InputError("analysis.max_frequency", analysis.max_frequency, allowed)
+    yield from needs_no_steady_state(analysis, "left out: matrices have no contacts")
+    names = [f"files.{name}" for name in scene.files]
+    names += [f"{PARAMETERS}.{name}" for name in scene.parameters]
+    if len(names) > MAX_ITEMS:
+        yield InputError("files", f"{len(names)} files and parameters", f"at most {MAX_ITEMS}")
+        return
+    for place in names:
+        name = place.partition(".")[2]
+        if not (name.isidentifier() and name.isascii()) or name in RESERVED:
+            allowed = f"a name of letters, digits and _, none of {', '.join(sorted(RESERVED))}"
+            yield InputError(place, name, allowed)
     wrong = list(fault_of(lambda: scene.values))
     yield from wrong or _sum_checks(scene)
 
 
 def _sum_checks(scene: MatrixScene) -> Iterator[InputError]:
-    used, there = set[str](), ", ".join(scene.files) or "there are none"
-    for role in ROLES:
-        coefficients = getattr(scene, role)
+    """Sums of matrices that are not there, and files in no sum."""
+    there = f"one of the files: {', '.join(scene.files) or 'there are none'}"
+    sums = {role: getattr(scene, role) for role in ROLES}
+    for role, coefficients in sums.items():
         if role != "damping" and not coefficients:
             yield InputError(role, {}, "at least one matrix with its coefficient")
-        used |= set(coefficients)
-        for matrix in coefficients:
-            if matrix not in scene.files:
-                yield InputError(f"{role}.{matrix}", matrix, f"one of the files: {there}")
+        for matrix in coefficients.keys() - scene.files.keys():
+            yield InputError(f"{role}.{matrix}", matrix, there)
         yield from fault_of(
             lambda role=role: [c.at(scene.values) for c in scene.sum(role).values()]
         )
     for name in set(scene.symmetric or ()) - set(scene.files):
-        yield InputError(f"symmetric.{name}", name, f"one of the files: {there}")
+        yield InputError(f"symmetric.{name}", name, there)
     for name in scene.files:
-        if name not in used:
+        if not any(name in coefficients for coefficients in sums.values()):
             yield InputError(f"files.{name}", scene.files[name], "named in a sum, or left out")
-
-
-def _values_of(scene: MatrixScene, role: Role) -> list[float]:
-    """Coefficients of one of the sums."""
-    return [coefficient.at(scene.values) for coefficient in scene.sum(role).values()]
 
 
 def _formula(value: Any, names: Mapping[str, str], place: str) -> Formula:

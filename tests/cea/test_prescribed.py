@@ -43,7 +43,7 @@ def solved(data):
     """The result, points all over its first body, and the displacements there."""
     result = run_scene(read_scene(data))
     name = next(iter(result.bodies))
-    sample = result.bodies[name].volume_sample(2)
+    sample = result.bodies[name].volume_cells().straight()
     return result, sample.points, result.displacements(name, sample.values)
 
 
@@ -72,7 +72,7 @@ def test_each_component_has_its_own_value(backend):
     bottom, top = {"surface": "z_min"}, {"surface": "z_max", "value": value}
     _, x, u = solved(box(backend, [bottom, top]))
     at_top = x[:, 2] > SIZE[2] * (1 - 1e-12)
-    assert at_top.sum() >= 35
+    assert at_top.sum() >= 12
     assert u[at_top] == pytest.approx(np.tile(value, (at_top.sum(), 1)), abs=1e-15 * 4e-3)
     named = top | {"components": ["z", "x", "y"], "value": [value[2], *value[:2]]}
     assert solved(box(backend, [bottom, named]))[2] == pytest.approx(u, abs=1e-16)
@@ -114,7 +114,7 @@ def ring_error(backend, elements, degree):
 
 
 def test_rims_moved_along_the_radius_converge_to_lame(backend):
-    coarse, fine = (ring_error(backend, [n, 6 * n], 3) for n in (2, 4))
+    coarse, fine = (ring_error(backend, [n, 6 * n], 3) for n in (4, 8))
     assert fine < 1e-4
     assert coarse / fine > 2**3
 

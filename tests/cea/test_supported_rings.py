@@ -36,7 +36,7 @@ def test_ring_between_rollers_turns_and_slides_freely(backend, held):
     Z, K = csr(part.expansion).toarray(), csr(part.stiffness())
     place = PLACED if placement else Placement()
     axis, origin = place.rotation[:, 2], np.asarray(place.translation)
-    sample = part.volume_sample(2)
+    sample = part.volume_cells()
     control = np.linalg.lstsq(sample.values.toarray(), sample.points, rcond=None)[0]
     for motion in (np.cross(axis, control - origin), np.broadcast_to(axis, control.shape)):
         v, *_ = np.linalg.lstsq(Z, motion.ravel(), rcond=None)
@@ -119,7 +119,7 @@ def test_ring_under_pressure_is_lame_s(backend, held):
     x = solve_static(Pencil.of(part.stiffness()), part.load()).displacement
     full = part.expansion.createVecLeft()
     part.expansion.mult(x, full)
-    sample = part.volume_sample(2)
+    sample = part.volume_cells().straight()
     u = sample.values @ gather(full).reshape(-1, 3)
     lam, mu = MATERIAL.lame
     scale = p * a**2 / (b**2 - a**2)

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import eigsh
 
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import local_part
-from comparisons.bench import assembly, calculix, ccx, contact, scaling, solve
+from comparisons.bench import assembly, calculix, ccx, scaling, solve
 from comparisons.bench.methods import METHODS, OURS, Problem, backward_errors
 from comparisons.bench.programs import EXACT_VOLUME, MATERIAL, Discretisation
 from comparisons.study.measure import measured
@@ -78,26 +78,6 @@ def test_ratios_are_to_the_yardstick_of_the_same_round():
     found = assembly.times(Given(rows)).set_index("program")
     assert found["ratio"].tolist() == [2.0, 1.0]
     assert found["per_element"].tolist() == pytest.approx([1e3 * 14 / 3, 1e3 * 7 / 3])
-
-
-@pytest.mark.parametrize("method", ["gpts", "mortar"])
-def test_every_stage_of_a_contact_is_timed(backend, method):
-    rule = {"method": method} | ({"points": 2} if method == "gpts" else {})
-    cost = contact.contact_cost(contact.blocks(backend, 10, rule))
-    assert cost.pop("points") >= {"gpts": 4 * 10**2, "mortar": 9 * 18**2}[method]
-    assert all(seconds > 0 for seconds in cost.values())
-
-
-@pytest.mark.slow
-def test_time_of_a_contact_is_linear_in_points(backend):
-    """Ten times the points take less than twenty times the time: squared it would be a hundred."""
-    few, many = (
-        contact.contact_cost(contact.blocks(backend, n, {"method": "gpts", "points": 4}))
-        for n in (40, 126)
-    )
-    assert 9.5 < many["points"] / few["points"] < 10.5
-    for stage in ("rule", "search", "assembly"):
-        assert many[stage] < 20 * max(few[stage], 0.02), stage
 
 
 def test_methods_agree_and_projection_is_off(tmp_path, monkeypatch):
@@ -263,7 +243,6 @@ def test_stored_frequencies_of_calculix_are_the_same_to_rounding():
     [
         ("assembly", {"repeats": 0}, "repeats"),
         ("assembly", {"boxes": (0, 1, 1)}, "boxes"),
-        ("contact", {"elements": (0,)}, "elements"),
         ("solve", {"size": "huge"}, "size"),
         ("solve", {"memory": 0.0}, "memory"),
         ("scaling", {"ranks": ()}, "ranks"),

@@ -133,7 +133,7 @@ def test_the_command_names_the_report(tmp_path):
     command = ["run", "blocks", "--report"]
     done = CliRunner().invoke(app, [*command, "--out", str(tmp_path)])
     assert done.exit_code == 0, done.output
-    assert f"The report to open: {tmp_path / 'report.html'}" in done.output.replace("\n", "")
+    assert f"The page to open: {tmp_path / 'report.html'}" in done.output.replace("\n", "")
     data = json.loads((tmp_path / "result.json").read_text())
     page = Page((tmp_path / "report.html").read_text("utf-8"))
     assert len(page.tables["modes"]) == 1 + len(data["eigenvalues"])
@@ -186,7 +186,7 @@ def test_two_ranks_write_the_same_page(report, page, tmp_path):
     command = ["run", "drum", "--backend", "iga", "--report", "--out", tmp_path]
     done = cea_on_ranks(2, *command, "--set", "analysis.max_frequency=0.3")
     assert done.returncode == 0, done.stderr
-    assert done.stdout.count("The report to open: ") == 1
+    assert done.stdout.count("The page to open: ") == 1
     text = (tmp_path / "report.html").read_text("utf-8")
     other = Page(text)
     for one, two in zip(

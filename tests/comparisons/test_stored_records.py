@@ -9,7 +9,6 @@ from comparisons.accuracy.study import STUDY as ACCURACY
 from comparisons.bench.calculix import STUDY as CALCULIX
 from comparisons.brake.study import STUDY as BRAKE
 from comparisons.paper.study import STUDY as PAPER
-from comparisons.reference.study import STUDY as REFERENCE
 from comparisons.study.result import read
 from comparisons.study.run import key_of
 from comparisons.sweep import page as sweep_page
@@ -19,7 +18,6 @@ from scenes.results.record import PROVENANCE, read_record
 RECORDS = [
     (PAPER.name, PAPER.shipped / "result.json.gz"),
     (ACCURACY.name, ACCURACY.shipped / "result.json.gz"),
-    (REFERENCE.name, REFERENCE.shipped / "result.json.gz"),
     (BRAKE.name, BRAKE.shipped / "result.json.gz"),
     (CALCULIX.name, CALCULIX.shipped / "result.json.gz"),
     (SWEEP, Path(sweep_page.__file__).with_name("results") / "result.json.gz"),
@@ -37,9 +35,7 @@ def test_a_record_says_what_made_it(command, file):
     assert data["machine"]["cpus"] > 0
 
 
-@pytest.mark.parametrize(
-    "study", [ACCURACY, CALCULIX, BRAKE, REFERENCE, PAPER], ids=lambda s: s.name
-)
+@pytest.mark.parametrize("study", [ACCURACY, CALCULIX, BRAKE, PAPER], ids=lambda s: s.name)
 def test_stored_cases_are_those_of_the_default_options(study):
     """So the command takes them: labels, options and scenes agree."""
     options = study.options()

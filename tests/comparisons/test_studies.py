@@ -19,7 +19,7 @@ QUICK = [
         pytest.param(name, place, marks=pytest.mark.slow if name in LONG else ())
         for name, (place, _, _) in STUDIES.items()
     ),
-    *((f"bench {name}", BENCHMARKS[name][0]) for name in ("contact", "solve", "scaling")),
+    *((f"bench {name}", BENCHMARKS[name][0]) for name in ("solve", "scaling")),
     pytest.param("bench assembly", BENCHMARKS["assembly"][0], marks=pytest.mark.slow),
 ]
 

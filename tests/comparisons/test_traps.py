@@ -8,14 +8,12 @@ import sys
 import pytest
 from blocks import two_blocks
 from scene_mutations import valid
-from wrong_scenes import coarse
 
-from cea.errors import InputError, printable
+from cea.errors import InputError
 from cea.files import check_writable, regular
 from comparisons.cli.app import main
-from comparisons.sweep.points import read_axis, read_distribution
+from comparisons.sweep.points import read_axis
 from meshes.files.reading import read_mesh_file
-from scenes import run_modes
 from scenes.results.record import read_record
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
@@ -117,14 +115,6 @@ def test_what_is_no_file_is_not_written_over(cea, pipe):
     assert is_pipe(pipe)
 
 
-@pytest.mark.parametrize("command", ["run blocks", "export disc", "sweep blocks mu=0:1:3"])
-def test_folders_that_are_none_are_refused(command, cea, pipe):
-    code, _, told = cea(*command.split(), "--out", pipe)
-    assert code == 1
-    assert all(line.startswith("error: ") for line in told.splitlines())
-    assert is_pipe(pipe)
-
-
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device that is full")
 def test_a_full_standard_output_ends_in_a_line():
     with open("/dev/full", "w") as full:
@@ -175,12 +165,6 @@ def test_a_terminal_obeys_no_name(cea, scene_file, tmp_path):
     assert "\x1b" not in out
 
 
-def test_signs_that_terminals_obey_are_written_out():
-    assert printable("a\x1b[2J\r\x9bb\n") == "a\\x1b[2J\\r\\x9bb\n"
-    assert printable("µ = 0.3 → ±") == "µ = 0.3 → ±"
-    assert printable("1\u202f104") == "1\u202f104"
-
-
 @pytest.mark.parametrize(
     "axis",
     ["mu=1e-320:1e308:log:5", "mu=0:1e308:3", "mu=-1e308:0:3", "P=1e-31:1.0:log:3", "mu=0:nan:3"],
@@ -190,29 +174,8 @@ def test_ends_of_axes_are_numbers_that_fields_may_have(axis):
         read_axis(axis)
 
 
-@pytest.mark.parametrize("spread", ["lognormal:1e-320:1", "normal:1e308:1", "uniform:0:1e308"])
-def test_ends_of_distributions_too(spread):
-    with pytest.raises(InputError, match=r"1e[+-]30"):
-        read_distribution(f"mu~{spread}")
-
-
-def test_left_vectors_of_an_empty_window(backend):
-    """No mode below the lowest: left vectors of none, which MUMPS was asked to solve for."""
-    scene = read_scene(coarse("blocks")).on(backend).change("analysis.max_frequency", 1e-3)
-    result = run_modes(scene, left=True)
-    assert len(result.modes) == 0
-
-
 def stored(folder):
     return json.loads((folder / "result.json").read_text())["inputs"]["scene"]
-
-
-def test_results_lie_by_the_name_of_their_scene(cea, scene_file, tmp_path):
-    for name in ("first", "the second"):
-        code, out, _ = cea("run", scene_file(f"{name[:3]}.toml", name))
-        assert code == 0
-    assert sorted(f.name for f in (tmp_path / "results").iterdir()) == ["first", "the_second"]
-    assert "results/the_second/result.json" in out
 
 
 def test_results_of_another_scene_stay(cea, scene_file, tmp_path):

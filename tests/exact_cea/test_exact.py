@@ -248,7 +248,7 @@ def test_a_layer_of_long_waves_is_a_column_and_its_static_stiffness_that_of_unia
         (["blocks", "--thresholds"], "max_frequency"),
         (["blocks", "--E-b", "soft"], "b.E"),
         (["ring", "--m", "1", "--outer", "0.01"], "inner"),
-        (["lumped", "duffing"], "model"),
+        (["hoffmann", "--k3", "soft"], "k3"),
         (["drum", "--m", "1", "--p", "1e-999999999"], "p"),
         (["drum", "--m", "1", "--p", "nan"], "p"),
         (["drum", "--m", "1", "--max-frequency", "nan"], "max_frequency"),

@@ -4,7 +4,7 @@ import dolfinx
 import numpy as np
 import pytest
 from bodies import dolfinx_body, lagrange_body
-from lagrange_bodies import FLAT, MATERIAL, body_of, csr
+from lagrange_bodies import FLAT, MATERIAL, csr
 from mpi4py import MPI
 
 from cea.errors import InputError
@@ -46,22 +46,6 @@ def test_another_quadrature_of_the_mass_has_its_points():
     assert masses[2].sum() == pytest.approx(masses[None].sum())
     with pytest.raises(InputError, match="mass_quadrature"):
         lagrange_body("part", mesh, degree=2, material=MATERIAL, mass_quadrature=-1)
-
-
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_volume_sample_fills_the_body(cell):
-    body = body_of(FLAT, cell, 2)
-    for n in (1, 3):
-        sample = body.volume_sample(n)
-        assert len(np.unique(np.round(sample.points, 9), axis=0)) == len(sample.points)
-        corners = sample.points[sample.cells]
-        # In VTK order corners 1, 3, 4 of a box and 1, 2, 3 of a tetrahedron are right-handed.
-        along = [1, 3, 4] if cell == "hexahedron" else [1, 2, 3]
-        volume = np.linalg.det(corners[:, along] - corners[:, :1])
-        assert volume.min() > 0
-        whole = volume.sum() / (1 if cell == "hexahedron" else 6)
-        assert whole == pytest.approx(np.prod(FLAT[3].size), rel=1e-12)
-        assert len(sample.cells) == n**3 * len(body.volume_sample(1).cells)
 
 
 def test_a_tag_without_facets_is_refused():

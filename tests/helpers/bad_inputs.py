@@ -4,16 +4,8 @@ import signal
 from contextlib import contextmanager
 from time import perf_counter
 
-import numpy as np
-
 from cea.errors import ConvergenceError, InputError
-from cea.expressions import Expression
-from cea.mesh import Mesh
-from meshes.mesh_file import MeshFile
-from meshes.patches import NurbsFile
-from scenes import open_result
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import load_scene, read_scene
 
 PATIENCE = 20.0
 """Seconds after which an input hangs; each takes milliseconds on a machine with nothing else."""
@@ -73,39 +65,3 @@ def _near(place, faults):
     """Whether some fault is told under the section that is wrong, or one of its own."""
     section = ".".join(map(str, place[:2]))
     return any(f.field.startswith((section, str(place[0]))) for f in faults)
-
-
-def reader(kind, folder):
-    """What reads each kind of input; files go through a folder."""
-
-    def override(value):
-        name, parts, text = value
-        return load_scene(name, [f"{'.'.join(parts)}={text}"])
-
-    def scene_file(content):
-        (folder / "scene.toml").write_bytes(content)
-        return load_scene(folder / "scene.toml")
-
-    def stored(content):
-        (folder / "result.json").write_bytes(content)
-        return open_result(folder / "result.json")
-
-    def mesh_file(value):
-        ending, content, geometry = value
-        file = folder / f"bad{ending}"
-        file.write_bytes(content)
-        fields = {**geometry, "file": str(file)}
-        if fields.pop("shape") == "nurbs_file":
-            return NurbsFile(**fields)
-        read = MeshFile(**fields)
-        return read.mesh(read.faces)
-
-    return {
-        "scene": read_scene,
-        "expression": lambda text: Expression(text)(np.full((3, 3), 0.4)),
-        "override": override,
-        "scene file": scene_file,
-        "stored": stored,
-        "mesh": lambda data: Mesh(**data),
-        "mesh file": mesh_file,
-    }[kind]

@@ -14,10 +14,9 @@ def unknowns(system, motions):
 
 
 def control_points(body):
-    """Coefficients that reproduce x, from the body's own trace of a fine volume sample."""
-    sample = body.volume_sample(3)
-    values = sample.values.toarray()
-    return np.linalg.lstsq(values, sample.points, rcond=None)[0]
+    """Coefficients that reproduce x, from the body's own cells."""
+    cells = body.volume_cells()
+    return np.linalg.lstsq(cells.values.toarray(), cells.points, rcond=None)[0]
 
 
 def resultant(system, force, body):

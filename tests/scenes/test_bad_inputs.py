@@ -6,12 +6,10 @@ from bad_inputs import complaint, faults_of, patience
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scene_mutations import HOSTILE, NAMES, Bad, coarse, mutations, random_mutation, valid
-from stored_runs import a_record
 
 from cea.errors import InputError
 from cea.expressions import Formula
 from scenes import open_result, run_scene, save_result
-from scenes.results.record import write_record
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 
@@ -32,11 +30,6 @@ plain = st.recursive(
     ),
     max_leaves=20,
 )
-
-
-@pytest.fixture(scope="module")
-def stored(tmp_path_factory):
-    return write_record(a_record(), tmp_path_factory.mktemp("stored") / "r.json").read_bytes()
 
 
 @pytest.mark.slow

@@ -45,13 +45,6 @@ function settings(buttons) {
   };
 }
 
-// Long names of bars stand in lines where there is little room.
-function broken(axis, narrow) {
-  if (!narrow || !axis.ticktext) return axis;
-  const texts = axis.ticktext.map((text) => text.replaceAll(", ", ",<br>"));
-  return { ...axis, ticktext: texts, tickfont: { size: 9 } };
-}
-
 function styled(figure, place) {
   const narrow = isNarrow();
   const small = place.clientWidth < TINY ? { title: { text: "" } } : {};
@@ -71,8 +64,8 @@ function styled(figure, place) {
     },
     ...layout,
     height: narrow ? Math.min(layout.height, LOW) + (layout.meta?.narrow ?? 0) : layout.height,
-    xaxis: { ...AXIS, ...broken(xaxis, narrow), ...small },
-    yaxis: { ...AXIS, ...broken(yaxis, narrow), ...small },
+    xaxis: { ...AXIS, ...xaxis, ...small },
+    yaxis: { ...AXIS, ...yaxis, ...small },
   };
 }
 

@@ -1,1 +1,0 @@
-"""Converged modes of the disc and pad, on which both backends agree."""
