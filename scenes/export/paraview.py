@@ -7,13 +7,14 @@ from typing import Any
 from urllib.parse import quote
 
 import numpy as np
+import pyvista
 
 from cea.arrays import Floats
 from cea.contact.contact import Contact, approach_along, jump_operator
 from cea.files import folder_whole
 from cea.matrices import destroy
 from cea.system.steady_state import ContactState
-from scenes.pictures.grids import cell_grid, in_space, point_grid, write_collection, write_grid
+from scenes.pictures.grids import cell_grid, in_space, write_collection, write_grid
 from scenes.results.result import Result
 from scenes.results.shapes import displacements, times
 
@@ -156,7 +157,7 @@ def _parts(name: str, values: Any) -> dict[str, Floats]:
 def _contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
     """Points of a contact with what it carries in steady sliding, if anything is known of that."""
     points = contact.interface.points
-    grid = point_grid(points.x)
+    grid = pyvista.PolyData(in_space(points.x)).cast_to_unstructured_grid()
     grid.point_data["normal"] = in_space(points.normal)
     grid.point_data["weight"] = points.weight
     if contact.name in states:

@@ -242,7 +242,7 @@ def test_errors_of_a_result_without_left_vectors_are_those_with_them(backend):
 @pytest.mark.parametrize(
     ("changes", "by", "told"),
     [
-        ([], "smooth", "by = 'smooth': 'degree' or 'bisection' for upper"),
+        ([], "smooth", "by = 'smooth': 'degree' or 'bisection' for Lagrange elements"),
         ([], "p", "by = 'p': 'degree' or 'bisection' or 'smooth'"),
         (["bodies.upper.mesh.fe.degree=4"], "degree", r"upper.mesh.degree = 4: below 4"),
         (

@@ -5,7 +5,7 @@ contacts keep the overlap they are given and nothing deforms; the frequency step
 the supports. What differs:
 
 - closure over the size of the bodies: 1e-12 in CalculiX, as slip is small with it and rounding of
-  coordinates smaller; 1e-7 in Abaqus, which gives no digits.
+  coordinates smaller; 1e-7 in Abaqus.
 - sliding: CalculiX displaces the bodies that move as rigid bodies, far enough for every point to
   slip. Its friction then lies on the limit to rounding, and the frequency step would find many
   points to stick: of the disc and pad it then finds no instability. So the static step has twice
