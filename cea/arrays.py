@@ -15,19 +15,8 @@ Complexes = NDArray[np.complex128]
 def numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[Any]:
     """Real numbers as an array of the type they have.
 
-    Parameters
-    ----------
-    values
-        Nested sequences or an array.
-    field
-        Name of them in messages.
-    allowed
-        What is allowed, in words.
-
-    Raises
-    ------
-    InputError
-        When they are text, truth values, complex, or not equally long at each depth.
+    Refused, with what is allowed in words, when they are text, truth values, complex, or not
+    equally long at each depth.
     """
     try:
         array = np.asarray(values)
@@ -38,7 +27,7 @@ def numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[Any]:
 
 
 def finite_numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[np.float64]:
-    """Finite real numbers as an array of floats; parameters and errors of :func:`numbers`."""
+    """Finite real numbers as an array of floats, or refused as by :func:`numbers`."""
     array = numbers(values, field, allowed).astype(np.float64, copy=False)
     require(bool(np.isfinite(array).all()), field, values, allowed)
     return array

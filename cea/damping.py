@@ -40,20 +40,10 @@ class RayleighDamping:
     def of_ratios(
         cls, ratios: tuple[float, float], frequencies: tuple[float, float]
     ) -> "RayleighDamping":
-        """Damping that has given ratios at two frequencies.
+        """Damping that has given ratios, 1 being critical, at two different frequencies (Hz).
 
-        Parameters
-        ----------
-        ratios
-            Damping ratios, 1 being critical.
-        frequencies
-            Frequencies (Hz), positive and different.
-
-        Raises
-        ------
-        InputError
-            When alpha or beta would be negative: ratios may not fall faster than the inverse of the
-            frequency, nor rise faster than the frequency.
+        Refused where alpha or beta would be negative: ratios may not fall faster than the inverse
+        of the frequency, nor rise faster than the frequency.
         """
         if not all(is_number(f) and f > 0 for f in frequencies) or len(set(frequencies)) < 2:
             raise InputError("damping.frequencies", frequencies, "two different positive ones (Hz)")
@@ -147,13 +137,7 @@ class ModalDamping:
         return bool(self.ratio) or any(self.ratios or ())
 
     def factors_at(self, frequencies: Floats) -> Floats:
-        """Damping ratios of the lowest elastic modes, relative to ``ratio`` where it is given.
-
-        Parameters
-        ----------
-        frequencies
-            Their frequencies (Hz), rising, shape (n,).
-        """
+        """Damping ratios of the lowest elastic modes at frequencies (Hz), relative to ``ratio``."""
         if self.max_frequency is not None:
             return np.where(frequencies <= self.max_frequency, 1.0, 0.0)
         ratios = np.asarray(self.ratios)

@@ -1,6 +1,8 @@
-"""Errors that say what was wrong and, where there is one, the best answer so far."""
+"""Errors that say what was wrong, suggestions of what was meant, and warnings as data."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field
+from difflib import get_close_matches
 from typing import Any
 from unicodedata import category
 
@@ -8,6 +10,8 @@ _LONGEST = 300
 """Characters of a value or a name that a message shows, at most."""
 _WORDS = 1200
 """Characters of what is allowed."""
+_COMPARED = 100
+"""Characters of names for which a similar one is searched."""
 
 
 def _shown(value: object) -> str:
@@ -23,11 +27,6 @@ def _short(text: str, longest: int = _LONGEST) -> str:
     """Text, its middle left out where it is long."""
     half = longest // 2
     return text if len(text) <= longest else f"{text[:half]} ... {text[-half:]}"
-
-
-def _line(text: str) -> str:
-    """Text in one line, without characters that a terminal would obey."""
-    return printable(" ".join(text.split()))
 
 
 def printable(text: str) -> str:
@@ -47,22 +46,18 @@ class InputError(ValueError):
         The value that was given.
     allowed
         What is allowed, in words.
-    others
-        Further faults of the same section, for those who tell every one.
     """
 
-    def __init__(
-        self, field: str, value: object, allowed: str, others: "Sequence[InputError]" = ()
-    ) -> None:
+    def __init__(self, field: str, value: object, allowed: str) -> None:
         self.field = field
         self.value = value
         self.allowed = allowed
-        self.others = tuple(others)
-        super().__init__(_line(f"{_short(field)} = {_shown(value)}: {_short(allowed, _WORDS)}"))
+        message = f"{_short(field)} = {_shown(value)}: {_short(allowed, _WORDS)}"
+        super().__init__(printable(" ".join(message.split())))
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Travel between ranks by what it was made from, not by its message."""
-        return type(self), (self.field, self.value, self.allowed, self.others)
+        return type(self), (self.field, self.value, self.allowed)
 
 
 class WriteError(OSError):
@@ -95,9 +90,33 @@ def require(condition: bool, field: str, value: object, allowed: str) -> None:
         raise InputError(field, value, allowed)
 
 
-def refuse(faults: Iterable[InputError]) -> None:
-    """Raise the first of some faults, which tells of the others; nothing where there is none."""
-    found = list(faults)
-    if found:
-        first, *others = found
-        raise InputError(first.field, first.value, first.allowed, others)
+def did_you_mean(name: object, known: Iterable[object]) -> str:
+    """The end of a message: "; did you mean 'pad'?", or nothing where no known name is near."""
+    if not isinstance(name, str) or len(name) > _COMPARED:
+        return ""
+    folded = {str(each).casefold(): str(each) for each in reversed(list(known))}
+    found = get_close_matches(name.strip().casefold(), folded, n=1)
+    return f"; did you mean {folded[found[0]]!r}?" if found and folded[found[0]] != name else ""
+
+
+@dataclass(frozen=True)
+class ResultWarning:
+    """Something a reader of a result must know.
+
+    Parameters
+    ----------
+    kind
+        What it is about, one word or a few joined by hyphens: programs look at this.
+    message
+        The same in a sentence.
+    data
+        Its numbers.
+    """
+
+    kind: str
+    message: str
+    data: Mapping[str, Any] = field(default_factory=dict)
+
+    def plain(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)

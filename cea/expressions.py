@@ -12,6 +12,7 @@ import ast
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
+from sys import float_info
 from typing import Any
 from warnings import catch_warnings, simplefilter
 
@@ -231,11 +232,7 @@ class Formula:
 
 @cache
 def parsed(text: str) -> ast.expr:
-    """Syntax tree of an expression that is nothing but arithmetic and calls of known functions.
-
-    Whole numbers become floats: powers of them would grow without bound. The tree is shared: it is
-    read and never changed.
-    """
+    """Syntax tree of an expression that is nothing but arithmetic and calls of known functions."""
     if not isinstance(text, str):
         raise ValueError("no text")
     if len(text) > MAX_LENGTH:
@@ -248,14 +245,17 @@ def parsed(text: str) -> ast.expr:
         raise ValueError(error.msg) from None
     except (RecursionError, MemoryError):
         raise ValueError(_TOO_DEEP) from None
-    level: list[ast.AST] = [tree]
-    for _ in range(MAX_DEPTH):
-        for node in level:
-            _check_node(node)
-        level = [child for node in level for child in ast.iter_child_nodes(node)]
-    if level:
+    _check(tree, MAX_DEPTH)
+    return tree
+
+
+def _check(node: ast.AST, depth: int) -> None:
+    """Refuse what is nested too deep or no arithmetic, all the way down."""
+    if not depth:
         raise ValueError(_TOO_DEEP)
-    return ast.fix_missing_locations(_Floats().visit(tree))
+    _check_node(node)
+    for child in ast.iter_child_nodes(node):
+        _check(child, depth - 1)
 
 
 def _check_node(node: ast.AST) -> None:
@@ -264,8 +264,11 @@ def _check_node(node: ast.AST) -> None:
         raise ValueError("a power is written **")
     if not isinstance(node, _GRAMMAR):
         raise ValueError(f"{type(node).__name__} is no arithmetic")
-    if isinstance(node, ast.Constant) and type(node.value) not in (int, float):
-        raise ValueError(f"{type(node.value).__name__} is no number")
+    if isinstance(node, ast.Constant):
+        if not isinstance(node.value, int | float) or isinstance(node.value, bool):
+            raise ValueError(f"{type(node.value).__name__} is no number")
+        if abs(node.value) > float_info.max:
+            raise ValueError("a number is too large")
     if isinstance(node, ast.Compare) and len(node.ops) > 1:
         raise ValueError("one comparison at a time, joined by &")
     if isinstance(node, ast.Call):
@@ -277,22 +280,10 @@ def _check_node(node: ast.AST) -> None:
             raise ValueError(f"{node.func.id} takes {count}, not {len(node.args)}")
 
 
-class _Floats(ast.NodeTransformer):
-    """Whole numbers as floats."""
-
-    def visit_Constant(self, node: ast.Constant) -> ast.Constant:
-        """The number as a float."""
-        assert isinstance(node.value, int | float)
-        try:
-            return ast.Constant(float(node.value))
-        except OverflowError:
-            raise ValueError("a number is too large") from None
-
-
 def _value(node: ast.AST, names: Mapping[str, Any]) -> Any:
     """Value of a tree at numbers, or arrays, by name."""
     match node:
-        case ast.Constant(value=float(number)):
+        case ast.Constant(value=int() | float() as number):
             return np.float64(number)
         case ast.Name(id=name):
             if name not in names and name not in _CONSTANTS:

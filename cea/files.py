@@ -7,6 +7,8 @@ import errno
 import gzip
 import os
 import shutil
+import signal
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -99,3 +101,13 @@ def _sync(folder: Path) -> None:
         os.fsync(number)
     finally:
         os.close(number)
+
+
+def ignore_closed_pipes() -> None:
+    """Let a write to a closed pipe raise BrokenPipeError, as Python does.
+
+    PETSc catches the signal that such a write sends, and gmsh leaves it to end the process: to be
+    called after either begins. Signals belong to the main thread; elsewhere nothing changes.
+    """
+    if hasattr(signal, "SIGPIPE") and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGPIPE, signal.SIG_IGN)

@@ -5,13 +5,17 @@ F(xi) - s d = x for xi and the signed distance s, xi kept inside the element. Wh
 residual is the distance by which the line misses the element.
 """
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
-from cea.surface_points import Location, Status, SurfaceCoordinates
+from cea.mesh import lattice
+from cea.surface_points import Location, Status, SurfaceCells, SurfaceCoordinates
 
 TOLERANCE = 1e-8
 """Default miss allowed, relative to the local mesh size."""
@@ -22,10 +26,16 @@ _MAX_ITERATIONS = 40
 _GRAZING = 1e-10
 """Sine between line and surface below which Newton's steps are least-squares steps."""
 _CHUNK = 50_000
+_SIDE = 4
+"""Parts of a side of a cell between samples."""
+_SAFETY = 1.5
+"""Margin on the sampled distance of a bent cell from the flat one of its corners."""
+_NEAR = 1.05
+"""Lines that pass a cell's ball by less than this part of its radius are tried: near misses."""
 
 
 class Chart(Protocol):
-    """Surface elements as point location sees them."""
+    """Surface elements as point location sees them (:class:`cea.surface.Surface`)."""
 
     @property
     def dim(self) -> int:
@@ -33,11 +43,7 @@ class Chart(Protocol):
         ...
 
     def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
-        """Pairs worth trying: point numbers, elements, starting xi (n_pairs, dim - 1).
-
-        Every element that holds the answer for a point within ``reach`` along its direction must
-        be among them.
-        """
+        """Pairs worth trying: points, elements, starting xi; every true hit within reach is one."""
         ...
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
@@ -49,7 +55,7 @@ class Chart(Protocol):
         ...
 
     def on_edge(self, element: Ints, xi: Floats, tolerance: float) -> np.ndarray:
-        """True where xi lies on the boundary of the element, within a reference tolerance."""
+        """Whether xi lies on the boundary of its element."""
         ...
 
     def size(self, element: Ints) -> Floats:
@@ -68,27 +74,11 @@ def cross(tangents: Floats) -> Floats:
 def locate_along(
     chart: Chart, x: Floats, direction: Floats, reach: float, tolerance: float = TOLERANCE
 ) -> Location:
-    """Locate points on a surface along directions.
+    """Locate points x (m) on a surface along unit directions, (n, dim) each, within a reach (m).
 
-    Parameters
-    ----------
-    chart
-        The surface.
-    x
-        Points (m), shape (n, dim).
-    direction
-        Unit directions, shape (n, dim).
-    reach
-        Largest distance (m) along the direction, either way.
-    tolerance
-        Miss allowed, relative to the local mesh size.
-
-    Returns
-    -------
-    Location
-        One entry per point. Of several hits the nearest along the direction wins, then that of the
-        steepest incidence, as at a corner of the surface, then the lowest element; of several
-        misses the smallest.
+    Of several hits the nearest along the direction wins, then that of the steepest incidence, as at
+    a corner of the surface, then the lowest element; of several misses the smallest. The miss
+    allowed, the tolerance, is relative to the local mesh size.
     """
     x = np.ascontiguousarray(x, dtype=float)
     direction = np.ascontiguousarray(direction, dtype=float)
@@ -241,3 +231,90 @@ def _across(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
         ],
         axis=1,
     )
+
+
+class Boxes:
+    """Boxes (m) with sides along the axes, low and high (n, dim), in trees of like sizes."""
+
+    def __init__(self, low: Floats, high: Floats) -> None:
+        self.low, self.high = low, high
+
+    @cached_property
+    def _trees(self) -> list[tuple[Ints, cKDTree, float]]:
+        """Boxes of like size, a tree of their centres, their half extent (m)."""
+        half = 0.5 * (self.high - self.low).max(axis=1)
+        centre = 0.5 * (self.low + self.high)
+        kind = np.frexp(half)[1]
+        every = [np.flatnonzero(kind == each) for each in np.unique(kind)]
+        return [(some, _tree(centre[some]), float(half[some].max())) for some in every]
+
+    def within(self, x: Floats, reach: float) -> tuple[Ints, Ints]:
+        """Points (m), shape (m, dim), and boxes that come within reach of them, one pair a row."""
+        points, boxes, tree = [], [], _tree(x)
+        for some, centres, half in self._trees:
+            pairs = tree.sparse_distance_matrix(
+                centres, half + reach, p=np.inf, output_type="ndarray"
+            )
+            point, box = pairs["i"].astype(np.int64), some[pairs["j"]]
+            at = x[point]
+            near = ((at >= self.low[box] - reach) & (at <= self.high[box] + reach)).all(axis=1)
+            points.append(point[near])
+            boxes.append(box[near])
+        return np.concatenate(points), np.concatenate(boxes)
+
+
+def _tree(x: Floats) -> cKDTree:
+    """Tree that is quick to make: it is asked once or twice."""
+    return cKDTree(x, balanced_tree=False, compact_nodes=False)
+
+
+class CellBounds:
+    """Boxes and balls that hold the cells of a surface, of which tangents gives positions."""
+
+    def __init__(
+        self, cells: SurfaceCells, tangents: Callable[[Ints, Floats], tuple[Floats, Floats]]
+    ) -> None:
+        self._element = cells.element
+        steps = lattice(cells.corners.shape[2], _SIDE, not cells.tensor)
+        t = steps / _SIDE
+        at, _ = cells.coordinates(t)
+        x = tangents(at.element, at.xi)[0].reshape(len(cells.element), len(t), -1)
+        corner = np.flatnonzero(np.isin(steps, (0, _SIDE)).all(axis=1))
+        if cells.tensor:
+            ends = steps[corner] == _SIDE
+            shape = np.where(ends, t[:, None], 1 - t[:, None]).prod(axis=2)
+        else:  # corners in C order: the first, that along the second direction, along the first
+            shape = np.column_stack([1 - t.sum(axis=1), t[:, ::-1]])
+        corners = x[:, corner]
+        bulge = np.abs(x - shape @ corners).max(axis=1)
+        margin = _SAFETY * bulge
+        self.boxes = Boxes(corners.min(axis=1) - margin, corners.max(axis=1) + margin)
+        self.centre = corners.mean(axis=1)
+        farthest = np.linalg.norm(corners - self.centre[:, None], axis=2).max(axis=1)
+        self.radius = farthest + np.linalg.norm(margin, axis=1)
+        # Not on the edges: a collapsed one has no tangent to start Newton's method with.
+        inner = (steps > 0).all(axis=1)
+        inner &= (steps.sum(axis=1) if not cells.tensor else steps.max(axis=1)) < _SIDE
+        self._starts = at.xi.reshape(*x.shape[:2], -1)[:, inner]
+        self._samples = x[:, inner]
+
+    def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
+        """Pairs worth trying: points, elements, and xi of the sample nearest to the line."""
+        # Room for rounding, beside a reach that may be zero.
+        room = reach + 1e-6 * 2 * float(self.radius.max())
+        point, cell = self.boxes.within(x, room)
+        aim = direction[point]
+        along, across = _apart(self.centre[cell] - x[point], aim)
+        near = _NEAR * self.radius[cell]
+        tried = (across <= near) & (np.abs(along) <= reach + near)
+        point, cell, aim = point[tried], cell[tried], aim[tried]
+        offset = self._samples[cell] - x[point][:, None]
+        along, across = _apart(offset, aim[:, None])
+        best = np.hypot(across, np.maximum(np.abs(along) - reach, 0.0)).argmin(axis=1)
+        return point, self._element[cell], self._starts[cell, best]
+
+
+def _apart(offset: Floats, aim: Floats) -> tuple[Floats, Floats]:
+    """Parts of offsets along unit directions, and how far across, (...,) each."""
+    along = (offset * aim).sum(axis=-1)
+    return along, np.linalg.norm(offset - along[..., None] * aim, axis=-1)

@@ -1,13 +1,12 @@
 """Linear isotropic elasticity."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import is_number
-from cea.errors import InputError, refuse
+from cea.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -29,15 +28,12 @@ class IsotropicMaterial:
     rho: float | None = None
 
     def __post_init__(self) -> None:
-        refuse(self._faults())
-
-    def _faults(self) -> Iterator[InputError]:
         if not (is_number(self.E) and self.E > 0):
-            yield InputError("material.E", self.E, "a positive number (N/m^2)")
+            raise InputError("material.E", self.E, "a positive number (N/m^2)")
         if not (is_number(self.nu) and -1 < self.nu < 0.5):
-            yield InputError("material.nu", self.nu, "between -1 and 0.5, both excluded")
+            raise InputError("material.nu", self.nu, "between -1 and 0.5, both excluded")
         if self.rho is not None and not (is_number(self.rho) and self.rho > 0):
-            yield InputError("material.rho", self.rho, "a positive number (kg/m^3)")
+            raise InputError("material.rho", self.rho, "a positive number (kg/m^3)")
 
     def density(self, field: str) -> float:
         """Density (kg/m^3), which is needed here; refused where there is none."""
@@ -52,18 +48,7 @@ class IsotropicMaterial:
         return lam, self.E / (2 * (1 + self.nu))
 
     def stress(self, gradient: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Cauchy stress from displacement gradients.
-
-        Parameters
-        ----------
-        gradient
-            ``gradient[..., i, j] = d u_i / d x_j``, shape (..., dim, dim).
-
-        Returns
-        -------
-        ndarray
-            Stress (N/m^2), shape (..., dim, dim).
-        """
+        """Cauchy stress (N/m^2) from gradients d u_i / d x_j, shape (..., dim, dim) both."""
         lam, mu = self.lame
         dim = gradient.shape[-1]
         trace = np.trace(gradient, axis1=-2, axis2=-1)[..., None, None]

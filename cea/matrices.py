@@ -119,34 +119,12 @@ def total(matrices: Sequence[Any]) -> Any:
 
 def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
     """Sum of factors times matrices, a new one."""
-    if parts[0][1].comm.size == 1 and (result := _sum_within_the_first(parts)) is not None:
-        return result
     factor, first = parts[0]
     result = first.copy()
     if factor != 1:
         result.scale(factor)
     for factor, matrix in parts[1:]:
         result.axpy(factor, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    return result
-
-
-def _sum_within_the_first(parts: Sequence[tuple[float, Any]]) -> Any | None:
-    """The sum where the first has all entries of the others, else None: no pattern is made anew.
-
-    On one rank, for PETSc is asked to refuse an entry that has no place; another would not hear.
-    """
-    factor, first = parts[0]
-    result = first.copy()
-    if factor != 1:
-        result.scale(factor)
-    result.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, True)
-    try:
-        for factor, matrix in parts[1:]:
-            result.axpy(factor, matrix, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
-    except PETSc.Error:
-        destroy(result)
-        return None
-    result.setOption(PETSc.Mat.Option.NEW_NONZERO_LOCATION_ERR, False)
     return result
 
 
@@ -160,6 +138,13 @@ def absolute(matrix: Any) -> Any:
     rows = local_part(matrix)
     np.abs(rows.data, out=rows.data)
     return distributed(rows, matrix.getSizes()[1], matrix.comm, shared=True)
+
+
+def squared(matrix: Any) -> Any:
+    """Squares of the entries of a PETSc AIJ matrix, a new one."""
+    part = local_part(matrix)
+    part.data = part.data**2
+    return distributed(part, matrix.getSizes()[1], matrix.comm)
 
 
 def block_diagonal(blocks: Sequence[Any]) -> Any:

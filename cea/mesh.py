@@ -38,17 +38,15 @@ class Mesh:
 
     Nodes of a cell are those of a lattice on the reference cell, (i, j, k)/order with
     0 <= i, j, k <= order in boxes (squares in the plane), i + j + k <= order in simplices besides,
-    and listed in C order: the last index runs fastest (:func:`reference_nodes`), as in
-    :class:`cea.volume.VolumeCells`. So
+    and listed in C order: the last index runs fastest. So
 
     - linear triangles and tetrahedra list their corners in any order;
-    - a linear quadrilateral lists (0,0), (0,1), (1,0), (1,1): of corners that go around,
-      ``cells[:, [0, 3, 1, 2]]``;
-    - a linear hexahedron lists (0,0,0), (0,0,1), (0,1,0), (0,1,1), (1,0,0), ...: of corners that
-      go around the bottom, then around the top, ``cells[:, [0, 4, 3, 7, 1, 5, 2, 6]]``.
+    - of corners that go around a linear quadrilateral take ``cells[:, [0, 3, 1, 2]]``;
+    - of corners that go around the bottom, then the top of a linear hexahedron take
+      ``cells[:, [0, 4, 3, 7, 1, 5, 2, 6]]``.
 
     :func:`node_order` finds such an order for any cell and program. Cells of either handedness are
-    taken, so that lists in which the first index runs fastest do as well.
+    taken.
 
     Parameters
     ----------
@@ -62,9 +60,8 @@ class Mesh:
         Nodes of each cell, as rows of ``points`` counted from 0, shape (n_cells, n_nodes).
     surfaces
         Facets (edges in the plane) of each named surface by all their nodes, in any order, shape
-        (n_facets, n_facet_nodes); kept in the order in which their cells list them. A facet lies
-        on the boundary of the mesh and belongs to one surface at most; the rest of the boundary
-        needs no name.
+        (n_facets, n_facet_nodes). A facet lies on the boundary of the mesh and belongs to one
+        surface at most; the rest of the boundary needs no name.
 
     Raises
     ------
@@ -119,15 +116,10 @@ class Mesh:
         if twice.any():
             worst = self.cells[np.argmax(twice)].tolist()
             raise InputError("cells", worst, "different nodes in each cell")
-        # Sums of random numbers tell apart cells without sorting them all.
-        marks = np.random.default_rng(0).integers(2**63, size=len(self.points), dtype=np.uint64)
-        sums = marks[self.cells].sum(axis=1, dtype=np.uint64)
-        order = np.argsort(sums, kind="stable")
-        alike = np.flatnonzero(np.diff(sums[order]) == 0)
-        same = (ordered[order[alike]] == ordered[order[alike + 1]]).all(axis=1)
-        if same.any():
-            worst = self.cells[order[alike[np.argmax(same)]]].tolist()
-            raise InputError("cells", worst, "each cell once")
+        group = _same_rows(ordered)
+        alike = np.flatnonzero(np.bincount(group)[group] > 1)
+        if alike.size:
+            raise InputError("cells", self.cells[alike[0]].tolist(), "each cell once")
 
     def _numbers(self, field: str, nodes: ArrayLike, per_row: int) -> Ints:
         """Node numbers as an array, checked."""
@@ -199,23 +191,9 @@ def facet_nodes(cell: Cell, order: int) -> list[Ints]:
 def node_order(cell: Cell, order: int, nodes: ArrayLike) -> Ints:
     """Order that turns another program's list of the nodes of a cell into that of :class:`Mesh`.
 
-    Parameters
-    ----------
-    cell, order
-        Kind and order of the cell.
-    nodes
-        Nodes of the reference cell in the order of the other program, shape (n_nodes, dim); its
-        reference cell reaches from 0 to 1.
-
-    Returns
-    -------
-    ndarray
-        Numbers such that ``cells[:, numbers]`` are in the order of :class:`Mesh`, (n_nodes,).
-
-    Raises
-    ------
-    InputError
-        When the nodes are not those of the cell.
+    Of nodes of the reference cell, from 0 to 1, in the order of the other program, (n_nodes, dim),
+    numbers such that ``cells[:, numbers]`` are in that of :class:`Mesh`; refused when they are not
+    those of the cell.
     """
     return matching_nodes(reference_nodes(cell, order), np.asarray(nodes, dtype=float))
 

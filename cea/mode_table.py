@@ -1,7 +1,6 @@
 """Tables of modes: rows for programs, text for a terminal, HTML for a notebook.
 
-Modes bear numbers from 1 wherever one is told; arrays of them are indexed from 0 as all arrays are.
-Colour is never the only sign of a verdict: each has a mark.
+Modes bear numbers from 1 wherever one is told. Colour is never the only sign of a verdict.
 """
 
 from collections.abc import Mapping, Sequence
@@ -49,34 +48,19 @@ _COLOURS = {"unstable": "#c0392b", "grows slowly": "#b3541e", "undecided": "#9a6
 class ModeTable(list[dict[str, Any]]):
     """Rows of modes, each a dictionary; a list that pandas takes, and that shows itself.
 
-    Parameters
-    ----------
-    rows
-        ``mode`` (number from 1), ``frequency`` (Hz), ``growth_rate`` (1/s), ``damping_ratio`` (None
-        of rigid modes), ``verdict``, ``unstable``, ``rigid``, ``uncertainty`` (1/s), ``residual``,
-        ``condition``.
+    Rows have ``mode`` (number from 1), ``frequency`` (Hz), ``growth_rate`` (1/s), ``damping_ratio``
+    (None of rigid modes), ``verdict``, ``unstable``, ``rigid``, ``uncertainty`` (1/s),
+    ``residual``, ``condition``.
     """
 
     def column(self, name: str) -> NDArray[Any]:
-        """One field of every row, shape (n,); NaN where a number is None.
-
-        Raises
-        ------
-        InputError
-            When rows have no such field.
-        """
+        """One field of every row, shape (n,); NaN where a number is None."""
         if self and name not in self[0]:
             raise InputError("name", name, f"one of {', '.join(self[0])}")
         return np.array([np.nan if row[name] is None else row[name] for row in self])
 
     def to_pandas(self) -> Any:
-        """A ``pandas.DataFrame`` whose index is the number of the mode.
-
-        Raises
-        ------
-        InputError
-            When pandas is not installed, which nothing else needs.
-        """
+        """A ``pandas.DataFrame`` whose index is the number of the mode."""
         if find_spec("pandas") is None:
             raise InputError("pandas", "not installed", "installed: the program itself needs none")
         return import_module("pandas").DataFrame.from_records(list(self), index="mode")
@@ -89,13 +73,7 @@ class ModeTable(list[dict[str, Any]]):
 
 
 def shown_cells(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
-    """Text of what is shown of each mode, by the names of :data:`TITLES`.
-
-    Parameters
-    ----------
-    rows
-        Rows of a :class:`ModeTable`.
-    """
+    """Text of what is shown of each mode, by the names of :data:`TITLES`."""
     places = _places(max((row["frequency"] for row in rows), default=0.0))
     return [
         {

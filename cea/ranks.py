@@ -12,18 +12,7 @@ class FaultOnRankError(RuntimeError):
 
 @contextmanager
 def agreed(comm: Any) -> Iterator[None]:
-    """Run a block that sends no messages; a fault on any rank ends it on every rank.
-
-    Parameters
-    ----------
-    comm
-        MPI communicator (mpi4py); leaving the block is collective.
-
-    Raises
-    ------
-    Exception
-        That of the lowest rank whose block raised one, of whatever kind.
-    """
+    """Run a block that sends no messages; a fault on any rank ends it on every rank; collective."""
     fault = None
     try:
         yield

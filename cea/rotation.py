@@ -5,43 +5,31 @@ A particle that the rotation alone carries to x at time t is found at x + u(x, t
     Omega a x r + D u,     D = d/dt + Omega R,     R u = (a x r) . grad u  =  d u / d theta
 
 with the unit vector a of the axis, the rate Omega, r = x - origin, and the derivative taken of each
-Cartesian component. D once more gives its acceleration. In the weak form, with the test function v,
+Cartesian component. In the weak form, with the test function v,
 
     M = int rho v . u
     Y = 2 Omega int rho v . R u  =  Omega int rho (v . R u - R v . u)      gyroscopic, skew
     - Omega^2 Z,  Z = int rho R v . R u                                     convective stiffness
 
-On an axisymmetric body a x r has no divergence and no normal component, so that R goes over to the
-test function by parts: v . R u + R v . u integrates to zero. Y is assembled as its skew part.
+On an axisymmetric body a x r has no divergence and no normal component: v . R u + R v . u
+integrates to zero, and Y is assembled as its skew part.
 
-D holds all inertia, Coriolis forces too: in the frame of the body its modes turn against each
-other a little. Without Coriolis forces the displacement is carried along with its directions,
+D holds all inertia, Coriolis forces too. Without Coriolis forces the displacement is carried along
+with its directions, R u = (a x r) . grad u - a x u: R then commutes with the elasticity of the
+body, and a free body has exactly the eigenvalues lambda_0 +- i m Omega, m the number of nodal
+diameters, as far as Z is there (Genta, Dynamics of Rotating Systems, 2005). The geometric stiffness
+of the centrifugal forces, of the order of Z too, is not part of either.
 
-    R u = (a x r) . grad u - a x u,
-
-which is the derivative of the components along r, theta and z. R then commutes with the elasticity
-of the body, and a free body has exactly the eigenvalues lambda_0 +- i m Omega, m the number of
-nodal diameters, as far as Z is there (Genta, Dynamics of Rotating Systems, 2005).
-
-Stresses of the centrifugal forces, whose geometric stiffness is of the order of Z too, are not
-part of either.
-
-Damping of the material acts on the velocity that the material sees,
-
-    d u / d t + Omega R u,     R u = (a x r) . grad u - a x u,
-
-whatever the Coriolis forces: the strain rate is eps(u_t + Omega R u). Beside C u_t stands the
-circulatory stiffness Omega C R, without which waves that run backwards would be fed. On the space
-of the body R u is its L2 projection, R = M^-1 B with B = int rho v . R u, skew:
+Damping of the material acts on the velocity that the material sees, d u / d t + Omega R u with the
+R that carries directions along, whatever the Coriolis forces. Beside C u_t stands the circulatory
+stiffness Omega C R, without which waves that run backwards would be fed. On the space of the body
+R u is its L2 projection, R = M^-1 B with B = int rho v . R u, skew:
 
     Rayleigh damping alpha M + beta K      alpha Omega B + beta Omega K M^-1 B
     modal damping                          Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T
 
-so that of a mode x of the body x^H K M^-1 B x = omega^2 x^H B x: there is no energy in it but by
-damping, and decay does not depend on the frame. Both R and K keep to what supports leave free where
-these are alike all round the axis. M^-1 is full: the products are never formed
-(:mod:`cea.eigen.unformed`). Springs and friction stay where they are in space; no rotation
-enters their damping.
+M^-1 is full: the products are never formed (:mod:`cea.eigen.unformed`). Springs and friction stay
+where they are in space; no rotation enters their damping.
 """
 
 from dataclasses import dataclass, replace
@@ -91,13 +79,7 @@ class Rotation:
             raise InputError("rotation.origin", self.origin, "finite coordinates (m)")
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse an axis that leaves the plane oblique, and an origin beside it.
-
-        Raises
-        ------
-        InputError
-            Naming axis or origin below the name of the field.
-        """
+        """Refuse an axis that leaves the plane oblique, and an origin beside it."""
         if dim == 2 and any(self.axis[:2]):
             raise InputError(f"{field}.axis", self.axis, "an axis along z in the plane")
         if dim == 2 and self.origin[2]:

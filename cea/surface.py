@@ -5,7 +5,7 @@ scalar dof numbers of one layer of cells, so that points, location and trace nee
 
 Where its normal jumps the surface has a corner. Corners divide it into smooth parts: a point at a
 corner has the normal of the element whose coordinates it bears, and rules have one point there for
-each part (:mod:`cea.corners`).
+each part (:mod:`cea.surface_points`).
 """
 
 from abc import ABC, abstractmethod
@@ -19,17 +19,20 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
-from cea.candidates import CellBounds
-from cea.corners import connected, equal_shares, pairs_of_equal, smooth_parts, split_functions
 from cea.errors import InputError
-from cea.location import locate_along
+from cea.location import CellBounds, locate_along
+from cea.mesh import lattice
 from cea.surface_points import (
     Location,
     SurfaceCells,
     SurfaceCoordinates,
     SurfacePoints,
+    connected,
+    equal_shares,
     gauss_rule,
-    lattice,
+    pairs_of_equal,
+    smooth_parts,
+    split_functions,
 )
 
 _MERGE = 1e-7
@@ -40,27 +43,11 @@ class TrueSurface(Protocol):
     """The surface of a shape that facets of a mesh interpolate."""
 
     def distance(self, x: Floats, direction: Floats) -> Floats:
-        """Signed distance (m) along directions from points beside the surface to it, (n,).
-
-        Parameters
-        ----------
-        x
-            Points (m), shape (n, dim).
-        direction
-            Unit directions that do not lie in the surface, shape (n, dim).
-        """
+        """Signed distance (m) to it along unit directions from points x (m), (n, dim): (n,)."""
         ...
 
     def normal(self, x: Floats, near: Floats) -> Floats:
-        """Unit normals, shape (n, dim), at points beside the surface (m), shape (n, dim).
-
-        Parameters
-        ----------
-        x
-            Points (m), shape (n, dim).
-        near
-            Unit normals of the facets there, which tell the outside, shape (n, dim).
-        """
+        """Its unit normals at points x (m), outward as those of the facets near them, (n, dim)."""
         ...
 
 
@@ -177,39 +164,23 @@ class Surface(ABC):
         return self.area_normals(at)[1]
 
     def known(self, at: SurfaceCoordinates) -> Ints:
-        """Elements of points, once checked that each has one.
-
-        Raises
-        ------
-        InputError
-            When a point was missed.
-        """
+        """Elements of points, once checked that none was missed."""
         if len(at) and not 0 <= at.element.min() <= at.element.max() < self.num_elements:
             wrong = [at.element.min(), at.element.max()]
             raise InputError("at.element", wrong, f"0 to {self.num_elements - 1}: points found")
         return at.element
 
     def offset(self, at: SurfaceCoordinates, direction: Floats) -> Floats:
-        """Signed distance (m) from the surface as meshed to that of the shape, shape (n,).
+        """Signed distance (m) along unit directions from the surface to that of the shape, (n,).
 
         Zero where the surface is that of the shape, or no shape is known.
-
-        Parameters
-        ----------
-        at
-            Points of the surface.
-        direction
-            Unit directions along which it is measured, shape (n, dim).
         """
         if self._true is None:
             return np.zeros(len(at))
         return self._true.distance(self.position(at), direction)
 
     def normal_error(self, at: SurfaceCoordinates) -> Floats:
-        """Normals as meshed less those of the shape, shape (n, dim).
-
-        Zero where the surface is that of the shape, or no shape is known.
-        """
+        """Normals less those of the shape, (n, dim); zero where no shape is known."""
         normal = self.normal(at)
         if self._true is None:
             return np.zeros_like(normal)
@@ -224,11 +195,6 @@ class Surface(ABC):
 
         In triangles the collapsed product of Gauss-Legendre and Gauss-Jacobi points, exact to
         degree 2n - 1 as in rectangles, the Gauss-Jacobi points along the second direction.
-
-        Raises
-        ------
-        InputError
-            When n is less than 1.
         """
         if n < 1:
             raise InputError("gauss_points", n, "at least one per direction")
@@ -241,18 +207,7 @@ class Surface(ABC):
     def abscissae(self, kind: str, weights: str = "equal") -> SurfacePoints:
         """Abscissae of the split trace space, each once: at a corner once for each smooth part.
 
-        Parameters
-        ----------
-        kind
-            One of ``abscissa_kinds``.
-        weights
-            One of ``abscissa_weights``: ``equal`` shares the area of each smooth part evenly among
-            its points; the others are :meth:`shares`.
-
-        Raises
-        ------
-        InputError
-            When the surface has no abscissae or weights of this kind.
+        Weights are ``equal`` shares of the area of each smooth part, or :meth:`shares`.
         """
         if kind not in self.abscissa_kinds:
             raise InputError("abscissae", kind, f"one of {', '.join(self.abscissa_kinds)}")
@@ -270,16 +225,11 @@ class Surface(ABC):
         n per direction over each face of a NURBS patch (in its parameters), or n per side of each
         facet of a mesh; both include the boundary. The area of each smooth part is shared evenly
         among its points.
-
-        Raises
-        ------
-        InputError
-            When n is less than 2.
         """
         if n < 2:
             raise InputError("grid", n, "at least two points per direction, the ends")
         low, high = self.domains
-        t = lattice(n - 1, self.dim - 1, simplex=not self.cells().tensor) / (n - 1)
+        t = lattice(self.dim - 1, n - 1, not self.cells().tensor) / (n - 1)
         xi = low[:, None] + t * (high - low)[:, None]
         element = np.repeat(np.arange(len(low)), len(t))
         at = SurfaceCoordinates(element, xi.reshape(-1, self.dim - 1))
@@ -298,7 +248,7 @@ class Surface(ABC):
         """Values of the trace functions split at corners, shape (n, num_scalar_dofs + further).
 
         A function that reaches over a corner is one function for each smooth part: one in its own
-        column, the others in further columns. Without corners it is the trace.
+        column, the others in further columns.
         """
         self.known(at)
         count = max(self.num_scalar_dofs, int(self.functions.max(initial=0)) + 1)
@@ -325,17 +275,7 @@ class Surface(ABC):
         return SurfacePoints(at, x, normal, equal_shares(self._parts[at.element], areas, self.area))
 
     def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
-        """Find points on the surface along a direction (:mod:`cea.location`).
-
-        Parameters
-        ----------
-        x
-            Points (m), shape (n, dim).
-        direction
-            Unit directions, shape (n, dim).
-        reach
-            Largest distance (m) along the direction, either way.
-        """
+        """Find points (m) along unit directions, (n, dim) each, within a reach (m) either way."""
         return locate_along(self, x, direction, reach)
 
     def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:

@@ -1,15 +1,28 @@
-"""Points, cells and locations of contact surfaces: plain data."""
+"""Points, cells and locations of contact surfaces, and corners where the normal jumps.
+
+A contact closes gaps along one normal at each point. A trace function that reaches over a corner
+would average gaps along two: it is split into one function for each smooth part of the surface that
+it reaches. A point at a corner likewise becomes one point for each smooth part, with the normal and
+the area of that part.
+"""
 
 from dataclasses import dataclass
 from enum import IntEnum
-from itertools import product
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 from scipy.special import roots_jacobi, roots_legendre
 
 from cea.arrays import Floats, Ints
+
+TANGENT = np.cos(np.deg2rad(1.0))
+"""Least cosine between normals of faces that join smoothly.
+
+Programs that draw faces take them for tangent within about a degree.
+"""
 
 
 class Status(IntEnum):
@@ -22,18 +35,10 @@ class Status(IntEnum):
 
 @dataclass(frozen=True)
 class SurfaceCoordinates:
-    """Points of a surface in its own coordinates.
+    """Points of a surface in its own coordinates."""
 
-    Parameters
-    ----------
-    element
-        Surface element (facet, or face of a patch) that holds each point, shape (n,).
-    xi
-        Reference coordinates in that element, shape (n, dim - 1).
-    """
-
-    element: Ints
-    xi: Floats
+    element: Ints  # facet, or face of a patch, that holds each point, shape (n,)
+    xi: Floats  # reference coordinates in that element, shape (n, dim - 1)
 
     def __len__(self) -> int:
         return len(self.element)
@@ -44,24 +49,12 @@ class SurfaceCoordinates:
 
 @dataclass(frozen=True)
 class SurfacePoints:
-    """Points of a rule on a surface.
-
-    Parameters
-    ----------
-    at
-        Where the points lie, in coordinates of the surface.
-    x
-        Positions (m), shape (n, dim).
-    normal
-        Outward unit normals, shape (n, dim).
-    weight
-        Area weights (m^2; m in 2D), shape (n,).
-    """
+    """Points of a rule on a surface."""
 
     at: SurfaceCoordinates
-    x: Floats
-    normal: Floats
-    weight: Floats
+    x: Floats  # positions (m), shape (n, dim)
+    normal: Floats  # outward unit normals, shape (n, dim)
+    weight: Floats  # area weights (m^2; m in 2D), shape (n,)
 
     def __len__(self) -> int:
         return len(self.x)
@@ -72,24 +65,12 @@ class SurfacePoints:
 
 @dataclass(frozen=True)
 class SurfaceCells:
-    """Cells of a surface, inside which its traces are smooth: facets, or knot spans of patches.
+    """Cells of a surface, inside which its traces are smooth: facets, or knot spans of patches."""
 
-    Parameters
-    ----------
-    element
-        Surface element of each cell, shape (n,).
-    corners
-        Corners in the element's coordinates, in cyclic order, shape (n, corners, dim - 1).
-    degree
-        Highest degree of the traces along a direction.
-    tensor
-        Whether traces have that degree along each direction, rather than in all.
-    """
-
-    element: Ints
-    corners: Floats
-    degree: int
-    tensor: bool
+    element: Ints  # surface element of each cell, shape (n,)
+    corners: Floats  # in coordinates of the element, in cyclic order, shape (n, corners, dim - 1)
+    degree: int  # highest degree of the traces along a direction
+    tensor: bool  # whether traces have that degree along each direction, rather than in all
 
     def coordinates(self, t: Floats) -> tuple[SurfaceCoordinates, Floats]:
         """The same points of each cell, cell by cell, and the extent of each in xi, (n,)."""
@@ -103,28 +84,14 @@ class SurfaceCells:
 
 @dataclass(frozen=True)
 class Location:
-    """Points found, or missed, on a surface along given directions.
+    """Points found, or missed, on a surface along given directions."""
 
-    Parameters
-    ----------
-    at
-        Where each point was found; the nearest candidate where it was missed.
-    distance
-        Signed distance (m) along the direction from the point to the surface, shape (n,).
-    miss
-        Distance (m) by which the line through the point misses the surface, shape (n,);
-        infinite where no element was near enough to try.
-    status
-        One :class:`Status` per point, shape (n,).
-    tolerance
-        Miss allowed, relative to the local mesh size.
-    """
-
-    at: SurfaceCoordinates
-    distance: Floats
+    at: SurfaceCoordinates  # where each was found; the nearest candidate where it was missed
+    distance: Floats  # signed distance (m) along the direction to the surface, shape (n,)
+    # distance (m) by which the line misses the surface, infinite where nothing was near, (n,)
     miss: Floats
-    status: NDArray[np.int8]
-    tolerance: float
+    status: NDArray[np.int8]  # one :class:`Status` per point, shape (n,)
+    tolerance: float  # miss allowed, relative to the local mesh size
 
     def __getitem__(self, rows: Any) -> "Location":
         distance, miss, status = self.distance[rows], self.miss[rows], self.status[rows]
@@ -136,17 +103,10 @@ class Location:
         return self.status == Status.MISSED
 
 
-def lattice(n: int, dim: int, *, simplex: bool) -> Ints:
-    """Points i, j >= 0 of a lattice in C order: i, j <= n, or i + j <= n, shape (m, dim)."""
-    points = np.array(list(product(range(n + 1), repeat=dim)))
-    return points[points.sum(axis=1) <= n] if simplex else points
-
-
 def gauss_rule(n: int, dim: int, *, simplex: bool) -> tuple[Floats, Floats]:
     """Points (m, dim) and weights (m,), n per direction, of the unit interval, square or triangle.
 
-    In a triangle collapsed, with Gauss-Jacobi points along the first direction. Weights add up to
-    the length or area.
+    In a triangle collapsed, with Gauss-Jacobi points along the first direction.
     """
     t, w = roots_legendre(n)
     t, w = (1 + t) / 2, w / 2
@@ -159,3 +119,45 @@ def gauss_rule(n: int, dim: int, *, simplex: bool) -> tuple[Floats, Floats]:
     across = np.where(simplex, 1 - first, 1.0)
     points = np.stack([np.repeat(first, n), np.outer(across, t).ravel()], axis=1)
     return points, np.outer(weight, w).ravel()
+
+
+def pairs_of_equal(numbers: Ints) -> Ints:
+    """All pairs of entries that have the same number, shape (pairs, 2)."""
+    order = np.argsort(numbers, kind="stable")
+    rising = numbers[order]
+    pairs = [np.empty((0, 2), dtype=np.int64)]
+    for apart in range(1, len(rising)):
+        same = np.flatnonzero(rising[apart:] == rising[:-apart])
+        if not same.size:
+            break
+        pairs.append(np.column_stack([order[same], order[same + apart]]))
+    return np.concatenate(pairs)
+
+
+def connected(pairs: Ints, count: int) -> Ints:
+    """Group of each of ``count`` entries: paired entries are in one, numbers from 0."""
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+
+
+def split_functions(dofs: Ints, groups: Ints, count: int) -> Ints:
+    """Number of the split function of each entry, an entry for each function on each element."""
+    _, first = np.unique(groups, return_index=True)
+    number = dofs[first]
+    further = np.ones(len(first), dtype=bool)
+    further[np.unique(number, return_index=True)[1]] = False
+    number[further] = count + np.arange(further.sum())
+    return number[groups]
+
+
+def smooth_parts(element: Ints, functions: Ints, num_elements: int) -> Ints:
+    """Smooth part of each element: elements that share a split function are in one."""
+    count = num_elements + int(functions.max(initial=0)) + 1
+    pairs = np.column_stack([element, num_elements + functions])
+    return connected(pairs, count)[:num_elements]
+
+
+def equal_shares(part: Ints, areas: Floats, area: float) -> Floats:
+    """Weights of points of which each has the same share of the area of its smooth part."""
+    number = np.maximum(np.bincount(part, minlength=len(areas)), 1)
+    return (area * (areas / areas.sum()) / number)[part]

@@ -8,15 +8,9 @@ STAGES = ("meshing", "search", "assembly", "factorisation", "krylov", "post-proc
 
 
 class StageTimer:
-    """Seconds spent in each named stage of a run.
+    """Seconds of the clock, and of the processor for this process, spent in named stages of a run.
 
-    ``seconds`` are those of the clock; ``processor_seconds`` those that the processor worked for
-    this process, which other programs disturb less.
-
-    Parameters
-    ----------
-    listener
-        Called with the name of each stage as it begins, e.g. to show progress.
+    The listener is called with the name of each stage as it begins, to show progress.
     """
 
     def __init__(self, listener: Callable[[str], None] | None = None) -> None:
@@ -38,7 +32,7 @@ class StageTimer:
             self.processor_seconds[stage] = before + process_time() - worked
 
     def add(self, stage: str, seconds: float) -> None:
-        """Count ``seconds`` of the clock towards ``stage``."""
+        """Count seconds of the clock towards a stage."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
 
     @property

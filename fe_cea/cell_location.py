@@ -8,7 +8,7 @@ import basix
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.candidates import Boxes
+from cea.location import Boxes
 from fe_cea.facets import geometry_element, slices
 
 _MAX_ITERATIONS = 40

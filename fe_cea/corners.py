@@ -10,7 +10,7 @@ their far ends. Those that turn by more meet at a corner.
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.corners import TANGENT, pairs_of_equal
+from cea.surface_points import TANGENT, pairs_of_equal
 
 CREASE = np.cos(np.deg2rad(50.0))
 """Facets whose normals differ by more meet at a corner, whatever they do elsewhere.

@@ -155,13 +155,9 @@ class LagrangeSpace(LagrangeMatrices):
         """
         if self.scalar.mesh.geometry.cmaps[0].degree > self.scalar.ufl_element().degree:
             return None
-        return np.concatenate(self.comm.allgather(self.node_positions))
-
-    @property
-    def node_positions(self) -> Floats:
-        """Nodes of this rank (m), shape (n_local, dim)."""
         first, last = self.scalar.dofmap.index_map.local_range
-        return np.asarray(self.scalar.tabulate_dof_coordinates()[: last - first, : self.dim])
+        own = self.scalar.tabulate_dof_coordinates()[: last - first, : self.dim]
+        return np.concatenate(self.comm.allgather(own))
 
     def prolongation(self, coarse: "LagrangeSpace") -> tuple[csr_array, float]:
         """Functions of the space of a coarser mesh (:mod:`fe_cea.prolongation`)."""

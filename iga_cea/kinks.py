@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from cea.arrays import Floats
-from cea.corners import TANGENT
+from cea.surface_points import TANGENT
 from iga_cea.face import PatchFace
 from iga_cea.face_shape import FaceShape
 from iga_cea.grids import grid_points

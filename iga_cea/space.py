@@ -113,11 +113,6 @@ class NurbsSpace:
         """Control points (m), (num_scalar_dofs, dim): weights are those of the geometry."""
         return self.multipatch.control_points
 
-    @property
-    def node_positions(self) -> None:
-        """None: control points do not lie in the body."""
-        return None
-
     def prolongation(self, coarse: "NurbsSpace") -> tuple[csr_array, float]:
         """Functions of coarser patches (:mod:`iga_cea.prolongation`)."""
         rank, field = self.comm.rank, f"{self._field}.patches"

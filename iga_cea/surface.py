@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-from cea.corners import TANGENT
 from cea.surface import Surface
-from cea.surface_points import SurfaceCells, SurfaceCoordinates
+from cea.surface_points import TANGENT, SurfaceCells, SurfaceCoordinates
 from iga_cea.face import PatchFace
 from iga_cea.grids import chunks, grid_points
 from iga_cea.kinks import smooth_pieces

@@ -35,10 +35,9 @@ def run_along(shape: Shape, edges: Sequence[Edge]) -> int | None:
         for name, (low, high) in zip(directions, shape.extent, strict=True):
             inside = low <= edge.get(name, low) <= high
             require(inside, "edges", dict(edge), f"{name} from {low} to {high}")
-        on_rim = not isinstance(shape, Disc) or (
-            edge.get("r") == shape.outer_radius and "z" in edge
-        )
-        require(on_rim, "edges", dict(edge), "r of the rim, and z")
+        if isinstance(shape, Disc):
+            on_rim = edge.get("r") == shape.outer_radius and "z" in edge
+            require(on_rim, "edges", dict(edge), "r of the rim, and z")
     return next((i for i, name in enumerate(directions) if name not in known[0]), None)
 
 
@@ -56,8 +55,7 @@ def fit(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge]) -> bool:
     for edge in edges:
         places = (np.abs(breaks[axis] - edge[directions[axis]]).argmin() for axis in axes)
         at[tuple(places)] = True
-    a, b, c, d = at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]
-    opposite = (a & d) | (b & c)
+    opposite = (at[:-1, :-1] & at[1:, 1:]) | (at[:-1, 1:] & at[1:, :-1])
     return not opposite.any()
 
 
@@ -70,12 +68,8 @@ def edge_nodes(
             at = int(np.abs(each - edge[name]).argmin())
             from_end = (len(each) - 1 - at) * order
             near = abs(each[at] - edge[name]) <= 1e-9 * (each[-1] - each[0])
-            require(
-                bool(near and from_end < node.shape[axis]),
-                "edges",
-                dict(edge),
-                f"element boundaries along {name}",
-            )
+            fits = bool(near and from_end < node.shape[axis])
+            require(fits, "edges", dict(edge), f"element boundaries along {name}")
             node = np.take(node, node.shape[axis] - 1 - from_end, axis=axis)
     return node.ravel()
 

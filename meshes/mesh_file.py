@@ -107,9 +107,9 @@ class MeshFile:
 
     def __post_init__(self) -> None:
         check_unit(self.unit)
-        distance = self.merge_nodes
-        fits = distance is None or 0 < distance < np.inf
-        require(fits, "merge_nodes", distance, "a positive distance in the unit of the file")
+        fits = self.merge_nodes is None or 0 < self.merge_nodes < np.inf
+        allowed = "a positive distance in the unit of the file"
+        require(fits, "merge_nodes", self.merge_nodes, allowed)
         faces = {name: _one_or_more(sets) for name, sets in self.faces.items()}
         object.__setattr__(self, "faces", faces)
         empty = [name for name, sets in faces.items() if not sets]

@@ -80,20 +80,18 @@ def _check(shape: Shape, cell: Cell, order: int, breaks: Breaks | None, size: fl
     require(not isinstance(shape, Patches), "shape", shape.shape, "a shape that can be meshed")
     fitting = [name for name, dim in DIMENSION.items() if dim == len(shape.directions)]
     require(cell in fitting, "cell", cell, f"{' or '.join(fitting)} for shape = {shape.shape!r}")
-    highest = MAX_ORDER
-    if isinstance(shape, VentilatedDisc):
+    ventilated = isinstance(shape, VentilatedDisc)
+    if ventilated:
         require(cell == "tetrahedron", "cell", cell, f"tetrahedron for shape = {shape.shape!r}")
         require(breaks is None, "breaks", breaks, f"None for shape = {shape.shape!r}: size instead")
-        highest = MAX_CURVED
+    highest = MAX_CURVED if ventilated else MAX_ORDER
     require(1 <= order <= highest, "order", order, f"1 to {highest}")
-    if cell in SIMPLICES:
-        if breaks is None:
-            allowed = "a positive length (m), or breaks of a structured mesh"
-            require(size is not None and 0 < size < np.inf, "size", size, allowed)
-            return
+    if cell in SIMPLICES and breaks is None:
+        allowed = "a positive length (m), or breaks of a structured mesh"
+        require(size is not None and 0 < size < np.inf, "size", size, allowed)
+    else:
         require(size is None, "size", size, f"None: a {cell} mesh of breaks follows them")
-    require(size is None, "size", size, f"None: a {cell} mesh follows the breaks")
-    _check_breaks(shape, breaks)
+        _check_breaks(shape, breaks)
 
 
 def _check_breaks(shape: Shape, breaks: Breaks | None) -> None:

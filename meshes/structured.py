@@ -1,6 +1,4 @@
-"""Structured meshes of the shapes: quadrilaterals or hexahedra between breaks.
-
-Nodes of curved cells: polynomials through Gauss-Lobatto points, given at equispaced nodes.
+"""Structured meshes of the shapes: boxes between breaks, or the simplices that they divide into.
 
 A polynomial of degree k through the equispaced points of an arc errs by h^(k+1), with a mean that
 does not vanish when k is odd, and so do the eigenvalues of a body so bounded. Through the
@@ -8,11 +6,10 @@ Gauss-Lobatto points the mean error is h^(2k), the order at which eigenvalues of
 degree k converge. Mesh files hold equispaced nodes: those here lie on that polynomial. Up to
 order 2 the two sets of points are one.
 
-Meshes of simplices made of meshes of boxes: each quadrilateral gives two, each hexahedron six.
-
-The six tetrahedra of a hexahedron have the diagonal from its first to its last corner in common and
-go along one direction after the other (H. W. Kuhn, IBM J. Res. Dev. 4, 1960). Neighbours divide
-their common face alike when parallel edges run the same way through the whole mesh.
+Each quadrilateral gives two triangles, each hexahedron six tetrahedra that have the diagonal from
+its first to its last corner in common and go along one direction after the other (H. W. Kuhn, IBM
+J. Res. Dev. 4, 1960). Neighbours divide their common face alike when parallel edges run the same
+way through the whole mesh.
 """
 
 from collections.abc import Sequence
@@ -27,10 +24,10 @@ from scipy.special import roots_jacobi
 
 from cea.errors import require
 from cea.mesh import Floats, Ints, Mesh, lattice
-from meshes.breaks import Breaks
+from meshes.breaks import CLOSED, Breaks
 from meshes.edge_layers import Edge, edge_nodes, run_along, with_layers
 from meshes.placement import Placement
-from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, Shape
+from meshes.shapes import Box, Disc, Hub, Rectangle, Shape
 
 
 def lobatto(order: int) -> Floats:
@@ -76,6 +73,7 @@ def _monomials(points: Floats, order: int) -> Floats:
 Region = tuple[slice | int, ...]
 """Part of a lattice: a range of its cells along a direction, or the number of a break across it."""
 
+Sides = tuple[tuple[str, Region], ...]
 _ALL = slice(None)
 
 
@@ -85,7 +83,7 @@ class Lattice:
 
     node: Ints
     solids: tuple[Region, ...]
-    sides: tuple[tuple[str, Region], ...]
+    sides: Sides
 
     def cells(self, region: Region, offsets: Ints, order: int) -> Ints:
         """Nodes of the cells of a region, (n_cells, n_nodes)."""
@@ -121,16 +119,13 @@ def lattices(shape: Shape, breaks: Breaks, order: int) -> tuple[Floats, list[Lat
         return points, [_hub(shape, breaks, nodes[0])]
     whole: Region = (_ALL,) * len(breaks)
     if isinstance(shape, Disc):
-        faces: list[tuple[str, Region]] = [("bottom", (_ALL, _ALL, 0)), ("top", (_ALL, _ALL, -1))]
-        rim: tuple[str, Region] = ("outer", (-1, _ALL, _ALL))
+        faces: Sides = (("bottom", (_ALL, _ALL, 0)), ("top", (_ALL, _ALL, -1)))
+        around: Sides = (("outer", (-1, _ALL, _ALL)), *faces)
         square, ring = nodes
-        return points, [
-            Lattice(square, (whole,), tuple(faces)),
-            Lattice(ring, (whole,), (rim, *faces)),
-        ]
-    closed = isinstance(shape, Annulus | Ring)
+        return points, [Lattice(square, (whole,), faces), Lattice(ring, (whole,), around)]
     ends = [(axis, end) for axis in range(len(breaks)) for end in (0, -1)]
-    ends = [(axis, end) for axis, end in ends if not (closed and axis == 1)]
+    if isinstance(shape, CLOSED):
+        ends = [(axis, end) for axis, end in ends if axis != 1]
     walls = [(*whole[:axis], end, *whole[axis + 1 :]) for axis, end in ends]
     return points, [Lattice(nodes[0], (whole,), tuple(zip(shape.surfaces, walls, strict=True)))]
 
@@ -148,7 +143,7 @@ def _plane(shape: Shape, breaks: Breaks, order: int) -> tuple[Floats, list[Ints]
         grid = np.stack(np.meshgrid(first, _divided(breaks[1], order), indexing="ij"), axis=-1)
     else:
         grid = first[:, None, None] * interpolate_arc(np.radians(breaks[1]), order)
-    if isinstance(shape, Annulus | Ring | Hub):
+    if isinstance(shape, CLOSED):
         points = grid[:, :-1].reshape(-1, 2)
         open_ring = np.arange(len(points)).reshape(len(first), -1)
         return points, [np.concatenate([open_ring, open_ring[:, :1]], axis=1)]
@@ -163,12 +158,8 @@ def _disc(shape: Disc, breaks: Breaks, order: int) -> tuple[Floats, list[Ints]]:
     quarter = np.searchsorted(angles, np.array([0.0, 90.0, 180.0, 270.0, 360.0]) - 1e-9)
     sides = np.diff(quarter)
     matching = sides[0] == sides[2] and sides[1] == sides[3]
-    require(
-        bool(matching),
-        "breaks of theta",
-        angles,
-        "as many in a quarter of a disc as in that across",
-    )
+    allowed = "as many in a quarter of a disc as in that across"
+    require(bool(matching), "breaks of theta", angles, allowed)
     core = 1 + int(np.abs(radii[1:-1] - shape.outer_radius / 2).argmin())
     corner = radii[core]
 
@@ -202,7 +193,7 @@ def _hub(shape: Hub, breaks: Breaks, node: Ints) -> Lattice:
     wall = int(np.abs(breaks[0] - shape.hub_radius).argmin())
     low, high = (int(np.abs(breaks[2] - z).argmin()) for z in (shape.bottom, shape.top))
     within, beyond, ring = slice(0, wall), slice(wall, None), slice(low, high)
-    sides: list[tuple[str, Region]] = [
+    sides: Sides = (
         ("bore", (0, _ALL, _ALL)),
         ("outer", (-1, _ALL, ring)),
         ("bottom", (beyond, _ALL, low)),
@@ -211,8 +202,8 @@ def _hub(shape: Hub, breaks: Breaks, node: Ints) -> Lattice:
         ("hub_top", (within, _ALL, -1)),
         ("hub_side", (wall, _ALL, slice(0, low))),
         ("hub_side", (wall, _ALL, slice(high, None))),
-    ]
-    return Lattice(node, ((within, _ALL, _ALL), (beyond, _ALL, ring)), tuple(sides))
+    )
+    return Lattice(node, ((within, _ALL, _ALL), (beyond, _ALL, ring)), sides)
 
 
 _SIMPLEX = {"quadrilateral": "triangle", "hexahedron": "tetrahedron"}
@@ -277,12 +268,9 @@ def _against(corners: Ints) -> NDArray[np.bool_]:
     _, label = connected_components(links, directed=False)
     forth, back = label[way[..., 0]], label[way[..., 0] ^ 1]
     twisted = (forth == back).any(axis=1)
-    require(
-        not twisted.any(),
-        "cells",
-        f"{twisted.sum()} of {len(corners)} hexahedra",
-        "parallel edges that can run the same way, so that faces are divided alike",
-    )
+    value = f"{twisted.sum()} of {len(corners)} hexahedra"
+    allowed = "parallel edges that can run the same way, so that faces are divided alike"
+    require(not twisted.any(), "cells", value, allowed)
     _, leader, sheet = np.unique(np.minimum(forth, back), return_index=True, return_inverse=True)
     return forth != forth.ravel()[leader][sheet.reshape(forth.shape)]
 

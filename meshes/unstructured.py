@@ -1,6 +1,6 @@
 """Unstructured meshes by gmsh: outlines in the plane, what they sweep, and ventilated discs."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from math import pi
@@ -10,8 +10,8 @@ import gmsh
 import numpy as np
 
 from cea.errors import InputError
+from cea.files import ignore_closed_pipes
 from cea.mesh import Mesh, reference_nodes
-from cea.signals import ignore_closed_pipes
 from meshes.files.body import body_mesh
 from meshes.files.gmsh import arrays_of_model, content_of
 from meshes.files.part import part_of
@@ -65,22 +65,20 @@ def read_gmsh(model: Any) -> Mesh:
 
 def outline_mesh(shape: Shape, order: int, size: float) -> Mesh:
     """Mesh a shape with triangles or tetrahedra."""
+    dim = len(shape.directions)
     with gmsh_session():
         gmsh.model.add(shape.shape)
-        surfaces = _built(shape, size)
-        _generate(len(shape.directions), order, size)
-        _name(len(shape.directions), surfaces)
+        if isinstance(shape, VentilatedDisc):
+            surfaces = _ventilated_disc(shape)
+            _refine(shape, size)
+        else:
+            surfaces = _revolved_hub(shape) if isinstance(shape, Hub) else _extruded(shape)
+        _generate(dim, order, size)
+        for name, entities in surfaces.items():
+            gmsh.model.addPhysicalGroup(dim - 1, entities, name=name)
+        gmsh.model.addPhysicalGroup(dim, [tag for _, tag in gmsh.model.getEntities(dim)])
         mesh = read_gmsh(gmsh.model)
     return _through_lobatto_points(shape, mesh) if order > 2 else mesh
-
-
-def _built(shape: Shape, size: float) -> dict[str, list[int]]:
-    """A shape in the current model; entities of each surface."""
-    if isinstance(shape, VentilatedDisc):
-        surfaces = _ventilated_disc(shape)
-        _refine(shape, size)
-        return surfaces
-    return _revolved_hub(shape) if isinstance(shape, Hub) else _extruded(shape)
 
 
 def _generate(dim: int, order: int, size: float) -> None:
@@ -98,13 +96,6 @@ def _generate(dim: int, order: int, size: float) -> None:
         (cells,) = gmsh.model.mesh.getElements(dim)[1]
         if gmsh.model.mesh.getElementQualities(cells, "minSJ").min() <= 0:
             raise InputError("size", size, "less (m): curved cells of that size are inverted")
-
-
-def _name(dim: int, surfaces: Mapping[str, list[int]]) -> None:
-    """Physical groups of the current model: its surfaces by name, and all cells."""
-    for name, entities in surfaces.items():
-        gmsh.model.addPhysicalGroup(dim - 1, entities, name=name)
-    gmsh.model.addPhysicalGroup(dim, [tag for _, tag in gmsh.model.getEntities(dim)])
 
 
 def _through_lobatto_points(shape: Shape, mesh: Mesh) -> Mesh:
@@ -125,27 +116,24 @@ def _through_lobatto_points(shape: Shape, mesh: Mesh) -> Mesh:
 
 def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
     """Hub and ring in the current model, a profile turned about z; entities of each surface."""
-    profile = [
-        ("hub_bottom", shape.bore, shape.hub_bottom),
-        ("hub_side", shape.hub_radius, shape.hub_bottom),
-        ("bottom", shape.hub_radius, shape.bottom),
-        ("outer", shape.outer_radius, shape.bottom),
-        ("top", shape.outer_radius, shape.top),
-        ("hub_side", shape.hub_radius, shape.top),
-        ("hub_top", shape.hub_radius, shape.hub_top),
-        ("bore", shape.bore, shape.hub_top),
-    ]
-    following = [corner[1:] for corner in profile[1:] + profile[:1]]
-    edges = [
-        corner
-        for corner, end in zip(profile, following, strict=True)
-        if corner[1:] != end  # a hub that ends flush with the ring has no side there
-    ]
-    swept = _revolved([corner[1:] for corner in edges])
+    profile = {  # a hub that ends flush with the ring has no side there: of two corners one stands
+        (shape.bore, shape.hub_bottom): "hub_bottom",
+        (shape.hub_radius, shape.hub_bottom): "hub_side",
+        (
+            shape.hub_radius,
+            shape.bottom,
+        ): "bottom",
+        (shape.outer_radius, shape.bottom): "outer",
+        (shape.outer_radius, shape.top): "top",
+        (shape.hub_radius, shape.top): "hub_side",
+        (shape.hub_radius, shape.hub_top): "hub_top",
+        (shape.bore, shape.hub_top): "bore",
+    }
+    swept = _revolved(list(profile))
     gmsh.model.occ.synchronize()
     _, _, *walls = swept  # the profile itself again, the volume, then what its edges sweep
     surfaces: dict[str, list[int]] = {name: [] for name in shape.surfaces}
-    for (name, _, _), (_, tag) in zip(edges, walls, strict=True):
+    for name, (_, tag) in zip(profile.values(), walls, strict=True):
         surfaces[name].append(tag)
     return surfaces
 
@@ -195,13 +183,8 @@ def _loops(shape: Shape) -> list[list[_Edge]]:
     """Closed loops of the outline of a shape in the plane."""
     if isinstance(shape, Box | Rectangle):
         (x0, x1), (y0, y1) = shape.extent[:2]
-        loop = [
-            _Edge("y_min", (x0, y0)),
-            _Edge("x_max", (x1, y0)),
-            _Edge("y_max", (x1, y1)),
-            _Edge("x_min", (x0, y1)),
-        ]
-        return [loop]
+        corners = {"y_min": (x0, y0), "x_max": (x1, y0), "y_max": (x1, y1), "x_min": (x0, y1)}
+        return [[_Edge(name, corner) for name, corner in corners.items()]]
 
     def point(radius: float, degrees: float) -> tuple[float, float]:
         angle = np.radians(degrees)
@@ -231,16 +214,27 @@ def _ventilated_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
         *[(shape.outer_radius, shape.ring_height), (shape.outer_radius, 0.0)],
         *[(shape.wall_inner, 0.0), (shape.wall_inner, shape.hub_bottom)],
     ]
-    lower = _revolved(profile)[1]
-    upper = _ring(shape, shape.upper_bottom, shape.upper_top)
-    solid, _ = occ.fuse([lower], [upper, *_vanes(shape)])
+    inner, outer = shape.flange_outer, shape.outer_radius
+
+    def ring(bottom: float, top: float) -> tuple[int, int]:
+        return _revolved([(inner, bottom), (outer, bottom), (outer, top), (inner, top)])[1]
+
+    lower, upper = _revolved(profile)[1], ring(shape.upper_bottom, shape.upper_top)
+    bottom, width = shape.ring_height, shape.vane_width
+    boxes = []  # about the rays of the vanes, as far as the ring between the rings reaches
+    for angle in shape.vane_angles:
+        box = occ.addBox(0, -width / 2, bottom, 2 * outer, width, shape.upper_bottom - bottom)
+        occ.rotate([(3, box)], 0, 0, 0, 0, 0, 1, angle)
+        boxes.append((3, box))
+    vanes, _ = occ.intersect(boxes, [ring(bottom, shape.upper_bottom)])
+    solid, _ = occ.fuse([lower], [upper, *vanes])
     if shape.holes:
         height = shape.hub_top - shape.hub_bottom
         holes = [
             (3, occ.addCylinder(x, y, shape.hub_bottom, 0, 0, height, shape.hole_radius))
             for x, y in shape.hole_centres
         ]
-        solid, _ = occ.cut(solid, holes)
+        occ.cut(solid, holes)
     occ.synchronize()
     return _faces_of_disc(shape)
 
@@ -283,27 +277,6 @@ def _revolved(profile: Sequence[tuple[float, float]]) -> list[tuple[int, int]]:
     swept = occ.revolve([(2, face)], 0, 0, 0, 0, 0, 1, 2 * np.pi)
     occ.remove([(2, face)], recursive=True)
     return list(swept)
-
-
-def _ring(shape: VentilatedDisc, bottom: float, top: float) -> tuple[int, int]:
-    """Flat ring of the radii of the rings."""
-    inner, outer = shape.flange_outer, shape.outer_radius
-    return _revolved([(inner, bottom), (outer, bottom), (outer, top), (inner, top)])[1]
-
-
-def _vanes(shape: VentilatedDisc) -> list[tuple[int, int]]:
-    """Solids of the vanes: boxes about their rays, as far as the ring between the rings reaches."""
-    occ = gmsh.model.occ
-    bottom, height = shape.ring_height, shape.upper_bottom - shape.ring_height
-    boxes = []
-    for angle in shape.vane_angles:
-        box = occ.addBox(0, -shape.vane_width / 2, bottom, 2 * shape.outer_radius,
-                         shape.vane_width, height)  # fmt: skip
-        occ.rotate([(3, box)], 0, 0, 0, 0, 0, 1, angle)
-        boxes.append((3, box))
-    within = _ring(shape, bottom, shape.upper_bottom)
-    vanes, _ = occ.intersect(boxes, [within])
-    return list(vanes)
 
 
 def _faces_of_disc(shape: VentilatedDisc) -> dict[str, list[int]]:

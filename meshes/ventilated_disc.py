@@ -71,10 +71,10 @@ class VentilatedDisc:
         check_positive(self, "ring_height")
         check_rising(self, "ring_height", "upper_bottom", "upper_top")
         check_rising(self, "ring_height", "hub_bottom", "hub_top")
-        self._check_holes()
-        self._check_vanes()
-
-    def _check_holes(self) -> None:
+        require(1 <= self.vanes <= _MOST, "vanes", self.vanes, f"1 to {_MOST}: they hold the ring")
+        widest = 2 * self.flange_outer * sin(pi / max(self.vanes, 2))
+        allowed = f"positive and less than {widest:.6g} (m), where vanes meet each other"
+        require(0 < self.vane_width < widest, "vane_width", self.vane_width, allowed)
         require(0 <= self.holes <= _MOST, "holes", self.holes, f"0 to {_MOST}")
         if not self.holes:
             return
@@ -84,12 +84,6 @@ class VentilatedDisc:
             room = min(room, self.hole_circle * sin(pi / self.holes))
         allowed = f"positive and less than {room:.6g} (m), where holes meet each other or an edge"
         require(0 < self.hole_radius < room, "hole_radius", self.hole_radius, allowed)
-
-    def _check_vanes(self) -> None:
-        require(1 <= self.vanes <= _MOST, "vanes", self.vanes, f"1 to {_MOST}: they hold the ring")
-        widest = 2 * self.flange_outer * sin(pi / max(self.vanes, 2))
-        allowed = f"positive and less than {widest:.6g} (m), where vanes meet each other"
-        require(0 < self.vane_width < widest, "vane_width", self.vane_width, allowed)
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -116,9 +110,8 @@ class VentilatedDisc:
     def volume(self) -> float:
         """Volume (m^3) in closed form."""
         rings = _ring(self.flange_outer, self.outer_radius)
-        vane = _strip(self.outer_radius, self.vane_width) - _strip(
-            self.flange_outer, self.vane_width
-        )
+        width = self.vane_width
+        vane = _strip(self.outer_radius, width) - _strip(self.flange_outer, width)
         plate = _ring(self.bore, self.wall_inner) - self.holes * pi * self.hole_radius**2
         return (
             rings * (self.ring_height + self.upper_top - self.upper_bottom)
@@ -143,11 +136,8 @@ class VentilatedDisc:
 
     def depth(self, surface: str) -> float | None:
         """Thickness (m) of the ring behind a face that pads slide on; None of other surfaces."""
-        depths = {
-            "lower_face": self.ring_height,
-            "upper_face": self.upper_top - self.upper_bottom,
-        }
-        return depths.get(surface)
+        upper = self.upper_top - self.upper_bottom
+        return {"lower_face": self.ring_height, "upper_face": upper}.get(surface)
 
 
 MAX_CURVED = 2

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from scenes.running.modes import run_modes as run_modes
     from scenes.running.nested import estimate_errors as estimate_errors
     from scenes.running.static import run_static as run_static
-    from scenes.spec.files import scene_names as scene_names
     from scenes.spec.matrices import MatrixScene as MatrixScene
     from scenes.spec.matrices import load_matrices as load_matrices
     from scenes.spec.matrices import read_matrix_scene as read_matrix_scene
+    from scenes.spec.plain import scene_names as scene_names
     from scenes.spec.problems import SceneError as SceneError
     from scenes.spec.reading import Scene as Scene
     from scenes.spec.reading import load_scene as load_scene
@@ -44,7 +44,7 @@ _OWNERS = {
     "scenes.running.modes": ("run_modes",),
     "scenes.running.nested": ("estimate_errors",),
     "scenes.running.static": ("run_static",),
-    "scenes.spec.files": ("scene_names",),
+    "scenes.spec.plain": ("scene_names",),
     "scenes.spec.matrices": ("MatrixScene", "load_matrices", "read_matrix_scene"),
     "scenes.spec.problems": ("SceneError",),
     "scenes.spec.reading": ("Scene", "load_scene", "read_scene"),

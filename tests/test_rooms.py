@@ -29,7 +29,7 @@ ARROWS = {
 
 LIGHT = {
     "exact_cea": {"cea.errors", "cea.files"},
-    "meshes": {"cea.arrays", "cea.errors", "cea.files", "cea.mesh", "cea.signals"},
+    "meshes": {"cea.arrays", "cea.errors", "cea.files", "cea.mesh"},
 }
 """Modules of ``cea`` that packages without PETSc may import."""
 

@@ -11,18 +11,25 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array, diags_array, kron
 
 from cea.arrays import Floats, Ints
 from cea.body.space import Space
 from cea.material import IsotropicMaterial
-from cea.matrices import antisymmetrised, destroy, symmetrised, total
+from cea.matrices import antisymmetrised, destroy, distributed, symmetrised, total
 from cea.petsc import PETSc
 from cea.rotation import Rotation
-from cea.supports.boundary import Force, Pressure, Spring, Support, check_boundary, through_body
+from cea.supports.boundary import (
+    Force,
+    Pressure,
+    Spring,
+    Support,
+    check_boundary,
+    on_surfaces,
+    through_body,
+)
 from cea.supports.constraints import Constraints
-from cea.supports.loads import foundation, surface_forces
 from cea.surface import Surface
-from cea.volume import VolumeCells
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,13 +110,7 @@ class Body:
 
     @property
     def density(self) -> float:
-        """Density (kg/m^3).
-
-        Raises
-        ------
-        InputError
-            When the material has none.
-        """
+        """Density (kg/m^3), refused where the material has none."""
         return self.material.density(f"bodies.{self.name}.material")
 
     @property
@@ -131,12 +132,8 @@ class Body:
     def reduced(self, matrix: Any, exactly: Callable[[Any], Any] = symmetrised) -> Any:
         """Z^T A Z of a matrix A of all dofs, PETSc AIJ (free x free); A is freed.
 
-        Parameters
-        ----------
-        matrix
-            A, symmetric or skew to the last bit.
-        exactly
-            Makes a matrix so again where Z is more than a selection of dofs.
+        A is symmetric or skew to the last bit, and ``exactly`` makes the product so again where Z
+        is more than a selection of dofs.
         """
         free = self.constraints.restrict(matrix, self.expansion)
         if free is not matrix:
@@ -173,7 +170,7 @@ class Body:
         if not self.springs:
             return None
         own = slice(*(self.dim * number for number in self._own))
-        parts = [foundation(self.surfaces[s.surface], s, own, self.comm) for s in self.springs]
+        parts = [_foundation(self.surfaces[s.surface], s, own, self.comm) for s in self.springs]
         whole = total(parts)
         destroy(*parts)
         return whole
@@ -200,18 +197,14 @@ class Body:
 
     @cached_property
     def prescribed(self) -> Any | None:
-        """u_D, displacement of all dofs that supports prescribe (m), PETSc vector (full).
-
-        None where they hold all at zero. The displacement is this and what the free dofs add.
-        """
+        """u_D, displacement of all dofs that supports prescribe (m), PETSc; None where zero."""
         return self.constraints.prescribed_displacement(*self._own, self.expansion)
 
     def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
-        """Forces of each support, along the directions that it holds and no other.
+        """Of a sum of forces on all dofs (N), (num_scalar_dofs, dim), those of each support.
 
-        Of the sum of all of them on all dofs (N), shape (num_scalar_dofs, dim), the scalar dofs
-        that supports hold, shape (m,), and the forces of each support on the body there (N), shape
-        (supports, m, dim).
+        The scalar dofs that supports hold, shape (m,), and the forces there, (supports, m, dim),
+        along the directions that each holds and no other.
         """
         return self.constraints.support_forces(force, len(self.supports))
 
@@ -234,7 +227,7 @@ class Body:
     def full_load(self) -> Any:
         """F: forces of loads on all dofs, PETSc vector (full), N."""
         shape = (self.num_scalar_dofs, self.dim)
-        forces = surface_forces(self.surfaces, self.pressures, self.forces, shape)
+        forces = _surface_forces(self.surfaces, self.pressures, self.forces, shape)
         full = self.expansion.createVecLeft()
         full.setArray(forces[slice(*self._own)].ravel())
         if (through := through_body(self.forces)) is not None:
@@ -244,16 +237,33 @@ class Body:
             destroy(volumes, uniform)
         return full
 
-    @property
-    def dof_positions(self) -> Floats | None:
-        """Coefficients of the position x in the space (m), as :attr:`Space.dof_positions`."""
-        return self.space.dof_positions
 
-    @property
-    def node_positions(self) -> Floats | None:
-        """Where the scalar dofs of this rank lie (m), as :attr:`Space.node_positions`."""
-        return self.space.node_positions
+def _foundation(surface: Surface, spring: Spring, own: slice, comm: Any) -> Any:
+    """Matrix of a spring: int k_c phi_m phi_n on the diagonal of components c."""
+    points = surface.gauss_points(surface.cells().degree + 1)
+    scaled = diags_array(np.sqrt(points.weight)) @ surface.trace(points.at)
+    scalar = csr_array(scaled.T @ scaled)
+    whole = csr_array(kron(scalar, diags_array(np.asarray(spring.stiffness)), format="csr"))
+    rows = csr_array(whole[own])
+    return distributed(rows, rows.shape, comm)
 
-    def volume_cells(self) -> VolumeCells:
-        """Cells of the whole body, as :meth:`Space.volume_cells`."""
-        return self.space.volume_cells()
+
+def _surface_forces(
+    surfaces: Mapping[str, Surface],
+    pressures: Sequence[Pressure],
+    forces: Sequence[Force],
+    shape: tuple[int, int],
+) -> Floats:
+    """Forces of loads on surfaces on all scalar dofs (N); those on every part are left out."""
+    total = np.zeros(shape)
+    for pressure in pressures:
+        surface = surfaces[pressure.surface]
+        # Of facets of degree q, function times normal times area element has up to 3 q - 1.
+        points = surface.gauss_points((3 * surface.cells().degree + 1) // 2)
+        traction = -pressure.value * points.normal
+        total += surface.trace(points.at).T @ (points.weight[:, None] * traction)
+    for name, value in on_surfaces(forces):
+        points = surfaces[name].gauss_points(surfaces[name].cells().degree + 1)
+        share = surfaces[name].trace(points.at).T @ points.weight
+        total += share[:, None] * value / points.weight.sum()
+    return total

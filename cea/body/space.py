@@ -45,25 +45,11 @@ class Space(Protocol):
         ...
 
     def constrain(self, supports: Sequence[Support], field: str) -> Constraints:
-        """What supports leave free.
-
-        Parameters
-        ----------
-        supports
-            What is held.
-        field
-            Name of the supports in messages.
-        """
+        """What supports leave free; the field is their name in messages."""
         ...
 
     def stiffness(self, lame: tuple[float, float]) -> Any:
-        """Elastic stiffness (N/m), symmetric.
-
-        Parameters
-        ----------
-        lame
-            Lame parameters (lambda, mu) (N/m^2).
-        """
+        """Elastic stiffness (N/m) of Lame parameters (lambda, mu) (N/m^2), symmetric."""
         ...
 
     def mass(self, rho: float) -> Any:
@@ -81,15 +67,9 @@ class Space(Protocol):
     def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
         """Stiffness that stresses make: int sigma_ij d_i u . d_j v, symmetric, N/m.
 
-        Sigma is the stress of a displacement by the law of the material (Wriggers, Nonlinear Finite
-        Element Methods, 2008, sec. 4.2.3).
-
-        Parameters
-        ----------
-        lame
-            Lame parameters (lambda, mu) (N/m^2).
-        displacement
-            Displacement of all dofs (m), the same on every rank, shape (dim * num_scalar_dofs,).
+        Sigma is the stress of a displacement of all dofs (m), the same on every rank, shape
+        (dim * num_scalar_dofs,), by the law of the material (Wriggers, Nonlinear Finite Element
+        Methods, 2008, sec. 4.2.3).
         """
         ...
 
@@ -101,36 +81,16 @@ class Space(Protocol):
         """
         ...
 
-    @property
-    def node_positions(self) -> Floats | None:
-        """Where the scalar dofs of this rank lie (m), shape (n_local, dim); None where nowhere."""
-        ...
-
     def prolongation(self, coarse: Any) -> tuple[csr_array, float]:
-        """Functions of a coarser space in this one.
+        """Functions of a coarser space of the same backend, body and ranks in this one.
 
-        Parameters
-        ----------
-        coarse
-            A space of the same backend and body, on the same ranks.
-
-        Returns
-        -------
-        tuple
-            The coefficients of all coarse functions on the scalar dofs of this rank, shape
-            (n_local, coarse num_scalar_dofs), and the largest difference that was found between a
-            coarse function and these, relative to its coefficients.
-
-        Raises
-        ------
-        InputError
-            When the spaces are not those of one body.
+        The coefficients of all coarse functions on the scalar dofs of this rank, shape
+        (n_local, coarse num_scalar_dofs), and the largest difference that was found between a
+        coarse function and these, relative to its coefficients. Refused where the spaces are not
+        those of one body.
         """
         ...
 
     def volume_cells(self) -> VolumeCells:
-        """Cells of the whole body with its geometry and functions as they are.
-
-        Gathered: complete on rank 0.
-        """
+        """Cells of the body with geometry and functions as they are; complete on rank 0."""
         ...

@@ -100,18 +100,10 @@ def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
 
 
 class _Compression:
-    """The tree, worked through from its leaves.
+    """The tree of rows G and T at points, worked through from its leaves.
 
-    Parameters
-    ----------
-    gap, slip
-        Rows at the points.
-    size
-        Length of each column of G over all points.
-    touching
-        Points that touch it.
-    least
-        What is rounding of each column of T.
+    Of each column of G the length over all points and the number of points that touch it are known,
+    and what is rounding of each column of T.
     """
 
     def __init__(
@@ -125,31 +117,8 @@ class _Compression:
         """What remains of some points once all that is theirs alone is done."""
         if len(points) <= _LEAF:
             return self.finish(self._leaf(points))
-        halves = self._halves(points, x)
+        halves = _halves(points, x)
         return self.finish(_joined([self.of_points(half, x) for half in halves]))
-
-    def _halves(self, points: Ints, x: Floats) -> list[Ints]:
-        """Two parts of equal size, divided where the fewest columns are shared."""
-        starts, ends = self._gap.indptr[points], self._gap.indptr[points + 1]
-        lengths = ends - starts
-        at = np.repeat(starts - (np.cumsum(lengths) - lengths), lengths)
-        columns = self._gap.indices[at + np.arange(len(at))]
-        columns -= columns.min(initial=self._gap.shape[1])
-        count = int(columns.max(initial=-1)) + 1
-        row = np.repeat(np.arange(len(points)), lengths)
-        fewest, best = count + 1, []
-        for along in x.T:
-            order = np.argsort(along[points], kind="stable")
-            first, second = np.array_split(order, 2)
-            in_first = np.zeros(len(points), dtype=bool)
-            in_first[first] = True
-            near, far = np.zeros((2, count), dtype=bool)
-            near[columns[in_first[row]]] = True
-            far[columns[~in_first[row]]] = True
-            shared = int(np.count_nonzero(near & far))
-            if shared < fewest:
-                fewest, best = shared, [points[first], points[second]]
-        return best
 
     def _leaf(self, points: Ints) -> _Front:
         gap, slip = self._gap[points], self._slip[points]
@@ -194,6 +163,13 @@ class _Compression:
             carried[:, lasting],
             front.carried_columns[lasting],
         )
+
+
+def _halves(points: Ints, x: Floats) -> list[Ints]:
+    """Two parts of equal size, one beside the other along the longest side of all of them."""
+    along = x[points][:, np.ptp(x[points], axis=0).argmax()]
+    order = np.argsort(along, kind="stable")
+    return [points[half] for half in np.array_split(order, 2)]
 
 
 def _reflected(factors: Floats, reflections: Floats, block: Floats) -> Floats:

@@ -18,12 +18,20 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.body.unknowns import system_operator
 from cea.contact.formulations import Coupling, Form
+from cea.contact.friction import Friction
 from cea.contact.interface import Interface, jump_along
-from cea.contact.laws import Friction, NormalLaw, Sliding
+from cea.contact.laws import NormalLaw, Sliding
 from cea.contact.lumping import lumped_matrices
-from cea.contact.mortar import MortarProjection, ProjectedLaw, eliminated, repeated
+from cea.contact.mortar import MortarProjection, ProjectedLaw, eliminated
 from cea.errors import InputError
-from cea.matrices import destroy, gather, one_below_the_other, product, symmetric_product
+from cea.matrices import (
+    block_diagonal,
+    destroy,
+    gather,
+    one_below_the_other,
+    product,
+    symmetric_product,
+)
 from cea.ranks import agreed
 
 
@@ -33,10 +41,8 @@ class Contact:
 
     Parameters
     ----------
-    name
-        Its name.
-    pair
-        Name of the contact it belongs to: a full pass has two halves.
+    name, pair
+        Its name, and that of the contact it belongs to: a full pass has two halves.
     a, b
         Names of the bodies on its two sides.
     interface
@@ -48,7 +54,7 @@ class Contact:
     coupling
         What becomes of the gaps at the points.
     form
-        Penalty or saddle form; None leaves the choice to :func:`cea.contact.forms.with_forms`.
+        Penalty or saddle form; None leaves the choice to the digits a penalty would cost.
     added_gap
         What is added to the distance of the sides (m), at all points, shape (n,), or one number; a
         linear law takes the sides to touch.
@@ -65,14 +71,11 @@ class Contact:
         Projection on the traces of side a; None where points stand for themselves.
     lumped
         K_n and K_f of lumped contact; None of others.
+    of_unit_friction
+        Whether slip operators are made with a coefficient of 1, as that of the contact is zero.
     prescribed
         What displacements that supports prescribe close of the gap at all points (m), shape (n,);
         None where they close nothing.
-
-    Raises
-    ------
-    InputError
-        When law, friction, coupling and form do not go together.
     """
 
     name: str
@@ -91,24 +94,8 @@ class Contact:
     slip: Any | None = None
     projection: MortarProjection | None = None
     lumped: tuple[Any, Any | None] | None = None
+    of_unit_friction: bool = False
     prescribed: Floats | None = None
-
-    def __post_init__(self) -> None:
-        if self.tied and (self.form == "penalty" or self.coupling == "lumped"):
-            allowed = "finite; or, in the saddle form, infinite everywhere"
-            raise InputError("p", float("inf"), allowed)
-        if self.coupling == "bonded" and self.friction is not None and self.friction.acts:
-            mu = float(np.max(self.friction.mu))
-            raise InputError("mu", mu, "0 where both sides are bonded")
-        if self.coupling == "lumped" and self.form == "saddle":
-            allowed = "penalty: lumped contact is not of the form G^T D G"
-            raise InputError("form", self.form, allowed)
-        if not self.law.linear and self.coupling in ("lumped", "bonded"):
-            allowed = "pointwise or mortar for a law of the gap: here no gap at the points decides"
-            raise InputError("coupling", self.coupling, allowed)
-        if not self.law.linear and self.is_projected and self.form == "saddle":
-            allowed = "penalty where a law meets projected gaps: open parts have no compliance"
-            raise InputError("form", self.form, allowed)
 
     @cached_property
     def slope(self) -> Floats:
@@ -157,21 +144,17 @@ class Contact:
         return self.friction is not None and self.friction.acts
 
     @property
-    def _mu(self) -> Floats:
-        """Friction coefficient, at all points or one for all; 1 where it is zero everywhere."""
-        mu = np.asarray(self.friction.mu if self.friction is not None else 0.0, dtype=float)
-        return mu if mu.any() else np.ones_like(mu)
-
-    @property
     def mu(self) -> float:
         """Friction coefficient that the slip operator is made with; 1 where it varies."""
-        return 1.0 if np.ptp(self._mu) else float(self._mu.flat[0])
+        mu = np.asarray(self.friction.mu if self.friction is not None else 0.0)
+        return 1.0 if self.of_unit_friction or np.ptp(mu) else float(mu.flat[0])
 
     @property
     def mu_at_points(self) -> Floats:
-        """Friction coefficient at the points of this rank; 1 where it is zero everywhere."""
-        interface = self.interface
-        return np.broadcast_to(self._mu, len(interface.points))[interface.rows]
+        """Friction coefficient that slips at the points of this rank are taken times."""
+        assert self.friction is not None
+        mu = 1.0 if self.of_unit_friction else self.friction.mu
+        return np.broadcast_to(mu, len(self.interface.points))[self.interface.rows]
 
     def friction_direction(self) -> Floats:
         """Direction k at the points of this rank, shape (n_local, dim); collective."""
@@ -213,15 +196,11 @@ class Contact:
         """What a motion x closes of the gap at all points (m), as the law meets it, (n,)."""
         if self.projection is not None:
             return self._projected.closing(x)
-        closed = self.gap.createVecLeft()
-        self.gap.mult(x, closed)
-        values = gather(closed)
-        destroy(closed)
-        return values
+        return _times(self.gap, x)
 
-    def met(self, gap: Floats) -> Floats:
-        """A gap given at all points (m) as the law meets it: itself, or projected."""
-        return gap if self.projection is None else self._projected.met(gap)
+    def projected_gap(self, gap: Floats) -> Floats:
+        """A gap given at all points (m) as the law meets it: projected with mortar contact."""
+        return gap if self.projection is None else self._projected.projected(gap)
 
     def force(self, pressure: Floats, *, friction: bool) -> Any:
         """Forces (N), PETSc vector, that a pressure at all points puts against the motion."""
@@ -253,11 +232,7 @@ class Contact:
             raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
         if self.projection is None or not self.law.linear:
             return self.slope * self.closing(x)
-        closed = self.gap.createVecLeft()
-        self.gap.mult(x, closed)
-        pressure = self.projection.pressure(self.slope, closed)
-        destroy(closed)
-        return pressure
+        return self.projection.pressure(self.slope, _times(self.gap, x))
 
     @cached_property
     def _projected(self) -> ProjectedLaw:
@@ -276,13 +251,27 @@ class Contact:
         one = self.projection.compliance(p)
         if self.coupling != "bonded":
             return one
-        every = repeated(one, self.interface.a.dim)
+        every = block_diagonal([one] * self.interface.a.dim).convert("aij")
         destroy(one)
         return every
 
 
-def assembled(bodies: Mapping[str, Body], contact: Contact, *, leave_out: bool = True) -> Contact:
-    """A contact with its operators on the unknowns of all bodies; collective."""
+def assembled(
+    bodies: Mapping[str, Body], contact: Contact, *, frictional: bool, leave_out: bool
+) -> Contact:
+    """A contact with its operators on the unknowns of all bodies; collective.
+
+    Parameters
+    ----------
+    bodies, contact
+        The bodies, the contact.
+    frictional
+        Whether it has friction, or the other half of the full pass has.
+    leave_out
+        Whether slip operators are left out where it has none.
+    """
+    if contact.friction is not None and not frictional:
+        contact = replace(contact, of_unit_friction=True)
     interface, points = contact.interface, contact.interface.local_points
     bonded = contact.coupling == "bonded"
     projection = None
@@ -307,15 +296,14 @@ def assembled(bodies: Mapping[str, Body], contact: Contact, *, leave_out: bool =
         destroy(*axes)
     else:
         gap = operator(points.normal)
-    slip = direction = lumped = None
-    keeps = contact.friction is not None and not leave_out and not bonded
-    if contact.has_friction or keeps:
-        direction = contact.friction_direction()
-        slip = operator(contact.mu_at_points[:, None] * direction)
+    slip = lumped = None
+    pushed = None
+    if contact.friction is not None and not bonded and (frictional or not leave_out):
+        pushed = contact.mu_at_points[:, None] * contact.friction_direction()
+        slip = operator(pushed)
     if contact.coupling == "lumped":
         weight = points.weight * contact.slope[interface.rows]
-        sides = (contact.a, contact.b)
-        lumped = lumped_matrices(bodies, sides, interface, weight, direction, contact.mu_at_points)
+        lumped = lumped_matrices(bodies, (contact.a, contact.b), interface, weight, pushed)
     closed = _closed_by_supports(bodies, contact, points.normal)
     return replace(
         contact,
@@ -338,12 +326,19 @@ def approach_along(
 ) -> Floats:
     """What unknowns x, and what supports prescribe, close along directions at all points (m)."""
     jump = jump_operator(bodies, contact, direction)
-    approach = jump.createVecLeft()
-    jump.mult(x, approach)
-    values = gather(approach)
-    destroy(jump, approach)
+    values = _times(jump, x)
+    destroy(jump)
     closed = _closed_by_supports(bodies, contact, direction)
     return values if closed is None else values + closed
+
+
+def _times(operator: Any, x: Any) -> Floats:
+    """An operator times unknowns, on every rank."""
+    image = operator.createVecLeft()
+    operator.mult(x, image)
+    values = gather(image)
+    destroy(image)
+    return values
 
 
 def _closed_by_supports(

@@ -75,33 +75,21 @@ class Formulation(ABC):
         return ", ".join((name, *self.options))
 
 
-MOST_POINTS = 200
+_MOST_POINTS = 200
 """Points per direction in an element: far more than any rule needs."""
 
 
-def check_points(points: int, least: int = 1) -> None:
-    """Refuse a number of points per direction that makes no rule, or one beyond any use.
-
-    Raises
-    ------
-    InputError
-        Naming the points.
-    """
-    if not least <= points <= MOST_POINTS:
-        raise InputError("points", points, f"{least} to {MOST_POINTS} per direction")
+def _check_points(points: int, least: int = 1) -> None:
+    """Refuse a number of points per direction that makes no rule, or one beyond any use."""
+    if not least <= points <= _MOST_POINTS:
+        raise InputError("points", points, f"{least} to {_MOST_POINTS} per direction")
 
 
 _REGISTER: dict[str, type[Formulation]] = {}
 
 
 def register[T: type[Formulation]](formulation: T) -> T:
-    """Let scenes name a formulation by its method; a decorator.
-
-    Raises
-    ------
-    InputError
-        When the class is no dataclass, its method has no default, or another class has the name.
-    """
+    """Let scenes name a formulation, a dataclass, by its method; a decorator."""
     where = f"{formulation.__module__}.{formulation.__qualname__}"
     if not is_dataclass(formulation):
         raise InputError("formulation", where, "a dataclass")
@@ -123,13 +111,7 @@ def registered() -> Mapping[str, type[Formulation]]:
 
 @dataclass(frozen=True)
 class AtAbscissae(Formulation):
-    """Contact collocated at abscissae of the traces of side a, at a corner once for each face.
-
-    Parameters
-    ----------
-    weights
-        ``equal``: each point has the same share of the area of its smooth part.
-    """
+    """Contact collocated at abscissae of the traces of side a, at a corner once for each face."""
 
     weights: str = "equal"
 
@@ -159,7 +141,6 @@ class NodeToSurface(AtAbscissae):
 
     name: ClassVar[str] = "node-to-surface"
     abscissae: ClassVar[str | None] = "nodes"
-
     weights: Literal["equal", "tributary"] = "equal"
     method: Literal["node_to_surface"] = "node_to_surface"
 
@@ -179,7 +160,6 @@ class Greville(AtAbscissae):
 
     name: ClassVar[str] = "Greville"
     abscissae: ClassVar[str | None] = "greville"
-
     weights: Literal["equal", "area"] = "equal"
     method: Literal["greville"] = "greville"
 
@@ -198,7 +178,6 @@ class Botella(AtAbscissae):
 
     name: ClassVar[str] = "Botella"
     abscissae: ClassVar[str | None] = "botella"
-
     weights: Literal["equal", "area"] = "equal"
     method: Literal["botella"] = "botella"
 
@@ -218,12 +197,11 @@ class Grid(Formulation):
     """
 
     name: ClassVar[str] = "grid"
-
     points: int
     method: Literal["grid"] = "grid"
 
     def __post_init__(self) -> None:
-        check_points(self.points, least=2)
+        _check_points(self.points, least=2)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""
@@ -244,13 +222,12 @@ class GaussPointToSurface(Formulation):
     """
 
     name: ClassVar[str] = "GPTS"
-
     points: int
     lumped: bool = False
     method: Literal["gpts"] = "gpts"
 
     def __post_init__(self) -> None:
-        check_points(self.points)
+        _check_points(self.points)
 
     @property
     def coupling(self) -> Coupling:
@@ -269,19 +246,13 @@ class GaussPointToSurface(Formulation):
 
 @dataclass(frozen=True)
 class OnSegments(Formulation):
-    """What formulations share whose quadrature is the common refinement of both surface meshes.
-
-    Parameters
-    ----------
-    points
-        Gauss points per direction in each segment; None takes what is exact on flat interfaces.
-    """
+    """Formulations whose quadrature is the common refinement of both surface meshes."""
 
     points: int | None = None
 
     def __post_init__(self) -> None:
         if self.points is not None:
-            check_points(self.points)
+            _check_points(self.points)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""
@@ -305,7 +276,6 @@ class Segments(OnSegments):
     """
 
     name: ClassVar[str] = "segments"
-
     method: Literal["segments"] = "segments"
 
 
@@ -324,7 +294,6 @@ class Mortar(OnSegments):
     """
 
     name: ClassVar[str] = "mortar"
-
     method: Literal["mortar"] = "mortar"
 
     @property
@@ -347,7 +316,6 @@ class Bonded(OnSegments):
     """
 
     name: ClassVar[str] = "bonded"
-
     method: Literal["bonded"] = "bonded"
 
     @property

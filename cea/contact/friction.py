@@ -1,4 +1,4 @@
-"""Direction of the friction traction on side a."""
+"""Coulomb friction of steady sliding, and the direction of its traction on side a."""
 
 from dataclasses import dataclass
 
@@ -110,19 +110,39 @@ FrictionDirection = AlongVector | Circumferential | AlongField
 
 @dataclass(frozen=True)
 class Reversed:
-    """Against another direction: what friction on a is to b, in the second half of a full pass.
-
-    Parameters
-    ----------
-    direction
-        The direction on side a.
-    """
+    """Against a direction on side a: that of friction on b, in the second half of a full pass."""
 
     direction: FrictionDirection
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
         return -self.direction.at(x, normal)
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Coulomb friction of steady sliding.
+
+    Parameters
+    ----------
+    mu
+        Friction coefficient, shape (n,) or one number, zero or positive.
+    direction
+        Direction of the friction traction on side a.
+    """
+
+    mu: Floats | float
+    direction: FrictionDirection | Reversed
+
+    def __post_init__(self) -> None:
+        mu = np.asarray(self.mu)
+        if not (mu >= 0).all():
+            raise InputError("mu", float(mu.min()), "zero or positive")
+
+    @property
+    def acts(self) -> bool:
+        """True where there is any friction."""
+        return bool(np.any(np.asarray(self.mu) != 0))
 
 
 def _check_vector(vector: tuple[float, ...], name: str) -> None:

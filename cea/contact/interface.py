@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import csr_array
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed, local_rows
@@ -33,16 +33,6 @@ the chords of two sides the normals differ by the sum of both angles.
 """
 _FACING = -0.5
 """Largest cosine between the normals of two surfaces that face each other."""
-_TILTED = 1e-4
-"""Angle (rad) from which surfaces are said to be tilted."""
-_ROUNDING = 1e-15
-"""Component of directions, relative to the largest, that is rounding."""
-_MANY_POINTS = 200_000
-"""Points from which entries of rounding are left out.
-
-They cost up to nine times the memory and the time. But they keep the components of a node together
-when a matrix is factorised, which has been seen to round ten times less, and few points are cheap.
-"""
 
 
 @dataclass(frozen=True)
@@ -50,37 +40,19 @@ class Interface:
     """Points of a rule on side a paired with side b.
 
     The points are the same on every rank; each rank locates and traces its own rows of them.
-
-    Parameters
-    ----------
-    a, b
-        The two surfaces.
-    points
-        Points of the rule on a that were found on b, all of them on every rank.
-    rows
-        Rows of the points that are this rank's; ranks follow each other without gaps.
-    opposite
-        Where the points of this rank were found on b along the normal of a.
-    trace_a, trace_b
-        Values of the scalar basis functions of both sides at the points of this rank.
-    statuses
-        Number of points of each status over all ranks, those missed and left out too.
-    largest_distance
-        Largest distance (m) between the sides as meshed along the normal over all ranks.
-    comm
-        MPI communicator (mpi4py).
     """
 
     a: Surface
     b: Surface
-    points: SurfacePoints
-    rows: slice
-    opposite: Location
+    points: SurfacePoints  # points of the rule on a that were found on b, of all ranks
+    rows: slice  # rows of the points that are this rank's; ranks follow each other
+    opposite: Location  # where the points of this rank were found on b along the normal of a
+    # values of the scalar basis functions of both sides at the points of this rank
     trace_a: csr_array
     trace_b: csr_array
-    statuses: Mapping[str, int]
-    largest_distance: float
-    comm: Any
+    statuses: Mapping[str, int]  # number of points of each status, those missed too
+    largest_distance: float  # between the sides as meshed along the normal (m)
+    comm: Any  # MPI communicator (mpi4py)
 
     @cached_property
     def geometry_error(self) -> Floats:
@@ -136,9 +108,8 @@ def pair(
     field
         Name of the contact, for messages.
     reach
-        Largest distance (m) between the surfaces along the normal. By default points are looked
-        for within half the larger mesh size, and the surfaces must touch: the gap must not exceed
-        what curved surfaces leave between straight facets.
+        Largest distance (m) between the surfaces along the normal. By default half the larger mesh
+        size, and the gap must not exceed what curved surfaces leave between straight facets.
     max_missed
         Largest fraction of the rule's area that may find nothing on b; such points are dropped.
     comm
@@ -147,8 +118,8 @@ def pair(
     Raises
     ------
     InputError
-        On every rank, when a weight is negative, too many points are missed, the surfaces do not
-        face each other, or they do not touch and no reach allows for it.
+        On every rank, when a weight is negative, too many points are missed, or the surfaces do not
+        face each other or do not touch.
     """
     must_touch = reach is None
     if reach is None:
@@ -165,9 +136,12 @@ def pair(
     missed_area = points.weight[~found].sum() / a.area
     fraction = float(missed_area + (left_out if left_out > _QUADRATURE else 0.0))
     if fraction > max_missed:
-        told = _uncovered(int((~found).sum()), len(points), 100 * fraction, 100 * max_missed)
-        within = f"surfaces that face each other within {reach:.3g} m: "
-        raise InputError(field, f"{a.name} on {b.name}", within + told)
+        told = (
+            f"surfaces that face each other within {reach:.3g} m: points on {100 * fraction:.2g} % "
+            f"of the area of side a find nothing on side b, at most {100 * max_missed:.2g} % may; "
+            "take more elements, or raise max_missed"
+        )
+        raise InputError(field, f"{a.name} on {b.name}", told)
     if not found.all():
         points, opposite = points[found], opposite[found[start:stop]]
     rows = slice(*(int(found[:end].sum()) for end in (start, stop)))
@@ -206,31 +180,22 @@ def pair(
 def jump_along(interface: Interface, direction: Floats) -> tuple[csr_array, csr_array]:
     """Parts on a and b of the jump along a direction, the rows of this rank's points.
 
-    Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each. Components that are zero at
-    every point have no entries; of very many points, nor have those that are rounding.
+    Operators on full dofs, shape (n_local, dim * num_scalar_dofs) each.
     """
-    size = np.abs(direction).max(axis=0, initial=0.0)
-    rounding = _ROUNDING * size.max() if len(interface.points) > _MANY_POINTS else 0.0
-    acting = np.flatnonzero(size > rounding)
-    sides = (interface.trace_a, direction), (interface.trace_b, -direction)
-    on_a, on_b = (along(trace, vectors, acting) for trace, vectors in sides)
-    return on_a, on_b
+    return along(interface.trace_a, direction), along(interface.trace_b, -direction)
 
 
-def along(trace: csr_array, direction: Floats, components: Ints | None = None) -> csr_array:
+def along(trace: csr_array, direction: Floats) -> csr_array:
     """Component of the displacement along a direction, shape (n, dim * num_scalar_dofs).
 
-    There are entries for some components of the vectors (n, dim) alone, None for all.
+    Components that are zero at every point have no entries.
     """
-    n, m = trace.shape
-    dim = direction.shape[1]
-    acting = np.arange(dim) if components is None else components
+    (n, m), dim = trace.shape, direction.shape[1]
+    acting = np.flatnonzero(direction.any(axis=0)).astype(trace.indices.dtype)
     part = np.repeat(direction[:, acting], np.diff(trace.indptr), axis=0)
     part *= trace.data[:, None]
-    kind = np.int32 if m * dim < 2**31 and len(trace.data) * dim < 2**31 else np.int64
-    columns = trace.indices.astype(kind)[:, None] * kind(dim) + acting.astype(kind)
-    starts = trace.indptr.astype(kind) * kind(len(acting))
-    return csr_array((part.ravel(), columns.ravel(), starts), shape=(n, m * dim))
+    columns = trace.indices[:, None] * dim + acting
+    return csr_array((part.ravel(), columns.ravel(), trace.indptr * len(acting)), (n, m * dim))
 
 
 def _check_weights(weights: Floats, field: str) -> None:
@@ -245,21 +210,6 @@ def _check_weights(weights: Floats, field: str) -> None:
         raise InputError(f"{field}.formulation.weights", value, allowed)
 
 
-def _uncovered(missed: int, count: int, part: float, limit: float) -> str:
-    """What is said of a contact whose points find too little on the other side (%)."""
-    if not missed:
-        return (
-            f"{part:.2g} % of the area of side a has no points, for they find nothing on side b "
-            "there, or the rule is too coarse for the weights of a spline; at most "
-            f"{limit:.2g} % may have none: take more elements, else raise max_missed"
-        )
-    return (
-        f"{missed} of {count} points ({part:.2g} % of the area of side a) find nothing on side b, "
-        f"at most {limit:.2g} % may; where curved rims only nearly meet, take more elements or a "
-        "higher degree of geometry, else raise max_missed"
-    )
-
-
 def _check_gap(
     distances: tuple[float, float], angle: float, allowed: float, field: str, sides: str
 ) -> None:
@@ -272,10 +222,9 @@ def _check_gap(
         return
     found = [f"{largest:.3g} m apart"] if largest > allowed else []
     found += [f"{-least:.3g} m inside each other"] if -least > allowed else []
-    tilt = f", tilted by up to {np.degrees(angle):.2g} degrees" if angle > _TILTED else ""
     raise InputError(
         f"{field}.reach",
         None,
-        f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}{tilt}, and "
-        f"their meshes explain {allowed:.3g} m",
+        f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}, tilted by up "
+        f"to {np.degrees(angle):.2g} degrees, and their meshes explain {allowed:.3g} m",
     )

@@ -1,4 +1,4 @@
-"""Laws of contact: the pressure that a penetration meets, its slope, friction, and sliding.
+"""Laws of contact: the pressure that a penetration meets, its slope, and sliding.
 
 A law knows nothing of geometry. Linearised about steady sliding, its slope at the penetrations of
 that state stands in the place of the contact stiffness p, and friction multiplies it
@@ -6,29 +6,12 @@ that state stands in the place of the contact stiffness p, and friction multipli
 """
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.errors import InputError
-
-
-class NormalLaw(Protocol):
-    """What a penetration of side a into side b meets."""
-
-    @property
-    def linear(self) -> bool:
-        """Whether the slope is the same at any penetration: no steady sliding state is sought."""
-        ...
-
-    def pressure(self, penetration: Floats) -> Floats:
-        """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
-        ...
-
-    def slope(self, penetration: Floats) -> Floats:
-        """Its derivative (N/m^3), the contact stiffness p of small motions, shape (n,)."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -41,13 +24,11 @@ class LinearLaw:
         Contact stiffness p (N/m^3), shape (n,) or one number; zero where the sides have lifted off;
         infinite everywhere, where the sides are tied along the normal, or nowhere.
 
-    Raises
-    ------
-    InputError
-        When it is negative or no number somewhere, zero everywhere, or infinite in parts.
     """
 
     stiffness: Floats | float
+    linear: ClassVar[bool] = True
+    """Its slope is the same at any penetration: no state of steady sliding is sought."""
 
     def __post_init__(self) -> None:
         p = np.asarray(self.stiffness)
@@ -57,11 +38,6 @@ class LinearLaw:
             raise InputError("p", 0.0, "positive (N/m^3) somewhere: else there is no contact")
         if np.isinf(p).any() and not np.isinf(p).all():
             raise InputError("p", float("inf"), "finite, or infinite everywhere")
-
-    @property
-    def linear(self) -> bool:
-        """True."""
-        return True
 
     def pressure(self, penetration: Floats) -> Floats:
         """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
@@ -86,17 +62,13 @@ class NormalCompliance:
 
     c: float
     m: float
+    linear: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         if not 0 < self.c < np.inf:
             raise InputError("c_n", self.c, "positive (N/m^(2 + m_n))")
         if not 1 <= self.m < np.inf:
             raise InputError("m_n", self.m, "1 or more")
-
-    @property
-    def linear(self) -> bool:
-        """False: where it opens it meets nothing, whatever m."""
-        return False
 
     def pressure(self, penetration: Floats) -> Floats:
         """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
@@ -112,43 +84,13 @@ class NormalCompliance:
         return float((pressure / self.c) ** (1 / self.m))
 
 
-class TangentField(Protocol):
-    """Direction of the friction traction on side a."""
-
-    def at(self, x: Floats, normal: Floats) -> Floats:
-        """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        ...
-
-
-@dataclass(frozen=True)
-class Friction:
-    """Coulomb friction of steady sliding.
-
-    Parameters
-    ----------
-    mu
-        Friction coefficient, shape (n,) or one number, zero or positive.
-    direction
-        Direction of the friction traction on side a.
-    """
-
-    mu: Floats | float
-    direction: TangentField
-
-    def __post_init__(self) -> None:
-        mu = np.asarray(self.mu)
-        if not (mu >= 0).all():
-            raise InputError("mu", float(mu.min()), "zero or positive")
-
-    @property
-    def acts(self) -> bool:
-        """True where there is any friction."""
-        return bool(np.any(np.asarray(self.mu) != 0))
+NormalLaw = LinearLaw | NormalCompliance
+"""What a penetration of side a into side b meets."""
 
 
 @dataclass(frozen=True)
 class Sliding:
-    """Steady sliding, as far as small velocities feel it (:mod:`cea.contact.sliding`).
+    """Steady sliding, as far as small velocities feel it (:mod:`cea.system.contact_terms`).
 
     Parameters
     ----------

@@ -32,17 +32,16 @@ def lumped_matrices(
     sides: tuple[str, str],
     interface: Interface,
     weight: Floats,
-    direction: Floats | None,
-    mu: Floats,
+    pushed: Floats | None,
 ) -> tuple[Any, Any | None]:
-    """K_n and K_f of lumped contact in the unknowns of the whole system."""
+    """K_n and K_f of lumped contact in the unknowns of the system; pushed along mu k."""
     normal = interface.local_points.normal
     stiffness = _lumped(bodies, sides, interface, weight, normal, normal)
     symmetrised(stiffness)
     stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    if direction is None:
+    if pushed is None:
         return stiffness, None
-    return stiffness, _lumped(bodies, sides, interface, weight * mu, direction, normal)
+    return stiffness, _lumped(bodies, sides, interface, weight, pushed, normal)
 
 
 def _lumped(

@@ -12,27 +12,18 @@ the sides have lifted off: the integrals go over the rest of the interface, and 
 there bear no multiplier.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_solve, lapack, solve_triangular
+from scipy.linalg import cho_solve, lapack
 from scipy.sparse import csr_array, diags_array, vstack
 from scipy.sparse.linalg import splu, spsolve
 
 from cea.arrays import Floats, Ints
 from cea.contact.interface import Interface
-from cea.matrices import (
-    block_diagonal,
-    destroy,
-    distributed,
-    gather,
-    local_part,
-    product,
-    symmetric_product,
-)
+from cea.matrices import destroy, distributed, gather, local_part, product, symmetric_product
 from cea.petsc import PETSc
 from cea.ranks import local_rows
 
@@ -57,18 +48,18 @@ class MortarProjection:
 
         Of all points those count that are closed, shape (n,); None takes every one.
         """
+        comm = interface.comm
+        everything = np.ones(len(interface.points), dtype=bool)
+        seen = _at(interface, traces, everything if closed is None else closed)
+        touched = _seen_by_any(seen, comm)
+        every = cls(interface, _columns(seen, touched, comm))
         if closed is None or closed.all():
-            seen = traces.copy()
-            seen.eliminate_zeros()
-            return cls(interface, _columns(seen, _seen_by_any(seen, interface.comm), interface))
-        seen, beyond = (_at(interface, traces, points) for points in (closed, ~closed))
-        touched = _seen_by_any(seen, interface.comm)
-        every = cls(interface, _columns(seen, touched, interface))
-        cut = np.isin(touched, _seen_by_any(beyond, interface.comm))
+            return every
+        cut = np.isin(touched, _seen_by_any(_at(interface, traces, ~closed), comm))
         gram = every.compliance(closed.astype(float))
-        kept = _independent(everywhere(gram), cut, interface.comm)
+        kept = _independent(everywhere(gram), cut, comm)
         destroy(gram, every.traces)
-        return cls(interface, _columns(seen, touched[kept], interface))
+        return cls(interface, _columns(seen, touched[kept], comm))
 
     def integrals(self, jump: Any) -> Any:
         """Int psi_i of a jump given at the points, PETSc AIJ (points x free dofs)."""
@@ -89,10 +80,10 @@ class MortarProjection:
         destroy(weight)
         return result
 
-    def pressure(self, stiffness: Floats, closed: Any) -> Floats:
+    def pressure(self, stiffness: Floats, integrals: Floats) -> Floats:
         """Contact pressure lambda_h (N/m^2) at all points, on every rank, from p and B x."""
         compliance = self.compliance(stiffness)
-        multiplier = spsolve(everywhere(compliance).tocsc(), gather(closed))
+        multiplier = spsolve(everywhere(compliance).tocsc(), integrals)
         destroy(compliance)
         at_points = local_part(self.traces) @ multiplier
         return np.concatenate(self.interface.comm.allgather(at_points))
@@ -101,6 +92,63 @@ class MortarProjection:
         vector = self.traces.createVecLeft()
         vector.array[:] = values
         return vector
+
+
+class _Eliminated:
+    """B and B_k on the unknowns that they touch, and M^-1 of a block; the same on every rank."""
+
+    def __init__(self, M: Any, gap: Any, slip: Any | None) -> None:
+        self._gap, dense = gap, everywhere(M).toarray()
+        scale = 1 / np.sqrt(np.diag(dense))
+        scaled = scale[:, None] * dense * scale
+        factor, order, rank, _ = lapack.dpstrf(scaled, tol=_INDEPENDENT)
+        self.traces = order[:rank] - 1  # those that are not sums of others
+        self._scale, self._factor = scale[self.traces, None], np.triu(factor[:rank, :rank])
+        wholes = [everywhere(each)[self.traces] for each in (gap, slip) if each is not None]
+        self.columns = np.unique(np.concatenate([w.indices[w.data != 0] for w in wholes]))
+        self.integrals = [whole[:, self.columns].toarray() for whole in wholes]
+
+    def solve(self, right: Floats) -> Floats:
+        """M^-1 times a block."""
+        return self._scale * cho_solve((self._factor, False), self._scale * right)
+
+    def vector(self, values: Floats) -> Any:
+        """Values at the columns as a PETSc vector of all unknowns."""
+        vector = self._gap.createVecRight()
+        mine, start = self._mine()
+        vector.array[self.columns[mine] - start] = values[mine]
+        return vector
+
+    def matrices(self, normal: Floats, friction: Floats | None) -> tuple[Any, Any | None]:
+        """Full blocks on the columns as K_n and K_f of all unknowns, PETSc AIJ."""
+        K_n = self._matrix(0.5 * (normal + normal.T))
+        K_n.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        return K_n, None if friction is None else self._matrix(friction)
+
+    def _matrix(self, block: Floats) -> Any:
+        mine, start = self._mine()
+        local, total = self._gap.getSizes()[1]
+        lengths = np.zeros(local, dtype=np.int64)
+        lengths[self.columns[mine] - start] = len(self.columns)
+        indptr = np.concatenate([[0], np.cumsum(lengths)])
+        indices = np.tile(self.columns, len(mine))
+        rows = csr_array((block[mine].ravel(), indices, indptr), shape=(local, total))
+        return distributed(rows, self._gap.getSizes()[1], self._gap.comm)
+
+    def _mine(self) -> tuple[Ints, int]:
+        """Which of the columns are unknowns of this rank, and its first unknown."""
+        first, last = self._gap.getOwnershipRangeColumn()
+        return np.flatnonzero((self.columns >= first) & (self.columns < last)), first
+
+
+def eliminated(compliance: Any, gap: Any, slip: Any | None) -> tuple[Any, Any | None]:
+    """K_n = B^T M^-1 B and K_f = B_k^T M^-1 B: full on the interface, for small ones."""
+    parts = _Eliminated(compliance, gap, slip)
+    B, *slipping = parts.integrals
+    multipliers = parts.solve(B)
+    return parts.matrices(
+        B.T @ multipliers, slipping[0].T @ multipliers if slip is not None else None
+    )
 
 
 class ProjectedLaw:
@@ -115,43 +163,24 @@ class ProjectedLaw:
     """
 
     def __init__(self, projection: MortarProjection, gap: Any, slip: Any | None) -> None:
-        self._gap = gap
         interface = projection.interface
         self._weight = interface.points.weight
         gram = projection.compliance(np.ones(len(self._weight)))
-        M = everywhere(gram).toarray()
+        self._parts = _Eliminated(gram, gap, slip)
         destroy(gram)
-        self._scale = 1 / np.sqrt(np.diag(M))
-        factor, order, rank, _ = lapack.dpstrf(
-            self._scale[:, None] * M * self._scale, tol=_INDEPENDENT
-        )
-        kept = order[:rank] - 1
-        self._scale = self._scale[kept]
-        self._factor = np.triu(factor[:rank, :rank])
-        traces = interface.comm.allgather(local_part(projection.traces))
-        self._traces = csr_array(csr_array(vstack(traces))[:, kept])
-        wholes = [everywhere(each)[kept] for each in (gap, slip) if each is not None]
-        self._columns = np.unique(np.concatenate([w.indices[w.data != 0] for w in wholes]))
-        self._closing, *slipping = self._projected(wholes)
+        traces = csr_array(vstack(interface.comm.allgather(local_part(projection.traces))))
+        self._traces = csr_array(traces[:, self._parts.traces])
+        self._closing, *slipping = (self._parts.solve(each) for each in self._parts.integrals)
         self._slipping = slipping[0] if slipping else None
-
-    def _projected(self, integrals: Sequence[csr_array]) -> list[Floats]:
-        """E = M^-1 B of each B, on the columns that any of them touches."""
-        return [self._solve(each[:, self._columns].toarray()) for each in integrals]
-
-    def _solve(self, right: Floats) -> Floats:
-        """M^-1 times a block."""
-        scale = self._scale[:, None]
-        return scale * cho_solve((self._factor, False), scale * right)
 
     def closing(self, x: Any) -> Floats:
         """N E x, shape (n,)."""
-        return self._traces @ (self._closing @ gather(x)[self._columns])
+        return self._traces @ (self._closing @ gather(x)[self._parts.columns])
 
-    def met(self, gap: Floats) -> Floats:
+    def projected(self, gap: Floats) -> Floats:
         """The gap projected on the traces, shape (n,)."""
         integrals = self._traces.T @ (self._weight * gap)
-        return self._traces @ self._solve(integrals[:, None])[:, 0]
+        return self._traces @ self._parts.solve(integrals[:, None])[:, 0]
 
     def force(self, pressure: Floats, *, friction: bool) -> Any:
         """(E - mu E_k)^T N^T w sigma, PETSc vector."""
@@ -159,37 +188,19 @@ class ProjectedLaw:
         values = self._closing.T @ integrals
         if friction and self._slipping is not None:
             values -= self._slipping.T @ integrals
-        force = self._gap.createVecRight()
-        mine, start = self._mine()
-        force.array[self._columns[mine] - start] = values[mine]
-        return force
+        return self._parts.vector(values)
 
     def tangent(self, slope: Floats) -> tuple[Any, Any | None]:
         """E^T (N^T D N) E and E_k^T (N^T D N) E, full on the whole interface."""
         inner = self._traces.T @ diags_array(self._weight * slope) @ self._traces
         pushed = inner @ self._closing
-        normal = self._closing.T @ pushed
-        K_n = self._matrix(0.5 * (normal + normal.T))
-        K_n.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        if self._slipping is None:
-            return K_n, None
-        return K_n, self._matrix(self._slipping.T @ pushed)
+        friction = None if self._slipping is None else self._slipping.T @ pushed
+        return self._parts.matrices(self._closing.T @ pushed, friction)
 
-    def _mine(self) -> tuple[Ints, int]:
-        """Which of the columns are unknowns of this rank, and its first unknown."""
-        first, last = self._gap.getOwnershipRangeColumn()
-        return np.flatnonzero((self._columns >= first) & (self._columns < last)), first
 
-    def _matrix(self, block: Floats) -> Any:
-        """A full block on the columns as a matrix on all unknowns, PETSc AIJ."""
-        mine, start = self._mine()
-        local, total = self._gap.getSizes()[1]
-        lengths = np.zeros(local, dtype=np.int64)
-        lengths[self._columns[mine] - start] = len(self._columns)
-        indptr = np.concatenate([[0], np.cumsum(lengths)])
-        indices = np.tile(self._columns, len(mine))
-        rows = csr_array((block[mine].ravel(), indices, indptr), shape=(local, total))
-        return distributed(rows, self._gap.getSizes()[1], self._gap.comm)
+def everywhere(matrix: Any) -> csr_array:
+    """All rows of a matrix on every rank."""
+    return csr_array(vstack(matrix.comm.tompi4py().allgather(local_part(matrix))))
 
 
 def _at(interface: Interface, traces: csr_array, points: NDArray[np.bool_]) -> csr_array:
@@ -205,11 +216,10 @@ def _seen_by_any(seen: csr_array, comm: Any) -> Ints:
     return np.unique(np.concatenate(comm.allgather(np.unique(seen.indices))))
 
 
-def _columns(seen: csr_array, touched: Ints, interface: Interface) -> Any:
+def _columns(seen: csr_array, touched: Ints, comm: Any) -> Any:
     """Some traces as PETSc AIJ."""
-    start, stop = local_rows(len(touched), interface.comm)
-    columns = (stop - start, len(touched))
-    return distributed(csr_array(seen[:, touched]), columns, interface.comm)
+    start, stop = local_rows(len(touched), comm)
+    return distributed(csr_array(seen[:, touched]), (stop - start, len(touched)), comm)
 
 
 def _independent(gram: csr_array, cut: NDArray[np.bool_], comm: Any) -> Ints:
@@ -230,48 +240,3 @@ def _independent(gram: csr_array, cut: NDArray[np.bool_], comm: Any) -> Ints:
         needed = np.flatnonzero(cut)[order[:rank] - 1]
         kept = np.sort(np.concatenate([np.flatnonzero(~cut), needed]))
     return np.asarray(comm.bcast(kept))
-
-
-def repeated(matrix: Any, times: int) -> Any:
-    """A matrix so many times along the diagonal, PETSc AIJ."""
-    return block_diagonal([matrix] * times).convert("aij")
-
-
-def eliminated(compliance: Any, gap: Any, slip: Any | None) -> tuple[Any, Any | None]:
-    """K_n = B^T M^-1 B and K_f = B_k^T M^-1 B: full on the interface, for small ones.
-
-    With R R^T = M^-1 they are G^T G and T^T G for G = R^T B and T = R^T B_k.
-    """
-    comm = gap.comm.tompi4py()
-    M = everywhere(compliance).toarray()
-    scale = 1 / np.sqrt(np.diag(M))
-    factor, order, rank, _ = lapack.dpstrf(scale[:, None] * M * scale, tol=_INDEPENDENT)
-    kept = order[:rank] - 1
-    start, stop = local_rows(rank, comm)
-    reduced = []
-    for operator in (gap, slip):
-        if operator is None:
-            continue
-        whole = everywhere(operator)
-        columns = np.unique(whole.indices[whole.data != 0])
-        right = scale[kept, None] * whole[kept][:, columns].toarray()
-        rows = solve_triangular(factor[:rank, :rank], right, trans="T", check_finite=False)
-        block = _spread(rows[start:stop], columns, whole.shape[1])
-        reduced.append(distributed(block, operator.getSizes()[1], operator.comm))
-    one = reduced[0].createVecLeft()
-    one.set(1.0)
-    normal = symmetric_product(reduced[0], one)
-    friction = product(reduced[1], reduced[0], one) if slip is not None else None
-    destroy(one, *reduced)
-    return normal, friction
-
-
-def everywhere(matrix: Any) -> csr_array:
-    """All rows of a matrix on every rank."""
-    return csr_array(vstack(matrix.comm.tompi4py().allgather(local_part(matrix))))
-
-
-def _spread(block: Floats, columns: Any, size: int) -> csr_array:
-    """Dense columns in their places."""
-    indptr = np.arange(len(block) + 1, dtype=np.int64) * len(columns)
-    return csr_array((block.ravel(), np.tile(columns, len(block)), indptr), (len(block), size))

@@ -23,7 +23,6 @@ from scipy.sparse import csr_array, diags_array, vstack
 from cea.arrays import Floats
 from cea.contact.compression import compressed
 from cea.contact.contact import Contact
-from cea.contact.forms import squared
 from cea.eigen.multipliers import ForcesOfContact
 from cea.eigen.parameters import NOTHING, Coefficient
 from cea.matrices import (
@@ -33,6 +32,7 @@ from cea.matrices import (
     identity,
     local_part,
     one_below_the_other,
+    squared,
 )
 from cea.petsc import MPI
 
@@ -101,32 +101,22 @@ def _projected(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
     shares = _relative_stiffness(halves)
     parts = [half.compliance(share) for half, share in zip(halves, shares, strict=True)]
     closure, slip = one_below_the_other([half.gap for half in halves]), None
-    if any(half.slip is not None for half in halves):
-        rows = [half.slip if half.slip is not None else _zero(half.gap) for half in halves]
-        slip = one_below_the_other(rows)
-        destroy(*(row for row, half in zip(rows, halves, strict=True) if row is not half.slip))
+    if halves[0].slip is not None:
+        slip = one_below_the_other([half.slip for half in halves])
     compliance = block_diagonal(parts).convert("aij")
     destroy(*parts)
     return closure, slip, compliance
 
 
-def _zero(matrix: Any) -> Any:
-    """Zeros of the layout of a matrix."""
-    zero = matrix.duplicate()
-    zero.assemble()
-    return zero
-
-
 def _at_points(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
     """J, R and C of forces at points, as few as there are independent gaps."""
-    template = halves[0].gap
+    gap, frictional = halves[0].gap, halves[0].slip is not None
     slips = [
-        local_part(half.slip) if half.slip is not None else csr_array(local_part(half.gap).shape)
+        local_part(half.slip) if frictional else csr_array(local_part(half.gap).shape)
         for half in halves
     ]
     closure, reaction = few_forces(halves, slips)
-    columns, comm = template.getSizes()[1], template.comm
-    frictional = any(half.slip is not None for half in halves)
+    columns, comm = gap.getSizes()[1], gap.comm
     slip = distributed(reaction, columns, comm) if frictional else None
     return distributed(closure, columns, comm), slip, identity(closure.shape[0], comm)
 

@@ -10,92 +10,56 @@ there face nothing and are dropped.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats, Ints
 from cea.contact.cell_coordinates import continued_coordinates
-from cea.contact.overlaps import SLIVER, STRAIGHT, clip, rule_on, simplified
 from cea.location import cross
 from cea.surface import Surface
 from cea.surface_points import SurfaceCells, SurfaceCoordinates, SurfacePoints, gauss_rule
 
+_STRAIGHT = 1e-8
+"""Distance of an edge from its chord, relative to the cell of a, that counts as straight.
+
+Traces of b are continuous across its edges: a break off by d costs an integral d^2 inside the
+surfaces, and d at their rims.
+"""
+_SLIVER = 1e-14
+"""Segments below this part of their cell's area are dropped."""
 _POLYLINE = 16
 """Pieces, at most, that stand for an edge of b that is curved in the coordinates of a."""
 _CHUNK = 10_000
 """Pairs of cells that are worked on at once."""
 
 
-@dataclass(frozen=True)
-class _Pairs:
-    """Cells that may overlap: numbers of cells of a and b."""
-
-    a: Ints
-    b: Ints
-
-    def __getitem__(self, rows: Any) -> "_Pairs":
-        return _Pairs(self.a[rows], self.b[rows])
-
-
 def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> SurfacePoints:
-    """Gauss points on the common refinement of two surfaces.
+    """Gauss points on a, weights with its Jacobian, on the common refinement of two surfaces.
 
-    Parameters
-    ----------
-    a
-        Surface that carries the points.
-    b
-        Opposite surface.
-    points
-        Gauss points per direction in each segment; None takes what is exact for the degrees of
-        both traces on flat interfaces.
-    reach
-        Largest distance (m) between the surfaces.
-
-    Returns
-    -------
-    SurfacePoints
-        Points on a, weights with the Jacobian of a; parts of a that face no cell of b hold none.
-
-    Raises
-    ------
-    ConvergenceError
-        When a cell of b cannot be mapped to the coordinates of a cell of a.
+    So many points per direction in each segment; None takes what is exact for the degrees of both
+    traces on flat interfaces. Surfaces are within a reach (m); parts of a that face no cell of b
+    hold none. A cell of b that cannot be mapped to the coordinates of one of a ends in a
+    ConvergenceError.
     """
-    cells_a, cells_b = a.cells(), b.cells()
-    pairs = _near(a, cells_a, b, cells_b, reach)
-    none = a.gauss_points(1)[:0]
-    if not len(pairs.a):
-        return none
-    if a.dim == 2:
-        element, xi, weight = _intervals(a, cells_a, b, cells_b, pairs, points)
-        return _on_surface(a, element, xi, weight)
-    parts = [none]
-    for start in range(0, len(pairs.a), _CHUNK):
-        near, straight = _crossing(a, cells_a, b, cells_b, pairs[start : start + _CHUNK])
+    sides = _Sides(a, a.cells(), b, b.cells())
+    pairs = sides.near(reach)
+    parts = [a.gauss_points(1)[:0]]
+    if a.dim == 2 and len(pairs):
+        parts.append(sides.on_a(*sides.intervals(pairs, points)))
+    for start in range(0, len(pairs), _CHUNK) if a.dim == 3 else ():
+        crossing, straight = sides.crossing(pairs[start : start + _CHUNK])
         for pieces, chosen in ((1, straight), (_POLYLINE, ~straight)):
-            some = near[chosen]
-            if not len(some.a):
+            some = crossing[chosen]
+            if not len(some):
                 continue
-            owner, xi, weight = _polygons(a, cells_a, b, cells_b, some, points, pieces)
-            part = _on_surface(a, cells_a.element[some.a[owner]], xi, weight)
+            owner, xi, weight = sides.polygons(some, points, pieces)
+            part = sides.on_a(some[owner, 0], xi, weight)
             if pieces > 1 and len(part):
-                part = part[_facing(part, b, cells_b, some.b[owner], reach)]
+                part = part[sides.facing(part, some[owner, 1], reach)]
             parts.append(part)
-    return _joined(parts)
-
-
-def _on_surface(a: Surface, element: Ints, xi: Floats, weight: Floats) -> SurfacePoints:
-    """Points of reference weights on a."""
-    at = SurfaceCoordinates(element, xi)
-    x, tangents = a.tangents(element, xi)
-    return SurfacePoints(at, x, a.normal(at), weight * np.linalg.norm(cross(tangents), axis=1))
-
-
-def _joined(parts: list[SurfacePoints]) -> SurfacePoints:
     return SurfacePoints(
         SurfaceCoordinates(
             np.concatenate([p.at.element for p in parts]), np.concatenate([p.at.xi for p in parts])
@@ -106,104 +70,111 @@ def _joined(parts: list[SurfacePoints]) -> SurfacePoints:
     )
 
 
-def _facing(
-    points: SurfacePoints, b: Surface, cells: SurfaceCells, numbers: Ints, reach: float
-) -> NDArray[np.bool_]:
-    """True for points within their cells of b, and for those others that are found on b."""
-    corners = cells.corners[numbers]
-    xi = continued_coordinates(b, cells.element[numbers], corners, points.x[:, None])
-    edge = np.roll(corners, -1, axis=1) - corners
-    arm = xi - corners
-    turn = edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0]
-    facing = np.abs(np.sign(turn).sum(axis=1)) == turn.shape[1]
-    facing[~facing] = ~b.locate(points.x[~facing], points.normal[~facing], reach).missed
-    return facing
+@dataclass(frozen=True)
+class _Sides:
+    """Two surfaces and their cells. Pairs are numbers of cells of a and b, shape (n, 2)."""
+
+    a: Surface
+    cells_a: SurfaceCells
+    b: Surface
+    cells_b: SurfaceCells
+
+    def on_a(self, cell: Ints, xi: Floats, weight: Floats) -> SurfacePoints:
+        """Points of reference weights in cells of a."""
+        at = SurfaceCoordinates(self.cells_a.element[cell], xi)
+        x, tangents = self.a.tangents(at.element, xi)
+        area = np.linalg.norm(cross(tangents), axis=1)
+        return SurfacePoints(at, x, self.a.normal(at), weight * area)
+
+    def facing(self, points: SurfacePoints, cell: Ints, reach: float) -> NDArray[np.bool_]:
+        """True for points within their cells of b, and for those others that are found on b."""
+        corners = self.cells_b.corners[cell]
+        element = self.cells_b.element[cell]
+        xi = continued_coordinates(self.b, element, corners, points.x[:, None])
+        edge = np.roll(corners, -1, axis=1) - corners
+        arm = xi - corners
+        turn = edge[..., 0] * arm[..., 1] - edge[..., 1] * arm[..., 0]
+        facing = np.abs(np.sign(turn).sum(axis=1)) == turn.shape[1]
+        beside = points[~facing]
+        facing[~facing] = ~self.b.locate(beside.x, beside.normal, reach).missed
+        return facing
+
+    def near(self, reach: float) -> Ints:
+        """Pairs of cells that face each other and whose bounding spheres come within reach."""
+        (centre_a, radius_a, normal_a), (centre_b, radius_b, normal_b) = (
+            _spheres(self.a, self.cells_a),
+            _spheres(self.b, self.cells_b),
+        )
+        found = KDTree(centre_b).query_ball_point(centre_a, radius_a + radius_b.max() + reach)
+        i = np.repeat(np.arange(len(found)), [len(f) for f in found])
+        j = np.concatenate([np.asarray(f, dtype=np.int64) for f in found])
+        apart = np.linalg.norm(centre_a[i] - centre_b[j], axis=1)
+        near = apart <= radius_a[i] + radius_b[j] + reach
+        near &= np.einsum("ij,ij->i", normal_a[i], normal_b[j]) < 0
+        return np.column_stack([i, j])[near]
+
+    def outlines_in_a(self, pairs: Ints, pieces: int) -> Floats:
+        """Outlines of cells of b in the coordinates of those of a, continued beyond them."""
+        x = _outlines(self.b, self.cells_b, pairs[:, 1], pieces)
+        own = pairs[:, 0]
+        return continued_coordinates(
+            self.a, self.cells_a.element[own], self.cells_a.corners[own], x
+        )
+
+    def intervals(self, pairs: Ints, points: int | None) -> tuple[Ints, Floats, Floats]:
+        """Common refinement of two curves: cell of a, xi and reference weight of Gauss points."""
+        mapped = np.sort(self.outlines_in_a(pairs, 1)[..., 0], axis=1)
+        own = np.sort(self.cells_a.corners[pairs[:, 0]][..., 0], axis=1)
+        low = np.maximum(own[:, 0], mapped[:, 0])
+        high = np.minimum(own[:, 1], mapped[:, 1])
+        kept = high - low > _SLIVER * (own[:, 1] - own[:, 0])
+        count = points or max(self.cells_a.degree, self.cells_b.degree) + 1
+        t, w = gauss_rule(count, 1, simplex=False)
+        length = (high - low)[kept, None]
+        xi = low[kept, None] + length * t[:, 0]
+        return np.repeat(pairs[kept, 0], len(t)), xi.reshape(-1, 1), (length * w).ravel()
+
+    def polygons(self, pairs: Ints, points: int | None, pieces: int) -> tuple[Ints, Floats, Floats]:
+        """Common refinement of two surfaces: pair, xi and reference weight of Gauss points."""
+        degree = max(self.cells_a.degree, self.cells_b.degree)
+        tensor = self.cells_a.tensor or self.cells_b.tensor
+        own = self.cells_a.corners[pairs[:, 0]]
+        smallest = np.ptp(own, axis=1).min(axis=1)
+        owner, overlap = _clip(
+            own, _simplified(self.outlines_in_a(pairs, pieces), pieces, smallest)
+        )
+        on_triangles = points or (2 * degree if tensor else degree) + 1
+        return _rule_on(owner, overlap, points or degree + 1, on_triangles)
+
+    def crossing(self, pairs: Ints) -> tuple[Ints, NDArray[np.bool_]]:
+        """Pairs whose cells may overlap, and whether the cell of b has straight edges there.
+
+        Between its samples an edge is taken to leave the box around them by half their largest
+        second difference at most, four times what a parabola does.
+        """
+        own = self.cells_a.corners[pairs[:, 0]]
+        low, extent = own.min(axis=1)[:, None], np.ptp(own, axis=1)[:, None]
+        outline = (self.outlines_in_a(pairs, 4) - low) / extent
+        edges = outline.reshape(len(outline), -1, 4, 2)
+        edges = np.concatenate([edges, np.roll(edges[:, :, :1], -1, axis=1)], axis=2)
+        chord = edges[:, :, -1:] - edges[:, :, :1]
+        arm = edges[:, :, 1:-1] - edges[:, :, :1]
+        off = np.abs(chord[..., 0] * arm[..., 1] - chord[..., 1] * arm[..., 0]).max(axis=2)
+        straight = off <= _STRAIGHT * np.linalg.norm(chord[:, :, 0], axis=2)
+        room = 0.5 * np.abs(np.diff(edges, 2, axis=2)).max(axis=(2, 3))[:, :, None]
+        least, most = edges.min(axis=2) - room, edges.max(axis=2) + room
+        touching = ((least < 1) & (most > 0)).all(axis=2)
+        near = ((least.min(axis=1) < 1) & (most.max(axis=1) > 0)).all(axis=1)
+        return pairs[near], (straight | ~touching).all(axis=1)[near]
 
 
-def _near(
-    a: Surface, cells_a: SurfaceCells, b: Surface, cells_b: SurfaceCells, reach: float
-) -> _Pairs:
-    """Pairs of cells that face each other and whose bounding spheres come within reach."""
-    (centre_a, radius_a), (centre_b, radius_b) = _spheres(a, cells_a), _spheres(b, cells_b)
-    found = KDTree(centre_b).query_ball_point(centre_a, radius_a + radius_b.max() + reach)
-    counts = np.array([len(f) for f in found])
-    i = np.repeat(np.arange(len(found)), counts)
-    j = np.concatenate([np.asarray(f, dtype=np.int64) for f in found])
-    apart = np.linalg.norm(centre_a[i] - centre_b[j], axis=1)
-    near = apart <= radius_a[i] + radius_b[j] + reach
-    normal_a, normal_b = _middle_normals(a, cells_a), _middle_normals(b, cells_b)
-    near &= np.einsum("ij,ij->i", normal_a[i], normal_b[j]) < 0
-    return _Pairs(i, j)[near]
-
-
-def _middle_normals(surface: Surface, cells: SurfaceCells) -> Floats:
-    """Outward unit normals at the centres of cells, (n, dim)."""
-    return surface.normal(SurfaceCoordinates(cells.element, cells.corners.mean(axis=1)))
-
-
-def _spheres(surface: Surface, cells: SurfaceCells) -> tuple[Floats, Floats]:
-    """Centres (m) and radii (m) of spheres that hold the cells; room for curved edges."""
-    count, corners = cells.corners.shape[:2]
-    element = np.repeat(cells.element, corners)
-    x = surface.position(SurfaceCoordinates(element, cells.corners.reshape(count * corners, -1)))
-    x = x.reshape(count, corners, -1)
+def _spheres(surface: Surface, cells: SurfaceCells) -> tuple[Floats, Floats, Floats]:
+    """Centres (m), radii (m) with room for curved edges, and middle normals of cells."""
+    x = _outlines(surface, cells, np.arange(len(cells.element)), 1)
     centre = x.mean(axis=1)
-    return centre, 1.25 * np.linalg.norm(x - centre[:, None], axis=2).max(axis=1)
-
-
-def _to_reference(a: Surface, cells_a: SurfaceCells, pairs: _Pairs, x: Floats) -> Floats:
-    """Coordinates in the cells of a of points x (pairs, m, dim), continued beyond the cells."""
-    return continued_coordinates(a, cells_a.element[pairs.a], cells_a.corners[pairs.a], x)
-
-
-def _intervals(
-    a: Surface,
-    cells_a: SurfaceCells,
-    b: Surface,
-    cells_b: SurfaceCells,
-    pairs: _Pairs,
-    points: int | None,
-) -> tuple[Ints, Floats, Floats]:
-    """Common refinement of two curves: element, xi and reference weight of each Gauss point."""
-    ends_b = _corner_positions(b, cells_b, pairs.b)
-    mapped = np.sort(_to_reference(a, cells_a, pairs, ends_b)[..., 0], axis=1)
-    own = np.sort(cells_a.corners[pairs.a][..., 0], axis=1)
-    low = np.maximum(own[:, 0], mapped[:, 0])
-    high = np.minimum(own[:, 1], mapped[:, 1])
-    kept = high - low > SLIVER * (own[:, 1] - own[:, 0])
-    count = points or max(cells_a.degree, cells_b.degree) + 1
-    t, w = gauss_rule(count, 1, simplex=False)
-    length = (high - low)[kept, None]
-    xi = low[kept, None] + length * t[:, 0]
-    element = np.repeat(cells_a.element[pairs.a[kept]], len(t))
-    return element, xi.reshape(-1, 1), (length * w).ravel()
-
-
-def _corner_positions(surface: Surface, cells: SurfaceCells, numbers: Ints) -> Floats:
-    """Positions (m) of the corners of cells, (n, corners, dim)."""
-    corners = cells.corners[numbers]
-    n, k = corners.shape[:2]
-    at = SurfaceCoordinates(np.repeat(cells.element[numbers], k), corners.reshape(n * k, -1))
-    return surface.position(at).reshape(n, k, -1)
-
-
-def _polygons(
-    a: Surface,
-    cells_a: SurfaceCells,
-    b: Surface,
-    cells_b: SurfaceCells,
-    pairs: _Pairs,
-    points: int | None,
-    pieces: int,
-) -> tuple[Ints, Floats, Floats]:
-    """Common refinement of two surfaces: pair, xi and reference weight of each Gauss point."""
-    degree = max(cells_a.degree, cells_b.degree)
-    on_boxes = points or degree + 1
-    on_triangles = points or (2 * degree if cells_a.tensor or cells_b.tensor else degree) + 1
-    outline = _to_reference(a, cells_a, pairs, _outlines(b, cells_b, pairs.b, pieces))
-    own = cells_a.corners[pairs.a]
-    owner, overlap = clip(own, simplified(outline, pieces, np.ptp(own, axis=1).min(axis=1)))
-    return rule_on(owner, overlap, on_boxes, on_triangles)
+    radius = 1.25 * np.linalg.norm(x - centre[:, None], axis=2).max(axis=1)
+    middle = SurfaceCoordinates(cells.element, cells.corners.mean(axis=1))
+    return centre, radius, surface.normal(middle)
 
 
 def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int) -> Floats:
@@ -220,27 +191,78 @@ def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int)
     return surface.position(at).reshape(n, m, -1)
 
 
-def _crossing(
-    a: Surface, cells_a: SurfaceCells, b: Surface, cells_b: SurfaceCells, pairs: _Pairs
-) -> tuple[_Pairs, NDArray[np.bool_]]:
-    """Pairs whose cells may overlap in the coordinates of a.
+def _simplified(outlines: Floats, pieces: int, extent: Floats) -> NDArray[np.object_]:
+    """Outlines (n, m, 2) as polygons, each edge with no more of its pieces than it needs.
 
-    Comes with whether all edges of the cell of b are straight there, as far as they may touch the
-    cell of a. Between its samples an edge is taken to leave the box around them by half their
-    largest second difference at most, four times what a parabola does.
+    Edge by edge, so that two cells that share one keep the same points of it.
     """
-    outline = _to_reference(a, cells_a, pairs, _outlines(b, cells_b, pairs.b, 4))
-    own = cells_a.corners[pairs.a]
-    low, extent = own.min(axis=1)[:, None], np.ptp(own, axis=1)[:, None]
-    outline = (outline - low) / extent
-    edges = outline.reshape(len(outline), -1, 4, 2)
+    n, m = outlines.shape[:2]
+    count = m // pieces
+    edges = outlines.reshape(n, count, pieces, 2)
     edges = np.concatenate([edges, np.roll(edges[:, :, :1], -1, axis=1)], axis=2)
-    chord = edges[:, :, -1:] - edges[:, :, :1]
-    arm = edges[:, :, 1:-1] - edges[:, :, :1]
-    off = np.abs(chord[..., 0] * arm[..., 1] - chord[..., 1] * arm[..., 0]).max(axis=2)
-    straight = off <= STRAIGHT * np.linalg.norm(chord[:, :, 0], axis=2)
-    room = 0.5 * np.abs(np.diff(edges, 2, axis=2)).max(axis=(2, 3))[:, :, None]
-    least, most = edges.min(axis=2) - room, edges.max(axis=2) + room
-    touching = ((least < 1) & (most > 0)).all(axis=2)
-    near = ((least.min(axis=1) < 1) & (most.max(axis=1) > 0)).all(axis=1)
-    return pairs[near], (straight | ~touching).all(axis=1)[near]
+    lines = shapely.simplify(
+        shapely.linestrings(edges.reshape(n * count, pieces + 1, 2)),
+        _STRAIGHT * np.repeat(extent, count),
+        preserve_topology=False,
+    )
+    points, line = shapely.get_coordinates(lines, return_index=True)
+    ends = np.append(line[1:] != line[:-1], True)
+    ring = line // count
+    return shapely.polygons(shapely.linearrings(points[~ends], indices=ring[~ends]))
+
+
+def _clip(cells: Floats, other: NDArray[np.object_]) -> tuple[Ints, NDArray[np.object_]]:
+    """Overlaps of convex cells with polygons, both in reference coordinates; slivers dropped."""
+    own = shapely.polygons(cells)
+    broken = ~shapely.is_valid(other)
+    other[broken] = shapely.make_valid(other[broken])
+    overlap = shapely.intersection(own, other)
+    kept = shapely.area(overlap) > _SLIVER * shapely.area(own)
+    return np.flatnonzero(kept), overlap[kept]
+
+
+def _rule_on(
+    owner: Ints, overlaps: NDArray[np.object_], on_boxes: int, on_triangles: int
+) -> tuple[Ints, Floats, Floats]:
+    """Gauss rules on overlaps: owner, coordinates and weight of each point."""
+    boxes, is_box = _boxes(overlaps)
+    parts = (
+        _rule_on_boxes(owner[is_box], boxes, on_boxes),
+        _rule_on_triangles(*_triangles(owner[~is_box], overlaps[~is_box]), on_triangles),
+    )
+    every, xi, weight = (np.concatenate(p) for p in zip(*parts, strict=True))
+    return every, xi, weight
+
+
+def _boxes(overlaps: NDArray[np.object_]) -> tuple[Floats, NDArray[np.bool_]]:
+    """Bounds (n, 4) of the overlaps that are boxes along the axes, and which are."""
+    bounds = shapely.bounds(overlaps)
+    area = (bounds[:, 2] - bounds[:, 0]) * (bounds[:, 3] - bounds[:, 1])
+    is_box = np.abs(shapely.area(overlaps) - area) <= 1e-13 * area
+    return bounds[is_box], is_box
+
+
+def _rule_on_boxes(owner: Ints, bounds: Floats, n: int) -> tuple[Ints, Floats, Floats]:
+    unit, w = gauss_rule(n, 2, simplex=False)
+    low, size = bounds[:, None, :2], (bounds[:, 2:] - bounds[:, :2])[:, None]
+    xi = low + size * unit
+    weight = size.prod(axis=2) * w
+    return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()
+
+
+def _triangles(owner: Ints, overlaps: NDArray[np.object_]) -> tuple[Ints, Floats]:
+    """Triangles (n, 3, 2) that fill overlaps, with the overlap's owner each."""
+    collections = shapely.constrained_delaunay_triangles(overlaps)
+    triangles, index = shapely.get_parts(collections, return_index=True)
+    corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
+    return owner[index], corners
+
+
+def _rule_on_triangles(owner: Ints, corners: Floats, n: int) -> tuple[Ints, Floats, Floats]:
+    """Collapsed Gauss rule, n x n points, exact to total degree 2 n - 1."""
+    t, w = gauss_rule(n, 2, simplex=True)
+    sides = corners[:, 1:] - corners[:, :1]
+    xi = corners[:, :1] + t @ sides
+    twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
+    weight = twice_area[:, None] * w
+    return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()

@@ -31,7 +31,7 @@ from cea.eigen.spectrum import Window
 from cea.eigen.subspace import InvariantSubspace
 from cea.eigen.window import DampedSearch, UndampedSearch, WindowSearch
 from cea.errors import ConvergenceError, InputError
-from cea.heap import give_back
+from cea.petsc import give_back
 from cea.timing import StageTimer
 
 ABOVE = 1.05

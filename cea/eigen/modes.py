@@ -13,8 +13,7 @@ from cea.eigen.left_vectors import LeftVectors, derivatives
 from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.shift_invert import MARGIN
 from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import ConvergenceError, InputError
-from cea.warned import ResultWarning
+from cea.errors import ConvergenceError, InputError, ResultWarning
 
 _NO_MODE = 0.5
 """Uncertainty of lambda, relative to its speed, above which it is no mode at all."""

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.classify import RunWord, Word, classify, classify_run, counted_words, thresholds
+from cea.errors import ResultWarning
 from cea.mode_table import SIGNS, ModeTable, aligned
-from cea.warned import ResultWarning
 
 SLOW = 0.1
 """Errors of modes slower than this part of the window are relative to it: rigid motions have no

@@ -13,11 +13,10 @@ import numpy as np
 from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.modes import Modes
-from cea.errors import ConvergenceError
+from cea.errors import ConvergenceError, ResultWarning
 from cea.reduced.model import ReducedModel
 from cea.reduced.snapshots import Snapshot
 from cea.reduced.spectrum import MARGIN, ReducedSpectrum
-from cea.warned import ResultWarning
 
 Point = Mapping[str, float]
 """Values of the parameters that vary."""

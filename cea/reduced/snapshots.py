@@ -8,8 +8,8 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.modes import Modes
+from cea.errors import ResultWarning
 from cea.reduced.norm import EnergyNorm
-from cea.warned import ResultWarning
 
 _ALONE = 10.0
 """Condition number up to which an eigenvalue is by itself."""

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats
-from cea.errors import InputError
-from cea.suggestions import did_you_mean
+from cea.errors import InputError, did_you_mean
 from cea.supports.frames import Cartesian, Cylindrical, Frame
 
 _CARTESIAN = Cartesian()
@@ -51,20 +50,7 @@ class Support:
         return self.value is not None and bool(np.any(self.value))
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse components and frames that do not suit the dimension of space.
-
-        Parameters
-        ----------
-        dim
-            Dimension of space, 2 or 3.
-        field
-            Name of the support in messages.
-
-        Raises
-        ------
-        InputError
-            Naming components, axis, origin or value.
-        """
+        """Refuse components, frames and values that do not suit the dimension of space."""
         self.frame.check(dim, field)
         size = self.frame.size(dim)
         if self.components is not None and max(self.components) >= size:
@@ -91,15 +77,7 @@ class Support:
         return np.array(np.broadcast_to(np.asarray(given, dtype=float), len(held)))
 
     def directions(self, x: Floats, normal: Floats) -> Floats:
-        """Held unit directions, shape (held components, n, dim).
-
-        Parameters
-        ----------
-        x
-            Points of the surface (m), shape (n, dim).
-        normal
-            Outward unit normals there, shape (n, dim).
-        """
+        """Held unit directions at points x (m) of the surface with outward unit normals."""
         return self.frame.directions(self._held(x.shape[1]), x, normal)
 
 

@@ -10,10 +10,11 @@ free directions B, directions T solved for, and held ones, so that u = B v + T s
 Where supports prescribe values, d . u_i = g and C u = c, a displacement u_D is added to that, zero
 but at held dofs, and the equilibrium of the free dofs is Z^T K Z v = Z^T F - Z^T K u_D.
 
-They are eliminated in :mod:`cea.supports.elimination`. Every rank holds all constraints: there are
-as many as a surface has dofs.
+They are eliminated in :mod:`cea.supports.elimination`, and their forces divided among the
+supports here. Every rank holds all constraints: there are as many as a surface has dofs.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -21,11 +22,93 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
+from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats, Ints
 from cea.matrices import distributed
 from cea.petsc import PETSc
-from cea.supports.constraint_forces import ConstraintForces
+from cea.supports.directions import Directions, orthonormal
+
+_RANK = 1e-10
+"""Eigenvalue of a sum of projectors, relative to the largest, that is none."""
+
+
+@dataclass(frozen=True)
+class RowForces:
+    """Forces of projected constraints, rows of C u = c, each with a multiplier of its own.
+
+    A row is solved for the direction t at its anchor, which no single direction there has a part
+    in: (C T)^T l = T^T r. It belongs to the supports whose faces it is the integral over, to each
+    with its part of the integral.
+    """
+
+    # T: displacement of the dofs along the anchors of the rows, shape (dim * m, rows)
+    anchors: csr_array
+    # the part of C of each support, shape (rows, dim * m); C is their sum
+    shares: Mapping[int, csr_array]
+
+    @property
+    def matrix(self) -> csr_array:
+        """C, shape (rows, dim * m)."""
+        first, *others = self.shares.values()
+        return csr_array(sum(others, first))
+
+    def split(self, force: Floats) -> dict[int, Floats]:
+        """C_s^T l by support (N), shape (m, dim) each, of the forces at the dofs, (m, dim)."""
+        solved = csr_array(self.matrix @ self.anchors)
+        multiplier = splu(solved.T.tocsc()).solve(self.anchors.T @ force.ravel())
+        return {
+            support: (rows.T @ multiplier).reshape(force.shape)
+            for support, rows in self.shares.items()
+        }
+
+
+@dataclass(frozen=True)
+class ConstraintForces:
+    """How the forces of the constraints of a body are divided among its supports.
+
+    At a dof where supports hold single directions let V_s be the span of those of support s, P_s
+    the projector on it and S = sum_s P_s; of the force r there support s has f_s = P_s S^+ r, the
+    sum of least squares. A direction that two supports hold is shared evenly.
+    """
+
+    # dof, from 0 to m - 1, and support of each space V_s, shape (n,)
+    owner: Ints
+    support: Ints
+    projector: Floats  # P_s, shape (n, dim, dim)
+    rows: RowForces | None = None  # forces of projected constraints; None without any
+
+    @classmethod
+    def of(
+        cls, held: Directions, owner: Ints, taken: Floats, slot: Ints, rows: RowForces | None
+    ) -> "ConstraintForces":
+        """The division where single directions are held, of which taken ones are independent."""
+        count, dim = taken.shape[:2]
+        number = np.bincount(owner[slot >= 0], minlength=count)
+        span = np.where(np.arange(dim)[:, None] < number[:, None, None], taken, 0.0)
+        # Directions that depend on others are held as far as the others span them.
+        along = np.einsum("nki,ni->nk", span[owner], held.direction)
+        direction = np.einsum("nk,nki->ni", along, span[owner])
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        pairs = np.column_stack([owner, held.supports])
+        spaces, space = np.unique(pairs, axis=0, return_inverse=True)
+        basis = orthonormal(space.ravel(), direction, len(spaces))[0]
+        projector = np.einsum("nki,nkj->nij", basis, basis)
+        return cls(spaces[:, 0], spaces[:, 1], projector, rows)
+
+    def split(self, force: Floats, supports: int) -> Floats:
+        """Forces of each support (N), shape (supports, m, dim), of those at the dofs, (m, dim)."""
+        parts = np.zeros((supports, *force.shape))
+        if self.rows is not None:
+            for support, part in self.rows.split(force).items():
+                parts[support] += part
+        total = np.zeros((*force.shape, force.shape[1]))
+        np.add.at(total, self.owner, self.projector)
+        rest = force - parts.sum(axis=0)
+        shared = np.linalg.pinv(total, rcond=_RANK, hermitian=True) @ rest[:, :, None]
+        own = (self.projector @ shared[self.owner])[:, :, 0]
+        np.add.at(parts, (self.support, self.owner), own)
+        return parts
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,13 @@ from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
-from cea.supports.constraint_forces import ConstraintForces, RowForces
-from cea.supports.constraints import Constraints, components, first_free_at
+from cea.supports.constraints import (
+    ConstraintForces,
+    Constraints,
+    RowForces,
+    components,
+    first_free_at,
+)
 from cea.supports.directions import Directions, complement, orthonormal
 
 _NEGLIGIBLE = 1e-14
@@ -45,24 +50,10 @@ def constrain(
     *,
     field: str = "supports",
 ) -> Constraints:
-    """Eliminate the constraints of a body.
+    """Eliminate the constraints of a body: directions held at dofs, and constraints over many dofs.
 
-    Parameters
-    ----------
-    num_scalar_dofs
-        Scalar dofs of the body.
-    held
-        Directions held at single dofs.
-    projected
-        Constraints over many dofs.
-    field
-        Name of the supports in messages.
-
-    Raises
-    ------
-    InputError
-        When projected constraints contradict the held directions around them, or supports hold one
-        component at different values.
+    Refused, naming the field of the supports, where projected constraints contradict the held
+    directions around them, or supports hold one component at different values.
     """
     dim = held.direction.shape[1]
     anchor = projected.anchor if projected else Directions.joined([], dim)

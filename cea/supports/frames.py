@@ -65,13 +65,8 @@ class Cylindrical:
     def directions(self, components: tuple[int, ...], x: Floats, normal: Floats) -> Floats:
         """Held unit directions at points, shape (components, n, dim).
 
-        Radial and circumferential together hold the plane across the axis, for which the same
-        two directions serve everywhere.
-
-        Raises
-        ------
-        InputError
-            When a point lies on the axis, where radial and circumferential have no sense.
+        Radial and circumferential together hold the plane across the axis, for which the same two
+        directions serve everywhere; one alone is refused where a point lies on the axis.
         """
         dim = x.shape[1]
         axis = np.asarray(self.axis or (0.0, 0.0, 1.0), dtype=float)

@@ -67,10 +67,7 @@ class Motion:
 
 @dataclass(frozen=True)
 class BodyTerms:
-    """Pieces of a pencil that a body brings, each made once.
-
-    On every rank the unknowns are the free dofs of the first body, then those of the second, ...
-    """
+    """Pieces of a pencil that a body brings, each made once."""
 
     # the body
     name: str
@@ -127,8 +124,8 @@ class BodyTerms:
     def strain(self, x: Any) -> Any | None:
         """Displacement that elastic forces of beta K belong to: beta Omega M^-1 B of one in space.
 
-        Of displacements of all unknowns (m), PETSc vector, that of all dofs of the body, PETSc
-        vector; None without damping of its stiffness.
+        Of displacements of all unknowns (m), PETSc vector, that of all dofs of the body; None
+        without damping of its stiffness.
         """
         damping, rotation = self.motion.damping, self.motion.rotation
         if damping is None or rotation is None or not damping.beta * rotation.rate:

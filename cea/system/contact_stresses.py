@@ -1,8 +1,4 @@
-"""Normal stresses of both sides of a contact: over the surfaces, along a line and as maps.
-
-Beside them the pressure p g that the penalty makes of the gap g: the same thing where the gap is
-large against round-off, and nothing but round-off where p is large.
-"""
+"""Normal stresses of both sides of a contact: over the surfaces, along a line and as maps."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field

@@ -16,12 +16,10 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact, assembled
-from cea.contact.forms import form_for, penalty_digits, penalty_warnings, with_forms
 from cea.contact.saddle import forces_of_contacts
-from cea.contact.sliding import sliding_parameters, sliding_terms
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
 from cea.petsc import MPI, PETSc
@@ -30,11 +28,15 @@ from cea.system.contact_terms import (
     by_pair,
     contact_parameters,
     contact_terms,
+    form_for,
     friction_references,
+    penalty_digits,
+    penalty_warnings,
+    sliding_parameters,
+    sliding_terms,
     stiffnesses,
-    with_own_friction,
+    with_forms,
 )
-from cea.warned import ResultWarning
 
 if TYPE_CHECKING:
     from cea.system.steady_state import SteadySliding
@@ -145,23 +147,19 @@ class CoupledSystem:
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
         ``contacts.<name>.P``, the integral of p (N/m), and ``contacts.<name>.mu``, a factor on it
         where it varies. Without friction, if that was left out, there is no mu. Where p is the
-        slope of a law in a state of steady sliding there is no P, and the state stays what it is
-        whatever the parameters. Damping, rotation and sliding add theirs
-        (:mod:`cea.system.body_terms`, :mod:`cea.contact.sliding`).
+        slope of a law in a state of steady sliding there is no P, and the state stays. Damping,
+        rotation and sliding add theirs.
 
         Parameters
         ----------
         leave_out
             Whether friction that is zero is left out of what is solved.
         eliminate
-            Whether all contact forces are eliminated, where gaps are projected into matrices that
-            are full on the interface; no contact is tied.
+            Whether all contact forces are eliminated; no contact is tied.
         """
-        friction, counted = friction_references(self.contacts), with_own_friction(self.contacts)
+        friction = friction_references(self.contacts)
         kept = [c for c in self.contacts if c.has_multipliers and not eliminate]
         others = [c for c in self.contacts if c not in kept]
-        # Where one half of a full pass alone has friction, the other has none.
-        own = [c if c in counted else replace(c, slip=None) for c in self.contacts]
         terms = [
             *(term for each in self.pieces.values() for term in each.terms),
             *(
@@ -170,13 +168,12 @@ class CoupledSystem:
             ),
             *contact_terms(self.contacts, others, friction),
         ]
-        forces = [c for c in own if c.has_multipliers and not eliminate]
         if self.with_mass:
-            terms += sliding_terms(self.bodies, own, friction)
+            terms += sliding_terms(self.bodies, self.contacts, friction)
         return Pencil(
             terms,
             self._parameters(friction),
-            list(forces_of_contacts(forces, self.stiffness_diagonal, friction)),
+            list(forces_of_contacts(kept, self.stiffness_diagonal, friction)),
             [term for each in self.pieces.values() for term in each.modal],
             [term for each in self.pieces.values() for term in each.circulatory],
             leave_out=leave_out,
@@ -261,10 +258,8 @@ def couple(
         Bodies by name.
     contacts
         Contacts without their operators, the half passes one after another.
-    with_mass
-        Whether the mass is needed.
-    with_load
-        Whether the loads are needed.
+    with_mass, with_load
+        Whether mass and loads are needed.
     leave_out
         Whether slip operators and K_f are left out where mu = 0.
     motions
@@ -276,7 +271,11 @@ def couple(
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
     template, diagonal = nest.createVecRight(), nest.createVecRight()
     destroy(nest)
-    made = [assembled(bodies, contact, leave_out=leave_out) for contact in contacts]
+    frictional = {contact.pair for contact in contacts if contact.has_friction}
+    made = [
+        assembled(bodies, contact, frictional=contact.pair in frictional, leave_out=leave_out)
+        for contact in contacts
+    ]
     parts = [body.stiffness().getDiagonal() for body in bodies.values()]
     diagonal.array[:] = np.concatenate([part.array_r for part in parts])
     destroy(*parts)
@@ -312,11 +311,7 @@ def _load(
 
 
 def _force_of_prescribed(contact: Contact) -> Any:
-    """Forces (N) of a closure that is prescribed, PETSc vector (free), against the motion.
-
-    The closure is G x + e with e prescribed; contact forces that stay unknowns are then those of
-    G x alone, of the same stiffness.
-    """
+    """Forces (N) against the motion of a closure that is prescribed, PETSc vector (free)."""
     if contact.coupling != "pointwise" or not contact.has_pressure:
         allowed = (
             "pointwise and of finite stiffness where a support that prescribes a displacement "

@@ -162,8 +162,7 @@ def _factors(
 ) -> Floats:
     """Damping ratios of elastic modes relative to the parameter, shape (n,).
 
-    Modes that share a frequency have the same. Any other vectors would do as well for them: C must
-    not depend on which were found.
+    Modes that share a frequency have the same: C must not depend on which vectors were found.
     """
     means = np.bincount(groups, frequencies) / np.bincount(groups)
     if damping.end is not None:
@@ -219,8 +218,7 @@ def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
 def _window(matrices: Matrices, least: float, end: float, most: int) -> float:
     """A window (Hz) of the modes up to an end: neither far beyond all of them nor far below.
 
-    Where it ended far beyond, they would be rounding beside its shift; rigid motions alone would be
-    rounding beside each other.
+    Modes would be rounding beside a shift far beyond them, rigid motions alone beside each other.
     """
     end = max(end, float(np.sqrt(least)) / (2 * np.pi))
     count = count_below(matrices, (2 * np.pi * end) ** 2)
@@ -244,10 +242,7 @@ def _largest_ratio(matrices: Matrices) -> float:
 
 
 def _rayleigh_ritz(body: Body, vectors: Floats) -> tuple[Floats, Floats]:
-    """Frequencies (Hz) and modes, by rising frequency, in the space that some modes span.
-
-    Of modes far from the shift they were searched about the space is known far better than each is.
-    """
+    """Frequencies (Hz) and modes, by rising frequency, in the space that some modes span."""
     mass, stiffness = body.mass(), body.stiffness()
     gram, form = (
         all_inner(vectors, image_of(each, vectors), mass.comm) for each in (mass, stiffness)

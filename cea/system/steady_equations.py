@@ -35,8 +35,6 @@ LOST = 0.1
 """Rounding, relative to the largest displacement, at which a tangent counts as singular."""
 _OVERLAP = 1e-9
 """Overlap of the sides, relative to the mesh size, that rounding and facets may make."""
-_RESOLVED = 1e-6
-"""Rounding of displacements, in parts of the pressure it makes, up to which states are found."""
 
 type Slopes = Sequence[Floats]
 """Slope p at all points (N/m^3) of each contact with a law, shape (n,) each."""
@@ -67,46 +65,34 @@ class State:
 
 
 class SteadyEquations:
-    """The equations of steady sliding of a coupled system.
+    """The equations of steady sliding of a coupled system with loads and a law that is not linear.
 
-    Parameters
-    ----------
-    system
-        The system, with loads; some contact has a law that is not linear.
-    friction
-        Whether with the friction of contacts that have such a law.
-
-    Attributes
-    ----------
-    softness
-        What pressures and slopes of the laws are divided by; 1 but on the way to a solution.
+    Pressures and slopes of the laws are divided by ``softness``, 1 but on the way to a solution.
     """
 
-    def __init__(self, system: CoupledSystem, *, friction: bool = True) -> None:
+    def __init__(self, system: CoupledSystem) -> None:
         assert system.load is not None
         self.system, self._load, self.softness = system, system.load, 1.0
         self.comm = system.template.comm.tompi4py()
         self.contacts = tuple(c for c in system.contacts if not c.law.linear)
-        self.frictional = tuple(friction and c.has_friction for c in self.contacts)
-        self.matrices = self._linear()
-        self._gaps = tuple(contact.met(initial_gap(contact)) for contact in self.contacts)
+        self.frictional = tuple(c.has_friction for c in self.contacts)
+        # The pencil at rest without contacts that have a law.
+        linear = (replace(c, sliding=None) for c in system.contacts if c.law.linear)
+        self.matrices = replace(system, contacts=tuple(linear)).pencil().at_rest().at()
+        self._gaps = tuple(contact.projected_gap(initial_gap(contact)) for contact in self.contacts)
         self._prescribed = tuple(
-            np.zeros(len(gap)) if contact.prescribed is None else contact.met(contact.prescribed)
+            np.zeros(len(gap))
+            if contact.prescribed is None
+            else contact.projected_gap(contact.prescribed)
             for contact, gap in zip(self.contacts, self._gaps, strict=True)
         )
         self._x = system.vector()
 
-    def _linear(self) -> Matrices:
-        """The pencil at rest without contacts that have a law; to be released."""
-        linear = (replace(c, sliding=None) for c in self.system.contacts if c.law.linear)
-        return replace(self.system, contacts=tuple(linear)).pencil().at_rest().at()
-
     @cached_property
     def unstable(self) -> bool:
-        """Whether the stiffness of bodies as they rotate, without these contacts, is indefinite.
+        """Whether bodies as they rotate, without these contacts, have an indefinite stiffness.
 
-        That is so where the rate of a rotation with convective stiffness is beyond a critical
-        one; without friction there may then be several equilibria or none.
+        There may then be several equilibria without friction, or none.
         """
         return self.system.softens and count_below(self.matrices, 0.0) > 0
 
@@ -171,8 +157,8 @@ class SteadyEquations:
 
     def slopes(self, closures: Sequence[Floats]) -> tuple[Floats, ...]:
         """Slopes of the laws at given closures."""
-        laws = (contact.law for contact in self.contacts)
-        return tuple(law.slope(g) / self.softness for law, g in zip(laws, closures, strict=True))
+        pairs = zip(self.contacts, closures, strict=True)
+        return tuple(c.law.slope(g) / self.softness for c, g in pairs)
 
     def tangent(self, slopes: Slopes, *, friction: bool = True) -> Matrices:
         """Derivative of R at given slopes; free it with :func:`free_tangent`."""
@@ -201,7 +187,8 @@ class SteadyEquations:
         """Secant slope of each contact that a part of the load presses evenly (N/m^3)."""
         slopes = []
         for contact, gap in zip(self.contacts, self._gaps, strict=True):
-            law, interface, nearest = _law(contact), contact.interface, float(gap.min())
+            law, interface, nearest = contact.law, contact.interface, float(gap.min())
+            assert isinstance(law, NormalCompliance)
             size = min(interface.a.mesh_size, interface.b.mesh_size)
             overlap = -nearest if -nearest > _OVERLAP * size else 0.0
             closure = max(law.closure(self._even_pressure(contact, factor)), overlap)
@@ -235,36 +222,15 @@ class SteadyEquations:
             )
         )
 
-    def too_stiff(self, factor: float, x: Floats) -> str | None:
-        """Whether rounding of displacements as large as x comes to too much of a pressure."""
-        largest = self.comm.allreduce(float(np.abs(x).max(initial=0.0)), MPI.MAX)
-        for contact in self.contacts:
-            law, pressure = _law(contact), self._even_pressure(contact, factor)
-            slope = float(law.slope(np.array(law.closure(pressure))))
-            part = slope * np.finfo(float).eps * largest / pressure
-            if part > _RESOLVED:
-                allowed = law.c * (_RESOLVED / part) ** law.m
-                return (
-                    f"contacts.{contact.pair} is so stiff that rounding of displacements comes to "
-                    f"{part:.1e} of its pressure: c_n = {law.c:.3g}, about {allowed:.1g} or less "
-                    "is allowed; or P or p in its place, in the saddle form up to infinity"
-                )
-        return None
-
     def checked_residual(self, state: State, tangent: Matrices) -> float:
-        """Forces left over in a state under the whole load, relative to the load; collective.
-
-        They are measured with the pieces of the pencil that is linearised about it.
-        """
-        own, x, f = self._linear(), state.x[:, None], state.f[:, None]
+        """Forces left over in a state under the whole load, relative to the load; collective."""
         contact, load = self.contact_forces(state.closures), self.load_at(1.0)
-        left = internal_forces(own, x, f)[:, 0] + contact - load
-        release(own)
-        norm, of_load, of_contact = self.norms(left, load, contact)
+        norm, of_load, of_contact = self.norms(state.residual, load, contact)
         size = of_load or of_contact or 1.0
         if norm > LEFT_OVER * size:
             sizes = Sizes(tangent)
-            (rounding,) = self.norms(np.finfo(float).eps * sizes.forces(x, f)[:, 0])
+            forces = sizes.forces(state.x[:, None], state.f[:, None])
+            (rounding,) = self.norms(np.finfo(float).eps * forces[:, 0])
             sizes.free()
             if norm > rounding:
                 raise ConvergenceError(
@@ -308,8 +274,3 @@ def solved_regularly(matrices: Matrices, b: Floats) -> tuple[Floats, Floats] | N
     uncertainty = rounding_uncertainty(matrices, factors, x, f)
     factors.free()
     return (x[:, 0], f[:, 0]) if uncertainty < LOST else None
-
-
-def _law(contact: Contact) -> NormalCompliance:
-    assert isinstance(contact.law, NormalCompliance)
-    return contact.law

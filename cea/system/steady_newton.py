@@ -68,17 +68,7 @@ class Iteration:
 
 
 class SteadyNewton:
-    """Newton's method on the equations of steady sliding.
-
-    Parameters
-    ----------
-    equations
-        The equations.
-    springs
-        Slopes of a closed contact at all points (N/m^3), by contact.
-    timer
-        Counts assembly and factorisation.
-    """
+    """Newton's method on the equations; springs are slopes of a closed contact at all points."""
 
     def __init__(
         self, equations: SteadyEquations, springs: Sequence[Floats], timer: StageTimer

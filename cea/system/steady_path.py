@@ -62,8 +62,7 @@ def steady_sliding(
     Parameters
     ----------
     system
-        Bodies with their loads, and contacts of which some have a law that is not linear; those of
-        a linear law are closed, and their gaps none.
+        Bodies with their loads, and contacts of which some have a law that is not linear.
     timer
         Counts assembly and factorisation.
     steps
@@ -78,7 +77,7 @@ def steady_sliding(
         When the system has no load, no such contact, or steps do not rise to 1.
     ConvergenceError
         When the load opens the contact, a rigid motion is free, or no equilibrium is found; the
-        last :class:`cea.system.steady_equations.State` is attached.
+        last state is attached.
     """
     if system.load is None:
         raise InputError("load", None, "forces: the system was coupled without")
@@ -173,16 +172,14 @@ class _Path:
         """Equilibrium under a part of the load by way of softer laws, each from the one before."""
         x, f = self._start(factor)
         found = False
-        try:
-            for softness in _SOFTNESSES:
-                self._equations.softness = softness
-                run = self._newton.solve(x, f, factor)
-                if run.converged:
-                    x, f, found = run.state.x, run.state.f, True
-                elif found:
-                    break
-        finally:
-            self._equations.softness = 1.0
+        for softness in _SOFTNESSES:
+            self._equations.softness = softness
+            run = self._newton.solve(x, f, factor)
+            if run.converged:
+                x, f, found = run.state.x, run.state.f, True
+            elif found:
+                break
+        self._equations.softness = 1.0
         return run
 
     def _start(self, factor: float) -> tuple[Floats, Floats]:
@@ -232,22 +229,11 @@ class _Path:
 
     def _load_step(self, factor: float, run: Iteration) -> LoadStep:
         how = (tuple(run.residuals), tuple(run.lengths), tuple(run.closed), run.parity)
-        return LoadStep(factor, *how, self._step_state(run.state) if self._history else None)
-
-    def _step_state(self, state: State) -> StepState:
-        """The equilibrium under a part of the load, and how far it is from another one."""
-        equations, margin = self._equations, None
-        tangent = equations.tangent(equations.slopes(state.closures))
-        try:
-            with self._timer("factorisation"):
-                factors = _factorised(tangent, state)
-                unique = uniqueness_at(tangent, factors, {}, unstable=equations.unstable)
-                factors.free()
-            margin = unique.margin if unique is not None else None
-        except ConvergenceError:  # a later step may hold the bodies
-            pass
-        free_tangent(tangent)
-        return StepState(equations.vector(state.x), self._contact_states(state), margin)
+        state = None
+        if self._history:
+            x = self._equations.vector(run.state.x)
+            state = StepState(x, self._contact_states(run.state))
+        return LoadStep(factor, *how, state)
 
     def _contact_states(self, state: State) -> dict[str, ContactState]:
         return {
@@ -265,20 +251,10 @@ class _Path:
             )
         if not run.state.closed_points or self._pulls(factor):
             return OPENS
-        reason = (
-            f"no state of steady sliding was found at {factor:.3g} of the load: the residual is "
-            f"{run.state.relative:.1e} of the forces"
+        return (
+            f"no state of steady sliding was found at {factor:.3g} of the load: residual "
+            f"{run.state.relative:.1e} of the forces; friction or stiffness may be too large"
         )
-        stiff = self._equations.too_stiff(factor, self._start(factor)[0])
-        if stiff is not None:
-            return f"{reason}; {stiff}"
-        if any(self._equations.frictional):
-            smooth = SteadyEquations(self._equations.system, friction=False)
-            without = SteadyNewton(smooth, self._springs, self._timer)
-            if without.solve(*self._start(factor), factor).converged:
-                reason += "; without friction there is one: friction is too large"
-            smooth.free()
-        return reason
 
     def _pulls(self, factor: float) -> bool:
         """Whether springs that hold the sides together are in tension, taken together.

@@ -3,8 +3,7 @@
 The law of the pressure is monotone: without friction the tangent is symmetric positive definite and
 there is one equilibrium. With friction it may become singular, where branches of equilibria meet,
 and beyond it an odd number of its real eigenvalues is negative: the sign of its determinant tells.
-Where bodies rotate beyond a critical rate the symmetric part has negative eigenvalues of its own:
-it is those beyond them that count.
+Where bodies rotate beyond a critical rate, those count that the symmetric part does not have.
 """
 
 from collections.abc import Mapping
@@ -17,9 +16,9 @@ from cea.arrays import Floats
 from cea.contact.contact import Contact
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted, count_below
+from cea.errors import ResultWarning
 from cea.matrices import destroy
 from cea.petsc import Vec
-from cea.warned import ResultWarning
 
 _NEAR = 1e-2
 """Least eigenvalue, of the tangent relative to its symmetric part, that is not nearly zero."""
@@ -29,36 +28,16 @@ _STEPS = 12
 
 @dataclass(frozen=True)
 class ContactState:
-    """One half pass in steady sliding.
+    """One half pass in steady sliding."""
 
-    Parameters
-    ----------
-    closure
-        u_n - g_n at all points (m), positive where the contact is closed, shape (n,).
-    pressure
-        -sigma_n there (N/m^2), shape (n,).
-    stiffness
-        p there (N/m^3), that small motions meet, shape (n,).
-    normal_force
-        Integral of the pressure (N).
-    friction_force
-        Integral of mu times the pressure (N).
-    force_on_a
-        Resultant of both on side a (N), shape (dim,).
-    closed_area
-        Area that is closed (m^2).
-    area
-        Area of the contact (m^2).
-    """
-
-    closure: Floats
-    pressure: Floats
-    stiffness: Floats
-    normal_force: float
-    friction_force: float
-    force_on_a: Floats
-    closed_area: float
-    area: float
+    closure: Floats  # u_n - g_n at all points (m), positive where it is closed, shape (n,)
+    pressure: Floats  # -sigma_n there (N/m^2), shape (n,)
+    stiffness: Floats  # p there (N/m^3), that small motions meet, shape (n,)
+    normal_force: float  # integral of the pressure (N)
+    friction_force: float  # integral of mu times the pressure (N)
+    force_on_a: Floats  # resultant of both on side a (N), shape (dim,)
+    closed_area: float  # area that is closed (m^2)
+    area: float  # area of the contact (m^2)
 
     @property
     def closed_fraction(self) -> float:
@@ -72,8 +51,6 @@ class StepState:
 
     displacement: Vec  # free displacements (m), PETSc vector
     contacts: Mapping[str, ContactState]  # state of each half pass with a law, by its name
-    # that of :class:`Uniqueness`; None where the tangent is symmetric or singular
-    margin: float | None
 
 
 @dataclass(frozen=True)
@@ -136,35 +113,17 @@ class Uniqueness:
 
 @dataclass(frozen=True)
 class SteadySliding:
-    """A state of steady sliding.
+    """A state of steady sliding."""
 
-    Parameters
-    ----------
-    displacement
-        Free displacements (m), PETSc vector.
-    forces
-        Forces of contacts of a linear law that are unknowns (N), the rows of this rank.
-    uncertainty
-        What rounding the tangent makes of them, relative to the largest.
-    residual
-        Forces left over by the pencil that is linearised about it, relative to the load.
-    contacts
-        State of each half pass with a law, by its name.
-    path
-        Parts of the load on the way.
-    uniqueness
-        Whether another equilibrium may be near; None where the tangent is symmetric.
-    reactions
-        Forces (N) of each support on its body, by body, shape (supports, dim).
-    """
-
-    displacement: Vec
-    forces: Floats
-    uncertainty: float
-    residual: float
-    contacts: Mapping[str, ContactState]
-    path: tuple[LoadStep, ...]
+    displacement: Vec  # free displacements (m), PETSc vector
+    forces: Floats  # of contacts of a linear law that are unknowns (N), the rows of this rank
+    uncertainty: float  # what rounding the tangent makes of them, relative to the largest
+    residual: float  # left over by the pencil linearised about it, relative to the load
+    contacts: Mapping[str, ContactState]  # of each half pass with a law, by its name
+    path: tuple[LoadStep, ...]  # parts of the load on the way
+    # whether another equilibrium may be near; None where the tangent is symmetric
     uniqueness: Uniqueness | None
+    # forces (N) of each support on its body, by body, shape (supports, dim)
     reactions: Mapping[str, Floats] = field(default_factory=dict)
 
     @property

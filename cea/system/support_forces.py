@@ -3,31 +3,38 @@
     r = K u - F - (forces of the contacts)
 
 over all dofs of a body is what its supports put on it: it is divided among them along the
-directions that each holds (:mod:`cea.supports.constraint_forces`). Elastic forces do no work on a
-rigid motion: the resultants of loads, springs, contacts and supports, and their moments, add up to
-zero, and so do the forces of a contact on its two sides.
+directions that each holds (:mod:`cea.supports.constraints`). The resultants of loads, springs,
+contacts and supports on a body, and their moments, add up to zero, and so do the forces of a
+contact on its two sides.
 
-Of a body that rotates (:mod:`cea.rotation`) the displacement u at rest in space is seen by its
-material to change with Omega R u. Forces on all dofs are then, on the body and from outside,
+A normal force s at a contact point pushes side a by - s (n - mu k) and side b by as much the other
+way; on a body it is spread by the trace of its side. Where forces are unknowns of what was solved
+they are taken from there, for gaps do not tell those of stiff and tied contacts:
 
-    convective stiffness    Omega^2 Z u
-    damping of the mass     - alpha Omega B u
+    points:   s = sqrt(W p^) Q f,    so that    (n - mu k).N^T s = (Q^T sqrt(W p^) (n - mu k).N)^T f
+    mortar:   s = w psi f.
 
-and elastic forces are K (u + beta Omega M^-1 B u), K without springs. What modal damping does at
-held dofs its modes do not tell: M phi and K phi / omega^2 are the same at free dofs alone.
+Of a body that rotates (:mod:`cea.rotation`) forces on all dofs are, on the body and from outside,
+Omega^2 Z u of the convective stiffness and - alpha Omega B u of the damping of the mass; elastic
+forces are K (u + beta Omega M^-1 B u), K without springs. What modal damping does at held dofs its
+modes do not tell: M phi and K phi / omega^2 are the same at free dofs alone.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array, hstack
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.body_forces import SideForces, forces_on_bodies
+from cea.contact.contact import Contact
+from cea.contact.interface import along
+from cea.contact.saddle import few_forces, with_multipliers
 from cea.errors import ConvergenceError
 from cea.matrices import absolute, destroy, gather
+from cea.petsc import MPI
 from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
@@ -35,7 +42,18 @@ _BALANCED = 1e-8
 """Sum of forces, relative to the largest of them, that counts as none."""
 _ROUNDING = 10.0
 """The same in parts of what rounding makes of it."""
-_TINY = float(np.finfo(float).tiny)
+
+
+@dataclass(frozen=True)
+class SideForces:
+    """Forces of a contact on one of its bodies."""
+
+    contact: str  # name of the contact
+    body: str  # name of the body
+    forces: Floats  # on all its dofs (N), the same on every rank, shape (num_scalar_dofs, dim)
+    # sum of stiffness times displacements of the sides (N), of which forces are small differences
+    # where gaps tell them
+    size: float
 
 
 @dataclass(frozen=True)
@@ -49,8 +67,7 @@ class Balance:
     # space; None where the trial space has no rotation
     moments: Floats | None
     supports: int  # number of supports
-    # what rounding makes of the sum of the forces (N), and of that of their moments (N m)
-    rounding: tuple[float, float]
+    rounding: float  # what rounding makes of the sum of the forces (N)
     radius: float  # distance from the middle of the body to its farthest dof (m)
 
     @property
@@ -61,12 +78,12 @@ class Balance:
     @property
     def left(self) -> float:
         """Sum of the forces, or of their moments, in parts of what counts as none: 1 or less."""
-        largest = float(np.linalg.norm(self.forces, axis=1).max(initial=0.0))
-        left = [_left(self.forces, largest, self.rounding[0])]
+        largest = _longest(self.forces)
+        left = _left(self.forces, largest, self.rounding)
         if self.moments is not None:
-            moment = float(np.linalg.norm(self.moments, axis=1).max(initial=0.0))
-            left.append(_left(self.moments, max(moment, largest * self.radius), self.rounding[1]))
-        return max(left)
+            largest = max(_longest(self.moments), largest * self.radius)
+            left = max(left, _left(self.moments, largest, self.rounding * self.radius))
+        return left
 
     def __str__(self) -> str:
         parts = ", ".join(
@@ -76,10 +93,14 @@ class Balance:
         return f"{self.of}: {parts} N"
 
 
+def _longest(vectors: Floats) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max(initial=0.0))
+
+
 def _left(parts: Floats, largest: float, rounding: float) -> float:
     """Length of a sum in parts of what counts as none."""
-    allowed = _BALANCED * largest + _ROUNDING * rounding + _TINY
-    return float(np.linalg.norm(parts.sum(axis=0))) / allowed
+    allowed = _BALANCED * largest + _ROUNDING * rounding + np.finfo(float).tiny
+    return float(np.linalg.norm(parts.sum(axis=0)) / allowed)
 
 
 def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dict[str, Floats]:
@@ -108,7 +129,14 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
         When the forces on a body, or of a contact on its two sides, do not add up to zero; the
         reactions are attached.
     """
-    found = balances(system, x, multipliers)
+    moved = {name: system.displacement(x, name) for name in system.bodies}
+    sides = list(forces_on_bodies(system.contacts, moved, x, multipliers))
+    found = [
+        _on_body(pieces, x, moved[name], [side for side in sides if side.body == name])
+        for name, pieces in system.pieces.items()
+        if pieces.motion.modal is None or pieces.motion.rotation is None
+    ]
+    found += [_of_contact(name, sides) for name in dict.fromkeys(side.contact for side in sides)]
     reactions = {each.of: each.reactions for each in found if each.supports}
     unbalanced = [str(each) for each in found if not each.left <= 1]
     # Sums of all ranks may differ by rounding from rank to rank.
@@ -119,41 +147,26 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
     return reactions
 
 
-def balances(system: CoupledSystem, x: Any, multipliers: Floats) -> list[Balance]:
-    """Forces on each body, and of each contact on its sides, whether they add up to zero or not.
-
-    Collective; parameters are those of :func:`support_reactions`.
-    """
-    moved = {name: system.displacement(x, name) for name in system.bodies}
-    sides = list(forces_on_bodies(system.contacts, moved, x, multipliers))
-    found = [
-        _on_body(pieces, x, moved[name], [side for side in sides if side.body == name])
-        for name, pieces in system.pieces.items()
-        if pieces.motion.modal is None or pieces.motion.rotation is None
-    ]
-    for contact in dict.fromkeys(side.contact for side in sides):
-        both = [side for side in sides if side.contact == contact]
-        size = sum(float(np.abs(side.forces).sum() + side.sizes.sum()) for side in both)
-        labels = tuple(f"on {side.body}" for side in both)
-        forces = np.array([side.forces.sum(axis=0) for side in both])
-        rounding = (np.finfo(float).eps * size, 0.0)
-        found.append(Balance(f"contact {contact}", labels, forces, None, 0, rounding, 0.0))
-    return found
+def _of_contact(name: str, sides: Sequence[SideForces]) -> Balance:
+    """Forces of a contact on its sides."""
+    both = [side for side in sides if side.contact == name]
+    size = sum(float(np.abs(side.forces).sum()) + side.size for side in both)
+    labels = tuple(f"on {side.body}" for side in both)
+    forces = np.array([side.forces.sum(axis=0) for side in both])
+    return Balance(f"contact {name}", labels, forces, None, 0, np.finfo(float).eps * size, 0.0)
 
 
 def _on_body(pieces: BodyTerms, x: Any, u: Floats, sides: Sequence[SideForces]) -> Balance:
     """Forces on a body at displacements x of all free dofs and u of its own."""
     body, load = pieces.body, pieces.body.full_load()
-    loads = gather(load).reshape(-1, body.dim)
+    parts = {"loads": gather(load).reshape(-1, body.dim)}
     destroy(load)
     strain = pieces.strain(x)
     strained = u if strain is None else u + gather(strain)
     elastic, size = _times(body.full_stiffness(), strained, body)
-    parts = {"loads": loads}
     if (springs := body.full_spring_stiffness()) is not None:
         elastic -= _product(springs, strained, body)
         parts["springs"] = -_times(springs, u, body)[0]
-    size += np.linalg.norm(loads, axis=1)
     for label, factor, matrix in _of_rotation(pieces):
         product, of_product = _times(matrix, u, body)
         parts[label] = factor * product
@@ -161,21 +174,19 @@ def _on_body(pieces: BodyTerms, x: Any, u: Floats, sides: Sequence[SideForces]) 
     for side in sides:
         label = f"contact {side.contact}"
         parts[label] = parts.get(label, 0.0) + side.forces
-        size += np.linalg.norm(side.forces, axis=1) + side.sizes
+        size += side.size
+    size += sum(float(np.abs(part).sum()) for part in parts.values())
     dofs, reactions = body.support_forces(elastic - sum(parts.values()))
-    positions = body.dof_positions
-    arms = None if positions is None else positions - positions.mean(axis=0)
     supports = {f"support {number}": part for number, part in enumerate(reactions)}
+    labels = (*parts, *supports)
     forces = np.array([part.sum(axis=0) for part in (*parts.values(), *supports.values())])
-    moments, distance = None, np.zeros(len(elastic))
-    if arms is not None:
+    moments, radius, positions = None, 0.0, body.space.dof_positions
+    if positions is not None:
+        arms = positions - positions.mean(axis=0)
         own = [_moment(arms, part) for part in parts.values()]
         moments = np.array(own + [_moment(arms[dofs], part) for part in reactions])
-        distance = np.linalg.norm(arms, axis=1)
-    eps = np.finfo(float).eps
-    rounding = float(eps * size.sum()), float(eps * (size @ distance))
-    labels = (*parts, *supports)
-    radius = float(distance.max())
+        radius = _longest(arms)
+    rounding = float(np.finfo(float).eps * size)
     return Balance(pieces.name, labels, forces, moments, len(reactions), rounding, radius)
 
 
@@ -199,12 +210,12 @@ def _of_rotation(pieces: BodyTerms) -> Iterator[tuple[str, float, Any]]:
         yield "damping", -0.5 * damping.alpha * rotation.rate, matrix
 
 
-def _times(matrix: Any, u: Floats, body: Body) -> tuple[Floats, Floats]:
-    """A matrix of all dofs, which is freed, times a displacement u of them, and abs(A) abs(u)."""
+def _times(matrix: Any, u: Floats, body: Body) -> tuple[Floats, float]:
+    """A matrix of all dofs, which is freed, times a displacement u, and the sum of |A| |u|."""
     sizes = absolute(matrix)
     image, size = (_product(each, v, body) for each, v in ((matrix, u), (sizes, np.abs(u))))
     destroy(matrix, sizes)
-    return image, np.linalg.norm(size, axis=1)
+    return image, float(size.sum())
 
 
 def _product(matrix: Any, u: Floats, body: Body) -> Floats:
@@ -216,3 +227,117 @@ def _product(matrix: Any, u: Floats, body: Body) -> Floats:
     values = gather(image).reshape(-1, body.dim)
     destroy(vector, image)
     return values
+
+
+def forces_on_bodies(
+    contacts: Sequence[Contact], displacements: Mapping[str, Floats], x: Any, multipliers: Floats
+) -> Iterator[SideForces]:
+    """Forces of contacts on both their sides in equilibrium, on held dofs too; collective."""
+    linear = [contact for contact in contacts if contact.law.linear]
+    for contact in contacts:
+        pressure = None
+        if contact.lumped is not None:
+            yield from _lumped(contact, displacements)
+        elif not contact.law.linear:
+            assert contact.closure is not None
+            pressure = contact.projected_gap(contact.law.pressure(contact.closure))
+        elif not contact.has_multipliers:
+            pressure = contact.pressure(x)
+        if contact.prescribed is not None and contact.law.linear:
+            given = contact.slope * contact.prescribed
+            pressure = given if pressure is None else pressure + given
+        if pressure is not None:
+            interface, against = contact.interface, _against(contact)
+            s = (interface.points.weight * pressure)[interface.rows]
+            yield from _pushed(contact, s[:, None] * against, _size(contact, displacements))
+    for halves in with_multipliers(linear).values():
+        if halves[0].projection is None:
+            closure, spread = few_forces(halves, [_rows_on(half, halves[0]) for half in halves])
+            own, multipliers = np.split(multipliers, [closure.shape[0]])
+            yield from _on_sides(halves[0], -(spread.T @ own))
+            continue
+        for half in halves:
+            size = half.gap.getLocalSize()[0]
+            yield from _of_projected(half, multipliers[:size])
+            multipliers = multipliers[size:]
+
+
+def _of_projected(contact: Contact, multipliers: Floats) -> Iterator[SideForces]:
+    """Of multipliers of mortar or bonded contact, the rows of this rank."""
+    assert contact.projection is not None
+    traces, points = contact.projection.traces, contact.interface.local_points
+    bonded = contact.coupling == "bonded"
+    tractions = []
+    for own in multipliers.reshape(points.x.shape[1] if bonded else 1, -1):
+        multiplier, traction = traces.createVecs()
+        multiplier.array[:] = own
+        traces.mult(multiplier, traction)
+        tractions.append(np.array(traction.array_r))
+        destroy(multiplier, traction)
+    traction = np.column_stack(tractions) * (1.0 if bonded else _against(contact))
+    yield from _pushed(contact, points.weight[:, None] * traction)
+
+
+def _lumped(contact: Contact, displacements: Mapping[str, Floats]) -> Iterator[SideForces]:
+    """Of lumped contact: the displacement of a dof stands for that of its body at the points."""
+    points = contact.interface.local_points
+    pushed = points.weight * contact.slope[contact.interface.rows]
+    pushed = pushed[:, None] * _against(contact)
+    dim, traces = points.x.shape[1], _traces(contact)
+    moved = [displacements[name].reshape(-1, dim) for name in (contact.a, contact.b)]
+    forces = []
+    for trace, u, opposite, v in zip(traces, moved, traces[::-1], moved[::-1], strict=True):
+        far = trace.T @ (np.einsum("qi,qi->q", points.normal, opposite @ v)[:, None] * pushed)
+        blocks = trace.T @ np.einsum("qi,qj->qij", pushed, points.normal).reshape(-1, dim * dim)
+        near = np.einsum("nij,nj->ni", blocks.reshape(-1, dim, dim), u)
+        forces.append((far - near).ravel())
+    yield from _on_sides(contact, np.concatenate(forces), _size(contact, displacements))
+
+
+def _traces(contact: Contact) -> tuple[csr_array, csr_array]:
+    return contact.interface.trace_a, contact.interface.trace_b
+
+
+def _size(contact: Contact, displacements: Mapping[str, Floats]) -> float:
+    """Stiffness times displacements of both sides, summed over the points of this rank (N)."""
+    interface = contact.interface
+    moved = np.zeros(len(interface.local_points))
+    for name, trace in zip((contact.a, contact.b), _traces(contact), strict=True):
+        u = displacements[name].reshape(trace.shape[1], -1)
+        moved += abs(trace) @ np.linalg.norm(u, axis=1)
+    return float((interface.local_points.weight * contact.slope[interface.rows]) @ moved)
+
+
+def _against(contact: Contact) -> Floats:
+    """Direction n - mu k that contact forces push against, at the points of this rank."""
+    points = contact.interface.local_points
+    if contact.friction is None or not contact.has_friction:
+        return points.normal
+    direction = contact.friction.direction.at(points.x, points.normal)
+    return points.normal - contact.mu_at_points[:, None] * direction
+
+
+def _rows_on(contact: Contact, first: Contact) -> csr_array:
+    """Jump along n - mu k at the points of this rank, from all dofs of sides a and b of the first.
+
+    Its other half has these sides in turn.
+    """
+    against, (a, b) = _against(contact), _traces(contact)
+    rows = {contact.a: along(a, against), contact.b: along(b, -against)}
+    return csr_array(hstack([rows[first.a], rows[first.b]]))
+
+
+def _pushed(contact: Contact, pushed: Floats, size: float = 0.0) -> Iterator[SideForces]:
+    """Of forces (N) at the points of each rank that push against side a."""
+    a, b = _traces(contact)
+    return _on_sides(contact, np.concatenate([-(a.T @ pushed), b.T @ pushed]), size)
+
+
+def _on_sides(contact: Contact, forces: Floats, size: float = 0.0) -> Iterator[SideForces]:
+    """Forces (N), and their size, that the points of each rank put on dofs of sides a and b."""
+    comm, dim = contact.interface.comm, contact.interface.a.dim
+    every = comm.allreduce(forces, MPI.SUM).reshape(-1, dim)
+    of_all = comm.allreduce(size)
+    own = np.split(every, [contact.interface.trace_a.shape[1]])
+    for body, part in zip((contact.a, contact.b), own, strict=True):
+        yield SideForces(contact.pair, body, part, of_all)

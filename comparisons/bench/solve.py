@@ -5,7 +5,6 @@ use, made in the same process: how fast the machine happens to be then cancels.
 """
 
 from collections.abc import Iterator, Mapping
-from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -17,7 +16,6 @@ from scipy.optimize import linear_sum_assignment
 from cea.arrays import Complexes
 from cea.eigen.classify import classify, thresholds
 from cea.errors import InputError
-from cea.heap import plain_heap
 from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
 from comparisons.bench.methods import METHODS, OURS, SERIAL, Problem, backward_errors
@@ -108,8 +106,7 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     limit_memory(1e9 * options.memory)
     problem = _problem(options)
     wanted = 0 if name == OURS else _wanted(options)
-    # Other methods have the heap that they are used to, this program the one that it sets.
-    with measured() as cost, nullcontext() if name == OURS else plain_heap():
+    with measured() as cost:
         found = METHODS[name](problem, wanted)
     found = found.inside(problem.top)
     processor, lu = comm.allreduce(cost.processor), comm.allreduce(lu_seconds(problem))
@@ -128,21 +125,17 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 
 def lu_seconds(problem: Problem) -> float:
-    """Processor seconds of a numeric factorisation at the shift on this rank, its order known.
-
-    In memory that is new to it, as that of the first factorisation of a run is.
-    """
+    """Processor seconds of a numeric factorisation at the shift on this rank, its order known."""
     matrix = problem.unsymmetric(problem.shift)
-    with plain_heap():
-        pc: Any = PETSc.PC().create(matrix.comm)
-        pc.setOperators(matrix)
-        pc.setType(PETSc.PC.Type.LU)
-        pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+    pc: Any = PETSc.PC().create(matrix.comm)
+    pc.setOperators(matrix)
+    pc.setType(PETSc.PC.Type.LU)
+    pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
+    pc.setUp()
+    matrix.stateIncrease()  # a matrix that was touched is factorised anew
+    pc.setOperators(matrix)
+    with measured() as cost:
         pc.setUp()
-        matrix.stateIncrease()  # a matrix that was touched is factorised anew
-        pc.setOperators(matrix)
-        with measured() as cost:
-            pc.setUp()
     destroy(pc, matrix)
     return cost.processor
 

@@ -5,7 +5,7 @@ import typer
 
 def doctor() -> None:
     """Tell whether this installation works, and what mends it; code 1 where it does not."""
-    from comparisons.cli.ranks import launched_together
+    from comparisons.cli.app import launched_together
     from comparisons.doctor import examine
 
     faults = 0

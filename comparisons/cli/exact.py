@@ -1,15 +1,15 @@
 """The command line ``cea exact``: reference eigenvalues for any parameters."""
 
+import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import typer
-from typer.core import TyperGroup
 
 from cea.errors import InputError
-from comparisons.cli.options import PLAIN, command_with, need
+from comparisons.cli.options import PLAIN, LazyGroup, command_with, need
 
 if TYPE_CHECKING:
     from exact_cea.entries import Entry
@@ -140,17 +140,15 @@ _PROBLEMS: dict[str, tuple[Callable[[Any], "list[Entry]"], dict[str, Any]]] = {
 """What makes the entries of each problem, and its options with their defaults."""
 
 
-class _Problems(TyperGroup):
+class _Problems(LazyGroup):
     """A command for each problem."""
 
-    def list_commands(self, ctx: Any) -> list[str]:
-        """Names of the problems."""
-        return list(_PROBLEMS)
+    def helps(self) -> dict[str, str]:
+        """Help of each problem."""
+        return {name: inspect.getdoc(make) or "" for name, (make, _) in _PROBLEMS.items()}
 
-    def get_command(self, ctx: Any, name: str) -> Any:
+    def make(self, name: str) -> Any:
         """Command of a problem."""
-        if name not in _PROBLEMS:
-            return None
         make, defaults = _PROBLEMS[name]
 
         def call(**given: Any) -> None:

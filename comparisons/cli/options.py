@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
+from typer.core import TyperGroup
 from typer.main import get_command
 
 from cea.errors import InputError
@@ -36,6 +37,38 @@ _MODULES = {
     "exact": ("flint",),
 }
 """Modules that each extra of `pyproject.toml` brings."""
+
+
+class LazyGroup(TyperGroup):
+    """Commands that are made when they are called, and told without being made."""
+
+    def helps(self) -> dict[str, str]:
+        """Help of each command by its name."""
+        raise NotImplementedError
+
+    def make(self, name: str) -> Any:
+        """A command: a function, a group of Typer, or one of click."""
+        raise NotImplementedError
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Names of the commands."""
+        return list(self.helps())
+
+    def get_command(self, ctx: Any, name: str) -> Any:
+        """A command, made now."""
+        if name not in self.helps():
+            return None
+        made = self.make(name)
+        if inspect.isfunction(made):
+            alone = typer.Typer(**PLAIN)
+            alone.command(name)(made)
+            made = alone
+        return get_command(made) if isinstance(made, typer.Typer) else made
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write names and help."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(self.helps().items()))
 
 
 class MissingExtraError(Exception):
@@ -101,7 +134,7 @@ def with_backend(scene: str, overrides: Sequence[str], backend: Backend | None) 
     """Overrides that put every body of a scene on one backend, behind others."""
     if backend is None:
         return tuple(overrides)
-    from scenes.spec.files import is_of_matrices
+    from scenes.spec.plain import is_of_matrices
     from scenes.spec.reading import load_scene
 
     if is_of_matrices(scene):

@@ -84,7 +84,7 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
         for i, head in enumerate(made["heads"])
     ]
     if cells:
-        _print(to, columns, f"{table.name}.csv", title=table.caption)
+        print_columns(to, columns, f"{table.name}.csv", title=table.caption)
 
 
 def print_result(result: "Result", to: Console = console) -> None:
@@ -143,19 +143,25 @@ def _print_modes(result: "Result", to: Console) -> None:
         columns += [
             (TITLES[name], [line[name] for line in texts], name != "verdict") for name in names
         ]
-        _print(to, columns, "result.json", [_COLOURS.get(row["verdict"], "") for row in rows])
+        print_columns(
+            to, columns, "result.json", [_COLOURS.get(row["verdict"], "") for row in rows]
+        )
         say(to, SIGNS)
         for line in result.steady_lines():
             say(to, line)
     say(to, f"window: {result.modes.window.evidence}")
 
 
-def _print(
-    to: Console, columns: Sequence[Column], file: str, styles: Sequence[str] = (), title: str = ""
+def print_columns(
+    to: Console,
+    columns: Sequence[Column],
+    file: str = "",
+    styles: Sequence[str] = (),
+    title: str = "",
 ) -> None:
     """Print a table; on a terminal its last columns are left out where it has no room for them.
 
-    Text is wrapped at words; a terminal wraps what numbers make too wide all the same.
+    Text is wrapped at words, numbers are not; the file is the one that holds all columns.
     """
     count = len(columns)
     while to.is_terminal and count > _NEEDED and _least(_table(columns[:count])) > to.width:

@@ -38,7 +38,7 @@ def run(
     """Run one scene and write its result.json."""
     from comparisons.cli.output import working
     from scenes.spec.body import file_name
-    from scenes.spec.files import is_of_matrices
+    from scenes.spec.plain import is_of_matrices
 
     inputs: dict[str, Any] = {"scene": scene, "set": set_ or [], "backend": backend}
     chosen: Scene | MatrixScene

@@ -29,7 +29,7 @@ def check(
     out: Out = Path("results/check"),
 ) -> None:
     """Tell every fault of a scene, else what it would take; nothing is solved."""
-    from scenes.spec.files import is_of_matrices
+    from scenes.spec.plain import is_of_matrices
 
     if is_of_matrices(scene):
         from scenes.matrices.pencil import matrix_pencil, read_pieces
@@ -75,25 +75,21 @@ def _check_bodies(
 @app.command(name="list")
 def list_() -> None:
     """List the scenes that come with the project."""
-    import pandas as pd
-
-    from comparisons.cli.output import print_frame
-    from comparisons.study.columns import Column
-    from comparisons.study.sections import Table
+    from comparisons.cli.output import console, print_columns
     from scenes.checking.memory import dofs_of
-    from scenes.spec.files import matrix_scene_names, scene_names, tables_of
+    from scenes.spec.plain import matrix_scene_names, scene_names, tables_of
     from scenes.spec.reading import load_scene
 
     rows = []
     for name in scene_names():
         chosen = load_scene(name)
-        dofs: float | None = sum(map(dofs_of, chosen.bodies.values()))
-        rows.append((name, dofs, ", ".join(chosen.bodies), _first(chosen.description)))
+        dofs = sum(map(dofs_of, chosen.bodies.values()))
+        rows.append((name, f"{dofs:.0f}", ", ".join(chosen.bodies), _first(chosen.description)))
     for name in matrix_scene_names():
-        rows.append((name, None, "matrices", _first(tables_of(name).get("description", ""))))
-    frame = pd.DataFrame(rows, columns=["scene", "dofs", "bodies", "what"])
-    own = {"dofs": Column("dofs, about", show="{:.0f}".format), "what": Column("what it is")}
-    print_frame(Table("scenes", "", lambda _: frame, own), None)
+        rows.append((name, "", "matrices", _first(tables_of(name).get("description", ""))))
+    heads = ("scene", "dofs, about", "bodies", "what it is")
+    texts = zip(heads, zip(*rows, strict=True), strict=True)
+    print_columns(console, [(head, list(cells), head == heads[1]) for head, cells in texts])
 
 
 def _first(description: str) -> str:

@@ -12,10 +12,9 @@ from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
-from typer.core import TyperGroup
 
 from cea.errors import InputError
-from comparisons.cli.options import PLAIN, Anew, Out, command_with, need
+from comparisons.cli.options import PLAIN, Anew, LazyGroup, Out, command_with, need
 
 if TYPE_CHECKING:
     from comparisons.study.result import StudyResult
@@ -59,27 +58,20 @@ def study_at(place: str) -> "Study":
     return getattr(import_module(module), name)
 
 
-class Studies(TyperGroup):
+class Studies(LazyGroup):
     """Commands by name of the study; the module of one is imported when it is called."""
 
     table = STUDIES
 
-    def list_commands(self, ctx: Any) -> list[str]:
-        """Names of the studies."""
-        return list(self.table)
+    def helps(self) -> dict[str, str]:
+        """Help of each study."""
+        return {name: help for name, (_, help, _) in self.table.items()}
 
-    def get_command(self, ctx: Any, name: str) -> Any:
+    def make(self, name: str) -> Any:
         """Command of a study."""
-        if name not in self.table:
-            return None
         place, _, extras = self.table[name]
         need("pictures", *extras)
         return command_of(f"comparisons.{place}")
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write names and help."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, help) for name, (_, help, _) in self.table.items()])
 
 
 class Benchmarks(Studies):

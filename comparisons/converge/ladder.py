@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from cea.arrays import Complexes, Floats
 from cea.eigen.driver import ABOVE
 from cea.eigen.spectrum import Window
-from cea.errors import InputError
-from cea.warned import ResultWarning
+from cea.errors import InputError, ResultWarning
 from comparisons.study.progress import Progress
 from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes

@@ -19,7 +19,7 @@ def rigid_motions(body: Body) -> Floats:
     reproduce the coordinates are found by least squares from those of its cells.
     """
     comm, dim = body.comm, body.dim
-    cells = body.volume_cells()
+    cells = body.space.volume_cells()
     x = None
     if comm.rank == 0:
         values = csr_array(cells.values)

@@ -47,27 +47,15 @@ class Evidence:
 
 @dataclass(frozen=True)
 class Claim:
-    """A claim of the paper, or a question it leaves open.
-
-    Parameters
-    ----------
-    name, claim, section
-        Short name; the claim in our words; where the paper makes it.
-    measure
-        What the deciding number is.
-    value
-        That number on a kind of mesh.
-    holds, depends
-        Whether the claim holds for it, or depends on what is looked at.
-    """
+    """A claim of the paper, or a question it leaves open."""
 
     name: str
-    claim: str
-    section: str
-    measure: str
-    value: Callable[[Evidence], float]
+    section: str  # where the paper makes it
+    claim: str  # in our words
+    measure: str  # what the deciding number is
+    value: Callable[[Evidence], float]  # that number on a kind of mesh
     holds: Callable[[float, Evidence], bool]
-    depends: Callable[[float, Evidence], bool] = lambda value, e: False
+    depends: Callable[[float, Evidence], bool] = lambda value, e: False  # on what is looked at
 
     def judged(self, evidence: Evidence) -> tuple[str, float]:
         """Verdict and number on a kind of mesh; LookupError where figures are not made."""
@@ -136,28 +124,25 @@ def _worst(e: Evidence, column: str, formulation: str) -> float:
 
 CLAIMS = (
     Claim(
-        "lumped patch test",
+        *("lumped patch test", "3"),
         "Lumped contact passes the patch test to machine precision at P = 10¹⁴",
-        "3",
         "oscillation of σₙ over σₙ; 1e-10 is precision",
         _lumped_patch,
         lambda v, e: v < 1e-10,
     ),
     Claim(
-        "lumping locks",
+        *("lumping locks", "3"),
         "Lumping locks the interface at P = 10⁶: the disc moves less along the "
         "normal in the contact than elsewhere",
-        "3",
         "that part of its motion, lumped over plain, median of all modes; 0.5 is much less",
         lambda e: e("4 and 5", 1e6, 1).contact_motion,
         lambda v, e: v < 0.5,
         lambda v, e: e("6", LOW, 1).contact_motion < 0.5,
     ),
     Claim(
-        "false stiffness",
+        *("false stiffness", "3, left open"),
         "What lumping changes comes of the false stiffness it gives to "
         "rotations common to both bodies",
-        "3, left open",
         "part of the shifts of frequencies at P = 10⁹ "
         "that it explains to first order; 0.8 is explained",
         lambda e: e.rows("lumping", "lumping")["explained"].item(),
@@ -165,78 +150,69 @@ CLAIMS = (
         lambda v, e: v > 0.5,
     ),
     Claim(
-        "lumped spectra",
+        *("lumped spectra", "3"),
         "With and without lumping, unstable modes largely do not coincide at P = 10⁹",
-        "3",
         "part of them that coincide in frequency within 1 %; it depends where only growth does not",
         lambda e: e("6", LOW, 1).share_frequency,
         lambda v, e: v < 0.5,
         lambda v, e: e("6", LOW, 1).share_both < 0.5,
     ),
     Claim(
-        "side b",
+        *("side b", "3"),
         "σₙ of side b oscillates more than that of side a, for the points lie on a, "
         "whichever side is finer",
-        "3",
         "least oscillation of b over a at P = 10⁶, before and after the exchange of meshes",
         lambda e: _b_over_a(e).min(),
         lambda v, e: v > 1,
         lambda v, e: _b_over_a(e).max() > 1,
     ),
     Claim(
-        "collocation grows",
+        *("collocation grows", "3"),
         "Collocation overestimates growth below 10 kHz at P = 10⁹",
-        "3",
         "sum of growth rates, collocation over GPTS",
         lambda e: e("13", LOW, 1).growth_below_10k,
         lambda v, e: v > 1.01,
     ),
     Claim(
-        "identical",
+        *("identical", "3"),
         "Collocation and GPTS are identical at P = 10¹²",
-        "3",
         "largest relative distance of eigenvalues; 1e-3 is identical",
         lambda e: e("13", MIDDLE, 1).distance,
         lambda v, e: v < 1e-3,
     ),
     Claim(
-        "less identical",
+        *("less identical", "3"),
         "Collocation and GPTS differ more at P = 10¹⁴ than at 10¹²",
-        "3",
         "largest relative distance of eigenvalues at P = 10¹⁴",
         lambda e: e("13", HIGH, 1).distance,
         lambda v, e: v > e("13", MIDDLE, 1).distance,
     ),
     Claim(
-        "round-off",
+        *("round-off", "3"),
         "The difference at P = 10¹⁴ is round-off of ill-conditioned matrices",
-        "3",
         "largest shift of a frequency from mortar, saddle form over penalty; below 0.5 it is",
         _saddle_over_penalty,
         lambda v, e: v < 0.5,
     ),
     Claim(
-        "over-constraint",
+        *("over-constraint", "3, left open"),
         "The difference at P = 10¹⁴ is over-constraint: more points than side a has functions",
-        "3, left open",
         "largest shift of GPTS from mortar, both in the saddle form; "
         "three times that at P = 10¹² or more",
         lambda e: e("stiff", HIGH, 4).shift,
         lambda v, e: v > 3 * e("stiff", MIDDLE, 4).shift,
     ),
     Claim(
-        "more points",
+        *("more points", "3"),
         "CEA is insensitive to more Gauss points",
-        "3",
         "largest shift below 13 kHz; 1 % and 5 % of the largest growth are none",
         lambda e: e("14", LOW, 1).shift_below_13k,
         lambda v, e: v < 0.01 and e("14", LOW, 1).growth_part < 0.05,
         lambda v, e: v < 0.01,
     ),
     Claim(
-        "higher degree",
+        *("higher degree", "3"),
         "CEA is insensitive to degree and continuity below 13 kHz",
-        "3",
         "largest shift below 13 kHz of the worst degree to 5 (Lagrange 4); 1 % and 5 % of the "
         "largest growth are none",
         lambda e: _worst_degree(e).shift_below_13k,
@@ -244,9 +220,8 @@ CLAIMS = (
         lambda v, e: v < 0.01,
     ),
     Claim(
-        "above 13 kHz",
+        *("above 13 kHz", "3"),
         "A higher degree shifts frequencies above 13 kHz more than those below",
-        "3",
         "largest shift above over largest below, least of all degrees; it depends where only "
         "some shift more",
         lambda e: min(_above_over_below(e)),
@@ -254,17 +229,15 @@ CLAIMS = (
         lambda v, e: max(_above_over_below(e)) > 1,
     ),
     Claim(
-        "places of points",
+        *("places of points", "3"),
         "Collocation is sensitive to where its points lie at P = 10⁹",
-        "3",
         "part of the unstable modes that coincide within 1 %, growth too",
         lambda e: e("15", LOW, 1).share_both,
         lambda v, e: v < 0.5,
     ),
     Claim(
-        "GPTS suffices",
+        *("GPTS suffices", "4"),
         "GPTS loses little against segments and mortar, and costs less",
-        "4",
         "largest shift of a frequency from segments; 1e-3 and 1 % of growth are little",
         lambda e: e("yardsticks", LOW, 1).shift,
         lambda v, e: (
@@ -275,9 +248,8 @@ CLAIMS = (
         lambda v, e: v < 1e-3 and e("yardsticks", LOW, 1).growth_part < 0.01,
     ),
     Claim(
-        "boundary",
+        *("boundary", "3"),
         "The mesh of the disc must trace the boundary of the contact",
-        "3",
         "largest difference of growth rates over the largest, from a mesh refined there, where "
         "it is ignored; 0.01 and half as much again as where traced matter",
         lambda e: e("boundary", LOW, 2).growth_part,
@@ -285,9 +257,8 @@ CLAIMS = (
         lambda v, e: v > e("boundary", LOW, 1).growth_part,
     ),
     Claim(
-        "full pass",
+        *("full pass", "3, left open"),
         "A full pass overcomes the bias of collocation",
-        "3, left open",
         "largest difference of growth rates from segments, full over half pass; 0.5 and less "
         "overcomes it",
         lambda e: (
@@ -297,9 +268,8 @@ CLAIMS = (
         lambda v, e: v < 1,
     ),
     Claim(
-        "equilibrium",
+        *("equilibrium", "1, left open"),
         "Collocation disturbs the equilibrium of steady sliding more than quadrature",
-        "1, left open",
         "distance of the pressure on a crowned pad from segments on the same mesh, collocation "
         "over GPTS 3 × 3, least of all loads",
         lambda e: _pressure_over(e).min(),
@@ -307,9 +277,8 @@ CLAIMS = (
         lambda v, e: _pressure_over(e).max() > 1,
     ),
     Claim(
-        "p of the scheme",
+        *("p of the scheme", "3"),
         "p(x) of steady sliding varies with the scheme that finds it",
-        "3",
         "largest relative difference of the integral of p from segments, of collocation and GPTS; "
         "0.01 varies, it depends where only one does",
         lambda e: max(_worst(e, "P_off", COLLOCATION), _worst(e, "P_off", QUADRATURE)),
@@ -317,9 +286,8 @@ CLAIMS = (
         lambda v, e: v > 0.01,
     ),
     Claim(
-        "growth of the scheme",
+        *("growth of the scheme", "1, left open"),
         "Each in its own equilibrium, collocation errs more in growth than quadrature",
-        "1, left open",
         "largest difference of the largest growth rate from segments over all loads, collocation "
         "over GPTS 3 × 3",
         lambda e: _worst(e, "growth_off", COLLOCATION) / _worst(e, "growth_off", QUADRATURE),

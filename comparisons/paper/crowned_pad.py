@@ -6,10 +6,8 @@ each formulation finds its own state, whose p(x) its small motions meet.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from cea.arrays import Floats
 from cea.contact.formulations import (
@@ -23,8 +21,7 @@ from cea.contact.formulations import (
     Segments,
 )
 from cea.errors import InputError
-from comparisons.paper.figure import BACKENDS, Figure, Mesh, Row, Tables, midpoints, sector_points
-from comparisons.study.result import StudyResult
+from comparisons.paper.figure import BACKENDS, Figure, Mesh, Row, Tables, sector_points
 from comparisons.study.session import Session
 from meshes.shapes import Crowned, Sector
 from scenes import Result
@@ -100,19 +97,15 @@ class CrownedPad(Figure):
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
         """Run every case; rows tell how far it is from the exact integration under its load."""
-        rows, pressures, slopes = [], [], []
+        rows = []
         for pressure in PRESSURES:
             exact: tuple[Row, Floats] | None = None
             for label in (*formulations(mesh), FINER):
                 result = session.solve(session.scene[f"{label}, {pressure:g}"])
-                row, own, slope = state(result)
+                row, own = state(result)
                 exact = exact or (row, own)
                 labels = {"formulation": label, "load": pressure}
                 rows.append(labels | row | off(row, own, *exact))
-                pressures.append(own)
-                slopes.append(slope)
-        session.keep("pressure", np.stack(pressures))
-        session.keep("stiffness", np.stack(slopes))
         return {"crowned": rows}
 
 
@@ -125,8 +118,8 @@ def off(row: Row, pressure: Floats, exact: Row, its: Floats) -> Row:
     }
 
 
-def state(result: Result) -> tuple[Row, Floats, Floats]:
-    """A run as a row; pressure (N/m^2) and p (N/m^3) of the law at (RADII, ANGLES) points."""
+def state(result: Result) -> tuple[Row, Floats]:
+    """A run as a row; pressure (N/m^2) of the law at (RADII, ANGLES) points."""
     assert result.steady is not None
     law, pad = result.scene.contacts[CONTACT].law, result.scene.bodies[PAD].geometry
     assert law is not None
@@ -145,8 +138,7 @@ def state(result: Result) -> tuple[Row, Floats, Floats]:
         "iterations": result.steady.iterations,
         "seconds": result.timer.total,
     }
-    shape = RADII, ANGLES
-    return row, law.pressure(closed).reshape(shape), law.slope(closed).reshape(shape)
+    return row, law.pressure(closed).reshape(RADII, ANGLES)
 
 
 def common_points(pad: Crowned) -> Floats:
@@ -171,25 +163,6 @@ def closures(result: Result, x: Floats) -> Floats:
     moved -= disc.trace(opposite.at) @ system.displacement(displaced, DISC).reshape(-1, 3)
     gap = opposite.distance + disc.offset(opposite.at, normal) - pad.offset(own.at, normal)
     return np.einsum("ij,ij->i", normal, moved) - gap
-
-
-def middle_circle(result: StudyResult) -> pd.DataFrame:
-    """Pressure (N/m^2) and stiffness (N/m^3) of every case along the middle circle of the pad."""
-    frame = result.frame("crowned")
-    if frame.empty:
-        return frame
-    pad = load_scene("crowned_pad").bodies[PAD].geometry
-    assert isinstance(pad, Crowned)
-    base: Any = pad.base
-    angles, parts = midpoints(base.start, base.end, ANGLES), []
-    for mesh, own in frame.groupby("mesh", sort=False):
-        labels = {"figure": "crowned", "mesh": mesh}
-        arrays = [result.array(labels, name) for name in ("pressure", "stiffness")]
-        for i, (_, row) in enumerate(own.iterrows()):
-            pressure, p = (array[i, RADII // 2] for array in arrays)
-            line = pd.DataFrame({"angle": angles, "pressure": pressure, "p": p})
-            parts.append(line.assign(**row[["mesh", "formulation", "load"]]))
-    return pd.concat(parts, ignore_index=True)
 
 
 CROWNED_PAD = CrownedPad("crowned", "Steady sliding of a crowned pad by formulation")

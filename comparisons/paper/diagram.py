@@ -16,20 +16,11 @@ _SPECTRA: dict[str, Spectrum] = {}
 
 @dataclass(frozen=True)
 class Diagram(Figure):
-    """Growth rates against frequencies, formulations overlaid.
+    """Growth rates against frequencies, formulations overlaid."""
 
-    Parameters
-    ----------
-    cases
-        Runs of a diagram; the first is the reference of the others.
-    stiffnesses
-        A diagram for each contact stiffness (N/m); empty: that of the cases.
-    paper
-        What the paper says of a case beside its reference, by P and number of the case.
-    """
-
-    cases: tuple[DiscPad, ...]
-    stiffnesses: tuple[float, ...] = ()
+    cases: tuple[DiscPad, ...]  # the first is the reference of the others
+    stiffnesses: tuple[float, ...] = ()  # a diagram for each P (N/m); empty: that of the cases
+    # what the paper says of a case beside its reference, by P and number of the case
     paper: Mapping[tuple[float, int], str] = field(default_factory=dict)
 
     def panels(self, mesh: Mesh) -> dict[float, dict[int, DiscPad]]:

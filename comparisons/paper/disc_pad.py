@@ -41,33 +41,17 @@ _REFINED = {"r": 0.003, "theta": 1.5}
 class DiscPad:
     """One analysis of disc and pad.
 
-    Parameters
-    ----------
-    formulation
-        Points and weights on the pad.
-    P
-        Global contact stiffness (N/m).
-    form
-        Contact forces eliminated or unknowns.
-    degree
-        Of both bodies in every direction. NURBS keep their spans up to degree 3, then spans grow
-        with the degree; Lagrange elements always do, so that dofs stay about the same.
-    full_pass
-        Whether points lie on the disc too.
-    boundary
-        How the mesh of the disc regards the boundary of the pad; unstructured tetrahedra cannot
-        trace it.
-    divided
-        Whether tetrahedra are hexahedra each divided into six, which can.
+    NURBS keep their spans up to degree 3, then spans grow with the degree; Lagrange elements always
+    do, so that dofs stay about the same.
     """
 
-    formulation: Formulation
-    P: float = LOW
+    formulation: Formulation  # points and weights on the pad
+    P: float = LOW  # global contact stiffness (N/m)
     form: Form = "penalty"
-    degree: int = 2
+    degree: int = 2  # of both bodies in every direction
     full_pass: bool = False
-    boundary: Boundary = "traced"
-    divided: bool = False
+    boundary: Boundary = "traced"  # how the mesh of the disc regards the boundary of the pad
+    divided: bool = False  # tetrahedra that are hexahedra each divided into six, which trace it
 
     def on(self, mesh: Mesh) -> "DiscPad":
         """The case as a kind of mesh has it."""

@@ -8,12 +8,9 @@ from comparisons.paper.crowned_pad import CROWNED_PAD
 from comparisons.paper.diagram import Diagram
 from comparisons.paper.disc_pad import COLLOCATION, GPTS, GRID, HIGH, LOW, LUMPED, MIDDLE, DiscPad
 from comparisons.paper.figure import Figure
-from comparisons.paper.lumping import LUMPING
-from comparisons.paper.mode_shapes import SHAPES
+from comparisons.paper.lumping import LUMPING, SHAPES
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
-from comparisons.paper.patch_test import PatchTest, PatchTests
-from comparisons.paper.patch_test_meshes import SETTINGS
-from comparisons.paper.quadrature import QUADRATURE
+from comparisons.paper.patch_test import QUADRATURE, SETTINGS, PatchTest, PatchTests
 
 
 def _gpts(points: int, *, lumped: bool = False) -> GaussPointToSurface:

@@ -1,4 +1,7 @@
-"""Study beside Figures 4 to 6: what lumping adds to the contact, and what that does to modes.
+"""What lumping adds to the contact, and what that does to modes: Figures 4 and 5, false stiffness.
+
+Figure 4 shows a mode of disc and pad with and without lumping, Figure 5 its normal displacement
+along a line on the disc that crosses the boundary of the pad twice.
 
 Lumping replaces sum_ij N_i N_j u_i u_j by sum_i N_i u_i^2 on each side. What it adds is the spread
 of the displacements of overlapping functions: nothing for translations, but energy for every
@@ -7,25 +10,173 @@ an eigenvalue kappa by x^H (K_lumped - K_n) x of the mode x without lumping.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import tau
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure as Picture
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import spsolve
 
 from cea.arrays import Floats
 from cea.body import Body
 from cea.eigen.blocks import times
+from cea.eigen.matching import ModeMatch
 from cea.matrices import destroy
 from cea.surface import Surface
+from comparisons.paper.diagram import case_row
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
-from comparisons.paper.figure import Figure, Mesh, Tables, rows_of
-from comparisons.paper.spectra import Spectrum, means_of, paired
+from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of
+from comparisons.paper.spectra import Spectrum, displacements, means_of, measures, paired
+from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
 from scenes.spec.reading import Scene
+
+P = 1e6
+"""Contact stiffness of the figures (N/m)."""
+RUNS = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}
+"""Runs that are compared."""
+EDGE = 0.115 * np.tan(np.radians(20.0))
+"""Distance from the middle at which the line crosses the boundary of the pad (m)."""
+_MIDDLE, _HALF, _SAMPLES = (0.115, 45.0), 0.07, 281
+"""Radius (m) and angle (degrees) of the middle of the line, which is tangential there; half its
+length (m); its points."""
+_NEAR_EDGE = 0.004
+_ALIKE = 0.5
+"""Modal assurance of modes that have the same characteristics."""
+_DIGITS, _SHAPE_DIGITS = 6, 4
+"""Decimals by which points of the bodies (m) are told apart, and those kept of displacements
+relative to the largest."""
+
+
+@dataclass(frozen=True)
+class ModeShapes(Figure):
+    """A mode with and without lumping."""
+
+    def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
+        """Scenes of both runs."""
+        return {name: case.scene(mesh) for name, case in RUNS.items()}
+
+    def evaluate(self, mesh: Mesh, session: Session) -> Tables:
+        """Run both cases and take the mode from each."""
+        results = {name: session.solve(session.scene[name]) for name in RUNS}
+        plain, lumped = (Spectrum.of(result) for result in results.values())
+        match = paired(lumped, plain)
+        label = case_row(P, 1, RUNS["lumped"].on(mesh))
+        measured = label | measures(lumped, plain, match) | {"paper": "much below 1"}
+        modes = common_mode(match, plain)[::-1]
+        motions = [run.motion[mode] for run, mode in zip((plain, lumped), modes, strict=True)]
+        lines, numbers, slopes = [], [], []
+        curves: list[Floats] = []
+        for (name, result), mode in zip(results.items(), modes, strict=True):
+            value = result.eigenvalues[mode]
+            numbers.append(quoted(f"{name}: frequency", None, value.imag / tau, "Hz"))
+            numbers.append(quoted(f"{name}: growth rate", None, value.real, "1/s"))
+            line = mode_line(result, mode)
+            arc, disc = line["arc"], line["disc"]
+            curves.append(disc)
+            steepness = np.abs(np.gradient(disc, arc))
+            slopes.append(steepness[np.abs(np.abs(arc) - EDGE) < _NEAR_EDGE].max())
+            pad = [None if np.isnan(u) else u for u in line["pad"]]
+            lines += [{"run": name, **row} for row in rows_of(line | {"pad": pad})]
+            for array, values in bodies_of(result, mode).items():
+                session.keep(f"{name}/{array}", values)
+        over = "lumped over plain"
+        slope = "slope of the disc at the boundary of the pad"
+        far = np.abs(curves[1] - curves[0]).max()
+        numbers += [
+            quoted(
+                *(f"motion of the disc in the contact, {over}", "much below 1"),
+                motions[1] / motions[0],
+            ),
+            quoted(f"{slope}, {over}", "above 1", slopes[1] / slopes[0]),
+            quoted("largest difference of the disc's lines, of 1", None, far),
+        ]
+        return {"measures": [measured], "lines": lines, "numbers": numbers}
+
+
+def common_mode(match: ModeMatch, reference: Spectrum) -> tuple[int, int]:
+    """Numbers of a mode in the first run and in the reference."""
+    pairs = [
+        (int(pair.first[0]), int(pair.second[0]))
+        for pair in match.groups
+        if len(pair.first) == len(pair.second) == 1 and pair.assurance > _ALIKE
+    ]
+    return max(pairs, key=lambda pair: np.nan_to_num(reference.motion[pair[1]]))
+
+
+def mode_line(result: Result, mode: int) -> dict[str, Floats]:
+    """Normal displacements of ``disc`` and ``pad``, the largest of the disc 1, along ``arc`` (m).
+
+    NaN where the line leaves the pad.
+    """
+    arc, angle = np.linspace(-_HALF, _HALF, _SAMPLES), np.radians(_MIDDLE[1])
+    radial = np.array([np.cos(angle), np.sin(angle), 0.0])
+    tangent = np.array([-np.sin(angle), np.cos(angle), 0.0])
+    geometry: Any = result.scene.bodies[DISC].geometry
+    x = _MIDDLE[0] * radial + arc[:, None] * tangent + [0.0, 0.0, geometry.top]
+    lines = {}
+    for body, surface in ((DISC, "top"), (PAD, "bottom")):
+        u, hit = displacements(result, body, surface, x, [mode])
+        lines[body] = np.full(_SAMPLES, np.nan + 0j)
+        lines[body][hit] = u[2::3, 0]
+    peak = lines[DISC][np.argmax(np.abs(lines[DISC]))]
+    return {"arc": arc} | {name: (u / peak).real for name, u in lines.items()}
+
+
+def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
+    """Points (m), cells and real displacements of both bodies at the largest deflection, by name.
+
+    Names are ``disc/points`` and so on; there are some on rank 0 alone.
+    """
+    from scenes.pictures.drawing import largest_deflection  # brings pyvista
+
+    arrays, shapes = {}, {}
+    for name, body in result.system.bodies.items():
+        sample = body.space.volume_cells().straight()
+        u = result.mode_shapes(name, sample.values, [mode], everywhere=False)[..., 0]
+        if body.comm.rank == 0:
+            rounded = np.round(sample.points, _DIGITS)
+            points, first, number = np.unique(
+                rounded, axis=0, return_index=True, return_inverse=True
+            )
+            shapes[name] = u[first]
+            arrays[f"{name}/points"] = points
+            arrays[f"{name}/cells"] = number.ravel()[sample.cells].astype(np.int32)
+    if shapes:
+        turned, largest = largest_deflection(np.concatenate(list(shapes.values())))
+        ends = np.cumsum([len(shape) for shape in shapes.values()])[:-1]
+        for name, part in zip(shapes, np.split(turned.real / largest, ends), strict=True):
+            arrays[f"{name}/displacement"] = np.round(part, _SHAPE_DIGITS)
+    return arrays
+
+
+def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Picture:
+    """The deformed bodies with lumping on the left, without on the right."""
+    from scenes.pictures.drawing import draw_mode
+    from scenes.pictures.grids import straight_outside
+
+    labels = {"figure": figure.name, "mesh": mesh}
+    picture = Picture(figsize=(10.0, 3.8), layout="constrained")
+    picture.suptitle(f"Figure 4: a mode with and without lumping, P = 10⁶, {mesh}", fontsize=10)
+    for axes, name in zip(picture.subplots(1, 2), ("lumped", "plain"), strict=True):
+        bodies = []
+        for body in (PAD, DISC):
+            points, cells, u = (
+                result.array(labels, f"{name}/{body}/{array}")
+                for array in ("points", "cells", "displacement")
+            )
+            bodies.append(straight_outside(points, cells, u))
+        axes.imshow(np.asarray(draw_mode(bodies, "")))
+        axes.set_axis_off()
+        axes.set_title("with lumping" if name == "lumped" else "without lumping")
+    return picture
+
+
+SHAPES = ModeShapes("4 and 5", "Figures 4 and 5: a mode with and without lumping, P = 10⁶")
+"""Figures 4 and 5."""
 
 
 @dataclass(frozen=True)

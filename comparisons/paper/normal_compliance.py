@@ -17,21 +17,11 @@ from comparisons.study.session import Session
 
 @dataclass(frozen=True)
 class Law(Figure):
-    """The law, its linearisation, and how far the one is from the other.
-
-    Parameters
-    ----------
-    law
-        The law.
-    closure
-        Closure of steady sliding (m).
-    area
-        Area by which p becomes a global contact stiffness P (m^2).
-    """
+    """The law, its linearisation, and how far the one is from the other."""
 
     law: NormalCompliance
-    closure: float
-    area: float
+    closure: float  # of steady sliding (m)
+    area: float  # by which p becomes a global contact stiffness P (m^2)
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Any]:
         """The constants."""
@@ -51,19 +41,16 @@ class Law(Figure):
             "p = m_n c_n (u_n - g_n)^(m_n - 1)": (p, "N/m³"),
             "P, over the pad of disc_pad": (p * self.area, "N/m"),
         }
-        errors = [
-            quoted(f"error of the linearised change, perturbation {part:.0%}", None, error)
-            for part in (0.01, 0.1)
-            for error in [self.error(part)]
+        for part in (0.01, 0.1):
+            change = f"error of the linearised change, perturbation {part:.0%}"
+            named[change] = self.error(part), ""
+        lines = [
+            {"curve": curve, "closure": x, "pressure": y}
+            for curve, values in curves.items()
+            for x, y in zip(closure, values, strict=True)
         ]
-        return {
-            "law": [
-                {"curve": curve, "closure": x, "pressure": y}
-                for curve, values in curves.items()
-                for x, y in zip(closure, values, strict=True)
-            ],
-            "numbers": [*(quoted(n, None, v, unit) for n, (v, unit) in named.items()), *errors],
-        }
+        numbers = [quoted(name, None, value, unit) for name, (value, unit) in named.items()]
+        return {"law": lines, "numbers": numbers}
 
     def error(self, part: float) -> float:
         """Relative error of the change of pressure when the closure grows by a part of itself."""

@@ -1,4 +1,4 @@
-"""Figures 3, 7 to 10 and 12: normal stress in the contact patch test.
+"""Figures 2, 3 and 7 to 12: the contact patch test, its normal stress, its Gauss points.
 
 Section 3 of the paper: E = 1e5 N/m^2, nu = 0, a pressure of 1000 N/m^2 on top, so that the normal
 stress on the interface is -1000 N/m^2 exactly. A discretisation is told by the oscillation of the
@@ -9,15 +9,18 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import floor, log10
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from matplotlib.figure import Figure as Picture
 from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 
 from cea.arrays import Floats
-from cea.contact.formulations import Formulation
+from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid
 from cea.system.contact_stresses import pressure_along, stress_map
+from cea.timing import StageTimer
 from comparisons.paper.figure import (
     BACKENDS,
     MOST_LAGRANGE,
@@ -33,8 +36,9 @@ from comparisons.study.plots import BLUE, GREY, VERMILION
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
+from scenes.building.build import build_bodies, build_interfaces
 from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, load_scene, on_backend, with_contact
+from scenes.spec.reading import Scene, StaticAnalysis, load_scene, on_backend, with_contact
 
 EXACT = -1000.0
 """Normal stress on the interface (N/m^2)."""
@@ -52,31 +56,15 @@ _ACROSS, _SIZE = 5, (2.9, 6.8)
 
 @dataclass(frozen=True)
 class PatchTest:
-    """A run of the contact patch test.
+    """A run of the contact patch test; Lagrange elements are continuous and no more."""
 
-    Parameters
-    ----------
-    formulation
-        Points and weights on side a.
-    P
-        Global contact stiffness (N/m).
-    degree, continuity
-        Of both bodies in every direction; Lagrange elements are continuous and no more.
-    elements
-        Elements along each side of the interface, of a and of b.
-    paper
-        Oscillation in the paper (N/m^2), in words where it has only those.
-    remark
-        What a reader must know to compare it.
-    """
-
-    formulation: Formulation
-    P: float = 1e6
-    degree: int = 2
+    formulation: Formulation  # points and weights on side a
+    P: float = 1e6  # global contact stiffness (N/m)
+    degree: int = 2  # of both bodies in every direction, as the continuity
     continuity: int = 1
-    elements: tuple[int, int] = (3, 5)
-    paper: float | str | None = field(default=None, compare=False)
-    remark: str = field(default="", compare=False)
+    elements: tuple[int, int] = (3, 5)  # along each side of the interface, of a and of b
+    paper: float | str | None = None  # oscillation in the paper (N/m^2), or in words
+    remark: str = ""  # what a reader must know to compare it
 
     def on(self, mesh: Mesh) -> "PatchTest":
         """The case as a kind of mesh has it."""
@@ -117,17 +105,11 @@ class PatchTest:
 class PatchTests(Figure):
     """A figure of the patch test.
 
-    Parameters
-    ----------
-    cases
-        Its runs; those of equal discretisation follow each other and share bodies.
-    ratios
-        Oscillation of one case over that of another, by their numbers, of which the paper says
-        that it is below 1.
+    The paper says of ``ratios`` that the oscillation of one case over that of another is below 1.
     """
 
-    cases: tuple[PatchTest, ...]
-    ratios: tuple[tuple[int, int], ...] = ()
+    cases: tuple[PatchTest, ...]  # those of equal discretisation follow each other, share bodies
+    ratios: tuple[tuple[int, int], ...] = ()  # numbers of cases
 
     def on(self, mesh: Mesh) -> dict[str, PatchTest]:
         """Cases by label as a kind of mesh has them; of those that become equal, the first."""
@@ -244,3 +226,139 @@ def _draw(place: SubFigure, row: Row, line: Floats, plane: Floats) -> None:
         axes.grid(visible=False)
         axes.set_title(f"side {side}: oscillation {number(row[f'oscillation_{side}'])} N/m²")
         place.colorbar(image, ax=axes, shrink=0.85).formatter.set_powerlimits((-2, 3))
+
+
+_POINTS = {"Greville points of a": Greville(), "grid points of a": Grid(9)}
+_PAPER = {"height of a": 4.5, "E": 1e5, "nu": 0.0, "pressure": 1000.0}
+"""Numbers of section 3 that hold for both settings."""
+
+
+@dataclass(frozen=True)
+class Setting(Figure):
+    """The setting of a contact patch test, as its meshes have it."""
+
+    case: PatchTest
+    paper: Mapping[str, float] = field(default_factory=dict)  # numbers beside those of both
+
+    def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
+        """The scene."""
+        return {"scene": self.case.on(mesh).scene(mesh)}
+
+    def evaluate(self, mesh: Mesh, session: Session) -> Tables:
+        """Mesh both bodies; numbers of what is meshed, and the points of side a."""
+        scene: Scene = session.scene["scene"]
+        bodies = build_bodies(scene, StageTimer())
+        upper, lower = bodies["upper"], bodies["lower"]
+        shapes: Any = [scene.bodies[name].geometry for name in ("upper", "lower")]
+        material, paper = scene.bodies["upper"].material, {**_PAPER, **self.paper}
+        rows: list[tuple[str, Any, str]] = [
+            ("length of the interface", shapes[0].size[0], "m"),
+            ("width of the interface", shapes[0].size[1], "m"),
+            ("height of a", shapes[0].size[2], "m"),
+            ("height of b", shapes[1].size[2], "m"),
+            ("E", material.E, "N/m²"),
+            ("nu", material.nu, ""),
+            ("pressure", scene.loads[0].pressure, "N/m²"),
+            ("elements of a", len(upper.surfaces["z_min"].cells().element), ""),
+            ("elements of b", len(lower.surfaces["z_max"].cells().element), ""),
+        ]
+        numbers = [quoted(what, paper.get(what), value, unit) for what, value, unit in rows]
+        for what, rule in _POINTS.items():
+            own = rule if mesh == "NURBS" else as_lagrange(rule)
+            interfaces = build_interfaces(
+                with_contact(scene, formulation=own), bodies, StageTimer()
+            )
+            remark = "" if own is rule else own.label
+            points = len(interfaces[INTERFACE].points)
+            numbers.append(quoted(what, paper.get(what), points, "", remark))
+        return {"numbers": numbers}
+
+
+_ON: tuple[Mesh, ...] = ("NURBS", "hexahedra")
+SETTINGS = (
+    Setting(
+        *("2", "Figure 2: contact patch test", PatchTest(Greville())),
+        {"Greville points of a": 25.0, "grid points of a": 81.0},
+        meshes=_ON,
+    ),
+    Setting(
+        *("11", "Figure 11: second contact patch test", PatchTest(Greville(), elements=(5, 3))),
+        meshes=_ON,
+    ),
+)
+"""Settings of the two patch tests. Elements are not in the text: 25 Greville points are those of
+3 x 3 quadratic spans; the second mesh is in a picture only, this one is a guess."""
+
+
+_FEW_SAMPLES = 31
+"""Samples across the interface: stresses are polynomials in each span."""
+_SPACES = {
+    "NURBS": ((1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (3, 0), (4, 1)),
+    "hexahedra": ((1, 0), (2, 0), (3, 0), (4, 0)),
+}
+"""Degree and continuity on each kind of mesh."""
+
+
+@dataclass(frozen=True)
+class Quadrature(Figure):
+    """Oscillation of the normal stress against the number of Gauss points in a span.
+
+    Traces of side b are smooth but at its knots, where the derivative of order c + 1 jumps when
+    they are C^c. Gauss quadrature over spans of side a, which hold such knots, then converges like
+    n^-(c + 2) in the n points of a direction, whatever the degree, and this carries over to the
+    stress. How far the knots lie from Gauss points changes the error from one n to the next by up
+    to a factor of 10, so that the slope is fitted over all n of a range.
+    """
+
+    points: tuple[int, ...]  # per direction in a span, rising
+
+    def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
+        """Scenes of every space with every number of points."""
+        cases = [
+            PatchTest(GaussPointToSurface(n), degree=degree, continuity=continuity)
+            for degree, continuity in _SPACES[mesh]
+            for n in self.points
+        ]
+        analysis = StaticAnalysis("static", _FEW_SAMPLES)
+        return {
+            f"{case.space}, {n}": replace(case.scene(mesh), analysis=analysis)
+            for case, n in zip(cases, self.points * len(_SPACES[mesh]), strict=True)
+        }
+
+    def evaluate(self, mesh: Mesh, session: Session) -> Tables:
+        """Oscillation on the worse side for each number of points, and the fitted slopes."""
+        rows, numbers = [], []
+        for degree, c in _SPACES[mesh]:
+            space, errors = f"D{degree}C{c}", []
+            for n in self.points:
+                sides = session.solve(session.scene[f"{space}, {n}"]).stresses[INTERFACE].values()
+                errors.append(max(side.oscillation for side in sides))
+                rows.append({"space": space, "c": c, "points": n, "oscillation": errors[-1]})
+            slope = fitted_slope(self.points, errors)
+            numbers.append(quoted(f"slope, {space}", None, slope, "", f"-(c + 2) = {-(c + 2)}"))
+        return {"quadrature": rows, "numbers": numbers}
+
+
+def fitted_slope(points: tuple[int, ...], errors: list[float]) -> float:
+    """Least squares slope of log error against log points."""
+    return float(np.polyfit(np.log(points), np.log(errors), 1)[0])
+
+
+def expected(result: StudyResult) -> pd.DataFrame:
+    """Lines of the slopes -(c + 2) through the middle of the errors of each space."""
+    frame = result.frame("quadrature")
+    if frame.empty:
+        return frame
+    line = frame["points"] ** -(frame["c"] + 2.0)
+    keys = [frame["mesh"], frame["space"]]
+    level = np.exp(np.log(frame["oscillation"] / line).groupby(keys).transform("mean"))
+    return frame.assign(oscillation=level * line)
+
+
+QUADRATURE = Quadrature(
+    "points",
+    "Error of GPTS against Gauss points in a span, P = 10⁶",
+    tuple(range(5, 33)),
+    meshes=("NURBS", "hexahedra"),
+)
+"""The study over all numbers of points from 5 to 32."""

@@ -30,30 +30,15 @@ _IN_PLANE = 1e-6
 
 @dataclass(frozen=True)
 class Spectrum:
-    """What is kept of a run.
+    """What is kept of a run; motion and gap are NaN where the disc moves in its plane only."""
 
-    Parameters
-    ----------
-    modes
-        Eigenvalues, and shapes at points that do not depend on the mesh.
-    unstable
-        Numbers of the unstable modes.
-    motion, gap
-        Of every mode: normal motion of the disc in the contact relative to that beside it; gap
-        relative to the motion in the contact. NaN where the disc moves in its plane only.
-    residuals, conditions
-        Of every mode.
-    run
-        ``dofs``, ``points``, ``seconds`` and ``search``, the seconds of the search.
-    """
-
-    modes: ModeSet
-    unstable: Ints
-    motion: Floats
-    gap: Floats
+    modes: ModeSet  # eigenvalues, and shapes at points that do not depend on the mesh
+    unstable: Ints  # numbers of the unstable modes
+    motion: Floats  # normal motion of the disc in the contact relative to that beside it
+    gap: Floats  # relative to the motion in the contact
     residuals: Floats
     conditions: Floats
-    run: Row
+    run: Row  # dofs, points, seconds, and search, the seconds of the search
 
     @classmethod
     def of(cls, result: Result) -> "Spectrum":

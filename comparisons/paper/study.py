@@ -8,12 +8,10 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure as Picture
 
-from comparisons.paper import mode_shapes, patch_test, patch_test_meshes
+from comparisons.paper import lumping, patch_test
 from comparisons.paper.claims import judged
-from comparisons.paper.crowned_pad import middle_circle
 from comparisons.paper.figure import Mesh, Tables
 from comparisons.paper.figures import DIAGRAMS, FIGURES, PATCH_TESTS, chosen
-from comparisons.paper.quadrature import expected
 from comparisons.study.columns import Column
 from comparisons.study.numbers import number, shown
 from comparisons.study.result import StudyResult
@@ -169,7 +167,6 @@ SECTIONS = [
                 "Figure 1: the law and its tangent at steady sliding.",
                 *(_of("law"), "closure", "pressure", "curve"),
             ),
-            *_drawings(patch_test_meshes, *patch_test_meshes.SETTINGS),
         ],
     ),
     Section(
@@ -191,7 +188,7 @@ SECTIONS = [
                 *("points", "oscillation", "space"),
                 panel="mesh",
                 log="xy",
-                lines=expected,
+                lines=patch_test.expected,
             )
         ],
     ),
@@ -207,7 +204,7 @@ SECTIONS = [
             _table("lines", "Lines of Figure 5.", shown=False),
         ],
         plots=[
-            *_drawings(mode_shapes, mode_shapes.SHAPES),
+            *_drawings(lumping, lumping.SHAPES),
             _plot(
                 "figure_5",
                 "Figure 5: normal displacement across the boundary of the pad.",
@@ -253,19 +250,11 @@ SECTIONS = [
         "square, P the integral of p. Tetrahedra are hexahedra divided into six.",
         tables=[
             _table("crowned", "Every case.", group="mesh"),
-            _table("crowned_line", "Along the middle circle.", frame=middle_circle, shown=False),
         ],
         plots=[
             _by_load("pressure_off", "Distance of the pressure from segments.", "xy"),
             _by_load("closed", "Closed part of the pad."),
             _by_load("growth", "Largest growth rate."),
-            _plot(
-                "crowned_line",
-                "Contact pressure along the middle circle, 0.4 MPa on the back.",
-                lambda r: f[f["load"] == 4e5] if len(f := middle_circle(r)) else f,
-                *("angle", "pressure", "formulation"),
-                panel="mesh",
-            ),
         ],
     ),
 ]

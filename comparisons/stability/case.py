@@ -32,7 +32,7 @@ MESH_AND_PENALTY = (*MESH, "penalty-rounding")
 MESH_AND_UNDECIDED = (*MESH, "undecided")
 """The same where errors of eigenvalues may hide a growth or decay."""
 NONE: tuple[str, ...] = ()
-"""No warning may come. A run that must be accurate without any warning is easy."""
+"""No warning may come."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +71,6 @@ class Run:
     warnings: tuple[str, ...] = MESH
     names: str = ""
 
-    @property
-    def easy(self) -> bool:
-        """Whether it must be accurate and free of warnings."""
-        return self.expected == ACCURATE and not self.warnings
-
 
 Runs = Iterator[Run]
 
@@ -91,21 +86,9 @@ def runs(
 ) -> Runs:
     """A scene in every one of some ways.
 
-    Parameters
-    ----------
-    row
-        What distinguishes the scene within its case.
-    scene
-        The scene as plain data.
-    ways
-        Backends and formulations.
-    true
-        The reference of every run, or a function that makes it from the scene as it is run; None
-        where only a refusal is right.
-    instead
-        Scene of which the reference is made, where it is another one.
-    fields
-        Other fields of :class:`Run`.
+    ``row`` distinguishes it within its case; ``true`` is the reference of every run, or makes it
+    from the scene as it is run, or from another one ``instead``; None where only a refusal is
+    right. Other fields are those of :class:`Run`.
     """
     for way in ways:
         reference = true(way.of(instead or scene)) if callable(true) else true

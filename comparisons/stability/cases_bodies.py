@@ -41,7 +41,6 @@ from comparisons.stability.scenes import (
 )
 from comparisons.stability.ways import ALONE, FEW, MORTAR, PAIR, SADDLE, WAYS, chosen, without
 
-SUBJECT = "geometry, materials, elements"
 _FE = chosen(PAIR, backend="fe")
 _IGA = chosen(WAYS, backend="iga")
 _MORTAR = chosen(SADDLE, "mortar")

@@ -44,7 +44,6 @@ from comparisons.stability.ways import (
     without,
 )
 
-SUBJECT = "contact stiffness"
 _HARMLESS = 1e6
 """P up to which a penalty keeps the digits of the tolerance, and lumping has a good reference."""
 _MORTAR = chosen(SADDLE, "mortar")

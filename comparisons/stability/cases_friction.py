@@ -34,7 +34,6 @@ from comparisons.stability.scenes import (
 )
 from comparisons.stability.ways import ALONE, FEW, PAIR, SADDLE, WAYS, Backend, chosen
 
-SUBJECT = "friction and spectra"
 _SIMPLE = chosen(WAYS, "GPTS, penalty", "mortar")
 
 

@@ -2,19 +2,17 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag, qr
 
 from cea.arrays import Complexes, Floats
-from comparisons.stability.case import ACCURATE, HONEST, NONE, REFUSED, WARNED, Run, Runs
+from comparisons.stability.case import ACCURATE, NONE, REFUSED, WARNED, Run, Runs
 from comparisons.stability.dense import lambdas
-from comparisons.stability.problems import Format, OfFiles
+from comparisons.stability.problems import OfFiles
 from comparisons.stability.references import formula
 from comparisons.stability.ways import ALONE
-
-SUBJECT = "matrices"
 
 
 @dataclass(frozen=True)
@@ -79,8 +77,8 @@ _MIXED = _mixing(_N, 5, 0.4)
 def _run(
     row: str, blocks: tuple[Block, ...], matrices: Mapping[str, Floats], **options: Any
 ) -> Run:
-    problem, true = OfFiles(matrices, options.pop("form", "npz")), formula(_upper(blocks))
-    return replace(Run(row, ALONE[0], problem, true, lowest=12, warnings=NONE), **options)
+    run = Run(row, ALONE[0], OfFiles(matrices), formula(_upper(blocks)), lowest=12, warnings=NONE)
+    return replace(run, **options)
 
 
 def _refused(row: str, matrices: Mapping[str, Floats]) -> Run:
@@ -91,8 +89,7 @@ def _refused(row: str, matrices: Mapping[str, Floats]) -> Run:
 def _units() -> Runs:
     """Scaling of unknowns and of time changes nothing."""
     mixed = _transformed(_matrices(_DAMPED), _MIXED)
-    for form in get_args(Format):
-        yield _run(f"damped, rotating, with friction: .{form}", _DAMPED, mixed, form=form)
+    yield _run("damped, rotating, with friction: .npz", _DAMPED, mixed)
     undamped = _transformed(_matrices(_PLAIN), _MIXED)
     yield _run("neither damped nor rotating", _PLAIN, undamped)
     for digits in (3, 6, 9, 12):
@@ -150,39 +147,6 @@ def _rounding() -> Runs:
         rounded = _transformed(_matrices(blocks), _MIXED)
         rounded["K"] = rounded["K"] * noise
         yield _run(row, blocks, rounded, **options)
-
-
-def graded() -> Runs:
-    """Matrices whose unknowns and equations are scaled far apart."""
-    random = np.random.default_rng(11)
-    turn: Floats = np.linalg.qr(random.standard_normal((_N, _N)))[0]
-    steps, others = (random.permutation(np.linspace(-1.0, 1.0, _N)) for _ in range(2))
-
-    def turned(blocks: tuple[Block, ...]) -> dict[str, Floats]:
-        return {**_transformed(_matrices(blocks), turn.T), "M": np.eye(_N)}
-
-    def powers(steps: Floats, digits: int) -> Floats:
-        """Powers of two between 10^-digits and 10^digits: they round nothing."""
-        return 2.0 ** np.round(digits * np.log2(10.0) * steps)
-
-    def scaled(plain: Mapping[str, Floats], left: Floats, right: Floats) -> dict[str, Floats]:
-        return {name: left[:, None] * matrix * right for name, matrix in plain.items()}
-
-    for name, blocks in (("undamped", _UNDAMPED), ("damped, rotating", _DAMPED)):
-        plain = turned(blocks)
-        for digits in (2, 4, 6, 9, 12):
-            one, other = powers(steps, digits), powers(others, digits)
-            row = f"{name}, 1e-{digits} to 1e{digits}"
-            yield _run(f"D K D^-1, {row}", blocks, scaled(plain, one, 1 / one))
-            yield _run(f"D1 K D2, {row}", blocks, scaled(plain, one, other))
-    half = _N // 2
-    shear = np.zeros((_N, _N))
-    shear[:half, half:] = turn[:half, half:]
-    for size in (1e1, 1e3, 1e5, 1e7):
-        there, back = np.eye(_N) + size * shear, np.eye(_N) - size * shear
-        stiffness = turn.T @ (there @ _matrices(_UNDAMPED)["K"] @ back) @ turn
-        row = f"sheared by {size:.0e}, turned"
-        yield _run(row, _UNDAMPED, {**turned(_UNDAMPED), "K": stiffness}, expected=HONEST)
 
 
 def matrices_from_files() -> Runs:

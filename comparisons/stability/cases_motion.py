@@ -35,7 +35,6 @@ from comparisons.stability.scenes import (
 )
 from comparisons.stability.ways import ALONE, FEW, PAIR, UNIFORM, chosen
 
-SUBJECT = "loads, damping and rotation"
 _STIFF = 1e5
 """p above which a penalty loses digits; bodies have E = 1."""
 _ALLOWED = ("over-constrained", "under-sampled", "short-modes", "point-rule")

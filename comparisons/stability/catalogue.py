@@ -1,7 +1,6 @@
 """The catalogue of cases, and the runs of each."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from inspect import getdoc, getmembers, isfunction
 
@@ -19,25 +18,21 @@ from comparisons.stability.ways import QUICK
 _MODULES = (cases_bodies, cases_contact, cases_friction, cases_matrices, cases_motion)
 
 
-@dataclass(frozen=True)
-class Case:
-    """A case: what it is about, what it shows, its runs."""
-
-    subject: str
-    title: str
-    runs: Callable[[], Runs]
-
-
 @cache
-def catalogue() -> dict[str, Case]:
-    """Every case by its name: the public functions of modules, their docstrings the titles."""
+def catalogue() -> dict[str, Callable[[], Runs]]:
+    """Every case by its name: the public functions of the modules of cases."""
     found = {
-        name: Case(module.SUBJECT, (getdoc(function) or "").rstrip("."), function)
+        name: function
         for module in _MODULES
         for name, function in getmembers(module, isfunction)
         if function.__module__ == module.__name__ and not name.startswith("_")
     }
     return dict(sorted(found.items()))
+
+
+def title_of(name: str) -> str:
+    """What a case shows: its docstring."""
+    return (getdoc(catalogue()[name]) or "").rstrip(".")
 
 
 @cache
@@ -51,7 +46,7 @@ def runs_of(name: str) -> tuple[Run, ...]:
     """
     if name not in catalogue():
         raise InputError("case", name, f"one of {', '.join(catalogue())}")
-    return tuple(catalogue()[name].runs())
+    return tuple(catalogue()[name]())
 
 
 def numbers_of(name: str, *, quick: bool) -> list[int]:

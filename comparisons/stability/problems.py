@@ -5,14 +5,12 @@ from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
-from scipy.io import mmwrite, savemat
 from scipy.sparse import csr_array, save_npz
 
 from cea.arrays import Complexes, Floats
-from cea.petsc import PETSc
 from scenes import run_scene
 from scenes.results.record import as_json
 from scenes.running.matrices import run_matrices
@@ -100,27 +98,23 @@ class OfScene:
         return _modes(result, result.system.size)
 
 
-Format = Literal["mat", "mtx", "npz", "petsc"]
-
-
 @dataclass(frozen=True)
 class OfFiles:
     """Matrices M, K and perhaps C, shape (n, n), that are written to files and read again."""
 
     matrices: Mapping[str, Floats]
-    format: Format = "npz"
 
     def solve(self, max_frequency: float | None) -> Answer:
         """Write, read, and solve for the modes up to a frequency."""
         used = {name: matrix for name, matrix in self.matrices.items() if matrix.any()}
         with TemporaryDirectory() as folder:
             for name, matrix in used.items():
-                _write(csr_array(matrix), Path(folder) / f"{name}.{self.format}")
+                save_npz(Path(folder) / f"{name}.npz", csr_array(matrix))
             scene = read_matrix_scene(
                 {
                     "name": "files",
                     "data": folder,
-                    "files": {name: f"{name}.{self.format}" for name in used},
+                    "files": {name: f"{name}.npz" for name in used},
                     "mass": {"M": 1.0},
                     "damping": {"C": 1.0} if "C" in used else {},
                     "stiffness": {"K": 1.0},
@@ -129,18 +123,3 @@ class OfFiles:
             )
             result = run_matrices(scene)
         return _modes(result, result.dofs)
-
-
-def _write(matrix: csr_array, file: Path) -> None:
-    match file.suffix:
-        case ".mat":
-            savemat(file, {"A": matrix})
-        case ".mtx":
-            mmwrite(file, matrix, precision=17)
-        case ".npz":
-            save_npz(file, matrix)
-        case _:
-            viewer = PETSc.Viewer().createBinary(str(file), "w", comm=PETSc.COMM_SELF)
-            parts: Any = (matrix.indptr, matrix.indices, matrix.data)
-            PETSc.Mat().createAIJ(matrix.shape, csr=parts, comm=PETSc.COMM_SELF).view(viewer)
-            viewer.destroy()

@@ -17,19 +17,10 @@ _BEYOND = 1.3
 
 @dataclass(frozen=True)
 class Reference:
-    """A true answer.
+    """A true answer."""
 
-    Parameters
-    ----------
-    name
-        Where it comes from: "dense", "at rest", "exact", "formula".
-    values
-        Computes it: lambda (1/s) of every mode with Im >= 0, far beyond the window; or the normal
-        stress (N/m^2) of a static scene.
-    """
-
-    name: str
-    values: Callable[[], Complexes]
+    name: str  # where it comes from: "dense", "at rest", "exact", "formula"
+    values: Callable[[], Complexes]  # lambda (1/s) with Im >= 0, far beyond the window
 
 
 def dense(scene: Mapping[str, Any], *, factor: float = 1.0, copies: int = 1) -> Reference:

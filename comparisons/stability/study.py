@@ -9,7 +9,7 @@ from typing import Any, get_args
 import pandas as pd
 
 from comparisons.stability.case import Verdict
-from comparisons.stability.catalogue import catalogue, numbers_of, runs_of
+from comparisons.stability.catalogue import catalogue, numbers_of, runs_of, title_of
 from comparisons.stability.verdicts import judged
 from comparisons.study.columns import Column
 from comparisons.study.numbers import decimals, number, shown
@@ -56,15 +56,13 @@ def cases(options: Options) -> Iterator[Case]:
 
 def evaluate(case: Case, session: Session) -> dict[str, Any]:
     """The verdict on a run, and what it rests on."""
-    run, whole = runs_of(case["case"])[case["run"]], catalogue()[case["case"]]
+    run = runs_of(case["case"])[case["run"]]
     found = judged(run)
     return {
-        "subject": whole.subject,
-        "title": whole.title,
+        "title": title_of(case["case"]),
         **found,
         "says": ", ".join(found["says"]),
         "expected": ", ".join(run.expected),
-        "easy": run.easy,
         "reference": run.reference.name if run.reference is not None else None,
         "tolerance": run.tolerance if run.reference is not None else None,
         "digits": digits(found["error"]),
@@ -83,14 +81,7 @@ def runs(result: StudyResult) -> pd.DataFrame:
     frame, failed = result.frame(), result.failed()
     if failed.empty:
         return frame
-    known = [catalogue()[name] for name in failed["case"]]
-    failed = failed.assign(
-        subject=[case.subject for case in known],
-        title=[case.title for case in known],
-        verdict="WRONG",
-        met=False,
-        easy=False,
-    )
+    failed = failed.assign(title=failed["case"].map(title_of), verdict="WRONG", met=False)
     return pd.concat([frame, failed], ignore_index=True)
 
 
@@ -103,13 +94,10 @@ def not_met(result: StudyResult) -> pd.DataFrame:
 def by_case(result: StudyResult) -> pd.DataFrame:
     """How many runs of each case gave which verdict, and the worst of its answers."""
     rows = []
-    for (subject, title, name), own in runs(result).groupby(
-        ["subject", "title", "case"], sort=False
-    ):
+    for (title, name), own in runs(result).groupby(["title", "case"], sort=False):
         counts = own["verdict"].value_counts()
         rows.append(
             {
-                "subject": subject,
                 "title": title,
                 "case": name,
                 "runs": len(own),
@@ -119,7 +107,7 @@ def by_case(result: StudyResult) -> pd.DataFrame:
                 **{key: own[key].max() for key in ("residual", "condition", "seconds")},
             }
         )
-    return pd.DataFrame(rows).sort_values("subject", kind="stable")
+    return pd.DataFrame(rows)
 
 
 def headline(result: StudyResult) -> str:
@@ -127,10 +115,8 @@ def headline(result: StudyResult) -> str:
     frame = runs(result)
     counts = frame["verdict"].value_counts()
     told = ", ".join(f"{number(int(counts.get(kind, 0)))} {kind}" for kind in VERDICTS)
-    easy = frame[frame["easy"].astype(bool)]
     return (
         f"{number(len(frame))} runs of {frame['case'].nunique()} cases: {told}; "
-        f"{number(int(easy['met'].sum()))} of {number(len(easy))} easy runs as they must be; "
         f"{number(len(not_met(result)))} not as the catalogue says."
     )
 
@@ -172,16 +158,13 @@ STUDY = Study(
             "catalogue says beforehand which verdicts may come out.",
             headline,
             [
-                Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS, "subject"),
+                Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS),
                 Table(
                     *("not_met", "Runs that are not as the catalogue says.", not_met, COLUMNS),
                     printed=True,
                 ),
             ],
         ),
-        Section(
-            "Every run",
-            tables=[Table("runs", "Every run.", runs, _OF_A_RUN)],
-        ),
+        Section("Every run", tables=[Table("runs", "Every run.", runs, _OF_A_RUN)]),
     ],
 )

@@ -10,20 +10,11 @@ Backend = Literal["fe", "iga"]
 
 @dataclass(frozen=True)
 class Way:
-    """Backend of every body and contact formulation.
-
-    Parameters
-    ----------
-    backend
-        Backend of every body.
-    name
-        Formulation and form in words; "no contact" without.
-    contact
-        Fields of every contact: formulation, form, full_pass.
-    """
+    """Backend of every body and contact formulation."""
 
     backend: Backend
-    name: str
+    name: str  # formulation and form in words; "no contact" without
+    # fields of every contact: formulation, form, full_pass
     contact: Mapping[str, Any] = field(default_factory=dict)
 
     def of(self, scene: Mapping[str, Any]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter, process_time
 
-from cea.heap import give_back
+from cea.petsc import give_back
 
 _PROCESS = Path("/proc/self")
 _RESET_PEAK = "5"

@@ -246,7 +246,7 @@ def _cells(result: Result) -> dict[str, Any]:
     """Cells of the bodies; collective."""
     from scenes.pictures.grids import merged  # brings pyvista
 
-    return {name: merged(body.volume_cells()) for name, body in result.bodies.items()}
+    return {name: merged(body.space.volume_cells()) for name, body in result.bodies.items()}
 
 
 def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict[str, Any]:

@@ -11,10 +11,9 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil, release
 from cea.eigen.shifted import count_below
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.reduced.norm import shift_of
 from cea.reduced.pieces import check_pencil
-from cea.warned import ResultWarning
 from comparisons.sweep.points import Field, Points, table_of
 from scenes import Result
 from scenes.running.assembled import AssembledScene
@@ -26,9 +25,8 @@ from scenes.running.swept import (
     stiffnesses_meant,
 )
 from scenes.spec.contact import ContactSpec
-from scenes.spec.files import is_of_matrices
 from scenes.spec.matrices import load_matrices
-from scenes.spec.plain import as_data
+from scenes.spec.plain import as_data, is_of_matrices
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import ComplexEigenvalueAnalysis, load_scene
 

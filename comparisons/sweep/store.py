@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from cea import __version__
 from cea.arrays import Floats
 from cea.eigen.pencil import Pencil
+from cea.errors import ResultWarning
 from cea.files import write_whole
 from cea.reduced.pieces import Pieces
 from cea.reduced.snapshots import Snapshot
-from cea.warned import ResultWarning
 from comparisons.sweep.scene import Mapped
 from scenes.results.record import as_json
 

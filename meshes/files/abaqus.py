@@ -35,9 +35,8 @@ _PLANE = re.compile(r"(CPE|CPS|SFM3D)(3|4|6|8)[A-Z]*")
 _SHELL = re.compile(r"(S|STRI|DS|M3D|R3D)(3|4|6|8)[A-Z0-9]*")
 _OTHER_SOLIDS = ("C3D15V", "C3D27")
 """Wedges and hexahedra that may have nodes in the middles of some faces, not of others."""
-_OF_SOLID = {4: "tetrahedron", 10: "tetrahedron", 5: "pyramid", 13: "pyramid"}
-_OF_SOLID |= {6: "wedge", 15: "wedge", 8: "hexahedron", 20: "hexahedron"}
-_OF_PLANE = {3: "triangle", 6: "triangle", 4: "quadrilateral", 8: "quadrilateral"}
+_NAMES = {(kind.reference.shape[1], len(kind.groups)): name for name, kind in KINDS.items()}
+"""Names in the table of kinds by dimension and number of nodes."""
 _NOT_READ = (
     *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"),
     *("PARAMETER", "IMPORT", "IMPERFECTION"),
@@ -95,7 +94,7 @@ class Scope:
         kind = keyword.needed("TYPE").upper()
         role, known = _known(kind)
         if not known:
-            return without_nodes(kind, keyword.element_numbers(), role)
+            return without_nodes(kind, keyword.elements(0)[0][:, 0], role)
         rows, longer = keyword.elements(len(KINDS[known].groups))
         if longer:
             self.told.append(f"numbers behind the nodes of {longer} elements {kind}")
@@ -161,13 +160,11 @@ class Scope:
 def _known(kind: str) -> tuple[Role, str]:
     """Role of a type of element, and its name in the table of kinds; none where it is not there."""
     if match := _SOLID.fullmatch(kind):
-        nodes = int(match[1])
-        return "solid", f"{_OF_SOLID[nodes]}{nodes}"
-    for plane in (_PLANE, _SHELL):
-        if match := plane.fullmatch(kind):
-            nodes = int(match[2])
-            role: Role = "mark" if plane is _PLANE else "structural"
-            return "solid" if match[1] == "CPE" else role, f"{_OF_PLANE[nodes]}{nodes}"
+        return "solid", _NAMES[3, int(match[1])]
+    if match := _PLANE.fullmatch(kind):
+        return "solid" if match[1] == "CPE" else "mark", _NAMES[2, int(match[2])]
+    if match := _SHELL.fullmatch(kind):
+        return "structural", _NAMES[2, int(match[2])]
     return "solid" if kind.startswith(_OTHER_SOLIDS) else "structural", ""
 
 

@@ -81,15 +81,6 @@ class Keyword:
         require(whole and not record, "file", told, f"{width} numbers for each element")
         return self._whole(self._numbers(fields)).reshape(-1, width), longer
 
-    def element_numbers(self) -> Ints:
-        """Numbers of elements of a type that is not known, which begin their lines, (n,)."""
-        found, goes_on = [], False
-        for row in self.lines:
-            if not goes_on:
-                found.append(row[0])
-            goes_on = row[-1] == ""
-        return self._whole(self._numbers(found))
-
     def members(self) -> tuple[Ints, list[str]]:
         """Numbers that a set has, and names of other sets."""
         if "GENERATE" in self.parameters:

@@ -1,7 +1,7 @@
 """The mesh of a body from the content of a mesh file: its nodes, elements and faces are checked."""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations, product
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,16 +153,11 @@ def _crossing(corners: Ints, marks: NDArray[np.uint64]) -> int | None:
 def _slopes(cell: Cell, order: int) -> Floats:
     """Slopes of the shape functions at points inside the reference cell, (points, nodes, dim)."""
     nodes = reference_nodes(cell, order)
-    middle = nodes.mean(axis=0)
-    inside = np.vstack([middle, middle + _INWARD * (nodes - middle)])
-    degree, dim = range(order + 1), nodes.shape[1]
-    powers = np.array(
-        [p for p in product(degree, repeat=dim) if cell not in SIMPLICES or sum(p) <= order]
-    )
+    inside = np.vstack([nodes.mean(axis=0), nodes + (1 - _INWARD) * (nodes.mean(axis=0) - nodes)])
+    powers = lattice(nodes.shape[1], order, cell in SIMPLICES)
     values = np.prod(nodes[:, None] ** powers, axis=2)
-    slopes = np.empty((len(inside), len(powers), dim))
-    for axis in range(dim):
-        lowered = powers.copy()
-        lowered[:, axis] = np.maximum(powers[:, axis] - 1, 0)
-        slopes[:, :, axis] = powers[:, axis] * np.prod(inside[:, None] ** lowered, axis=2)
-    return np.einsum("qpd,pn->qnd", slopes, np.linalg.inv(values))
+    slopes = []
+    for axis in np.eye(nodes.shape[1], dtype=int):
+        lowered = np.maximum(powers - axis, 0)
+        slopes.append((powers @ axis) * np.prod(inside[:, None] ** lowered, axis=2))
+    return np.einsum("dqp,pn->qnd", slopes, np.linalg.inv(values))

@@ -52,8 +52,13 @@ def content_of(arrays: Mapping[str, Any]) -> FileContent:
             blocks.append(_block(name, dim, order, local, ids, rows))
             places.setdefault((dim, entity), []).append(np.arange(count, count + len(ids)))
             count += len(ids)
-    sets = _groups(what["groups"], places)
-    return without_copies(FileContent(points, numbers, blocks, sets))
+    sets: dict[str, list[Ints]] = {}  # groups of one name together
+    for dim, tag, name, entities in what["groups"]:
+        for entity in entities if dim else ():
+            members = places.get((dim, entity), [])
+            sets.setdefault(name or f"{_WORDS[dim]} {tag}", []).extend(members)
+    named = {name: np.concatenate(parts) for name, parts in sets.items() if parts}
+    return without_copies(FileContent(points, numbers, blocks, named))
 
 
 def _block(
@@ -76,20 +81,6 @@ def _block(
 def _is_full(cell: str, order: int, count: int) -> bool:
     """Whether elements of third or higher order have all nodes of a cell of a mesh."""
     return cell not in DIVIDED and count == len(reference_nodes(cell, order))  # type: ignore[arg-type]
-
-
-def _groups(
-    groups: Sequence[tuple[int, int, str, Sequence[int]]],
-    places: Mapping[tuple[int, int], Sequence[Ints]],
-) -> dict[str, Ints]:
-    """Elements of each physical group; groups of one name together."""
-    sets: dict[str, list[Ints]] = {}
-    for dim, tag, name, entities in groups:
-        if dim:
-            members = sets.setdefault(name or f"{_WORDS[dim]} {tag}", [])
-            for entity in entities:
-                members += places.get((dim, entity), ())
-    return {name: np.concatenate(parts) for name, parts in sets.items() if parts}
 
 
 def arrays_of_model(model: Any) -> dict[str, Any]:

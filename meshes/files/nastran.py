@@ -19,6 +19,7 @@ from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from meshes.files.content import ElementBlock, FileContent, Role, block, rows_of
 from meshes.files.decks import text_with_included
+from meshes.files.elements import CORNERS
 
 _NAME = re.compile(r"[A-Z][A-Z0-9]*")
 _REAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[DE]?([+-]\d+)|[DE](\d+))?", re.ASCII)
@@ -155,27 +156,15 @@ Cards = Mapping[str, Sequence[Card]]
 """Cards by their names."""
 
 
-class _Kind(NamedTuple):
-    """An element: its cell, corners and all nodes, and the order in which Nastran lists these."""
-
-    cell: str
-    corners: int
-    nodes: int
-    order: Sequence[int] = ()
-
-
-_SOLIDS = {
-    "CTETRA": _Kind("tetrahedron", 4, 10, range(10)),
-    **dict.fromkeys(("CPYRAM", "CPYRA"), _Kind("pyramid", 5, 13, range(13))),
-    "CPENTA": _Kind("wedge", 6, 15, (*range(9), 12, 13, 14, 9, 10, 11)),
-    "CHEXA": _Kind("hexahedron", 8, 20, (*range(12), 16, 17, 18, 19, 12, 13, 14, 15)),
-}
-"""Middles of upright edges come before those of the top."""
-_SHELLS = {
-    **dict.fromkeys(("CTRIA3", "CTRIA6", "CTRIAR"), _Kind("triangle", 3, 3)),
-    **dict.fromkeys(("CQUAD4", "CQUAD8", "CQUADR", "CQUAD"), _Kind("quadrilateral", 4, 4)),
-}
+_SOLIDS = {"CTETRA": "tetrahedron", **dict.fromkeys(("CPYRAM", "CPYRA"), "pyramid")}
+_SOLIDS |= {"CPENTA": "wedge", "CHEXA": "hexahedron"}
+_SHELLS = dict.fromkeys(("CTRIA3", "CTRIA6", "CTRIAR"), "triangle")
+_SHELLS |= dict.fromkeys(("CQUAD4", "CQUAD8", "CQUADR", "CQUAD"), "quadrilateral")
 """Where they mark faces, corners are all that is needed of them."""
+_MIDDLES = {"tetrahedron": [*range(4, 10)], "pyramid": [*range(5, 13)]}
+_MIDDLES |= {"wedge": [6, 7, 8, 12, 13, 14, 9, 10, 11]}
+_MIDDLES |= {"hexahedron": [8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15]}
+"""Places of the middles of edges: those of upright edges come before those of the top."""
 _PROPERTIES = {"PSOLID": 3, "PLSOLID": 3, "PCOMPS": 3, "PSHELL": 2, "PCOMP": 2, "PCOMPG": 2}
 """Dimension of the elements that have a property."""
 _SYSTEMS = ("CORD2R", "CORD2C", "CORD2S")
@@ -199,12 +188,12 @@ def nastran_content(file: Path) -> FileContent:
     numbers, points = _positions(cards)
     fluid = {card.whole(0) for card in cards["PSOLID"] if card.text(6).upper() == "PFLUID"}
     rows: dict[tuple[str, str, bool], list[tuple[int, int, list[int]]]] = defaultdict(list)
-    for name, kind in (_SOLIDS | _SHELLS).items():
+    for name, cell in (_SOLIDS | _SHELLS).items():
         for card in cards[name]:
-            number, nodes = card.whole(0), _nodes(card, kind)
+            number, nodes = card.whole(0), _nodes(card, cell)
             of = card.whole(1, default=number)
             solid = name in _SOLIDS and of not in fluid
-            rows[name, f"{kind.cell}{len(nodes)}", solid].append((number, of, nodes))
+            rows[name, f"{cell}{len(nodes)}", solid].append((number, of, nodes))
     require(bool(rows), "file", "no elements", f"some of {', '.join((*_SOLIDS, *_SHELLS))}")
     blocks: list[ElementBlock] = []
     of_elements: list[tuple[int, int]] = []
@@ -235,17 +224,18 @@ def _sets(cards: Cards, of_elements: Ints) -> dict[str, Ints]:
     }
 
 
-def _nodes(card: Card, kind: _Kind) -> list[int]:
+def _nodes(card: Card, cell: str) -> list[int]:
     """Nodes of an element in the order of :data:`meshes.files.elements.KINDS`; 0 is a blank."""
-    corners = [card.whole(2 + i) for i in range(kind.corners)]
-    more = range(kind.corners, kind.nodes) if any(card.fields[2 + kind.corners :]) else ()
-    middles = [card.whole(2 + i, default=0) for i in more]
+    count, places = len(CORNERS[cell]), _MIDDLES.get(cell, [])
+    corners = [card.whole(2 + i) for i in range(count)]
+    more = any(card.fields[2 + count :])
+    middles = [card.whole(2 + i, default=0) for i in places if more]
     if not any(middles):
         return corners
-    if not all(middles) or any(card.fields[2 + kind.nodes :]):
-        raise card.refuse(f"{kind.corners} or {kind.nodes} points, and nothing after them")
-    listed = corners + middles
-    return [listed[i] for i in kind.order]
+    most = count + len(places)
+    if not all(middles) or any(card.fields[2 + most :]):
+        raise card.refuse(f"{count} or {most} points, and nothing after them")
+    return corners + middles
 
 
 def _positions(cards: Cards) -> tuple[Ints, Floats]:

@@ -5,6 +5,7 @@ Whole-number fields on cells or on nodes stand for sets: those with the value 3 
 """
 
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -27,10 +28,7 @@ _UNREAD = ("wedge15", "wedge18", "pyramid13", "pyramid14")
 
 def vtu_content(file: Path) -> FileContent:
     """Nodes, cells and sets of a VTU file."""
-    try:
-        from meshio import vtu
-    except ImportError:
-        raise _needs(file, "meshio") from None
+    vtu = _library(file, "meshio.vtu")
     try:
         # What chooses among formats ends the program where a file cannot be read.
         return _content([vtu.read(file)])
@@ -47,11 +45,8 @@ def xdmf_content(file: Path) -> FileContent:
     All grids are read on the points of the first: tags that dolfinx writes are fields on grids of
     their own, whose cells are those of the mesh, or mark its faces.
     """
-    try:
-        import h5py  # noqa: F401
-        from meshio.xdmf.main import XdmfReader
-    except ImportError:
-        raise _needs(file, "meshio and h5py") from None
+    _library(file, "h5py")
+    reader = _library(file, "meshio.xdmf.main").XdmfReader
     root = ElementTree.parse(file).getroot()
     for item in root.iter("DataItem"):
         if item.get("Format", "XML").upper() != "XML":  # a reader would wait for a pipe
@@ -65,13 +60,18 @@ def xdmf_content(file: Path) -> FileContent:
             whole = ElementTree.Element("Xdmf")
             alone = ElementTree.SubElement(ElementTree.SubElement(whole, "Domain"), "Grid")
             alone.extend([geometry, topology, *grid.findall("Attribute")])
-            meshes.append(XdmfReader(file).read_xdmf3(whole))
+            meshes.append(reader(file).read_xdmf3(whole))
     return without_copies(_content(meshes))
 
 
-def _needs(file: Path, library: str) -> InputError:
-    allowed = f"{library} to read it: python -m pip install 'friction-cea[meshes]'"
-    return InputError("file", str(file), allowed)
+def _library(file: Path, module: str) -> Any:
+    """A module of a library that reads the file, where it is installed."""
+    try:
+        return import_module(module)
+    except ImportError:
+        library = module.partition(".")[0]
+        allowed = f"{library} to read it: python -m pip install 'friction-cea[meshes]'"
+        raise InputError("file", str(file), allowed) from None
 
 
 def _content(meshes: Sequence[Any]) -> FileContent:

@@ -14,9 +14,9 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body, Space
 from cea.contact.contact import Contact
-from cea.contact.friction import FrictionDirection, Reversed
+from cea.contact.friction import Friction, FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
-from cea.contact.laws import Friction, LinearLaw, NormalLaw, Sliding
+from cea.contact.laws import LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError
 from cea.expressions import Expression, evaluate
 from cea.mesh import Mesh
@@ -156,7 +156,7 @@ def used_surfaces(scene: Scene, body: str) -> list[str]:
 def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
     """Mesh of a body of Lagrange elements; of a mesh file, with the surfaces that are asked for."""
     if isinstance(spec.geometry, MeshFile):
-        with _below(f"bodies.{body}.geometry"):
+        with below(f"bodies.{body}.geometry"):
             return spec.geometry.mesh(surfaces, spec.placement)
     from meshes.shape_mesh import shape_mesh
 
@@ -254,7 +254,7 @@ def build_contacts(scene: Scene, interfaces: Mapping[str, Interface]) -> list[Co
 def _contact(half: _Half, interface: Interface) -> Contact:
     """Stiffness and friction at the points; P is spread evenly over those that touch."""
     spec, points = half.spec, interface.points
-    with _below(f"contacts.{half.pair}"):
+    with below(f"contacts.{half.pair}"):
         law: NormalLaw
         if spec.law is not None:
             law = replace(spec.law, c=half.share * spec.law.c)
@@ -289,7 +289,7 @@ def _contact(half: _Half, interface: Interface) -> Contact:
 
 
 @contextmanager
-def _below(place: str) -> Iterator[None]:
+def below(place: str) -> Iterator[None]:
     """Name the section in faults of its fields."""
     try:
         yield

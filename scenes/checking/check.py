@@ -7,10 +7,9 @@ import numpy as np
 
 from cea.body import Body
 from cea.contact.contact import Contact
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
-from scenes.building.build import build_bodies, build_contacts, build_interfaces
+from scenes.building.build import below, build_bodies, build_contacts, build_interfaces
 from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import check_memory, estimated_memory
 from scenes.checking.skipped import skipped_by
@@ -78,36 +77,25 @@ def inspect_scene(scene: Scene) -> Inspection:
             halves |= _halves_of(scene, name, bodies)
         except InputError as error:
             faults.append(error)
-    warnings = (*doubtful_numbers(scene), *overlapping_bodies(scene, bodies))
-    if not faults:
-        warnings += _warnings(scene, halves)
-    return Inspection(scene, tuple(faults), skipped_by(scene), warnings, bodies, halves)
+    warnings = [*doubtful_numbers(scene), *overlapping_bodies(scene, bodies)]
+    # of contacts, geometry and points are all that is needed here
+    for warning in () if faults else scene_warnings(scene, list(halves.values())):
+        of_stiffness = warning.kind in _OF_STIFFNESS
+        if not of_stiffness or scene.contacts[warning.data["contact"]].c_n is None:
+            warnings.append(warning)
+    return Inspection(scene, tuple(faults), skipped_by(scene), tuple(warnings), bodies, halves)
 
 
 def _halves_of(scene: Scene, name: str, bodies: Mapping[str, Body]) -> dict[str, Contact]:
     """Half passes of one contact, whose friction has a direction everywhere."""
     alone = replace(scene, contacts={name: scene.contacts[name]})
     contacts = build_contacts(alone, build_interfaces(alone, bodies, StageTimer()))
-    halves = {contact.name: contact for contact in contacts}
-    for half in halves.values():
+    for half in contacts:
         if half.friction is not None:
             points = half.interface.points
-            try:
+            with below(f"contacts.{name}"):
                 half.friction.direction.at(points.x, points.normal)
-            except InputError as error:
-                raise InputError(
-                    f"contacts.{name}.{error.field}", error.value, error.allowed
-                ) from None
-    return halves
-
-
-def _warnings(scene: Scene, halves: Mapping[str, Contact]) -> tuple[ResultWarning, ...]:
-    """Warnings of bodies and contacts; of the latter geometry and points are all that is needed."""
-    return tuple(
-        warning
-        for warning in scene_warnings(scene, list(halves.values()))
-        if warning.kind not in _OF_STIFFNESS or scene.contacts[warning.data["contact"]].c_n is None
-    )
+    return {contact.name: contact for contact in contacts}
 
 
 def gaps(half: Contact) -> np.ndarray:
@@ -119,16 +107,16 @@ def gaps(half: Contact) -> np.ndarray:
 
 def told(inspection: Inspection) -> Iterator[str]:
     """An inspection in lines; collective."""
-    scene, about = inspection.scene, "" if inspection.bodies else "about "
-    bodies = ", ".join(
-        f"{name} ({body.geometry.shape}, {body.backend})" for name, body in scene.bodies.items()
-    )
-    yield f"bodies: {bodies}"
+    bodies = inspection.scene.bodies.items()
+    shown = [f"{name} ({body.geometry.shape}, {body.backend})" for name, body in bodies]
+    yield f"bodies: {', '.join(shown)}"
     for name, half in inspection.halves.items():
         statuses = ", ".join(f"{n} {s}" for s, n in half.interface.statuses.items() if n)
         yield (
             f"contacts.{name}: {len(half.interface.points)} points ({statuses}), sides up to "
             f"{np.abs(gaps(half)).max(initial=0.0):.3g} m apart"
         )
-    memory = estimated_memory(scene).bytes / 1e9
+    memory, about = estimated_memory(inspection.scene).bytes / 1e9, ""
+    if not inspection.bodies:
+        about = "about "
     yield f"{about}{inspection.dofs} unknowns, about {memory:.2g} GB of memory"

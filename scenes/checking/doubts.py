@@ -15,10 +15,10 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.errors import ResultWarning
 from cea.ranks import made_on_first
 from cea.system.coupled import CoupledSystem
 from cea.volume import StraightCells
-from cea.warned import ResultWarning
 from scenes.spec.reading import Scene
 
 _SOFTEST = 1e3
@@ -96,7 +96,7 @@ def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[Re
     """Displacements larger than their body and strains that linear elasticity has no right to."""
     for name, body in system.bodies.items() if not left_alone(scene) else ():
         full = system.displacement(x, name, everywhere=False)
-        cells = body.volume_cells().straight()
+        cells = body.space.volume_cells().straight()
         found = made_on_first(body.comm, partial(_motion, cells, full))
         motion, length, strain = body.comm.bcast(found)
         if motion > length:
@@ -130,14 +130,15 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
     """Pairs of bodies without a contact, one with middles of cells in the other; collective."""
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
-    boxes = {name: _box(bodies[name]) for name in {name for pair in pairs for name in pair}}
+    named = sorted({name for pair in pairs for name in pair})
+    samples = {name: bodies[name].space.volume_cells().straight() for name in named}
+    boxes = {name: _box(bodies[name].comm, sample) for name, sample in samples.items()}
     for pair in pairs:
         (low, high), (least, greatest) = (boxes[name] for name in pair)
         if (np.maximum(low, least) >= np.minimum(high, greatest)).any():
             continue
-        comm = bodies[pair[0]].comm
-        samples = [bodies[name].volume_cells().straight() for name in pair]
-        cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *samples)))
+        comm, parts = bodies[pair[0]].comm, [samples[name] for name in pair]
+        cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *parts)))
         if cells:
             yield ResultWarning(
                 "bodies-overlap",
@@ -147,13 +148,11 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
             )
 
 
-def _box(body: Body) -> tuple[Floats, Floats]:
-    """Least and greatest coordinates (m) of a body's nodes or control points; collective."""
-    x = body.node_positions if body.node_positions is not None else body.dof_positions
-    assert x is not None
-    ends = x.min(axis=0, initial=np.inf), x.max(axis=0, initial=-np.inf)
-    lows, highs = zip(*body.comm.allgather(ends), strict=True)
-    return np.min(lows, axis=0), np.max(highs, axis=0)
+def _box(comm: Any, sample: StraightCells) -> tuple[Floats, Floats]:
+    """Least and greatest coordinates (m) of a body; collective."""
+    ends = (sample.points.min(axis=0), sample.points.max(axis=0)) if comm.rank == 0 else None
+    low, high = comm.bcast(ends)
+    return low, high
 
 
 def _middles_inside(one: StraightCells, other: StraightCells) -> int:

@@ -17,11 +17,9 @@ from tempfile import gettempdir
 from typing import Any
 
 from cea.eigen.mumps import factors_on_disk
-from cea.errors import InputError
-from cea.heap import give_back, kept
+from cea.errors import InputError, ResultWarning
 from cea.mesh import SIMPLICES
-from cea.petsc import MPI
-from cea.warned import ResultWarning
+from cea.petsc import MPI, give_back
 from meshes.mesh_file import MeshFile
 from meshes.patches import NurbsFile, Patches
 from meshes.shapes import VentilatedDisc
@@ -45,8 +43,6 @@ _SMALL = 4.0
 """Nodes along the longest side of a box that is not cut any more."""
 _PART = 0.9
 """Part of the memory of a machine that a run may have."""
-_LARGE = 0.25
-"""Part of what a run may have from which on what the program has freed is given back before it."""
 
 
 @dataclass(frozen=True)
@@ -181,12 +177,13 @@ def available_memory() -> float:
             limits.append(float((Path("/sys/fs/cgroup") / file).read_text()))
         except (OSError, ValueError):
             continue  # no such group, or no limit
+    give_back()  # what the process has freed
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
     except OSError:
         lines = []
     free = [1024 * float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
-    return min(limits + [each + kept() + _PROGRAM for each in free])
+    return min(limits + [each + _PROGRAM for each in free])
 
 
 def free_disk() -> float:
@@ -211,8 +208,6 @@ def check_memory(
     with may be.
     """
     available, estimate = _on_all_machines(available_memory, comm), estimated_memory(scene)
-    if estimate.bytes > _LARGE * available:  # what was freed may not do in one piece
-        give_back()
     if estimate.bytes <= available:
         return ()
     needed, there = _gigabytes(estimate.bytes), _gigabytes(available)

@@ -26,13 +26,13 @@ from scipy.spatial import KDTree
 from cea.arrays import Floats
 from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
+from cea.errors import ResultWarning
 from cea.ranks import agreed
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
-from cea.warned import ResultWarning
 from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
 
@@ -138,7 +138,7 @@ def geometry_error(
         tilt = interface.a.normal_error(interface.local_points.at)
         local = interface.geometry_error
     seeming = approach_along(system.bodies, contact, tilt, steady.displacement)
-    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.met(seeming))
+    error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.projected_gap(seeming))
     force = interface.points.weight * state.pressure
     if not force.any():
         return

@@ -6,23 +6,23 @@ window, come from :mod:`cea.eigen.modes`.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from math import inf
+from math import factorial, inf, pi
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.special import bernoulli
 
 from cea.arrays import Complexes, Floats
 from cea.body import Body
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
+from cea.errors import ResultWarning
 from cea.expressions import Expression, evaluate
-from cea.rotation import Rotation
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
-from cea.warned import ResultWarning
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import VentilatedDisc
 from scenes.building.build import used_surfaces
-from scenes.checking.wave_resolution import unresolved, waves
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
@@ -37,6 +37,11 @@ _SHORT = 0.02
 """Relative error of frequency from which a mode is too short for its mesh."""
 _STILL = 0.1
 """Amplitude of a side, relative to that of the other, below which its waves do not count."""
+_NYQUIST = 0.8
+"""Part of the shortest wave that has a function for each half up to which a wave is one at all."""
+
+Shapes = Callable[[SurfaceCoordinates], Complexes]
+"""Displacements of all modes at points of a surface, shape (n, dim, modes)."""
 
 _INCOMPRESSIBLE = {("fe", 1): 0.45, ("fe", 2): 0.499, ("iga", 1): 0.45, ("iga", 2): 0.495,
                    ("iga", 3): 0.4999}  # fmt: skip
@@ -74,9 +79,10 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
     """Warnings of bodies and contacts, before anything is solved; collective."""
     found = [w for name, body in scene.bodies.items() for w in volumetric_locking(name, body)]
     found += nodes_left_out(scene)
-    if scene.analysis.kind == "cea":
-        found += centrifugal_stresses(scene)
-        found += against_rotation(scene, contacts)
+    if scene.analysis.kind == "cea" and scene.rotates:
+        from scenes.checking.rotation import rotation_warnings
+
+        found += rotation_warnings(scene, contacts)
     for name, spec in scene.contacts.items():
         halves = [contact for contact in contacts if contact.pair == name]
         if spec.c_n is None:
@@ -209,17 +215,17 @@ def short_modes(
     """Modes whose waves are too short for the elements of a contact; collective."""
     short, worst = np.zeros(count, dtype=bool), 0.0
     for spec in scene.contacts.values() if count else ():
-        sides = {
-            place: waves(_surface(bodies, place), partial(shapes, place))
-            for place in (spec.a, spec.b)
-        }
-        largest = np.max([side.amplitudes for side in sides.values()], axis=0)
-        for place, side in sides.items():
-            degree, smooth = _degree(scene.bodies[place.split(".")[0]])
-            moves = side.amplitudes > _STILL * largest
-            found = moves & unresolved(side.phases, degree, smooth=smooth, error=_SHORT)
+        sides = {}
+        for place in (spec.a, spec.b):
+            body, surface = place.split(".")
+            sides[body] = _waves(bodies[body].surfaces[surface], partial(shapes, place))
+        largest = np.max([amplitudes for _, amplitudes in sides.values()], axis=0)
+        for body, (phases, amplitudes) in sides.items():
+            degree, smooth = _degree(scene.bodies[body])
+            found = _unresolved(phases, degree, smooth=smooth, error=_SHORT)
+            found &= amplitudes > _STILL * largest
             short |= found
-            worst = max(worst, float(side.phases[found].max(initial=0.0)))
+            worst = max(worst, float(phases[found].max(initial=0.0)))
     if not short.any():
         return ()
     numbers = (np.flatnonzero(short) + 1).tolist()
@@ -233,9 +239,50 @@ def short_modes(
     )
 
 
-def _surface(bodies: Mapping[str, Body], place: str) -> Surface:
-    body, name = place.split(".")
-    return bodies[body].surfaces[name]
+def _waves(surface: Surface, shapes: Shapes) -> tuple[Floats, Floats]:
+    """Largest phase phi of each mode over the directions of the elements, and its amplitude.
+
+    Along the edges of the elements of a surface, phi^2 = int |du/dxi|^2 / int |u|^2 with xi from 0
+    to 1 in each is the square of the phase that a wave passes through in an element. The amplitude
+    is the root mean square of the displacements; collective where the shapes are.
+    """
+    cells = surface.cells()
+    steps, corners = max(2, cells.degree), cells.corners
+    edges = corners.shape[2]  # one along curves, two along surfaces
+    t = np.linspace(0.0, 1.0, steps + 1)[:, None]
+    points = np.stack(
+        [corners[:, i, None] * (1 - t) + corners[:, i + 1, None] * t for i in range(edges)], axis=1
+    )
+    element = np.repeat(cells.element, edges * (steps + 1))
+    u = shapes(SurfaceCoordinates(element, points.reshape(-1, edges)))
+    u = u.reshape(*points.shape[:3], *u.shape[1:])  # cells, edges, points, components, modes
+    change = steps**2 * _squares(np.diff(u, axis=2))
+    size = _squares(0.5 * (u[:, :, 1:] + u[:, :, :-1]))
+    phases = np.sqrt(change / np.maximum(size, np.finfo(float).tiny)).max(axis=0)
+    return phases, np.sqrt(size.sum(axis=0) / (len(element) or 1))
+
+
+def _squares(values: Complexes) -> Floats:
+    """Sums of squares for each edge of a cell and each mode."""
+    return (np.abs(values) ** 2).sum(axis=(0, 2, 3))
+
+
+def _unresolved(phases: Floats, degree: int, *, smooth: bool, error: float) -> NDArray[np.bool_]:
+    """Which waves are too short for elements of a degree.
+
+    The relative error of their frequency on uniform elements of degree p is, for small phi,
+
+        1/2 (p! / (2 p)!)^2 phi^(2p) / (2 p + 1)      Lagrange elements (Ainsworth 2004)
+        1/2 |B_2p| / (2 p)! phi^(2p)          smooth splines (Hughes, Reali & Sangalli 2008)
+
+    with the Bernoulli numbers B: phi^2 / 24 where p = 1, phi^4 / 1440 where p = 2, for both.
+    """
+    twice, shortest = 2 * degree, _NYQUIST * pi * (1 if smooth else degree)
+    if smooth:
+        factor = abs(bernoulli(twice)[twice]) / factorial(twice)
+    else:
+        factor = (factorial(degree) / factorial(twice)) ** 2 / (twice + 1)
+    return (0.5 * factor * phases**twice > error) | (phases > shortest)
 
 
 def _degree(body: BodySpec) -> tuple[int, bool]:
@@ -252,79 +299,6 @@ def _kind(method: str, weights: str) -> str:
     if method in ("greville", "botella"):
         return weights
     return {"node_to_surface/equal": "nodes", "grid/": "grid"}.get(f"{method}/{weights}", "")
-
-
-_SURFACE_WAVES = 0.8
-"""Speed relative to shear waves from which rims may outrun surface waves: those of Rayleigh travel
-at 0.87 (nu = 0) to 0.96 (nu = 0.5), short ones of a mesh a little slower."""
-
-
-def centrifugal_stresses(scene: Scene) -> Iterator[ResultWarning]:
-    """A convective stiffness without the geometric stiffness that goes with it."""
-    for name, body in scene.bodies.items():
-        rotation = body.rotation
-        if rotation is not None and rotation.convective_stiffness and rotation.coriolis:
-            yield ResultWarning(
-                "centrifugal-stresses",
-                f"bodies.{name} has the convective stiffness of its rotation, not the geometric "
-                "stiffness of its centrifugal stresses, which is of the same order: lambda is "
-                f"uncertain by (rate / |lambda|)^2, and growth rates up to {rotation.rate:g} 1/s "
-                "of nearly rigid motions may come of it",
-                {"body": name, "rate": rotation.rate},
-            )
-
-
-def against_rotation(scene: Scene, contacts: Sequence[Contact]) -> Iterator[ResultWarning]:
-    """Friction that pushes side a along its motion over side b, as bodies rotate."""
-    for name, spec in scene.contacts.items():
-        half = next(contact for contact in contacts if contact.pair == name)
-        rotations = [scene.bodies[body].rotation for body in (half.a, half.b)]
-        acts = spec.mu != 0 or spec.sliding is not None
-        if half.friction is None or not acts or not any(rotations):
-            continue
-        points = half.interface.points
-        on_a, on_b = (_velocity(rotation, points.x) for rotation in rotations)
-        k = half.friction.direction.at(points.x, points.normal)
-        power = float(points.weight @ ((on_a - on_b) * k).sum(axis=1))
-        if power > 0:
-            yield ResultWarning(
-                "against-rotation",
-                f"friction_direction_on_a of contacts.{name} is along the velocity of side a "
-                "relative to side b as the bodies rotate; friction acts against it",
-                {"contact": name, "mean_velocity": power / float(points.weight.sum())},
-            )
-
-
-def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
-    """Bodies with convective stiffness whose rim may outrun their surface waves; collective.
-
-    Beyond that speed K - Omega^2 Z of a mesh has short waves of negative energy, which grow with
-    its rounding and with the waves that it does not resolve, where the exact body is stable.
-    """
-    for name, body in bodies.items():
-        rotation = scene.bodies[name].rotation
-        if rotation is None or not rotation.convective_stiffness or body.material.rho is None:
-            continue
-        speeds = np.linalg.norm(_velocity(rotation, body.volume_cells().straight().points), axis=1)
-        speed = float(max(body.comm.allgather(speeds.max(initial=0.0))))
-        wave = float(np.sqrt(body.material.lame[1] / body.material.rho))
-        if speed > _SURFACE_WAVES * wave:
-            yield ResultWarning(
-                "faster-than-waves",
-                f"bodies.{name} moves at up to {speed:.3g} m/s past the frame, near or above the "
-                f"speed of its surface waves (shear waves {wave:.3g} m/s): short waves of its mesh "
-                "may grow where the body itself is stable",
-                {"body": name, "speed": speed, "wave_speed": wave},
-            )
-
-
-def _velocity(rotation: Rotation | None, x: Floats) -> Floats:
-    """Velocities of a body at points x (m/s), shape (n, dim)."""
-    if rotation is None:
-        return np.zeros_like(x)
-    dim = x.shape[1]
-    arm = x - np.asarray(rotation.origin[:dim])
-    return np.asarray(rotation.rate * arm @ rotation.spin(dim).T)
 
 
 _ENDS = {

@@ -46,7 +46,7 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     """
     modes = [None] if result.spectrum is None else _chosen(result, count)
     chosen = [mode for mode in modes if mode is not None]
-    cells = {name: body.volume_cells() for name, body in result.bodies.items()}
+    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
     u = {
         name: result.mode_shapes(name, each.values, chosen, everywhere=False)
         if result.spectrum is not None
@@ -85,7 +85,7 @@ def write_load_steps(result: Result, out: Path) -> list[Path]:
     if not steps:
         return []
     is_root = result.comm.rank == 0
-    cells = {name: body.volume_cells() for name, body in result.bodies.items()}
+    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
     bodies = {name: cell_grid(each) for name, each in cells.items()} if is_root else {}
     with _collection(out, "load_steps", is_root) as add:
         for number, (factor, state) in enumerate(steps, start=1):

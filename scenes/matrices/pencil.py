@@ -10,11 +10,10 @@ from scipy.sparse import csr_array
 from cea.arrays import Ints
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil, Term
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.matrices import destroy, distributed, zeros
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
-from cea.warned import ResultWarning
 from scenes.matrices.reading import read_matrix
 from scenes.matrices.symmetry import Symmetry, equal_entries, half_of, mirrored, symmetry_of
 from scenes.spec.matrices import ROLES, MatrixScene

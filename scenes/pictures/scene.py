@@ -47,7 +47,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
     and light where some are. Right: bodies translucent, contact points coloured by the distance
     between the sides, outward normals of side a grey, the direction of friction on a red.
     """
-    cells = [body.volume_cells() for body in inspection.bodies.values()]
+    cells = [body.space.volume_cells() for body in inspection.bodies.values()]
     distances = {name: gaps(half) for name, half in inspection.halves.items()}
     if MPI.COMM_WORLD.rank > 0:
         return Path(file)

@@ -10,8 +10,7 @@ from pydantic import BaseModel, TypeAdapter
 
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import InputError
-from cea.warned import ResultWarning
+from cea.errors import InputError, ResultWarning
 from scenes.spec.plain import as_data
 
 if TYPE_CHECKING:
@@ -215,7 +214,6 @@ def _step_data(step: "LoadStep") -> dict[str, Any]:
         data |= {
             "iterations": len(step.lengths),
             "contacts": {name: _contact_data(s) for name, s in step.state.contacts.items()},
-            "margin": step.state.margin,
         }
     return data
 

@@ -15,12 +15,11 @@ from cea.contact.interface import Interface
 from cea.eigen.classify import RunWord
 from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.mode_table import SIGNS, html_table
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.results.data import described
 from scenes.results.shapes import displacements, summed_matrices, system_matrices
 from scenes.spec.body import backend_name
@@ -299,7 +298,7 @@ class Result:
         from scenes.pictures.drawing import SUBDIVISIONS, draw_mode  # brings pyvista
         from scenes.pictures.grids import merged, outside
 
-        cells = {name: merged(body.volume_cells()) for name, body in self.bodies.items()}
+        cells = {name: merged(body.space.volume_cells()) for name, body in self.bodies.items()}
         shapes = {
             name: self.mode_shapes(name, each.values, modes, everywhere=False)
             for name, each in cells.items()

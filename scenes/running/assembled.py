@@ -13,12 +13,11 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil, release
 from cea.eigen.residuals import Damping, internal_forces
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.following import Window
 from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.swept import at_parameters, parameters_changed, parameters_meant

@@ -6,11 +6,10 @@ from typing import Any
 
 from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.modes import Modes
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.checking.skipped import GIVEN
 from scenes.matrices.pencil import (
     Piece,

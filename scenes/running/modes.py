@@ -7,10 +7,9 @@ from typing import Unpack
 from cea.contact.interface import Interface
 from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.modes import Modes
-from cea.errors import InputError
+from cea.errors import InputError, ResultWarning
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.checking.memory import room_for_factors
 from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import short_modes

@@ -2,17 +2,17 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TypedDict
+from typing import TypedDict, Unpack
 
 from cea.body import Body
 from cea.contact.interface import Interface
+from cea.errors import ResultWarning
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
 from scenes.building.build import build_bodies, build_interfaces, build_system
 from scenes.checking.doubts import doubtful_motions, doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import check_memory
-from scenes.checking.warnings import faster_than_waves, scene_warnings
+from scenes.checking.warnings import scene_warnings
 from scenes.spec.reading import Scene
 
 
@@ -41,21 +41,14 @@ class RunOptions(TypedDict, total=False):
 
 
 def coupled(
-    scene: Scene,
-    *,
-    bodies: Mapping[str, Body] | None = None,
-    interfaces: Mapping[str, Interface] | None = None,
-    leave_out: bool = True,
-    listener: Callable[[str], None] | None = None,
+    scene: Scene, **options: Unpack[RunOptions]
 ) -> tuple[CoupledSystem, Mapping[str, Interface], StageTimer]:
-    """Coupled matrices of a scene, its contact points and the seconds they took.
-
-    Parameters are those of :class:`RunOptions`.
-    """
-    timer = StageTimer(listener)
+    """Coupled matrices of a scene, its contact points and the seconds they took."""
+    timer = StageTimer(options.get("listener"))
     check_memory(scene)
-    bodies = build_bodies(scene, timer, bodies)
-    interfaces = build_interfaces(scene, bodies, timer, interfaces)
+    bodies = build_bodies(scene, timer, options.get("bodies"))
+    interfaces = build_interfaces(scene, bodies, timer, options.get("interfaces"))
+    leave_out = options.get("leave_out", True)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     if scene.slides_steadily:
         system = _linearised(scene, system, timer)
@@ -80,16 +73,16 @@ def system_warnings(
     scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
 ) -> tuple[ResultWarning, ...]:
     """What bodies, contacts, their forms and steady sliding must be read with; collective."""
-    found = (
-        *doubtful_numbers(scene),
-        *overlapping_bodies(scene, system.bodies),
-        *faster_than_waves(scene, system.bodies),
-        *scene_warnings(scene, system.contacts),
-        *system.warnings_at(values or {}),
-    )
-    if system.steady is None:
-        return found
-    from scenes.checking.steady import steady_warnings
+    found = [*doubtful_numbers(scene), *overlapping_bodies(scene, system.bodies)]
+    if scene.rotates:
+        from scenes.checking.rotation import faster_than_waves
 
-    motions = doubtful_motions(scene, system, system.steady.displacement)
-    return (*found, *steady_warnings(scene, system, system.steady), *motions)
+        found += faster_than_waves(scene, system.bodies)
+    found += scene_warnings(scene, system.contacts)
+    found += system.warnings_at(values or {})
+    if system.steady is not None:
+        from scenes.checking.steady import steady_warnings
+
+        found += steady_warnings(scene, system, system.steady)
+        found += doubtful_motions(scene, system, system.steady.displacement)
+    return tuple(found)

@@ -5,9 +5,8 @@ from dataclasses import asdict
 from typing import Any
 
 from cea.contact.formulations import registered
-from cea.errors import InputError
+from cea.errors import InputError, did_you_mean
 from cea.expressions import Expression
-from cea.suggestions import did_you_mean
 from cea.supports.boundary import check_surface
 from meshes.breaks import breaks_of
 from meshes.edge_layers import check_room, run_along

@@ -24,8 +24,7 @@ from scenes.spec.consistency import (
     needs_no_steady_state,
     scene_name_checks,
 )
-from scenes.spec.files import OF_MATRICES, scene_file, set_fields, tables_of
-from scenes.spec.plain import checked
+from scenes.spec.plain import OF_MATRICES, checked, scene_file, set_fields, tables_of
 from scenes.spec.problems import SceneError, fault_of
 from scenes.spec.reading import Analysis, ComplexEigenvalueAnalysis, changed
 

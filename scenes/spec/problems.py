@@ -9,8 +9,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from cea.errors import InputError
-from cea.suggestions import did_you_mean
+from cea.errors import InputError, did_you_mean
 
 _SHOWN = 20
 """Faults that a message tells."""
@@ -70,7 +69,7 @@ def problems(error: ValidationError, data: Any, schema: Mapping[str, Any]) -> li
 
 
 def _faults_of(detail: Mapping[str, Any], data: Any, sections: _Sections) -> Iterator[InputError]:
-    """One error of pydantic; of those that a section tells of itself, each."""
+    """One error of pydantic."""
     kind, value, (place, parent) = detail["type"], detail["input"], _place(detail, data)
     names = [name for section in sections for name in section]
     context = detail.get("ctx", {})
@@ -78,8 +77,7 @@ def _faults_of(detail: Mapping[str, Any], data: Any, sections: _Sections) -> Ite
     given = value if isinstance(value, Mapping) else {}
     match kind:
         case _ if isinstance(cause, InputError):
-            for each in (cause, *cause.others):
-                yield InputError(_joined(place, each.field, given), each.value, each.allowed)
+            yield InputError(_joined(place, cause.field, given), cause.value, cause.allowed)
             return
         case _ if isinstance(cause, ValueError):
             allowed = str(cause)

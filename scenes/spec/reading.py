@@ -17,8 +17,7 @@ from cea.errors import InputError
 from scenes.spec.body import Backend, BodySpec, LoadSpec
 from scenes.spec.consistency import cross_checks
 from scenes.spec.contact import ContactSpec
-from scenes.spec.files import scene_file, tables_of
-from scenes.spec.plain import checked, plain_data, set_at
+from scenes.spec.plain import checked, plain_data, scene_file, set_at, tables_of
 from scenes.spec.problems import SceneError
 
 MAX_STEPS = 1000

@@ -21,8 +21,6 @@ Kind = Literal["bodies", "matrices"]
 _KINDS: dict[Kind, type] = {"bodies": Scene, "matrices": MatrixScene}
 """Class of a kind of scene."""
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
-_SAYS_WHICH = {"shape": "geometry", "method": "formulation", "kind": "analysis"}
-"""Fields that say of which kind a section is."""
 
 
 def schema_text(kind: Kind) -> str:
@@ -59,18 +57,15 @@ def _without_null(node: Any) -> Any:
 
 def _document(section: dict[str, Any]) -> None:
     """Take what the docstring of a section says of its fields to the fields."""
-    summary, _, rest = section.get("description", "").partition("\n\nParameters\n")
-    section["description"] = _plain(re.split(r"\n\n\w+\n-{3,}\n", summary)[0])
+    summary, *rest = re.split(r"\n\n\w+\n-{3,}\n", section.get("description", ""))
+    section["description"] = _plain(summary)
     meanings: dict[str, str] = {}
-    fields = re.split(r"\n\n\w+\n-{3,}\n", rest.partition("\n")[2])[0]
-    for entry in re.split(r"\n(?=\S)", fields.strip("\n")):
+    for entry in re.split(r"\n(?=\S)", rest[0].strip("\n")) if rest else ():
         names, _, text = entry.partition("\n")
         meanings |= {name.strip(): _plain(text) for name in names.partition(" : ")[0].split(",")}
     for name, field in section.get("properties", {}).items():
         field.pop("title", None)
-        meaning = meanings.get(name)
-        if meaning is None and name in _SAYS_WHICH and "const" in field:
-            meaning = f"Says which {_SAYS_WHICH[name]} it is."
+        meaning = meanings.get(name, "Says which kind it is." if "const" in field else None)
         if meaning is not None:
             field["description"] = meaning
 
@@ -124,13 +119,12 @@ it, by a path from the file or by an address:
 Fields are set on the command line by their paths, entries of lists by their number:
 `--set bodies.disc.mesh.fe.elements[1]=40`, `--set 'loads[0].pressure=1e5'`.
 """
-_ROOTS: dict[Kind, str] = {"bodies": "scene", "matrices": "scene of matrices"}
 
 
 def reference_text() -> str:
     """The reference, ending with a line break."""
     lines, told = [_HEAD], set[str]()
-    for kind, root in _ROOTS.items():
+    for kind, root in (("bodies", "scene"), ("matrices", "scene of matrices")):
         schema = scene_schema(kind)
         lines.append(f"\n## Scenes of {kind}\n")
         for name, section in {root: schema, **schema["$defs"]}.items():
@@ -142,23 +136,19 @@ def reference_text() -> str:
 
 def _section(name: str, section: Mapping[str, Any]) -> Iterator[str]:
     """Lines of a section."""
-    which = [
-        f'`{field} = "{spec["const"]}"`. '
-        for field, spec in section["properties"].items()
-        if "const" in spec
-    ]
-    yield f"### {name}\n"
-    yield f"{''.join(which)}{_cell(section['description'])}\n"
-    fields = {n: spec for n, spec in section["properties"].items() if "const" not in spec}
-    if fields:
-        yield "| field | type | default | meaning |"
-        yield "|---|---|---|---|"
+    fields = section["properties"]
+    kinds = {field: spec["const"] for field, spec in fields.items() if "const" in spec}
+    which = "".join(f'`{field} = "{kind}"`. ' for field, kind in kinds.items())
+    yield f"### {name}\n\n{which}{_cell(section['description'])}\n"
+    if len(fields) > len(kinds):
+        yield "| field | type | default | meaning |\n|---|---|---|---|"
     for field, spec in fields.items():
-        value = spec.get("default")
-        default = "" if value in (None, [], {}, "") else f"`{json.dumps(value)}`"
-        default = "needed" if field in section.get("required", ()) else default
-        meaning = _cell(spec.get("description", ""))
-        yield f"| `{field}` | {type_in_words(spec)} | {default} | {meaning} |"
+        if field not in kinds:
+            value = spec.get("default")
+            default = "" if value in (None, [], {}, "") else f"`{json.dumps(value)}`"
+            default = "needed" if field in section.get("required", ()) else default
+            meaning = _cell(spec.get("description", ""))
+            yield f"| `{field}` | {type_in_words(spec)} | {default} | {meaning} |"
     yield ""
 
 

@@ -16,17 +16,10 @@ _TABLES = ("bodies", "contacts")
 def scene_text(scene: Scene) -> str:
     """A scene as TOML: read again, it is the same scene."""
     data = _given(plain_data(as_data(scene)))
-    plain = {name: v for name, v in data.items() if not isinstance(v, Mapping | list)}
-    lines = _fields(plain)
-    for name, section in data.items():
-        if name in _TABLES:
-            for entry, table in section.items():
-                lines += ["", f"[{name}.{_key(entry)}]", *_fields(table)]
-        elif isinstance(section, Mapping):
-            lines += ["", f"[{name}]", *_fields(section)]
-        elif isinstance(section, list):
-            for table in section:
-                lines += ["", f"[[{name}]]", *_fields(table)]
+    lines = _fields({name: value for name, value in data.items() if name not in _TABLES})
+    for name in _TABLES:
+        for entry, table in data.get(name, {}).items():
+            lines += ["", f"[{name}.{_key(entry)}]", *_fields(table)]
     return "\n".join(lines) + "\n"
 
 

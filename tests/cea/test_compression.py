@@ -1,12 +1,7 @@
 """Rows at many points compressed to as many as are independent: by hand, and on interfaces."""
 
 import numpy as np
-import pytest
-from blocks import assemble, two_blocks
-from covering import covering
-from motions import dense
-from scipy.linalg import qr
-from scipy.sparse import csr_array, diags_array, hstack, kron
+from scipy.sparse import csr_array
 
 from cea.contact.compression import compressed
 from cea.petsc import MPI
@@ -27,17 +22,6 @@ def rows(points=700, seed=1):
     return csr_array(gap), csr_array(slip), x[:, None]
 
 
-def face(left, right, friction):
-    """Gaps and slips at 3 x 3 points in each of left x left cells, against right x right cells."""
-    nodes, _ = np.polynomial.legendre.leggauss(3)
-    along = ((np.arange(left)[:, None] + (nodes + 1) / 2) / left).ravel()
-    near, far = (csr_array(hats(along, cells)) for cells in (left, right))
-    gap = csr_array(hstack([kron(near, near), -kron(far, far)]))
-    x = np.stack(np.meshgrid(along, along, indexing="ij"), axis=-1).reshape(-1, 2)
-    mu = np.broadcast_to(friction(x[:, 0]), len(x))
-    return gap, csr_array(diags_array(mu) @ gap), x
-
-
 def size(matrix):
     return np.abs(matrix).max()
 
@@ -49,20 +33,6 @@ def test_products_are_kept_and_rows_are_as_many_as_the_rank():
     assert len(closure) == np.linalg.matrix_rank(gap) == np.linalg.matrix_rank(closure)
     assert size(closure.T @ closure - gap.T @ gap) < 1e-13 * size(gap.T @ gap)
     assert size(reaction.T @ closure - slip.T @ gap) < 1e-13 * size(slip.T @ gap)
-
-
-@pytest.mark.parametrize("friction", [lambda x: 0.3, lambda x: 0.2 + x**2])
-def test_an_interface_gives_what_one_dense_factorisation_gives(friction):
-    gap, slip, x = face(10, 9, friction)
-    closure, reaction = compressed(gap, slip, x, MPI.COMM_SELF)
-    gap, slip, J, R = (m.toarray() for m in (gap, slip, closure, reaction))
-    assert len(J) == np.linalg.matrix_rank(gap)
-    assert size(J.T @ J - gap.T @ gap) < 1e-13 * size(gap.T @ gap)
-    q, triangle, order = qr(gap, mode="economic", pivoting=True)
-    q, triangle = q[:, : len(J)], triangle[: len(J), np.argsort(order)]
-    # R is the one matrix that gives the friction with this J.
-    friction_of_gaps = np.linalg.lstsq(J.T, triangle.T @ (q.T @ slip), rcond=None)[0]
-    assert size(R - friction_of_gaps) < 1e-12 * size(slip)
 
 
 def test_small_rows_keep_their_digits_beside_large_ones():
@@ -87,21 +57,3 @@ def test_normals_along_axes_leave_rounding_that_is_no_gap():
     noisy[:, 80:90] = 1e-14 * np.random.default_rng(2).normal(size=(len(noisy), 10))
     closure, _ = compressed(csr_array(noisy), slip, x, MPI.COMM_SELF)
     assert closure.shape[0] == np.linalg.matrix_rank(gap.toarray())
-
-
-@pytest.mark.parametrize(
-    ("backend", "method"), covering(["fe", "iga"], ["mortar", "segments"], strength=1)
-)
-def test_operators_of_an_interface_do_not_fill_as_it_grows(backend, method):
-    """Entries for each force: their number settles where a full matrix doubles it."""
-    entries = []
-    for n in (12, 24):
-        data = two_blocks(backend, {"method": method}, held=True, P=1e9)
-        data["contacts"]["interface"]["form"] = "saddle"
-        for body, elements in (("upper", [n, 2, 1]), ("lower", [2 * n + 1, 5, 1])):
-            data["bodies"][body]["mesh"][backend]["elements"] = elements
-        forces = assemble(data).pencil().forces[0]
-        compliance = np.count_nonzero(dense(forces.compliance))
-        closure = np.count_nonzero(np.abs(dense(forces.closure)) > 1e-16)
-        entries.append((closure + compliance) / forces.closure.getSize()[0])
-    assert entries[1] < 1.4 * entries[0]

@@ -36,6 +36,7 @@ def test_friction_pushes_a_along_k_and_b_against_it(system):
     normal = contact.interface.points.normal[0]
     assert np.ptp(contact.interface.points.normal, axis=0) == pytest.approx(0, abs=1e-12)
     x = unknowns(system, {"upper": lambda X: CLOSURE * np.ones((len(X), 1)) * normal})
+    assert contact.pressure(x) == pytest.approx(P / 0.3 * CLOSURE, rel=1e-11)
     force = P * CLOSURE
     k = np.array([1.0, 0.5, 0.0]) / np.linalg.norm([1.0, 0.5])
     rotation = rotation_of(system)
@@ -44,14 +45,6 @@ def test_friction_pushes_a_along_k_and_b_against_it(system):
         assert friction == pytest.approx(sign * MU * force * (rotation @ k), abs=1e-13 * scale)
         pressure, scale = resultant(system, product(contact.K_n, x), body)
         assert -pressure == pytest.approx(-sign * force * normal, abs=1e-13 * scale)
-
-
-@EVERY
-def test_uniform_closure_gives_uniform_pressure(system):
-    contact = system.contacts[0]
-    normal = contact.interface.points.normal[0]
-    x = unknowns(system, {"upper": lambda X: CLOSURE * np.ones((len(X), 1)) * normal})
-    assert contact.pressure(x) == pytest.approx(P / 0.3 * CLOSURE, rel=1e-11)
 
 
 @EVERY

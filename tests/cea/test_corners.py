@@ -3,18 +3,13 @@
 import corners
 import numpy as np
 import pytest
-from bodies import lagrange_body
-from corners import KINDS, MATERIAL, block, rules, seat, system
+from corners import KINDS, rules, seat, system
 from motions import dense, product, unknowns
 from mpi import on_ranks
 
-from cea.contact.formulations import Mortar, NodeToSurface
+from cea.contact.formulations import Mortar
 from cea.contact.laws import NormalCompliance
-from cea.contact.sampling import sampling
 from fe_cea.corners import smooth_pairs
-from meshes.breaks import breaks_of
-from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Annulus
 
 EVERY = [(kind, dim) for dim in KINDS for kind in KINDS[dim]]
 OF = {"fe": "triangle", "iga": "nurbs"}
@@ -53,17 +48,6 @@ def test_one_contact_over_a_corner_is_one_for_each_face(kind, dim, reverse):
         for found, expected in zip(matrices(one), matrices(several), strict=True):
             error = np.abs(found - expected).max() / np.abs(expected).max()
             assert error <= 1e-12, name
-
-
-@pytest.mark.parametrize("p", [30.0, float("inf")])
-def test_modes_of_one_contact_over_a_corner_are_those_of_two(backend, p):
-    one, two = (
-        corners.modes(OF[backend], Mortar(), 1.0, together=together, p=p)
-        for together in (True, False)
-    )
-    assert len(one) > 6
-    assert np.abs(one.real).max() > 1e-3
-    assert one == pytest.approx(two, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["mortar", "segments"])
@@ -139,30 +123,6 @@ def test_points_at_a_corner_have_normal_and_area_of_their_own_faces(backend, dim
             assert np.sort(points.weight[here]) == pytest.approx(np.sort(alone.weight), rel=1e-13)
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-def test_split_traces_are_partitions_of_unity_on_each_face(backend, dim):
-    kind = KINDS[dim][{"fe": 2, "iga": 0}[backend]]
-    surface = block(kind, dim, 3).surfaces["corner"]
-    points = surface.gauss_points(3)
-    whole, split = (of(points.at).toarray() for of in (surface.trace, surface.split_trace))
-    reached = [
-        set(np.flatnonzero(np.abs(split[points.normal[:, axis] < -0.5]).max(axis=0) > 0))
-        for axis in range(dim)
-    ]
-    assert split.sum(axis=1) == pytest.approx(np.ones(len(points)), abs=1e-14)
-    for axis in range(1, dim):
-        assert not reached[axis] & reached[axis - 1]
-    assert sum(map(len, reached)) == (np.abs(split).max(axis=0) > 0).sum()
-    assert (np.abs(whole).max(axis=0) > 0).sum() < (np.abs(split).max(axis=0) > 0).sum()
-
-
-def test_a_rule_of_one_point_for_each_function_counts_as_many_over_a_corner(backend):
-    kind = OF[backend]
-    rule = NodeToSurface() if backend == "fe" else rules(kind)["Greville"]
-    counts = sampling(system(kind, 2, rule).contacts[0].interface)
-    assert counts.points == counts.functions_a
-
-
 def facets_of(x):
     """Nodes and normals of straight facets from point to point."""
     along = np.diff(x, axis=0) / np.linalg.norm(np.diff(x, axis=0), axis=1, keepdims=True)
@@ -177,28 +137,6 @@ def corners_of(x):
     return sorted(set(range(1, len(x) - 1)) - set(smooth[:, 1]))
 
 
-def corners_round(x):
-    """Points of a closed polyline where it has a corner."""
-    dofs, normals = facets_of(np.vstack([x, x[:1]]))
-    smooth = smooth_pairs(dofs % len(x), normals, 1)
-    last = smooth[:, 1] - smooth[:, 0] > 1
-    return sorted(set(range(len(x))) - set(np.where(last, 0, smooth[:, 1])))
-
-
-def on_circle(degrees):
-    """Points of the unit circle."""
-    turn = np.deg2rad(degrees)
-    return np.column_stack([np.cos(turn), np.sin(turn)])
-
-
-def test_facets_of_any_lengths_on_a_circle_are_one_smooth_part():
-    """All round: at the ends of an arc nothing tells what lies beyond."""
-    rng = np.random.default_rng(4)
-    for _ in range(50):
-        shares = rng.uniform(1.0, 20.0, 30)
-        assert corners_round(on_circle(360 * np.cumsum(shares) / shares.sum())) == []
-
-
 @pytest.mark.parametrize("turn", [2.0, 20.0, 60.0, 90.0])
 def test_straight_sides_have_a_corner_and_rounded_ones_none(turn):
     end = np.deg2rad(turn)
@@ -208,20 +146,6 @@ def test_straight_sides_have_a_corner_and_rounded_ones_none(turn):
     arc = end * np.linspace(0.0, 1.0, 4)
     rounded = 0.2 * np.column_stack([np.sin(arc), 1 - np.cos(arc)])
     assert corners_of(np.vstack([side, rounded[1:], rounded[-1] + other])) == []
-
-
-def test_a_square_of_one_facet_a_side_has_corners_and_an_octagon_none():
-    for sides, expected in ((4, 4), (6, 6), (8, 0)):
-        assert len(corners_round(on_circle(360 * np.arange(sides) / sides))) == expected
-
-
-@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
-def test_straight_facets_of_a_cylinder_are_one_smooth_part(cell):
-    shape = Annulus(0.5, 1.0, 0.0, 0.6)
-    mesh = shape_mesh(shape, cell, 1, breaks=breaks_of(shape, (1, 8, 2)))
-    for surface in lagrange_body("part", mesh, degree=2, material=MATERIAL).surfaces.values():
-        at = surface.gauss_points(2).at
-        assert (surface.split_trace(at) != surface.trace(at)).nnz == 0
 
 
 @pytest.mark.parametrize("order", [1, -1])

@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from blocks import assemble, coarse, two_blocks
+from blocks import two_blocks
 from covering import covering
 from motions import dense
 from scipy.linalg import eigvals, null_space
 
-from cea.eigen.driver import solve_modes
-from cea.eigen.shifted import count_below
 from scenes import run_modes
 from scenes.spec.reading import read_scene
 
@@ -100,42 +98,6 @@ def test_bodies_bonded_round_a_point(backend, P, sliding):
     matrices = result.modes.pencil.at()
     assert matrices.tied == {1e8: 0, 1e12: 0, 1e20: rank, INF: rank}.get(P, matrices.tied)
     assert matrices.multipliers.size > rank
-
-
-def test_the_inertia_counts_beside_dependent_constraints(backend):
-    pencil = run_modes(read_scene(round_a_point(backend, INF, sliding=False))).system.pencil()
-    expected, _ = reference(pencil)
-    expected = np.sort(expected.real)
-    for count in (0, 3, 7, len(expected)):
-        ends = np.concatenate([[0.0], expected, [2 * expected[-1]]])
-        assert count_below(pencil.at(), 0.5 * (ends[count] + ends[count + 1])) == count
-
-
-@pytest.mark.parametrize(("backend", "P", "mu"), covering(["fe", "iga"], [1e13, INF], [0.0, 0.5]))
-def test_one_contact_given_twice_is_one_of_both_stiffnesses(backend, P, mu):
-    data = coarse(two_blocks(backend, {"method": "mortar"}, mu=mu, held=True, P=P))
-    once = solve_modes(assemble(data).pencil(), 0.8).eigenvalues
-    first = data["contacts"]["interface"] | {"P": 0.5 * P, "form": "saddle"}
-    data["contacts"] = {"interface": first, "again": first}
-    pencil = assemble(data, together=False).pencil()
-    modes = solve_modes(pencil, 0.8)
-    assert len(once) >= 4
-    assert modes.eigenvalues == pytest.approx(once, rel=1e-8)
-    if P == INF:
-        assert pencil.at().tied == 0.5 * pencil.at().multipliers.size
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_contacts_of_different_stiffness_share_forces_by_it(backend):
-    """One tied, or stiffer by 1e20, takes all: friction of the other does nothing."""
-    data = coarse(two_blocks(backend, {"method": "mortar"}, mu=0.5, held=True, P=1e20))
-    first = data["contacts"]["interface"] | {"form": "saddle"}
-    for stiffer, softer in ((INF, 1e20), (INF, 3.0), (1e20, 3.0)):
-        data["contacts"] = {"interface": first | {"P": stiffer}}
-        alone = solve_modes(assemble(data).pencil(), 0.8).eigenvalues
-        data["contacts"]["again"] = first | {"P": softer, "mu": 3.0}
-        both = solve_modes(assemble(data, together=False).pencil(), 0.8).eigenvalues
-        assert both == pytest.approx(alone, rel=1e-8)
 
 
 @pytest.mark.parametrize(("backend", "P"), covering(["fe", "iga"], [1e13, INF], strength=1))

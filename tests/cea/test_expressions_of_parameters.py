@@ -47,11 +47,6 @@ def test_derivatives_are_those_of_differences(text):
         assert formula.derivative(name, AT) == pytest.approx((up - down) / (2 * STEP), abs=1e-8)
 
 
-def test_names_are_those_of_the_parameters():
-    assert Formula("a*pi + 1", NAMES).names == {"parameters.a"}
-    assert Formula("2", NAMES).names == set()
-
-
 @pytest.mark.parametrize(
     ("text", "told"),
     [

@@ -25,14 +25,6 @@ def test_a_full_disk_leaves_the_old_file(tmp_path):
     assert names(file.parent) == ["r.json"]
 
 
-@pytest.mark.parametrize("place", ["r.json/below", "x" * 300])
-def test_places_where_nothing_can_be(place, tmp_path):
-    (tmp_path / "r.json").write_text("a file")
-    with pytest.raises(WriteError, match="cannot be written"):
-        write_whole(b"new", tmp_path / place)
-    assert names(tmp_path) == ["r.json"]
-
-
 def test_a_folder_takes_the_place_of_another_whole(tmp_path):
     folder = tmp_path / "modes"
     for content in (b"1", b"2"):

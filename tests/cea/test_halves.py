@@ -11,7 +11,6 @@ from motions import dense, product, resultant, rotation_of, unknowns
 from cea.eigen.driver import solve_modes
 from cea.matrices import gather
 from scenes import run_scene
-from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene
 
 P, MU, CLOSURE = 3.0, 0.4, 1e-6
@@ -178,10 +177,3 @@ def test_a_bonded_joint_closes_no_gap_under_common_rigid_motion(backend):
         motion = dict.fromkeys(system.bodies, lambda X: X @ turn.T + [1.0, -2.0, 0.5])  # noqa: B023
         x = unknowns(system, motion)
         assert np.abs(gather(product(system.contacts[0].gap, x))).max() <= 1e-12
-
-
-def test_a_bonded_joint_has_no_friction():
-    data = split_beam("iga", "iga", P=3.0, form="penalty")
-    data["contacts"]["joint"] |= {"mu": 0.1, "friction_direction_on_a": {"vector": [1.0, 0, 0]}}
-    with pytest.raises(SceneError, match="half pass with mu = 0"):
-        assemble(data)

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from cea.contact.laws import Friction, LinearLaw, NormalCompliance
+from cea.contact.friction import Friction
+from cea.contact.laws import LinearLaw, NormalCompliance
 from cea.errors import InputError
 
 LAWS = [

@@ -2,11 +2,9 @@
 
 import numpy as np
 import pytest
-from blocks import FORMULATIONS, assemble, two_blocks
-from covering import covering
+from blocks import assemble, two_blocks
 
 from cea.errors import InputError
-from cea.matrices import destroy
 from comparisons.stability.dense import array
 
 FREE = "where(x < 0.37, 0, 3.0)"
@@ -50,30 +48,6 @@ def test_open_points_bear_no_force(backend, formulation):
     assert force == pytest.approx(contact.P, rel=1e-12)
     mean = contact.P / CLOSED
     assert mean == pytest.approx(3.0, rel=0.35)
-
-
-@pytest.mark.parametrize(
-    ("backend", "formulation"),
-    covering(["iga", "fe"], FORMULATIONS, strength=1),
-    indirect=["formulation"],
-)
-def test_friction_goes_with_the_pressure(backend, formulation):
-    """Forces along friction are mu times those along the normal, over what is closed."""
-    system = assemble(lifted(backend, formulation, mu=0.4))
-    contact, motion = closure(system)
-    forces = []
-    for matrix in (contact.K_n, contact.K_f):
-        force = system.vector()
-        matrix.mult(motion, force)
-        forces.append(sum(np.linalg.norm(resultant(system, force, "upper")[None], axis=1)))
-        destroy(force)
-    assert forces[1] == pytest.approx(0.4 * forces[0], rel=1e-9)
-
-
-def resultant(system, force, body):
-    """Sum of forces on the free dofs of a body, (3,): those on dofs that are held are not there."""
-    full = system.displacement(force, body)
-    return full.reshape(-1, 3).sum(axis=0)
 
 
 @pytest.mark.parametrize(

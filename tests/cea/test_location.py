@@ -8,8 +8,6 @@ import pytest
 from cea.location import TOLERANCE, locate_along
 from cea.surface_points import Status
 
-NUMBERS = [10_000, pytest.param(100_000, marks=pytest.mark.slow)]
-
 
 @dataclass(frozen=True)
 class Grid:
@@ -99,30 +97,9 @@ class Cylinder(Grid):
         return np.stack([np.arctan2(x[:, 1], x[:, 0]), x[:, 2]], axis=1)
 
 
-class Sphere(Grid):
-    """Longitude u and latitude v on a sphere of radius 3 about the origin."""
-
-    radius = 3.0
-
-    def surface(self, u, v):
-        """Positions and derivatives along the parameters."""
-        zero = np.zeros_like(u)
-        outward = np.stack([np.cos(v) * np.cos(u), np.cos(v) * np.sin(u), np.sin(v)], axis=1)
-        east = np.stack([-np.cos(v) * np.sin(u), np.cos(v) * np.cos(u), zero], axis=1)
-        north = np.stack([-np.sin(v) * np.cos(u), -np.sin(v) * np.sin(u), np.cos(v)], axis=1)
-        return self.radius * outward, self.radius * np.stack([east, north], axis=2)
-
-    def foot(self, x):
-        """Parameters of the nearest point."""
-        return np.stack(
-            [np.arctan2(x[:, 1], x[:, 0]), np.arcsin(x[:, 2] / np.linalg.norm(x, axis=1))], axis=1
-        )
-
-
 CHARTS = [
     Plane((-1.0, 0.5), (2.0, 2.5), (9, 7)),
     Cylinder((-1.2, -0.4), (1.3, 0.9), (8, 5)),
-    Sphere((-0.9, -0.6), (0.8, 0.7), (6, 7)),
 ]
 
 
@@ -143,10 +120,9 @@ def cloud(chart, n, *, margin, seed=4):
     return parameters, x, normal, rng.uniform(-0.05, 0.05, n)
 
 
-@pytest.mark.parametrize("n", NUMBERS)
 @pytest.mark.parametrize("chart", CHARTS, ids=lambda chart: type(chart).__name__)
-def test_points_along_normals(chart, n):
-    parameters, x, normal, distance = cloud(chart, n, margin=0.8)
+def test_points_along_normals(chart):
+    parameters, x, normal, distance = cloud(chart, 10_000, margin=0.8)
     found = locate_along(chart, x - distance[:, None] * normal, normal, reach=0.06)
     outside = ((parameters < chart.low) | (parameters > chart.high)).any(axis=1)
     assert 0.1 < outside.mean() < 0.6
@@ -186,17 +162,6 @@ def test_shared_edges_and_corners_go_to_the_lowest_element(chart):
     order = rng.permutation(3000)
     again = locate_along(chart, points[order], normal[order], reach=0.06)
     np.testing.assert_array_equal(again.at.element, found.at.element[order])
-
-
-@pytest.mark.parametrize("chart", CHARTS, ids=lambda chart: type(chart).__name__)
-def test_points_beyond_reach_are_missed(chart):
-    _, x, normal, _ = cloud(chart, 2000, margin=-0.5)
-    distance = np.where(np.arange(2000) % 2, 0.0999, 0.1001) * np.where(
-        np.arange(2000) % 4 < 2, 1, -1
-    )
-    found = locate_along(chart, x - distance[:, None] * normal, normal, reach=0.1)
-    np.testing.assert_array_equal(found.missed, np.abs(distance) > 0.1)
-    np.testing.assert_allclose(found.distance, distance, atol=1e-9)
 
 
 class Floors(Plane):

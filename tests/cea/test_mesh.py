@@ -60,18 +60,6 @@ def test_facets_may_list_their_nodes_in_any_order(cell, order):
         assert np.array_equal(mesh.surfaces["side"], facet[None])
 
 
-@pytest.mark.parametrize(("cell", "order"), EVERY)
-def test_facets_of_reference_cells_are_flat_and_cover_the_boundary(cell, order):
-    nodes, dim = reference_nodes(cell, order), DIMENSION[cell]
-    inside = (nodes.min(axis=1) > 1e-12) & (nodes.max(axis=1) < 1 - 1e-12)
-    if cell in ("triangle", "tetrahedron"):
-        inside &= nodes.sum(axis=1) < 1 - 1e-12
-    sides = facet_nodes(cell, order)
-    assert np.array_equal(np.unique(np.concatenate(sides)), np.flatnonzero(~inside))
-    for side in sides:
-        assert np.linalg.matrix_rank(nodes[side] - nodes[side[0]], tol=1e-9) == dim - 1
-
-
 @pytest.mark.parametrize(
     ("cell", "around", "documented"),
     [

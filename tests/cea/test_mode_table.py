@@ -7,7 +7,7 @@ import pytest
 from blocks import two_blocks
 
 from cea.eigen.spectrum import Spectrum, Window
-from cea.mode_table import ModeTable, growth_text, ratio_text, shown_cells
+from cea.mode_table import shown_cells
 from scenes import read_scene, run_modes
 
 WINDOW = Window(100.0, 1e5, inf, 5, 1, inf, True, False, 4e5, 5, None)
@@ -54,22 +54,3 @@ def test_two_free_blocks_in_contact_have_nine_rigid_motions(backend, mu):
     assert cells[9]["verdict"] == "stable"
     assert result.title(8).endswith("mode 9: rigid motion")
     assert "mode 10: 0." in result.title(9)
-
-
-@pytest.mark.parametrize(
-    ("rate", "growth", "ratio"),
-    [
-        (0.0, "+0.000", "+0.0000"),
-        (-0.02, "-0.020", "-0.0200"),
-        (1.23456e-4, "+1.23e-04", "+1.2e-04"),
-    ],
-)
-def test_small_numbers_are_shown_by_their_digits(rate, growth, ratio):
-    assert growth_text(rate) == growth
-    assert ratio_text(rate) == ratio
-
-
-def test_an_empty_table_shows_its_headings():
-    assert repr(ModeTable()).split()[0] == "mode"
-    assert ModeTable().column("mode").shape == (0,)
-    assert "<tbody></tbody>" in ModeTable()._repr_html_()

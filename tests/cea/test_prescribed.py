@@ -43,7 +43,7 @@ def solved(data):
     """The result, points all over its first body, and the displacements there."""
     result = run_scene(read_scene(data))
     name = next(iter(result.bodies))
-    sample = result.bodies[name].volume_cells().straight()
+    sample = result.bodies[name].space.volume_cells().straight()
     return result, sample.points, result.displacements(name, sample.values)
 
 

@@ -6,10 +6,10 @@ from mpi import on_ranks
 from reaction_numbers import CONTACTS, INNER, MOVED, NU, OUTER, E, borne, pressed, sector
 from scipy.sparse import csr_array
 
-from cea.contact import body_forces
 from cea.errors import ConvergenceError
 from cea.supports.directions import Directions
 from cea.supports.elimination import ProjectedConstraints, constrain
+from cea.system import support_forces
 from scenes import read_scene, run_scene
 
 SIDES = ("x_min", "x_max", "y_min", "y_max")
@@ -165,11 +165,13 @@ def test_springs_and_loads_are_borne_too(backend):
 @pytest.mark.parametrize("contact", ["penalty", "tied", "mortar", "lumped", "law"])
 def test_forces_that_do_not_balance_end_the_run(backend, contact, monkeypatch):
     """A contact whose friction or side is told wrong."""
-    real = body_forces.forces_on_bodies
+    real = support_forces.forces_on_bodies
 
     def wrong(*arguments):
         first, *others = real(*arguments)
-        yield body_forces.SideForces(first.contact, first.body, 1.0001 * first.forces, first.sizes)
+        yield support_forces.SideForces(
+            first.contact, first.body, 1.0001 * first.forces, first.size
+        )
         yield from others
 
     monkeypatch.setattr("cea.system.support_forces.forces_on_bodies", wrong)
@@ -180,14 +182,14 @@ def test_forces_that_do_not_balance_end_the_run(backend, contact, monkeypatch):
 
 def test_moments_that_do_not_balance_end_the_run(backend, monkeypatch):
     """Forces of a contact at other dofs than they act on."""
-    real = body_forces.forces_on_bodies
+    real = support_forces.forces_on_bodies
 
     def wrong(*arguments):
         for each in real(*arguments):
             forces = each.forces.copy()
             loaded = np.abs(forces).sum(axis=1) > 0
             forces[loaded] = forces[loaded].mean(axis=0)
-            yield body_forces.SideForces(each.contact, each.body, forces, each.sizes)
+            yield support_forces.SideForces(each.contact, each.body, forces, each.size)
 
     monkeypatch.setattr("cea.system.support_forces.forces_on_bodies", wrong)
     with pytest.raises(ConvergenceError, match="do not add up to zero"):

@@ -177,18 +177,6 @@ def test_decay_of_a_free_ring_does_not_depend_on_the_rate(backend, kind, part):
     assert apart(backend, kind, part, fine=2) < 3e-3
 
 
-CLAMPED = ((("surface", "inner"),),)
-ROLLERS = ((("surface", "inner"), ("components", ("radial",)), ("axis", (0.0, 0.0, 1.0))),)
-
-
-@pytest.mark.grid
-@pytest.mark.parametrize("supports", [CLAMPED, ROLLERS], ids=["clamped", "on rollers"])
-@pytest.mark.parametrize("kind", ["beta", "modal"])
-def test_decay_of_a_disc_does_not_depend_on_the_rate(backend, kind, supports):
-    """In space, held where the supports are the same all round."""
-    assert apart(backend, kind, 1.2, shape="disc", supports=supports, most=2) < 3e-2
-
-
 @pytest.mark.grid
 @pytest.mark.parametrize("kind", ["alpha", "beta", "modal"])
 @pytest.mark.parametrize("rate", [0.1, 0.19, 0.28])

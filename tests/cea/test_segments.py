@@ -1,14 +1,20 @@
-"""The common refinement of two surfaces: areas, exact integrals, curved outlines."""
+"""The common refinement of two surfaces: areas, exact integrals, curved and hollow outlines."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
 from blocks import ROTATED, two_blocks
+from covering import covering
+from reference_data import plane_meshes
 
+from cea.contact.cell_coordinates import continued_coordinates
 from cea.contact.interface import pair
 from cea.contact.segments import segment_points
+from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies
-from scenes.spec.reading import read_scene
+from scenes.spec.reading import load_scene, read_scene
 
 PAIRINGS = [("fe", "fe"), ("fe", "iga"), ("iga", "fe"), ("iga", "iga")]
 TETRAHEDRA = {"cell": "tetrahedron", "degree": 2, "size": 0.25}
@@ -23,8 +29,7 @@ def surfaces(pairing, placement=None, meshes=None):
     return bodies["upper"].surfaces["z_min"], bodies["lower"].surfaces["z_max"]
 
 
-@pytest.mark.parametrize("pairing", PAIRINGS)
-@pytest.mark.parametrize("placement", [{}, ROTATED], ids=["aligned", "rotated"])
+@pytest.mark.parametrize(("pairing", "placement"), covering(PAIRINGS, [{}, ROTATED], strength=1))
 def test_segments_cover_side_a(pairing, placement):
     a, b = surfaces(pairing, placement)
     points = segment_points(a, b, None, 0.1)
@@ -33,8 +38,9 @@ def test_segments_cover_side_a(pairing, placement):
     assert not b.locate(points.x, points.normal, 0.1).missed.any()
 
 
-@pytest.mark.parametrize("pairing", PAIRINGS)
-@pytest.mark.parametrize("mesh", ["lattice", "unstructured"])
+@pytest.mark.parametrize(
+    ("pairing", "mesh"), covering(PAIRINGS, ["lattice", "unstructured"], strength=1)
+)
 def test_products_of_both_traces_are_integrated_exactly(pairing, mesh):
     """More points change nothing; points that ignore the cells of b do."""
     meshes = {name: {"fe": TETRAHEDRA} for name in ("upper", "lower")}
@@ -51,51 +57,130 @@ def test_products_of_both_traces_are_integrated_exactly(pairing, mesh):
     assert np.abs(product(a.gauss_points(5)) - exact).max() > 1e-5 * scale
 
 
-def disc_and_pad(pairing):
-    pad, disc = pairing
-    data = {
-        "name": "small disc and pad",
-        "bodies": {
-            "pad": {
-                "backend": pad,
-                "geometry": {
-                    "shape": "sector", "inner_radius": 0.09, "outer_radius": 0.14,
-                    "start": 25.0, "end": 65.0, "bottom": 0.012, "top": 0.027,
-                },
-                "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
-                "mesh": {
-                    "fe": {"degree": 2, "elements": [3, 4, 1]},
-                    "iga": {"degree": [2, 2, 2], "elements": [3, 4, 1]},
-                },
-            },
-            "disc": {
-                "backend": disc,
-                "geometry": {
-                    "shape": "annulus", "inner_radius": 0.06, "outer_radius": 0.15,
-                    "bottom": 0.0, "top": 0.012,
-                },
-                "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
-                "mesh": {
-                    "fe": {"degree": 2, "elements": [4, 36, 1]},
-                    "iga": {"degree": [2, 2, 2], "elements": [4, 36, 1]},
-                },
-            },
-        },
-        "analysis": {"kind": "cea", "max_frequency": 1.0},
-    }  # fmt: skip
-    bodies = build_bodies(read_scene(data), StageTimer())
+INNER, OUTER = 0.08, 0.16
+REACH = 0.02
+# Rings of the pad and the disc, each elements along r and theta and coordinates to pass through.
+RINGS = [
+    ((2, 8), (9, 8)),
+    ((9, 4), (2, 8)),
+    ((2, 8, "r=[0.081], theta=[89.0]"), (5, 4)),
+]
+
+
+def sides(backend, degree, rings, geometry_degree=None):
+    meshes = []
+    for body, (radial, around, *through) in zip(("pad", "disc"), rings, strict=True):
+        kind = (
+            f"degree=[{degree}, {degree}, 1]"
+            if backend == "iga"
+            else f"cell='hexahedron', degree={degree}, geometry_degree={geometry_degree}"
+        )
+        numbers = f"elements=[{radial}, {around}, 1], through={{{''.join(through)}}}"
+        meshes.append(f"bodies.{body}.mesh.{backend}={{{kind}, {numbers}}}")
+    bodies = build_bodies(load_scene(Path("ring"), meshes, backend), StageTimer())
     return bodies["pad"].surfaces["bottom"], bodies["disc"].surfaces["top"]
 
 
-@pytest.mark.parametrize("pairing", PAIRINGS)
-def test_curved_outlines_leave_no_gap(pairing):
-    a, b = disc_and_pad(pairing)
-    points = segment_points(a, b, None, 0.003)
-    assert points.weight.sum() == pytest.approx(a.area, rel=1e-12)
-    if pairing == ("iga", "iga"):
-        # Knot lines of both are parameter lines of each other: nothing but boxes is cut.
-        fewer = segment_points(a, b, 1, 0.003)
-        theta = np.degrees(np.arctan2(fewer.x[:, 1], fewer.x[:, 0]))
-        lines = np.unique(np.concatenate([np.linspace(25, 65, 5), np.arange(30, 65, 10.0)]))
-        rows = np.unique(np.round(theta, 6))
-        assert len(rows) == len(lines) - 1
+def moments(points):
+    """Moments 1, x, y, xx, xy, yy over powers of the outer radius."""
+    x, y = points.x[:, :2].T / OUTER
+    return np.array([np.ones(len(x)), x, y, x * x, x * y, y * y]) @ points.weight
+
+
+def ring_moments():
+    area = np.pi * (OUTER**2 - INNER**2)
+    second = area * (1 + (INNER / OUTER) ** 2) / 4
+    return np.array([area, 0, 0, second, 0, second])
+
+
+@pytest.mark.parametrize("rings", RINGS, ids=str)
+def test_segments_of_unlike_rings_fill_the_ring(backend, rings):
+    """Thin curved cells; rims of facets match where both have as many."""
+    if backend == "fe" and rings[0][1] != rings[1][1]:
+        pytest.skip("rims of facets leave gaps between each other")
+    a, b = sides(backend, 2, rings, 4)
+    points = segment_points(a, b, 10, REACH)
+    expected = ring_moments() if backend == "iga" else moments(a.gauss_points(8))
+    assert np.abs(moments(points) - expected).max() <= 1e-12 * a.area
+    assert not b.locate(points.x[::7], points.normal[::7], REACH).missed.any()
+
+
+def test_a_pad_over_the_hole_touches_no_further_than_the_rim(backend):
+    """The rim is hollow: polylines along it leave the disc."""
+    pad = [
+        "bodies.pad.geometry={shape='box', size=[0.03, 0.04, 0.01], origin=[0.06, -0.02, 0.0]}",
+        "bodies.pad.supports=[{surface='z_max'}]",
+        "bodies.pad.mesh.fe={cell='hexahedron', degree=1, geometry_degree=1, elements=[3, 2, 1]}",
+        "bodies.pad.mesh.iga={degree=[2, 2, 1], elements=[3, 2, 1]}",
+        "bodies.disc.mesh.fe={cell='hexahedron', degree=1, geometry_degree=4, elements=[2, 24, 1]}",
+        "bodies.disc.mesh.iga={degree=[2, 2, 1], elements=[2, 24, 1]}",
+        "contacts.interface.a='pad.z_min'",
+    ]
+    bodies = build_bodies(load_scene(Path("ring"), pad, backend), StageTimer())
+    a, b = bodies["pad"].surfaces["z_min"], bodies["disc"].surfaces["top"]
+    points = segment_points(a, b, 9, REACH)
+    half = 0.02
+    hole = half * np.sqrt(INNER**2 - half**2) + INNER**2 * np.arcsin(half / INNER)
+    excess = points.weight.sum() - (2 * half * 0.09 - hole)
+    piece = np.radians(360 / 24 / 16)
+    between_chords_and_rim = INNER**2 * np.arcsin(half / INNER) * piece**2 / 6
+    assert 0 < excess < between_chords_and_rim
+    assert not b.locate(points.x, points.normal, REACH).missed.any()
+
+
+# Splines of degree 1 hold no circle; quarters of low degree leave gaps beyond any reach.
+DEGREES = {"fe": {8: (1, 2, 3, 4), 4: (3, 4)}, "iga": {8: (2, 3, 4), 4: (2, 3, 4)}}
+
+
+@pytest.mark.parametrize(
+    ("backend", "around"),
+    covering(["fe", "iga"], [(12, 8), (8, 12), (4, 4), (4, 40), (40, 4)], strength=1),
+)
+def test_segments_of_coarse_rings_cover_side_a_once(backend, around):
+    around_a, around_b = around
+    for degree in DEGREES[backend][min(around_a, around_b)]:
+        covered_once(backend, degree, around_a, around_b)
+
+
+def covered_once(backend, degree, around_a, around_b):
+    elements = {"outer": [1, around_a], "inner": [1, around_b]}
+    scene = load_scene(Path("drum"), plane_meshes(backend, degree, elements), backend)
+    bodies, contact = build_bodies(scene, StageTimer()), scene.contacts["interface"]
+    a, b = (bodies[k].surfaces[s] for k, s in (contact.a.split("."), contact.b.split(".")))
+    points = segment_points(a, b, 6, 0.5)
+    assert points.weight.sum() == pytest.approx(a.area, rel=2e-3)
+    # Each break of either side appears once: segments follow each other around the circle.
+    angle = np.sort(np.arctan2(points.x[:, 1], points.x[:, 0]))
+    assert np.diff(angle).min() > 1e-6
+
+
+class Arc:
+    """Part of the unit circle as a single cell."""
+
+    name, dim = "arc", 2
+
+    def __init__(self, half):
+        self.half = half
+
+    def tangents(self, element, xi):
+        """Positions and tangents."""
+        turn = self.half * (2 * xi[:, 0] - 1)
+        x = np.column_stack([np.sin(turn), np.cos(turn)])
+        return x, 2 * self.half * np.column_stack([x[:, 1], -x[:, 0]])[:, :, None]
+
+    def normal(self, at):
+        """Unit normals."""
+        return self.tangents(at.element, at.xi)[0]
+
+    def coordinates(self, turn, radius=1.0):
+        """Coordinates of points at angles from the middle."""
+        x = radius * np.column_stack([np.sin(turn), np.cos(turn)])
+        return continued_coordinates(self, np.array([0]), np.array([[[0.0], [1.0]]]), x[None])
+
+
+def test_cells_bent_by_more_than_a_right_angle_are_refused():
+    turn = np.radians([-84.0, 30.0, 84.0])
+    xi = Arc(np.radians(85)).coordinates(turn)[0, :, 0]
+    assert xi == pytest.approx(0.5 + turn / np.radians(170), abs=1e-12)
+    with pytest.raises(ConvergenceError, match=r"1 of 3 points .* cells of arc.*refine"):
+        Arc(np.radians(100)).coordinates(np.radians([-30.0, 30.0, 90.0]), 1.01)

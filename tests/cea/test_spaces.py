@@ -99,14 +99,14 @@ def test_matrices_are_symmetric_and_conserve_momentum(flat):
     K, M = dense(part.stiffness()), dense(part.mass())
     np.testing.assert_array_equal(K, K.T)
     np.testing.assert_array_equal(M, M.T)
-    motions = rigid_motions(part.dof_positions)
+    motions = rigid_motions(part.space.dof_positions)
     assert np.abs(K @ motions).max() < 1e-13 * np.abs(K).max()
     assert np.linalg.matrix_rank(K, tol=1e-9 * np.abs(K).max()) == len(K) - motions.shape[1]
     volume = np.prod(flat[0].size)
     translations = motions[:, : part.dim]
     expected = MATERIAL.rho * volume * np.eye(part.dim)
     np.testing.assert_allclose(translations.T @ M @ translations, expected, atol=1e-13)
-    middle = part.dof_positions.T @ M[:: part.dim, :: part.dim].sum(axis=1)
+    middle = part.space.dof_positions.T @ M[:: part.dim, :: part.dim].sum(axis=1)
     np.testing.assert_allclose(middle, MATERIAL.rho * volume * np.array(flat[0].size) / 2)
 
 
@@ -114,7 +114,7 @@ def test_a_linear_field_is_the_answer_to_its_tractions(flat):
     """Pressed with 0.3 on both ends, nothing held: u = -0.3 / E (d - nu (others))."""
     low, high = ends(flat)
     part = made(flat, pressures=[Pressure(low, 0.3), Pressure(high, 0.3)])
-    x, dim = part.dof_positions, part.dim
+    x, dim = part.space.dof_positions, part.dim
     strain = np.full(dim, 0.3 * MATERIAL.nu / MATERIAL.E)
     strain[-1] = -0.3 / MATERIAL.E
     if dim == 2:  # plane strain
@@ -127,12 +127,12 @@ def test_curved_bodies_have_no_resultant_of_a_pressure_all_around(curved):
     part = made(curved, pressures=[Pressure(name, 0.7) for name in made(curved).surfaces])
     force = gather(part.load()).reshape(-1, part.dim)
     assert np.abs(force.sum(axis=0)).max() < 1e-13
-    assert np.abs(rigid_motions(part.dof_positions).T @ force.ravel()).max() < 1e-13
+    assert np.abs(rigid_motions(part.space.dof_positions).T @ force.ravel()).max() < 1e-13
 
 
 def test_curved_matrices_are_symmetric_skew_and_leave_rigid_motions_free(curved):
     part = made(curved)
-    K, motions = dense(part.stiffness()), rigid_motions(part.dof_positions)
+    K, motions = dense(part.stiffness()), rigid_motions(part.space.dof_positions)
     assert np.abs(K @ motions).max() < 1e-12 * np.abs(K).max()
     for rotation in (Rotation(1.0), Rotation(1.0, coriolis=False)):
         Y, Z = dense(part.gyroscopic(rotation)), dense(part.convective_stiffness(rotation))
@@ -205,7 +205,7 @@ def test_requests_that_make_no_points_are_refused(case):
 @pytest.mark.parametrize("name", [name for name in FLAT if name != "stub"])
 def test_straight_cells_fill_the_body_and_know_its_positions(name):
     part = made(FLAT[name])
-    own = part.volume_cells()
+    own = part.space.volume_cells()
     cells = own.straight()
     assert len(np.unique(np.round(cells.points, 9), axis=0)) == len(cells.points)
     control = np.linalg.lstsq(own.values.toarray(), own.points, rcond=None)[0]
@@ -224,7 +224,7 @@ def test_springs_and_forces_have_their_sums(flat):
     value = tuple(0.1 * k for k in stiffness)
     loads = [Force(value, high), Force(value)]
     part = made(flat, springs=[Spring(low, stiffness)], forces=loads)
-    translations = rigid_motions(part.dof_positions)[:, : part.dim]
+    translations = rigid_motions(part.space.dof_positions)[:, : part.dim]
     total = translations.T @ dense(part.stiffness()) @ translations
     area = np.prod(flat[0].size[:-1])
     np.testing.assert_allclose(total, area * np.diag(stiffness), atol=1e-12)
@@ -255,7 +255,7 @@ def test_surfaces_measure_trace_and_differentiate(flat):
     part = made(flat)
     rng = np.random.default_rng(3)
     slope, shift = rng.normal(size=part.dim), 0.4
-    field = part.dof_positions @ slope + shift
+    field = part.space.dof_positions @ slope + shift
     for name, side in zip(ends(flat), (-1.0, 1.0), strict=True):
         surface = part.surfaces[name]
         for points in (
@@ -325,7 +325,7 @@ def test_frequencies_of_a_sliding_plate_converge_at_twice_the_degree(kind):
         low, high = ends(case)
         part = made(case, supports=[Support(low, (1,)), Support(high, (1,))])
         K, M, Z = dense(part.stiffness()), dense(part.mass()), dense(part.expansion)
-        y = part.dof_positions[:, 1]
+        y = part.space.dof_positions[:, 1]
         lines = np.unique(np.round(y, 9))[1:-1]
         # Uniform along x: one unknown for each row of nodes.
         rows = [np.column_stack([0 * y, np.abs(y - line) < 1e-8]).ravel() for line in lines]

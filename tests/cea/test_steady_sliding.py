@@ -108,20 +108,6 @@ def test_a_crowned_gap_closes_in_part(backend, formulation):
     assert state.normal_force == pytest.approx(PRESSURE * AREA, rel=1e-10)
 
 
-def test_parts_of_the_load_lead_to_the_same_state(backend):
-    system = coupled_blocks(backend, GPTS, c_n=1e4, m_n=2.0, mu=0.4)
-    once, often = (steady_sliding(system, steps=steps) for steps in (1, 5))
-    assert [step.factor for step in often.path] == pytest.approx([0.2, 0.4, 0.6, 0.8, 1.0])
-    pressures = [each.contacts["interface"].pressure for each in (once, often)]
-    assert pressures[1] == pytest.approx(pressures[0], abs=1e-9 * pressures[0].max())
-
-
-def test_without_friction_the_tangent_is_symmetric_and_the_state_alone(backend):
-    steady = steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT, m_n=2.0, mu=0.0))
-    assert steady.uniqueness is None
-    assert steady.contacts["interface"].friction_force == 0.0
-
-
 @pytest.mark.parametrize("law", [{"c_n": SOFT}, {"c_n": SOFT, "m_n": 2.5}])
 def test_a_load_that_opens_the_contact_is_refused(backend, law):
     system = coupled_blocks(backend, GPTS, pressure=-PRESSURE, **law)
@@ -134,18 +120,9 @@ def test_without_a_load_nothing_presses(backend):
         steady_sliding(coupled_blocks(backend, GPTS, c_n=SOFT, pressure=0.0))
 
 
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_a_law_too_stiff_for_rounding_says_what_is_allowed(backend):
-    """What is allowed is: the state is found there."""
-    law = {"c_n": 1e13, "mu": 0.0}
-    with pytest.raises(ConvergenceError, match="so stiff that rounding") as refused:
-        steady_sliding(coupled_blocks(backend, GPTS, **law))
-    told = str(refused.value)
-    allowed = float(told[told.index("about ") + len("about ") :].split()[0])
-    assert 1e3 < allowed < law["c_n"]
-    steady = steady_sliding(coupled_blocks(backend, GPTS, **law | {"c_n": 0.5 * allowed}))
-    force = steady.contacts["interface"].normal_force
-    assert force == pytest.approx(PRESSURE * AREA, rel=1e-5)
+def test_a_law_too_stiff_for_rounding_is_refused(backend):
+    with pytest.raises(ConvergenceError, match="stiffness may be too large"):
+        steady_sliding(coupled_blocks(backend, GPTS, c_n=1e13, mu=0.0))
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3])

@@ -11,8 +11,6 @@ from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.matrices import gather
 from meshes.placement import Placement
-from scenes import run_scene
-from scenes.spec.reading import read_scene
 
 
 @pytest.mark.parametrize(
@@ -36,7 +34,7 @@ def test_ring_between_rollers_turns_and_slides_freely(backend, held):
     Z, K = csr(part.expansion).toarray(), csr(part.stiffness())
     place = PLACED if placement else Placement()
     axis, origin = place.rotation[:, 2], np.asarray(place.translation)
-    sample = part.volume_cells()
+    sample = part.space.volume_cells()
     control = np.linalg.lstsq(sample.values.toarray(), sample.points, rcond=None)[0]
     for motion in (np.cross(axis, control - origin), np.broadcast_to(axis, control.shape)):
         v, *_ = np.linalg.lstsq(Z, motion.ravel(), rcond=None)
@@ -45,63 +43,6 @@ def test_ring_between_rollers_turns_and_slides_freely(backend, held):
 
 
 PLANE = on(("bottom", "top"), "axial", **ABOUT_Z)
-
-
-def ring_on_disc(backend):
-    """A ring pad sliding on a disc, both between rollers u_r = 0 at their rims (SI units)."""
-
-    def part(bottom, top, E, nu, rho, held):
-        rims = on(("inner", "outer"), "radial", **ABOUT_Z, origin=[0.0, 0.0, 0.0])
-        radii = {"inner_radius": 0.08, "outer_radius": 0.16}
-        elements = {"fe": [2, 20, 1], "iga": [3, 16, 1]}[backend]
-        return {
-            "backend": backend,
-            "geometry": {"shape": "annulus", "bottom": bottom, "top": top} | radii,
-            "material": {"E": E, "nu": nu, "rho": rho},
-            "supports": rims + held,
-            "mesh": {
-                "fe": {"degree": 3, "elements": elements},
-                "iga": {"degree": [3, 3, 3], "elements": elements},
-            },
-        }
-
-    contact = {
-        "a": "pad.bottom",
-        "b": "disc.top",
-        "formulation": {"method": "gpts", "points": 4},
-        "p": 1e12,
-        "mu": 0.3,
-        "friction_direction_on_a": {"circumferential_about": [0.0, 0.0, 1.0]},
-    }
-    return {
-        "name": "ring rollers",
-        "bodies": {
-            "pad": part(0.0, 0.01, 1e10, 0.25, 2500.0, [{"surface": "top"}]),
-            "disc": part(-0.02, 0.0, 2.1e11, 0.3, 7800.0, []),
-        },
-        "contacts": {"contact": contact},
-        "analysis": {"kind": "cea", "max_frequency": 9350.0},
-    }
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_ring_on_disc_between_rollers_flutters_as_its_waves_do(backend):
-    """Exact waves of order m = 0, 1, 2 by an independent solver; each m > 0 runs both ways."""
-    found = run_scene(read_scene(ring_on_disc(backend))).modes.eigenvalues
-    exact = np.array(
-        [
-            438.53362 + 42390.43290j,
-            58434.47440j,
-            110.55988 + 58465.55339j,
-            1852.85321 + 58549.94087j,
-        ]
-    )
-    # The rigid rotation of the disc comes first; the rest in the order of frequencies.
-    assert len(found) == 8
-    assert np.abs(found[0]) < 1.0
-    for value in exact:
-        for twin in (value, -value.conjugate()):
-            assert np.abs(found - twin).min() < 5e-5 * abs(value)
 
 
 @pytest.mark.parametrize(
@@ -119,7 +60,7 @@ def test_ring_under_pressure_is_lame_s(backend, held):
     x = solve_static(Pencil.of(part.stiffness()), part.load()).displacement
     full = part.expansion.createVecLeft()
     part.expansion.mult(x, full)
-    sample = part.volume_cells().straight()
+    sample = part.space.volume_cells().straight()
     u = sample.values @ gather(full).reshape(-1, 3)
     lam, mu = MATERIAL.lame
     scale = p * a**2 / (b**2 - a**2)

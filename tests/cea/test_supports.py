@@ -104,17 +104,6 @@ def test_rollers_on_a_turned_box_leave_its_frequencies(backend):
     assert eigenvalues(turned, 0.9) == pytest.approx(expected, rel=1e-9)
 
 
-def test_reduced_matrices_are_exactly_symmetric_and_the_product(backend):
-    rim = on(("inner", "outer"))
-    part = build(backend, RING, rim, [2, 8, 1], placement=ROTATED)
-    free = build(backend, RING, [], [2, 8, 1], placement=ROTATED)
-    Z = csr(part.expansion)
-    for reduced, whole in ((part.stiffness(), free.stiffness()), (part.mass(), free.mass())):
-        assert reduced.isSymmetric(0.0)
-        expected = Z.T @ csr(whole) @ Z
-        assert abs(csr(reduced) - expected).max() < 1e-14 * abs(expected).max()
-
-
 @pytest.mark.parametrize("component", ["normal", "circumferential"])
 def test_straight_sides_of_a_turned_sector(backend, component):
     """A quarter held across its sides; upright these are the components y and x."""

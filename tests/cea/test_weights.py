@@ -136,13 +136,3 @@ def test_tributary_weights_share_each_facet_by_squares(shape, elements, cell, de
         own = surface.trace(points.at).toarray().argmax(axis=1)
         rel = 1e-12 if isinstance(shape, Box | Rectangle) else 1e-5
         np.testing.assert_allclose(points.weight, expected[own], rtol=rel)
-
-
-def test_integrals_of_quadratic_triangle_corners_are_no_weights():
-    surface = lagrange(BOX, "tetrahedron", None, 2).surfaces["z_max"]
-    fine = surface.gauss_points(3)
-    integrals = fine.weight @ surface.trace(fine.at).toarray()
-    nodes = surface.abscissae("nodes", "tributary")
-    own = surface.trace(nodes.at).toarray().argmax(axis=1)
-    assert (np.abs(integrals[own]) < 1e-15).any()
-    assert nodes.weight.min() > 0.1 * nodes.weight.mean()

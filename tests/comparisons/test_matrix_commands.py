@@ -1,6 +1,5 @@
 """Commands on matrices from files: one run, a sweep, a race with scipy."""
 
-import csv
 import json
 import os
 import subprocess
@@ -20,12 +19,11 @@ from comparisons.bench import matrices
 from comparisons.cli.app import main
 from comparisons.study.run import run
 from comparisons.sweep import page as sweep_page
-from comparisons.sweep.page import read_sweep, write_sweep
+from comparisons.sweep.page import read_sweep
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.spectra import UNSTABLE
 from comparisons.sweep.study import Asked
 from comparisons.sweep.study import run as run_sweep
-from scenes.spec.problems import SceneError
 
 STORED = Path(sweep_page.__file__).with_name("results")
 PUBLISHED = """
@@ -100,34 +98,14 @@ def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
     assert stored["verdict"] == "unstable"
 
 
-def test_run_takes_a_scene_with_its_folder_and_settings(folder, tmp_path):
-    toml = folder / "elsewhere" / "speed.toml"
-    options = ["--data", folder, "--set", "parameters.v=pi - 2", "--out", tmp_path]
-    done = cea("run", toml, *options)
-    assert done.returncode == 0, done.stderr
-    stored = json.loads((tmp_path / "result.json").read_text())
-    found = np.array([v["re"] + 1j * v["im"] for v in stored["eigenvalues"]])
-    np.testing.assert_allclose(found, inside(dense(pieces(), np.pi - 2)), rtol=1e-9)
-
-
 @pytest.mark.parametrize(
     ("arguments", "field", "told"),
     [
-        (["solve", "--mass", "no.mtx", "--stiffness", "no.mtx", "--max-frequency", "1"], "files.M",
-         "there is none"),
-        (["solve", "--mass", "a", "--stiffness", "b", "--max-frequency", "-1"],
-         "analysis.max_frequency", "greater than 0"),
-        (["run", "tu_berlin"], "data", "does not come with the project"),
-        (["run", "tu_berlin", "--data", "nowhere"], "files.M", "there is none"),
+        (["run", "tu_berlin"], "data", "do not come with it"),
+        (["run", "tu_berlin", "--data", "nowhere"], "files.M", "a file that is there"),
         (["run", "tu_berlin", "--data", "x", "--set", "parameters.Omega=0"], "damping.DR",
          "finite value"),
-        (["run", "tu_berlin", "--data", "x", "--set", "damping.DG=Omega^2"], "damping.DG", "**"),
         (["run", "tu_berlin", "--data", "x", "--backend", "fe"], "backend", "no bodies"),
-        (["run", "disc", "--data", "x"], "data", "reads no matrices"),
-        (["sweep", "disc", "bodies.disc.material.E=1:1:3"], "bodies.disc.material.E",
-         "another last value"),
-        (["sweep", "disc", "bodies.disc.material.E", "1", "3"], "axis", "first:last:count"),
-        (["bench", "matrices", "--scene", "disc"], "scene", "a scene of matrices"),
     ],
 )  # fmt: skip
 def test_faults_are_told_in_a_line(arguments, field, told, tmp_path, monkeypatch, capsys):
@@ -149,31 +127,6 @@ def test_a_sweep_finds_at_each_value_what_lapack_finds(swept):
     assert swept.record["command"] == "sweep"
 
 
-def test_what_a_sweep_leaves_behind_is_drawn_anew(swept, tmp_path, monkeypatch, capsys):
-    page = write_sweep(swept, tmp_path)
-    np.testing.assert_array_equal(read_sweep(tmp_path).spectra.growth, swept.spectra.growth)
-    with (tmp_path / "modes.csv").open() as stream:
-        assert len(list(csv.DictReader(stream))) == swept.spectra.there.sum()
-    page.unlink()
-    scene, axis = swept.record["inputs"]["scene"], "parameters.v=1:3:5"
-    options = ["--redraw", "--out", str(tmp_path)]
-    monkeypatch.setattr(sys, "argv", ["cea", "sweep", scene, axis, *options])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert not end.value.code
-    assert page.exists()
-    capsys.readouterr()
-    for arguments, field in (
-        ([scene, "parameters.mu=1:3:5"], "fields"),
-        ([scene, "parameters.v=1:17.5:5"], "fields"),
-        ([scene, axis, "--data", "x"], "data"),
-    ):
-        monkeypatch.setattr(sys, "argv", ["cea", "sweep", *arguments, *options])
-        with pytest.raises(SystemExit):
-            main()
-        assert capsys.readouterr().err.startswith(f"error: {field} = ")
-
-
 def test_terminals_without_letters_for_marks_end_no_run(tmp_path):
     for name, matrix in {"M": np.eye(2), "K": np.array([[4.0, 1.0], [-1.0, 4.0]])}.items():
         mmwrite(tmp_path / f"{name}.mtx", csr_array(matrix))
@@ -186,14 +139,6 @@ def test_terminals_without_letters_for_marks_end_no_run(tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(b"? solve: 2 modes up to 1 Hz: 1 unstable")
-
-
-def test_a_field_that_is_none_is_refused(folder):
-    toml = folder / "elsewhere" / "speed.toml"
-    with pytest.raises(SceneError, match=r"files\.w"):
-        in_full(toml, "files.w=1:2:2", str(folder))
-    with pytest.raises(SceneError, match="no such field"):
-        in_full(toml, "speed=1:2:2", str(folder))
 
 
 def test_a_race_is_one_of_the_same_eigenvalues(folder):
@@ -210,26 +155,6 @@ def test_a_race_is_one_of_the_same_eigenvalues(folder):
     (folder / "undamped.toml").write_text(toml_of(undamped))
     with pytest.raises(InputError, match="damping"):
         matrices.loaded(matrices.Options(str(folder / "undamped.toml"), data=str(folder)))
-
-
-def test_other_files_of_matrices_are_other_cases(tmp_path):
-    write(tmp_path, pieces())
-    (tmp_path / "speed.toml").write_text(toml_of(scene()))
-    options = matrices.Options(str(tmp_path / "speed.toml"), data=str(tmp_path))
-    before = list(matrices.cases(options))
-    assert list(matrices.cases(options)) == before
-    changed = {name: 2 * matrix for name, matrix in pieces().items()}
-    write(tmp_path, changed)
-    assert list(matrices.cases(options)) != before
-
-
-@pytest.mark.slow
-def test_the_brake_is_faster_than_five_runs_of_scipy(tmp_path):
-    """By the processor's time, medians of three runs by turns in one process."""
-    options = matrices.Options(data=str(external("tu_berlin_brake")))
-    found = matrices.seconds(run(matrices.STUDY, options, tmp_path))
-    assert found["found"].tolist() == [13, 13, 13]
-    assert (found["relative"][1:] > 1).all()
 
 
 def test_the_stored_sweep_of_the_brake_passes_through_what_is_published():

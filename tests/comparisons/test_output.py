@@ -8,13 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from rich.console import Console
-from typer.testing import CliRunner
 
 from cea.eigen.spectrum import Spectrum, Window
-from cea.errors import InputError
+from cea.errors import ResultWarning
 from cea.timing import StageTimer
-from cea.warned import ResultWarning
-from comparisons.cli.app import app
 from comparisons.cli.output import print_frame, print_result, working
 from comparisons.study.columns import Column
 from comparisons.study.numbers import shown
@@ -146,18 +143,3 @@ def test_progress_shows_time_left_on_a_terminal_and_nothing_in_a_file():
     assert "mu = 2: krylov" in told
     assert "2/4" in told
     assert re.search(r"-:--:--|0:00:0\d", told)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "field"),
-    [
-        (["study", "accuracy", "--problems", "drum", "--redraw"], "problems"),
-        (["study", "accuracy", "--quick", "--redraw"], "quick"),
-        (["study", "stability", "--cases", "tied", "--redraw"], "cases"),
-    ],
-)
-def test_options_that_drawing_has_no_use_for_are_refused(arguments, field, tmp_path):
-    found = CliRunner().invoke(app, [*arguments, "--out", str(tmp_path)])
-    assert isinstance(found.exception, InputError)
-    assert str(found.exception).startswith(f"{field} = ")
-    assert "left out with --redraw" in str(found.exception)

@@ -70,36 +70,57 @@ def evidence(figure, **tables):
     return Evidence(StudyResult({"cases": [{"labels": labels, "tables": tables}]}), "NURBS")
 
 
-def claim(name):
-    return next(claim for claim in CLAIMS if claim.name == name)
+def verdict(name, found):
+    """Verdict and number of a claim."""
+    return next(claim for claim in CLAIMS if claim.name == name).judged(found)
 
 
 @pytest.mark.parametrize(
-    ("frequency", "both", "verdict"),
+    ("frequency", "both", "expected"),
     [(1.0, 1.0, "does not"), (1.0, 0.0, "depends"), (0.0, 0.0, "holds")],
 )
-def test_verdict_on_lumped_spectra_follows_the_data(frequency, both, verdict):
+def test_verdict_on_lumped_spectra_follows_the_data(frequency, both, expected):
     row = {"P": 1e9, "number": 1, "share_frequency": frequency, "share_both": both}
-    found = claim("lumped spectra").judged(evidence("6", measures=[row]))
-    assert found == (verdict, frequency)
+    assert verdict("lumped spectra", evidence("6", measures=[row])) == (expected, frequency)
 
 
 def test_verdicts_on_equilibrium_follow_the_data():
-    def crowned(label, pressure, P, growth):
-        off = zip(pressure, P, growth, strict=True)
-        names = ("formulation", "pressure_off", "P_off", "growth_off")
-        return [dict(zip(names, (label, *row), strict=True)) for row in off]
+    far = {"pressure_off": (0.1, 0.04), "P_off": (0.0, 0.1), "growth_off": (0.0, 4.0)}
+    near = {"pressure_off": (0.01, 0.02), "P_off": (0.0, 0.005), "growth_off": (0.0, -2.0)}
 
-    far = crowned(COLLOCATION, (0.1, 0.04), (0.0, 0.1), (0.0, 4.0))
-    near = crowned(QUADRATURE, (0.01, 0.02), (0.0, 0.005), (0.0, -2.0))
-    found = evidence("crowned", crowned=far + near)
-    assert claim("equilibrium").judged(found) == ("holds", 2.0)
-    assert claim("p of the scheme").judged(found) == ("depends", 0.1)
-    assert claim("growth of the scheme").judged(found) == ("holds", 2.0)
-    swapped = {COLLOCATION: QUADRATURE, QUADRATURE: COLLOCATION}
-    rows = [row | {"formulation": swapped[row["formulation"]]} for row in far + near]
-    assert claim("equilibrium").judged(evidence("crowned", crowned=rows))[0] == "does not"
-    assert claim("growth of the scheme").judged(evidence("crowned", crowned=rows))[0] == "does not"
+    def crowned(**by_label):
+        rows = [
+            {"formulation": label, **{name: pair[load] for name, pair in columns.items()}}
+            for label, columns in by_label.items()
+            for load in (0, 1)
+        ]
+        return evidence("crowned", crowned=rows)
+
+    found = crowned(**{COLLOCATION: far, QUADRATURE: near})
+    assert verdict("equilibrium", found) == ("holds", 2.0)
+    assert verdict("p of the scheme", found) == ("depends", 0.1)
+    assert verdict("growth of the scheme", found) == ("holds", 2.0)
+    swapped = crowned(**{COLLOCATION: near, QUADRATURE: far})
+    assert verdict("equilibrium", swapped)[0] == "does not"
+    assert verdict("growth of the scheme", swapped)[0] == "does not"
+
+
+def test_stored_numbers_are_as_the_paper_says():
+    rows, numbers = SHIPPED.frame("patch_tests"), SHIPPED.frame("numbers")
+    ratios = numbers.query("mesh == 'NURBS' and paper == 'below 1'")
+    assert len(ratios) == 5
+    assert (ratios["ours"] < 1).all()
+    rows = rows.query("mesh == 'NURBS'")
+    assert (rows.loc[rows["figure"] == "7", "b_over_a"] > 1).all()
+    quoted = rows[rows["paper"].map(lambda said: isinstance(said, float) and said > 1000)]
+    tenth = quoted[quoted["figure"] == "10"]
+    assert len(tenth) == 3
+    np.testing.assert_allclose(tenth["oscillation"], tenth["paper"].astype(float), rtol=0.05)
+    assert (rows.loc[rows["paper"] == "machine precision", "oscillation"] < 1e-7).all()
+    slopes = numbers.query("figure == 'points'")
+    assert len(slopes) == 11
+    expected = slopes["remark"].str.extract(r"= (-\d+)")[0].astype(float)
+    np.testing.assert_allclose(slopes["ours"], expected, atol=0.3)
 
 
 def cheapest(figure, mesh, stored):

@@ -14,45 +14,39 @@ from scenes.spec.reading import with_contact
 
 KINDS = ("hexahedra", "tetrahedra", "NURBS")
 FLAT, ROTATED = (next(p for p in PROBLEMS if p.name == name) for name in ("flat", "rotated"))
-OFFSET = [
-    "bodies.upper.placement={translation=[0.0, 0.0, 0.05]}",
-    "contacts.interface.reach=0.06",
-]
-MATCHING = [f"bodies.upper.mesh.{kind}.elements=[5, 5, 1]" for kind in ("fe", "iga")]
+APART = "bodies.upper.placement={translation=[0.0, 0.0, 0.05]}", "contacts.interface.reach=0.06"
 WHERE = {
-    "flat": (FLAT, []),
-    "rotated": (ROTATED, []),
-    "offset": (FLAT, OFFSET),
-    "matching": (FLAT, MATCHING),
+    "flat": (FLAT, ()),
+    "rotated": (ROTATED, ()),
+    "offset": (FLAT, APART),
+    "matching": (FLAT, [f"bodies.upper.mesh.{kind}.elements=[5, 5, 1]" for kind in ("fe", "iga")]),
 }
-CASES = [(pair, where) for pair in product(KINDS, KINDS) for where in ("flat", "rotated", "offset")]
-CASES += [((kind, kind), "matching") for kind in ("hexahedra", "NURBS")]
+CASES = [
+    *product(product(KINDS, KINDS), ("flat", "rotated", "offset")),
+    *(((kind, kind), "matching") for kind in ("hexahedra", "NURBS")),
+]
 
 
-def worst_errors(pair, where, P, form="penalty"):
-    """Largest relative error of the normal stress, by formulation; bodies are built once."""
+def worst_error(pair, where, P, formulations, form="penalty"):
+    """Largest relative error of the normal stress of some formulations; bodies are built once."""
     problem, more = WHERE[where]
     scene = problem.scene(pair, P, [*more, f"contacts.interface.form='{form}'"])
     bodies = build_bodies(scene, StageTimer())
-    errors = {}
-    for formulation in (Segments(), Mortar()):
-        result = run_scene(with_contact(scene, formulation=formulation), bodies=bodies)
-        errors[formulation.method] = max(
-            np.abs(side.sigma_n / -PRESSURE - 1).max()
-            for side in result.stresses["interface"].values()
-        )
-    return errors
+    results = [
+        run_scene(with_contact(scene, formulation=each), bodies=bodies) for each in formulations
+    ]
+    sides = [side for result in results for side in result.stresses["interface"].values()]
+    return max(np.abs(side.sigma_n / -PRESSURE - 1).max() for side in sides)
 
 
 @pytest.mark.grid
 @pytest.mark.parametrize(("pair", "where"), CASES, ids=str)
 def test_exact_integration_passes(pair, where):
-    for label, error in worst_errors(pair, where, 1e6).items():
-        assert error < 1e-10, label
+    assert worst_error(pair, where, 1e6, (Segments(), Mortar())) < 1e-10
 
 
 @pytest.mark.grid
 @pytest.mark.parametrize("P", [1e2, 1e20, float("inf")])
 @pytest.mark.parametrize("pair", [("tetrahedra", "NURBS"), ("NURBS", "hexahedra")])
 def test_in_the_saddle_form_at_any_stiffness(pair, P):
-    assert worst_errors(pair, "rotated", P, "saddle")["mortar"] < 1e-8
+    assert worst_error(pair, "rotated", P, (Mortar(),), "saddle") < 1e-8

@@ -7,10 +7,6 @@ import numpy as np
 import pytest
 
 from comparisons.cli.app import main
-from comparisons.converge.page import write_converge
-from comparisons.converge.request import Request
-from comparisons.converge.study import run_converge
-from comparisons.study.progress import Progress
 from comparisons.study.run_warnings import kinds_at, merged_warnings
 from comparisons.sweep.page import read_sweep
 from comparisons.sweep.points import read_axis
@@ -91,14 +87,6 @@ def test_a_sweep_warns_of_what_its_runs_warn_of(file):
     assert [place["data"] for place in crude["data"]["places"]] == given
 
 
-def test_a_parameter_swept_in_full_warns_as_its_runs_do(file):
-    """Values that need no assembly warn of the same as values that do."""
-    data = in_full(file, "contacts.sliding.mu=0.2:0.4:2")
-    fresh = run_modes(load_scene(file).change("contacts.sliding.mu", 0.2))
-    assert [each["kind"] for each in data["warnings"]] == kinds(fresh.warnings)
-    assert "partly-uncovered" in kinds(fresh.warnings)
-
-
 def test_record_table_and_screen_have_them(file, tmp_path, monkeypatch, capsys):
     out = tmp_path / "out"
     words = ["cea", "sweep", str(file), f"{NU}=0.2:0.3:2", "--out", str(out)]
@@ -155,17 +143,3 @@ def test_full_solves_of_a_map_warn_as_runs_do(file):
                 if isinstance(number, float) and np.isfinite(number):
                     assert found.data[name] == pytest.approx(number, rel=1e-8)
     scene.driver.free()
-
-
-@pytest.mark.grid(quick=1)
-def test_converge_warns_of_what_its_newest_mesh_warns_of(backend, tmp_path):
-    """In its record and on its page."""
-    file = tmp_path / "overhang.toml"
-    file.write_text(scene_text(overhang(backend)))
-    silent = Progress(step=lambda _: None, stage=lambda _: None)
-    request = Request(str(file), digits=1, backends=(backend,), budget=60.0)
-    data = run_converge(request, silent)
-    (told,) = [each for each in data["warnings"] if each["kind"] == "partly-uncovered"]
-    assert told["data"]["places"][0]["point"] == {"backend": backend}
-    page = write_converge(data, tmp_path / "out").read_text(encoding="utf-8")
-    assert "find nothing on the other side" in page

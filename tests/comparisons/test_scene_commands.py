@@ -2,7 +2,6 @@
 
 import re
 import sys
-import tomllib
 
 import pytest
 from mpi import cea_on_ranks
@@ -10,7 +9,7 @@ from PIL import Image
 
 import cea
 from comparisons.cli.app import main
-from scenes.spec.files import SCENES, matrix_scene_names, scene_names
+from scenes.spec.plain import matrix_scene_names, scene_names
 
 
 @pytest.fixture
@@ -69,13 +68,6 @@ def test_check_tells_every_fault(told, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_check_warns_of_units(told, tmp_path):
-    steel = ["--set", "bodies.disc.material.E=210.0", "--no-picture"]
-    code, out, _ = told("scene", "check", "disc", *steel, "--out", tmp_path)
-    assert code == 0
-    assert "doubtful-units" in out
-
-
 def test_check_of_matrices(told, tmp_path):
     code, _, err = told("scene", "check", "tu_berlin", "--data", tmp_path)
     assert code == 1
@@ -89,12 +81,3 @@ def test_check_on_two_ranks_is_told_once(tmp_path):
     assert done.stdout.count("920 unknowns") == 1
     assert "168 points (168 inside)" in done.stdout
     assert (tmp_path / "blocks.png").is_file()
-
-
-def test_scenes_are_files_an_editor_may_name_a_schema_in(told, tmp_path):
-    """The line that names the schema is a comment, which TOML does not mind."""
-    file = tmp_path / "mine.toml"
-    text = (SCENES / "blocks.toml").read_text()
-    file.write_text(f"#:schema ../docs/scene.schema.json\n{text}")
-    assert tomllib.loads(file.read_text()) == tomllib.loads(text)
-    assert told("scene", "check", file, "--no-picture")[0] == 0

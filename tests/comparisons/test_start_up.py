@@ -58,7 +58,7 @@ def test_exact_eigenvalues_need_no_petsc_and_no_pictures():
 
 @pytest.mark.grid(quick=1)
 @pytest.mark.parametrize("arguments", [["--help"], ["exact", "--help"]])
-def test_help_takes_less_than_a_third_of_a_second(arguments):
+def test_help_takes_a_moment(arguments):
     """Processor time of the least disturbed of several runs."""
     seconds = []
     for _ in range(5):
@@ -68,7 +68,7 @@ def test_help_takes_less_than_a_third_of_a_second(arguments):
         )
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         seconds.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    assert min(seconds) < 0.3
+    assert min(seconds) < 0.2
 
 
 @pytest.mark.parametrize(

@@ -26,7 +26,7 @@ from comparisons.sweep.scene import NoMapError, mapped
 from comparisons.sweep.store import fingerprint
 from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import modes, sensitivities, thresholds, values
-from scenes.spec.files import scene_file
+from scenes.spec.plain import scene_file
 
 MESHES = {
     "fe": {"upper": [8, 2], "lower": [5, 3]},

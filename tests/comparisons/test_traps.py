@@ -7,9 +7,8 @@ import sys
 
 import pytest
 from blocks import two_blocks
-from scene_mutations import valid
 
-from cea.errors import InputError
+from cea.errors import InputError, printable
 from cea.files import check_writable, regular
 from comparisons.cli.app import main
 from comparisons.sweep.points import read_axis
@@ -20,8 +19,6 @@ from scenes.spec.reading import load_scene, read_scene
 from scenes.spec.toml import scene_text
 
 ENDS = "import sys; sys.argv[0] = 'cea'\nfrom comparisons.cli.app import main\nmain()"
-SECONDS = 20
-"""Seconds in which every trap must be told."""
 
 
 @pytest.fixture
@@ -74,36 +71,6 @@ def test_only_regular_files_are_read(pipe, tmp_path):
             read(link)
 
 
-INCLUDE = "*NODE\n1, 0.0, 0.0, 0.0\n*INCLUDE, INPUT=pipe\n"
-XDMF = """<Xdmf Version="3.0"><Domain><Grid><Topology TopologyType="Tetrahedron">
-<DataItem Dimensions="1 4">0 1 2 3</DataItem></Topology><Geometry>
-<DataItem Dimensions="4 3" Format="{}">pipe{}</DataItem></Geometry></Grid></Domain></Xdmf>"""
-
-
-@pytest.mark.parametrize(
-    ("name", "text"),
-    [
-        ("deck.inp", INCLUDE),
-        ("mesh.xdmf", XDMF.format("HDF", ":/points")),
-        ("mesh.xdmf", XDMF.format("Binary", "")),
-    ],
-    ids=["include", "hdf", "binary"],
-)
-def test_files_that_name_a_device_end(name, text, pipe, tmp_path):
-    """In a program of its own: a reader that waits for a pipe hears of no alarm."""
-    (tmp_path / name).write_text(text)
-    program = (
-        f"from pathlib import Path\nfrom meshes.files.reading import read_mesh_file\n"
-        f"read_mesh_file(Path({str(tmp_path / name)!r}))"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        capture_output=True, text=True, timeout=SECONDS, check=False,
-    )  # fmt: skip
-    assert done.stderr.splitlines()[-1].startswith("cea.errors.InputError: file = ")
-    assert "not a regular file" in done.stderr or "no device or folder" in done.stderr
-
-
 def test_what_is_no_file_is_not_written_over(cea, pipe):
     with pytest.raises(InputError, match="not a regular file"):
         check_writable(pipe, "out")
@@ -144,27 +111,6 @@ def test_empty_arguments_are_refused(arguments, field, cea, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("name", ["n" * 3000, "n" * 101, "\x1b[31mred", "two\nlines", " ", ""])
-def test_names_of_scenes_fit_files_and_terminals(name):
-    with pytest.raises(SceneError, match="printable"):
-        read_scene(valid("disc") | {"name": name})
-
-
-def test_a_terminal_obeys_no_name(cea, scene_file, tmp_path):
-    """What stands in a folder of results is named as it is kept."""
-    file = scene_file("own.toml", "own")
-    assert cea("run", file, "--out", "out")[0] == 0
-    told = tmp_path / "out" / "manifest.json"
-    files = json.loads(told.read_text())
-    files["files"]["\x1b[31mred"] = ["0"]
-    told.write_text(json.dumps(files))
-    (tmp_path / "out" / "\x1b[31mred").write_text("somebody's")
-    code, out, _ = cea("run", file, "--out", "out")
-    assert code == 0
-    assert "and kept: \\x1b[31mred" in out
-    assert "\x1b" not in out
-
-
 @pytest.mark.parametrize(
     "axis",
     ["mu=1e-320:1e308:log:5", "mu=0:1e308:3", "mu=-1e308:0:3", "P=1e-31:1.0:log:3", "mu=0:nan:3"],
@@ -199,3 +145,43 @@ def test_results_of_another_command_stay(cea, scene_file, tmp_path):
     code, _, told = cea("run", file)
     assert code == 1
     assert "result of another command, 'sweep'" in told
+
+
+SECONDS = 20
+
+
+INCLUDE = "*NODE\n1, 0.0, 0.0, 0.0\n*INCLUDE, INPUT=pipe\n"
+
+
+XDMF = """<Xdmf Version="3.0"><Domain><Grid><Topology TopologyType="Tetrahedron">
+<DataItem Dimensions="1 4">0 1 2 3</DataItem></Topology><Geometry>
+<DataItem Dimensions="4 3" Format="{}">pipe{}</DataItem></Geometry></Grid></Domain></Xdmf>"""
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("deck.inp", INCLUDE),
+        ("mesh.xdmf", XDMF.format("HDF", ":/points")),
+        ("mesh.xdmf", XDMF.format("Binary", "")),
+    ],
+    ids=["include", "hdf", "binary"],
+)
+def test_files_that_name_a_device_end(name, text, pipe, tmp_path):
+    """In a program of its own: a reader that waits for a pipe hears of no alarm."""
+    (tmp_path / name).write_text(text)
+    program = (
+        f"from pathlib import Path\nfrom meshes.files.reading import read_mesh_file\n"
+        f"read_mesh_file(Path({str(tmp_path / name)!r}))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True, text=True, timeout=SECONDS, check=False,
+    )  # fmt: skip
+    assert done.stderr.splitlines()[-1].startswith("cea.errors.InputError: file = ")
+    assert "not a regular file" in done.stderr or "no device or folder" in done.stderr
+
+
+def test_signs_that_terminals_obey_are_written_out():
+    assert printable("a\x1b[2J\r\x9bb\n") == "a\\x1b[2J\\r\\x9bb\n"
+    assert printable("µ = 0.3 → ±") == "µ = 0.3 → ±"

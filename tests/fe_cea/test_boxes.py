@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.candidates import Boxes
+from cea.location import Boxes
 
 
 @pytest.mark.parametrize("dim", [2, 3])

@@ -81,7 +81,7 @@ def by_gmsh(cell):
 def matrices(mesh, degree):
     """Stiffness, mass, spring on the side, each with rows in the order of the dofs' positions."""
     body = lagrange_body("pair", mesh, degree=degree, material=MATERIAL)
-    sample = body.volume_cells()
+    sample = body.space.volume_cells()
     x = spsolve(csr_array(sample.values).tocsc(), sample.points)
     order = np.lexsort(np.round(x, 8).T)
     rows = (body.dim * order[:, None] + np.arange(body.dim)).ravel()

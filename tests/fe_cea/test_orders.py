@@ -21,7 +21,7 @@ every_element = pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSI
 
 def interpolate(body, degree, field):
     """Values at all scalar dofs of a field in the space, found from a sample that fixes them."""
-    sample = body.volume_cells()
+    sample = body.space.volume_cells()
     return spsolve(sample.values.tocsc(), field(sample.points))
 
 

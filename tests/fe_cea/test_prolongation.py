@@ -33,7 +33,7 @@ def values(body, u, x):
 
 def inside(body, count=60):
     """Random points within the cells of a body."""
-    sample = body.volume_cells().straight()
+    sample = body.space.volume_cells().straight()
     share = RNG.dirichlet(np.ones(sample.cells.shape[1]), count)
     cells = sample.cells[RNG.integers(len(sample.cells), size=count)]
     return np.einsum("nk,nki->ni", share, sample.points[cells])

@@ -1,6 +1,6 @@
 """Scenes that come with the project, with the backends that all their bodies have meshes for."""
 
-from scenes.spec.files import scene_names, tables_of
+from scenes.spec.plain import scene_names, tables_of
 
 FE_ONLY = {"ventilated_brake"}
 """Scenes of shapes that have no NURBS patches."""

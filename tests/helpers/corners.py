@@ -20,9 +20,9 @@ from cea.contact.formulations import (
     NodeToSurface,
     Segments,
 )
-from cea.contact.friction import AlongVector
+from cea.contact.friction import AlongVector, Friction
 from cea.contact.interface import default_reach, pair
-from cea.contact.laws import Friction, LinearLaw
+from cea.contact.laws import LinearLaw
 from cea.eigen.driver import solve_modes
 from cea.material import IsotropicMaterial
 from cea.mesh import Mesh, facet_nodes
@@ -64,7 +64,7 @@ def rules(kind):
     }
 
 
-def block(kind, dim, elements, *, together=True, angle=90.0, degree=2, **conditions):
+def block(kind, dim, elements, *, together=True, degree=2, **conditions):
     """The block; its contact surface is "corner", or "face 0", "face 1", ... one by one.
 
     Parameters
@@ -73,8 +73,6 @@ def block(kind, dim, elements, *, together=True, angle=90.0, degree=2, **conditi
         Kind of the body, dimension of space, elements along each side.
     together
         Whether the faces are one surface.
-    angle
-        Angle of the corner in the plane (degrees).
     degree, conditions
         Those of the body.
     """
@@ -82,12 +80,12 @@ def block(kind, dim, elements, *, together=True, angle=90.0, degree=2, **conditi
     if kind == "nurbs":
         faces = {f"face {k}": [(0, k, 0)] for k in range(dim)}
         faces |= {"back 0": [(0, 0, 1)], "back 1": [(0, 1, 1)]}
-        return _nurbs("block", [breaks], faces, together, angle, degree, conditions)
+        return _nurbs("block", [breaks], faces, together, degree, conditions)
     planes = {f"face {k}": (k, 0.0) for k in range(dim)} | {"back 0": (0, 1.0), "back 1": (1, 1.0)}
-    return _lagrange("block", kind, breaks, planes, together, angle, degree, conditions)
+    return _lagrange("block", kind, breaks, planes, together, degree, conditions)
 
 
-def seat(kind, dim, elements, *, together=True, angle=90.0, degree=2, **conditions):
+def seat(kind, dim, elements, *, together=True, degree=2, **conditions):
     """The seat; names as of the block, "back" behind its first face."""
     parts = [np.linspace(-0.5, 0.0, 2), np.linspace(0.0, 1.5, elements + 1)]
     if kind == "nurbs":
@@ -102,18 +100,18 @@ def seat(kind, dim, elements, *, together=True, angle=90.0, degree=2, **conditio
         }
         faces["back"] = [(number, 0, 0) for number, place in enumerate(places) if not place[0]]
         breaks = [[parts[end] for end in place] for place in places]
-        return _nurbs("seat", breaks, faces, together, angle, degree, conditions)
+        return _nurbs("seat", breaks, faces, together, degree, conditions)
     breaks = [np.unique(np.concatenate(parts))] * dim
     planes = {f"face {k}": (k, 0.0) for k in range(dim)} | {"back": (0, -0.5)}
-    return _lagrange("seat", kind, breaks, planes, together, angle, degree, conditions)
+    return _lagrange("seat", kind, breaks, planes, together, degree, conditions)
 
 
-def _nurbs(name, breaks, faces, together, angle, degree, conditions):
+def _nurbs(name, breaks, faces, together, degree, conditions):
     patches = [
         NurbsPatch(
             (1,) * len(along),
             tuple(np.repeat(each[[0, -1]], 2) for each in along),
-            _sheared(_corners(along), angle),
+            _corners(along),
             np.ones((2,) * len(along)),
             tuple(along),
         )
@@ -128,14 +126,7 @@ def _corners(breaks):
     return np.stack(np.meshgrid(*(each[[0, -1]] for each in breaks), indexing="ij"), axis=-1)
 
 
-def _sheared(x, angle):
-    if angle == 90.0:
-        return x
-    turn = np.deg2rad(angle)
-    return x @ np.array([[1.0, 0.0], [np.cos(turn), np.sin(turn)]])
-
-
-def _lagrange(name, cell, breaks, planes, together, angle, degree, conditions):
+def _lagrange(name, cell, breaks, planes, together, degree, conditions):
     boxes = BOXES.get(cell, cell)
     low, high = ([each[end] for each in breaks] for end in (0, -1))
     shape = {2: Rectangle, 3: Box}[len(breaks)](tuple(np.subtract(high, low)), tuple(low))
@@ -157,7 +148,7 @@ def _lagrange(name, cell, breaks, planes, together, angle, degree, conditions):
             on &= (np.delete(middle, axis, axis=1) > 0).all(axis=1)
         surfaces[surface] = facets[on]
     surfaces = _named(surfaces, together, np.concatenate)
-    mesh = Mesh(boxes, 1, _sheared(whole.points, angle), cells, surfaces).without_loose_points()
+    mesh = Mesh(boxes, 1, whole.points, cells, surfaces).without_loose_points()
     mesh = divided(mesh) if cell in BOXES else mesh
     return lagrange_body(name, mesh, degree=degree, material=MATERIAL, **conditions)
 
@@ -170,7 +161,7 @@ def _named(surfaces, together, joined):
     return {"corner": joined([surfaces[name] for name in faces])} | rest
 
 
-def system(kind, dim, rule, *, together=True, reverse=False, held=False, angle=90.0, **options):
+def system(kind, dim, rule, *, together=True, reverse=False, held=False, **options):
     """Block and seat in contact: over the corner at once, or face by face.
 
     Parameters
@@ -185,15 +176,13 @@ def system(kind, dim, rule, *, together=True, reverse=False, held=False, angle=9
         Whether the points lie on the seat, which the block covers in part.
     held
         Whether the seat is held at its back.
-    angle
-        Angle of the corner in the plane (degrees).
     options
         Those of :func:`coupled`.
     """
     supports = {"supports": [Support("back")]} if held else {}
     bodies = {
-        "block": block(kind, dim, 5 - dim, together=together, angle=angle),
-        "seat": seat(kind, dim, 5 - dim, together=together, angle=angle, **supports),
+        "block": block(kind, dim, 5 - dim, together=together),
+        "seat": seat(kind, dim, 5 - dim, together=together, **supports),
     }
     a, b = ("seat", "block") if reverse else ("block", "seat")
     return coupled(bodies, rule, a=a, b=b, **options)
@@ -245,12 +234,6 @@ def coupled(bodies, rule, *, a="block", b="seat", p=STIFFNESS, mu=MU, penetratio
             )
         )
     return couple(bodies, contacts, **options)
-
-
-def modes(kind, rule, top, *, together, p, dim=2):
-    """Eigenvalues up to a frequency (Hz), the seat held, sorted."""
-    assembled = system(kind, dim, rule, together=together, p=p, held=True)
-    return np.sort_complex(np.round(solve_modes(assembled.pencil(), top).eigenvalues, 12))
 
 
 def rigid_motions(dim):

@@ -15,7 +15,7 @@ def unknowns(system, motions):
 
 def control_points(body):
     """Coefficients that reproduce x, from the body's own cells."""
-    cells = body.volume_cells()
+    cells = body.space.volume_cells()
     return np.linalg.lstsq(cells.values.toarray(), cells.points, rcond=None)[0]
 
 

@@ -16,8 +16,7 @@ from cea.errors import InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
 from scenes import run_modes, run_scene
-from scenes.spec.files import SCENES
-from scenes.spec.plain import checked
+from scenes.spec.plain import SCENES, checked
 from scenes.spec.reading import load_scene, read_scene
 
 in_krylov_spaces = patch(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from scenes.spec.files import SCENES
+from scenes.spec.plain import SCENES
 
 NAMES = sorted(file.stem for file in SCENES.glob("*.toml"))
 POSITIVE = {
@@ -39,51 +39,14 @@ NAMED = {"bodies", "contacts", "through", "faces"}
 OF_SPACE = {"vector", "elements", "degree", "origin", "axis", "circumferential_about"}
 """Lists as long as space has dimensions, or as three."""
 HOSTILE = [
-    "__import__('os').system('touch stolen')",
-    "().__class__.__bases__[0].__subclasses__()",
-    "x.__class__.__mro__[1].__subclasses__()",
-    "x.tofile('stolen')",
-    "open('/etc/passwd').read()",
-    "sin.__globals__",
-    "(lambda: 1)()",
-    "[y for y in x]",
-    "{z: 1 for z in x}",
-    "exec('1')",
-    "eval('1')",
-    "10**10**10",
-    "9**9**9**9",
-    "'a'*10**10",
-    "[0]*10**10",
-    "(" * 500 + "x" + ")" * 500,
-    "-" * 1500 + "x",
-    "x+" * 900 + "x",
-    "x" * 100_000,
-    "sin(x, y)",
-    "where(x > 0)",
-    "sin(x, out=y)",
-    "maximum(x, y, z)",
-    "f'{x.__class__}'",
-    "x if x else y",
-    "x := 3",
-    "x = 3",
-    "import os",
-    "x; y",
-    "print(x)",
-    "1j",
-    "True",
-    "None",
-    "...",
-    "x[0]",
-    "x @ y",
-    "1 << 100000",
-    "\0",
-    "",
-    "nan",
-    "inf",
-    "1e999",
-    "\ud800",
-    "ｘ.real",
-    "x.real",
+    *("__import__('os').system('touch stolen')", "().__class__.__bases__[0].__subclasses__()"),
+    *("x.__class__.__mro__[1].__subclasses__()", "x.tofile('stolen')", "sin.__globals__"),
+    *("open('/etc/passwd').read()", "(lambda: 1)()", "[y for y in x]", "{z: 1 for z in x}"),
+    *("exec('1')", "10**10**10", "9**9**9**9", "'a'*10**10", "[0]*10**10", "1 << 100000"),
+    *("(" * 500 + "x" + ")" * 500, "-" * 1500 + "x", "x+" * 900 + "x", "x" * 100_000),
+    *("sin(x, y)", "where(x > 0)", "sin(x, out=y)", "maximum(x, y, z)", "f'{x.__class__}'"),
+    *("x if x else y", "x := 3", "x = 3", "import os", "x; y", "1j", "True", "None", "..."),
+    *("x[0]", "x @ y", "\0", "", "nan", "inf", "1e999", "\ud800", "ｘ.real", "x.real"),
 ]
 """Texts that are no expression: they run code, climb out, or ask for more than there is."""
 
@@ -113,12 +76,8 @@ def valid(name, backend="iga"):
 
 
 COARSE = {
-    "upper": [3, 2, 2],
-    "lower": [4, 2, 2],
-    "disc": [2, 12, 1],
-    "pad": [2, 3, 1],
-    "outer": [1, 8, 1],
-    "inner": [1, 12, 1],
+    **{"upper": [3, 2, 2], "lower": [4, 2, 2], "disc": [2, 12, 1], "pad": [2, 3, 1]},
+    **{"outer": [1, 8, 1], "inner": [1, 12, 1]},
 }
 """Elements of the bodies of the scenes, so few that a run takes a moment."""
 

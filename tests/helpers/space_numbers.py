@@ -85,7 +85,7 @@ def numbers(case, top):
         shown[f"area of {surface.name}"] = surface.area
         shown[f"trace on {surface.name}"] = (points.weight @ traced**2).tolist()
         shown[f"gradient on {surface.name}"] = float(points.weight @ (slope**2).sum(axis=(0, 2)))
-    sample = part.volume_cells().straight()
+    sample = part.space.volume_cells().straight()
     shown["sample"] = [len(sample.cells), *(sample.points[sample.cells] ** 2).mean(axis=(0, 1))]
     shown["sampled"] = [((sample.values @ moved)[sample.cells] ** 2).mean()]
     symmetric = [part.stiffness(), part.mass()]

@@ -65,7 +65,6 @@ class StubSpace:
         raise NotImplementedError
 
     gyroscopic = convective = geometric_stiffness
-    node_positions = None
 
     @property
     def dof_positions(self):

@@ -9,7 +9,7 @@ from scene_mutations import at
 
 from cea.errors import InputError
 from scenes.checking.check import inspect_scene
-from scenes.spec.files import set_fields, tables_of
+from scenes.spec.plain import set_fields, tables_of
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 

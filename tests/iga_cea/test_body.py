@@ -151,6 +151,6 @@ def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
     mirrored = turned(patch, (0, 1, 2), 1)
     for given in (patch, mirrored):
         part = nurbs_body("part", [given], {}, (2, 1, 1), material=STEEL)
-        cells = part.volume_cells().straight()
+        cells = part.space.volume_cells().straight()
         corners = cells.points[cells.cells]
         assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0

@@ -21,9 +21,9 @@ def test_one_dof_a_level_at_the_axis() -> None:
     part = body(DISC, (3, 8, 2), (2, 3, 2), Placement())
     radial, around, levels = 3 + 2, 4 * (2 + 2), 2 + 2
     assert part.num_scalar_dofs == ((radial - 1) * around + 1) * levels
-    at_axis = np.linalg.norm(part.dof_positions[:, :2], axis=1) < 1e-12
+    at_axis = np.linalg.norm(part.space.dof_positions[:, :2], axis=1) < 1e-12
     assert at_axis.sum() == levels
-    assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
+    assert len(np.unique(np.round(part.space.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
 @pytest.mark.parametrize(

@@ -89,9 +89,9 @@ def test_a_higher_continuity_is_met_at_full_order():
         step = prolongation(coarse, fine)
         assert step.defect > 1e-10
         at = [np.linspace(0, 1, 201), np.array([0.0, 0.3, 0.7, 1.0])]
-        x = values(coarse, coarse.dof_positions, 0, at)
+        x = values(coarse, coarse.space.dof_positions, 0, at)
         basis = coarse.space.multipatch.patches[0].basis_on_grid(at).toarray()
-        u = np.zeros_like(coarse.dof_positions)
+        u = np.zeros_like(coarse.space.dof_positions)
         u[coarse.space.multipatch.dofs[0].ravel()] = np.linalg.lstsq(basis, np.sin(3 * x))[0]
         apart = values(fine, scipy_of(step.matrix) @ u.ravel(), 0, at) - values(coarse, u, 0, at)
         errors.append(np.abs(apart).max())

@@ -199,7 +199,7 @@ def test_patches_of_shapes_have_them_exactly(name):
     part = body(shape, (4, 16, 5)[:dim], (2, 6, 2)[:dim])
     assert scipy_of(part.mass()).sum() == pytest.approx(dim * STEEL.rho * volume, rel=1e-12)
     assert {n: each.area for n, each in part.surfaces.items()} == pytest.approx(areas, rel=1e-12)
-    assert len(np.unique(np.round(part.dof_positions, 9), axis=0)) == part.num_scalar_dofs
+    assert len(np.unique(np.round(part.space.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
 def test_a_twisted_ring_of_hexahedra_is_not_divided():

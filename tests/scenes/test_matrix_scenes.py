@@ -9,8 +9,8 @@ from scipy.sparse import csr_array, diags_array
 from cea.errors import InputError
 from scenes import SceneError, load_matrices, load_scene
 from scenes.running.matrices import AssembledMatrices, run_matrices
-from scenes.spec.files import is_of_matrices
 from scenes.spec.matrices import read_matrix_scene
+from scenes.spec.plain import is_of_matrices
 
 
 @pytest.fixture(scope="module")
@@ -59,14 +59,6 @@ def test_damped_gyroscopic_circulatory_modes_are_all_those_of_lapack(result):
     assert (true.real > 1e-3).any()
     kinds = {name: piece.symmetry.kind for name, piece in result.pieces.items()}
     assert kinds == dict.fromkeys("MDKQ", "symmetric") | {"G": "skew", "F": "general"}
-
-
-def test_sums_are_those_of_the_formulas_to_the_last_bits(result):
-    made, sums = pieces(), result.matrices()
-    K = made["K"] + 0.7 * made["F"] + 3 * made["Q"]
-    C = 1.5 * made["D"] + 2 * made["G"]
-    for name, true in {"M": made["M"], "C": C, "K": K}.items():
-        np.testing.assert_allclose(sums[name].toarray(), true, rtol=0, atol=1e-15 * abs(true).max())
 
 
 def test_what_is_symmetric_to_rounding_is_taken_so_and_told(tmp_path):
@@ -157,17 +149,6 @@ def test_matrices_that_make_no_problem_are_refused(matrices, field, told, tmp_pa
         run_matrices(data)
     assert refused.value.field == field
     assert told in str(refused.value)
-
-
-def test_a_mass_is_singular_or_not_whatever_its_units(tmp_path):
-    scale = np.diag(np.geomspace(1e-9, 1e9, 30))
-    near = np.ones((30, 30)) + 1e-3 * np.eye(30)
-    data = read_matrix_scene(chain(tmp_path, mass=scale @ near @ scale))
-    AssembledMatrices(data)._check_mass(data.values, AssembledMatrices(data).timer)
-    singular = scale @ np.ones((30, 30)) @ scale
-    data = read_matrix_scene(chain(tmp_path, mass=0.5 * (singular + singular.T)))
-    with pytest.raises(InputError, match="positive definite"):
-        run_matrices(data)
 
 
 def chains(folder, **parameters):

@@ -33,7 +33,7 @@ def test_shapes_are_those_of_one_vector_at_a_time(result, chosen):
         found = result.mode_shapes(name, modes=chosen)
         np.testing.assert_allclose(found, expected, atol=1e-13 * scale)
 
-        values = body.volume_cells().straight().values
+        values = body.space.volume_cells().straight().values
         at_points = result.mode_shapes(name, values, chosen, everywhere=False)
         assert at_points.shape == (values.shape[0], 3, len(modes))
         for i in range(len(modes)):

@@ -105,7 +105,7 @@ UNUSED = (
     *("scenes.pictures", "scenes.refinement", "gmsh", "pyvista"),
 )
 """What modes of a disc and a pad at a given stiffness have no use for."""
-MOST = {"fe": 162, "iga": 170}
+MOST = {"fe": 144, "iga": 150}
 """Modules of this program that they load, at most."""
 COARSE = {
     f"bodies.{body}.mesh.{backend}.elements": elements

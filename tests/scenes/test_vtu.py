@@ -53,7 +53,7 @@ def test_collections_list_every_mode_of_every_body(result, backend, tmp_path):
         number = int(time) - 1
         assert grid.field_data["frequency"][0] == result.modes.frequencies[number]
         u = mode_displacement(result, name, number)
-        cells = body.volume_cells()
+        cells = body.space.volume_cells()
         found = grid.point_data["displacement_real"] + 1j * grid.point_data["displacement_imag"]
         np.testing.assert_allclose(found, cells.values @ u, atol=1e-14)
         if backend == "iga":
