@@ -120,14 +120,14 @@ def _run(
     from comparisons.cli.output import console, print_result, say, working
     from scenes.results.folder import RESULT, check_run_out, new_folder
     from scenes.results.record import save_result
-    from scenes.running.analysis import analysis_of
+    from scenes.running.analysis import run_scene
 
     output = getattr(scene, "output", None)
     with working("") as work:
         check_run_out(out, inputs, overwrite=overwrite)
         if report or (output is not None and (output.pictures or output.paraview)):
             need("pictures")
-        result = analysis_of(scene).run(scene, listener=work.stage)
+        result = run_scene(scene, listener=work.stage)
     print_result(result, explain=explain)
     page = None
     with working("writing") as work, new_folder(out, root=result.comm.rank == 0) as new:

@@ -7,13 +7,14 @@ from typing import Any
 from urllib.parse import quote
 
 import numpy as np
+import pyvista
 
 from cea.arrays import Floats
 from cea.contact.contact import Contact, approach_along, jump_operator
 from cea.files import folder_whole
 from cea.matrices import destroy
 from cea.system.steady_state import ContactState
-from scenes.pictures.grids import cell_grid, in_space, point_grid, write_collection, write_grid
+from scenes.pictures.grids import cell_grid, in_space, write_collection, write_grid
 from scenes.results.result import Result
 from scenes.results.shapes import displacements, times
 
@@ -73,23 +74,11 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
 
 
 def write_load_steps(result: Result, out: Path) -> list[Path]:
-    """Write the equilibria at all load steps, cut ones too, as files for ParaView.
+    """Write the equilibria at all load steps, cut ones too, as ``load_steps.pvd``; collective.
 
     Points of the bodies bear ``displacement`` (m); those of contacts with a law ``contact
     pressure`` (N/m^2), ``closure`` (m) and ``contact stiffness`` (N/m^3). Time is the part of the
-    load.
-
-    Parameters
-    ----------
-    result
-        A run; collective, rank 0 writes.
-    out
-        Folder for ``load_steps.pvd`` and the folder of the ``.vtu`` files it lists.
-
-    Returns
-    -------
-    list of Path
-        The ``.pvd`` file; none where the scene asks for no steps.
+    load. The list of files is empty where the scene asks for no steps.
     """
     path = result.steady.path if result.steady is not None else ()
     steps = [(step.factor, step.state) for step in path if step.state is not None]
@@ -168,7 +157,7 @@ def _parts(name: str, values: Any) -> dict[str, Floats]:
 def _contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
     """Points of a contact with what it carries in steady sliding, if anything is known of that."""
     points = contact.interface.points
-    grid = point_grid(points.x)
+    grid = pyvista.PolyData(in_space(points.x)).cast_to_unstructured_grid()
     grid.point_data["normal"] = in_space(points.normal)
     grid.point_data["weight"] = points.weight
     if contact.name in states:

@@ -23,21 +23,12 @@ _ROUNDING = np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Piece:
-    """A matrix as it was read.
-
-    Parameters
-    ----------
-    symmetry
-        How symmetric it is.
-    size, entries
-        Rows, and entries that are not zero.
-    parts
-        PETSc AIJ matrices whose sum it is, each with whether it is symmetric to the last bit.
-    """
+    """A matrix as it was read."""
 
     symmetry: Symmetry
     size: int
-    entries: int
+    entries: int  # that are not zero
+    # PETSc AIJ matrices whose sum it is, each with whether it is symmetric to the last bit
     parts: tuple[tuple[Mat, bool], ...]
 
     def plain(self) -> dict[str, Any]:

@@ -14,17 +14,11 @@ _ROUNDING = 16 * np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Symmetry:
-    """How symmetric a matrix is.
+    """How symmetric a matrix is: to the last bit, but for rounding, not at all.
 
-    Parameters
-    ----------
-    kind
-        ``symmetric`` to the last bit; ``symmetric to rounding``; ``skew`` to the last bit;
-        ``general``.
-    asymmetry
-        Largest difference of an entry and its mirror image, relative to their size: the larger of
-        both, or the mean of the diagonal entries of their row and column,
-        sqrt(abs(a_ii a_jj)), which scaling of unknowns leaves alone.
+    The asymmetry is the largest difference of an entry and its mirror image, relative to their
+    size: the larger of both, or the mean of the diagonal entries of their row and column,
+    sqrt(abs(a_ii a_jj)), which scaling of unknowns leaves alone.
     """
 
     kind: Kind

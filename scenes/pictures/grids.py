@@ -117,13 +117,6 @@ def sharp_edges(surface: Any) -> Any:
     return surface.extract_feature_edges(FEATURE_ANGLE, manifold_edges=False)
 
 
-def point_grid(points: Floats) -> Any:
-    """Points (m), shape (n, dim), each a VTK vertex (pyvista ``UnstructuredGrid``)."""
-    vertices = np.stack([np.ones(len(points), dtype=np.int64), np.arange(len(points))], axis=1)
-    kinds = np.full(len(points), pyvista.CellType.VERTEX, dtype=np.uint8)
-    return pyvista.UnstructuredGrid(vertices.ravel(), kinds, in_space(points))
-
-
 def write_grid(grid: Any, file: Path) -> None:
     """Write a grid to a ``.vtu`` file, whole or not at all.
 

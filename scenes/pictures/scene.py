@@ -121,18 +121,14 @@ def _add_names(plotter: Any, inspection: Inspection, view: Floats) -> None:
 
 
 def _surroundings(halves: Mapping[str, Contact], points: Floats) -> Floats:
-    """Corners of a box around the contact points (m), shape (n, 3); all points where none is."""
+    """Corners of a box around the contact points (m), shape (8, 3); all points where none is."""
     if not halves:
         return points
     every = np.concatenate([in_space(half.interface.points.x) for half in halves.values()])
     low, high = every.min(axis=0), every.max(axis=0)
     room = _AROUND * np.linalg.norm(high - low)
-    ends = zip(
-        np.maximum(low - room, points.min(axis=0)),
-        np.minimum(high + room, points.max(axis=0)),
-        strict=True,
-    )
-    return np.stack(np.meshgrid(*ends), axis=-1).reshape(-1, 3)
+    ends = np.stack([low - room, high + room]).clip(points.min(axis=0), points.max(axis=0))
+    return np.stack(np.meshgrid(*ends.T), axis=-1).reshape(-1, 3)
 
 
 def _add_contacts(
@@ -157,14 +153,13 @@ def _add_contacts(
         )
         chosen = np.linspace(0, len(points) - 1, min(_ARROWS, len(points))).astype(int)
         x, normal = points.x[chosen], points.normal[chosen]
-        _add_arrows(plotter, x, normal, 0.6 * _LENGTH * size, _NORMAL)
+        arrows = [(x, normal, 0.6, _NORMAL)]
         if half.friction is not None:
-            direction = half.friction.direction.at(x, normal)
             inside = x - 0.2 * _LENGTH * size * normal  # points would hide what lies among them
-            _add_arrows(plotter, inside, direction, _LENGTH * size, _FRICTION)
-
-
-def _add_arrows(plotter: Any, x: Floats, vectors: Floats, length: float, colour: str) -> None:
-    arrows = pyvista.PolyData(in_space(x))
-    arrows.point_data["vectors"] = in_space(vectors)
-    plotter.add_mesh(arrows.glyph(orient="vectors", scale=False, factor=length), color=colour)
+            arrows.append((inside, half.friction.direction.at(x, normal), 1.0, _FRICTION))
+        for at, vectors, length, colour in arrows:
+            cloud = pyvista.PolyData(in_space(at))
+            cloud.point_data["vectors"] = in_space(vectors)
+            factor = length * _LENGTH * size
+            glyphs = cloud.glyph(orient="vectors", scale=False, factor=factor)
+            plotter.add_mesh(glyphs, color=colour)

@@ -24,24 +24,12 @@ from scenes.spec.reading import Scene
 
 @dataclass(frozen=True)
 class Resolution:
-    """How fine a scene is made.
+    """How fine a scene is made."""
 
-    Parameters
-    ----------
-    degree
-        Degree of the elements of every shape.
-    density
-        Factor on the elements of the scene along every direction.
-    layers
-        Geometric layers towards singular edges.
-    file_degree
-        Degree of the elements on the cells of mesh files; None takes that of the scene.
-    """
-
-    degree: int
-    density: float
-    layers: int = 0
-    file_degree: int | None = None
+    degree: int  # of the elements of every shape
+    density: float  # factor on the elements of the scene along every direction
+    layers: int = 0  # geometric ones towards singular edges
+    file_degree: int | None = None  # on the cells of mesh files; None takes that of the scene
 
     def __post_init__(self) -> None:
         if not self.density > 0:
@@ -53,13 +41,7 @@ class Resolution:
 
 
 def on_backend_of_shapes(scene: Scene, backend: Backend) -> Scene:
-    """The scene with every shape on one backend; bodies of mesh files stay Lagrange elements.
-
-    Raises
-    ------
-    SceneError
-        When a shape has no mesh on the backend.
-    """
+    """The scene with every shape on one backend; bodies of mesh files stay Lagrange elements."""
     bodies = {
         name: body if from_file(body) else replace(body, backend=backend)
         for name, body in scene.bodies.items()
@@ -84,16 +66,7 @@ def has_singular_edges(scene: Scene) -> bool:
 
 
 def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
-    """The scene on one backend at a resolution, contacts as mortar.
-
-    Parameters
-    ----------
-    scene
-        The scene, whose meshes are those of density 1.
-    backend
-        Backend of every shape.
-    resolution
-        How fine.
+    """The scene, whose meshes are those of density 1, on one backend, contacts as mortar.
 
     Raises
     ------
@@ -141,30 +114,31 @@ def layers_at_edges(body: BodySpec, edges: Crowding) -> bool:
 
 
 def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
-    body = scene.bodies[name]
+    body, density = scene.bodies[name], resolution.density
     if from_file(body):
         return replace(body, mesh=replace(body.mesh, degree=resolution.file_degree))
     mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
     if mesh is None:
         raise InputError(f"bodies.{name}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+    finer: FeMesh | IgaMesh
     if isinstance(mesh, FeMesh):
-        finer: FeMesh | IgaMesh = replace(mesh, degree=resolution.degree)
+        finer = replace(mesh, degree=resolution.degree)
     else:
         degree = (resolution.degree,) * len(body.geometry.directions)
         finer = replace(mesh, degree=degree, continuity=None)
     if isinstance(finer, FeMesh) and finer.size is not None:
-        finer = replace(finer, size=finer.size / resolution.density)
+        finer = replace(finer, size=finer.size / density)
         if isinstance(body.geometry, VentilatedDisc):
             curved = min(finer.geometry_degree or finer.degree, MAX_CURVED)
             finer = replace(finer, geometry_degree=curved)
     else:
-        elements = tuple(max(1, round(n * resolution.density)) for n in finer.elements or ())
-        finer = replace(finer, elements=elements)
+        finer = replace(
+            finer, elements=tuple(max(1, round(n * density)) for n in finer.elements or ())
+        )
         if structured(body):
             finer = _with_breaks(finer, scene, name, resolution.layers)
-    return replace(
-        body, mesh=MeshSpec(fe=finer) if isinstance(finer, FeMesh) else MeshSpec(iga=finer)
-    )
+    mesh_spec = MeshSpec(fe=finer) if isinstance(finer, FeMesh) else MeshSpec(iga=finer)
+    return replace(body, mesh=mesh_spec)
 
 
 def _with_breaks(mesh: FeMesh | IgaMesh, scene: Scene, name: str, layers: int) -> FeMesh | IgaMesh:

@@ -46,17 +46,10 @@ _Face = tuple[str, int]
 
 @dataclass(frozen=True)
 class Crowding:
-    """Coordinates of one body.
+    """Coordinates of one body."""
 
-    Parameters
-    ----------
-    edges
-        The singular edges, each by its coordinates along two directions.
-    through
-        Those inside the body at which pressure ends, and elements do too.
-    """
-
-    edges: tuple[dict[str, float], ...] = ()
+    edges: tuple[dict[str, float], ...] = ()  # by coordinates along two directions
+    # those inside the body at which pressure ends, and elements do too
     through: dict[str, tuple[float, ...]] = field(default_factory=dict)
 
     @property

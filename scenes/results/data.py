@@ -11,10 +11,10 @@ from pydantic import BaseModel, TypeAdapter
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import InputError, ResultWarning
-from scenes.results.result import Result
 from scenes.spec.plain import as_data
 
 if TYPE_CHECKING:
+    from cea.system.contact_stresses import NormalStress
     from cea.system.steady_state import ContactState, LoadStep, SteadySliding
 
 
@@ -74,16 +74,19 @@ def checked_record[T: Record](kind: type[T], data: Mapping[str, Any]) -> T:
     return TypeAdapter(kind).validate_json(json.dumps(data), strict=True)
 
 
-def opened_modes(record: RunRecord) -> Spectrum:
-    """Eigenvalues of a record with their errors."""
-    if record.eigenvalues is None or record.window is None:
-        raise InputError("scene.analysis.kind", "cea", "'static', as the data are")
+def opened(record: RunRecord, kind: str) -> dict[str, Any]:
+    """Eigenvalues or stresses from the record of a kind of analysis, as fields of a result."""
+    if record.stresses is not None and kind == "static":
+        return {"stresses": {n: _opened_sides(sides) for n, sides in record.stresses.items()}}
+    if record.eigenvalues is None or record.window is None or kind == "static":
+        allowed = "'cea'" if record.eigenvalues is not None else "'static'"
+        raise InputError("scene.analysis.kind", kind, f"{allowed}, as the data are")
     columns = [
         np.array([getattr(value, name) for value in record.eigenvalues], dtype=float)
         for name in ("re", "im", "residual", "condition", "uncertainty")
     ]
     re, im, residuals, conditions, uncertainties = columns
-    return Spectrum(
+    spectrum = Spectrum(
         re + 1j * im,
         residuals,
         conditions,
@@ -92,9 +95,43 @@ def opened_modes(record: RunRecord) -> Spectrum:
         bounded=np.array([value.bounded for value in record.eigenvalues], dtype=bool),
         warnings=record.warnings,
     )
+    return {"spectrum": spectrum}
 
 
-def described_run(result: Result) -> dict[str, Any]:
+def _opened_sides(sides: Mapping[str, SideStress]) -> dict[str, "NormalStress"]:
+    """Contact stresses without those at the points of the surfaces."""
+    from cea.system.contact_stresses import NormalStress
+
+    return {
+        side: NormalStress(
+            stress.min,
+            stress.max,
+            np.array(stress.arc),
+            np.array(stress.sigma_n_along, dtype=float),
+        )
+        for side, stress in sides.items()
+    }
+
+
+def described(result: Any) -> dict[str, Any]:
+    """What the record of a result holds; `docs/result_json.md` says what every field is."""
+    if result.spectrum is None:
+        stresses = {name: _described_sides(sides) for name, sides in result.stresses.items()}
+        return _described_run(result) | {"stresses": stresses}
+    found = _described_modes(result.modes, result.analysis.growth_threshold)
+    return {"summary": result.summary} | found | _described_run(result)
+
+
+def _described_sides(sides: Mapping[str, "NormalStress"]) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = {}
+    for side, stress in sides.items():
+        numbers = {name: getattr(stress, name) for name in ("oscillation", "min", "max")}
+        along = [x if np.isfinite(x) else None for x in stress.sigma_n_along.tolist()]
+        found[side] = numbers | {"arc": stress.arc.tolist(), "sigma_n_along": along}
+    return found
+
+
+def _described_run(result: Any) -> dict[str, Any]:
     """What every run has: the scene as run, unknowns, seconds, contact points, forces."""
     data: dict[str, Any] = {
         "scene": as_data(result.scene),
@@ -114,7 +151,7 @@ def described_run(result: Result) -> dict[str, Any]:
     return data
 
 
-def describe_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str, Any]:
+def _described_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str, Any]:
     """Eigenvalues with their errors, the window searched, verdicts, the unstable modes.
 
     ``mode`` is the number of a mode, from 1: entry ``mode - 1`` of the list ``eigenvalues``.

@@ -28,20 +28,11 @@ _WHOSE = ("scene", "data", "mass", "damping", "stiffness")
 
 @dataclass
 class NewFolder:
-    """A folder that is being filled, and takes the place of another.
+    """A folder that is being filled, and takes the place of another."""
 
-    Parameters
-    ----------
-    part
-        Where its files are written.
-    out
-        Where they will stand.
-    kept
-        Names of files that were in the way and not of this program; known at the end.
-    """
-
-    part: Path
-    out: Path
+    part: Path  # where its files are written
+    out: Path  # where they will stand
+    # names of files that were in the way and not of this program; known at the end
     kept: list[str] = field(default_factory=list)
 
     def final(self, file: Path) -> Path:

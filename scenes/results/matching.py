@@ -1,6 +1,5 @@
 """Matching modes of two runs of one scene on points that both can locate."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,10 +16,11 @@ from cea.eigen.matching import (
     modal_assurance,
 )
 from cea.errors import InputError
-from cea.surface import Surface
 from scenes.results.result import Result
 
 _SAMPLES = 15
+_ANGLES, _CIRCLES = 64, 3
+"""Points around the axis, and circles at most on each surface, by which orders are told."""
 
 
 def match_runs(
@@ -47,92 +47,67 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``pairs``: each with frequency and growth of both, relative differences and modal
-        assurance; ``only_first``, ``only_second``: modes without a partner.
+        ``pairs``: each with frequency and growth of both, and modal assurance; ``only_first``,
+        ``only_second``: modes without a partner.
     """
     unstable = (np.flatnonzero(result.unstable) for result in (first, second))
     sets = _mode_sets(first, second, *unstable)
     match = match_modes(*sets, near=0.0, limit=None)
     assurance = modal_assurance(sets[0].shapes, sets[1].shapes)
-    values = [s.eigenvalues for s in sets]
+    told = [[_told(value) for value in s.eigenvalues] for s in sets]
     pairs = []
     # A group of one run is one mode here: groups are pairs, but for exact copies.
     for i, j in ((i, j) for g in match.groups for i, j in zip(g.first, g.second, strict=True)):
-        x, y = values[0][i], values[1][j]
-        pairs.append(
-            {
-                "frequency": [float(v.imag / (2 * np.pi)) for v in (x, y)],
-                "growth": [float(x.real), float(y.real)],
-                "frequency_difference": float(x.imag / y.imag - 1),
-                "growth_difference": float(x.real / y.real - 1),
-                "modal_assurance": float(assurance[i, j]),
-            }
-        )
+        both = {name: [told[0][i][name], told[1][j][name]] for name in ("frequency", "growth")}
+        pairs.append({**both, "modal_assurance": float(assurance[i, j])})
     return {
         "pairs": pairs,
-        "only_first": _alone(values[0][match.only_first]),
-        "only_second": _alone(values[1][match.only_second]),
+        "only_first": [told[0][i] for i in match.only_first],
+        "only_second": [told[1][j] for j in match.only_second],
     }
 
 
-def circumferential_orders(
-    result: Result, surfaces: Sequence[str] = (), *, angles: int = 64, circles: int = 3
-) -> CircumferentialContent:
-    """Circumferential content of every mode of a run on surfaces of revolution about the z axis.
+def _told(value: complex) -> dict[str, float]:
+    return {"frequency": float(value.imag / (2 * np.pi)), "growth": float(value.real)}
 
-    Parameters
-    ----------
-    result
-        A run with modes.
-    surfaces
-        Surfaces as "body.surface"; by default both sides of every contact. A mode that leaves
-        them all at rest has no order.
-    angles
-        Points around the axis; orders to (angles - 1) // 2 are told apart.
-    circles
-        Circles at most on each, through points of the surface.
 
-    Raises
-    ------
-    InputError
-        When a surface is not closed around the axis.
+def circumferential_orders(result: Result) -> CircumferentialContent:
+    """Circumferential content of every mode of a run on both sides of every contact.
+
+    They are surfaces of revolution about the z axis; others are refused. Orders to 31 are told
+    apart. A mode that leaves them all at rest has no order.
     """
-    contacts = result.scene.contacts.values()
-    chosen = surfaces or [side for contact in contacts for side in (contact.a, contact.b)]
-    u = [_on_circles(result, surface, angles, circles) for surface in dict.fromkeys(chosen)]
-    return circumferential_content(np.concatenate(u))
+    surfaces = dict.fromkeys(_places(result))
+    return circumferential_content(np.concatenate([_on_circles(result, s) for s in surfaces]))
 
 
-def _on_circles(result: Result, surface: str, angles: int, circles: int) -> Complexes:
-    """Displacements of every mode in cylindrical components, (circles, angles, dim, modes)."""
+def _on_circles(result: Result, surface: str) -> Complexes:
+    """Displacements of every mode in cylindrical components, (circles, angles, dim, modes).
+
+    Points lie on circles about z through Gauss points.
+    """
     body, name = surface.split(".")
     side = result.system.bodies[body].surfaces[name]
-    x, normal = _around(side, angles, circles)
-    found = side.locate(x, normal, side.mesh_size)
-    if found.missed.any():
-        raise InputError("surfaces", surface, "surfaces of revolution about the z axis")
-    u = result.mode_shapes(surface, found.at)
-    turns = _turns(2 * np.pi * np.arange(angles) / angles, side.dim)
-    # Turned back by its angle, each point's components are radial and circumferential.
-    return np.einsum("aji,cajm->caim", turns, u.reshape(-1, angles, *u.shape[1:]))
-
-
-def _around(side: Surface, angles: int, circles: int) -> tuple[Floats, Floats]:
-    """Points and normals on circles about z through Gauss points, (circles * angles, dim)."""
     points = side.gauss_points(2)
     radius = np.hypot(points.x[:, 0], points.x[:, 1])
     profile = np.column_stack([radius, points.x[:, 2:]])
     _, distinct = np.unique(np.round(profile / profile.max(), 6), axis=0, return_index=True)
-    chosen = distinct[np.linspace(0, len(distinct) - 1, circles).round().astype(int)]
-    chosen = np.unique(chosen)
+    even = np.linspace(0, len(distinct) - 1, _CIRCLES).round().astype(int)
+    chosen = distinct[np.unique(even)]
     start = -np.arctan2(points.x[chosen, 1], points.x[chosen, 0])
-    at_zero = _turns(start, side.dim)
-    turns = _turns(2 * np.pi * np.arange(angles) / angles, side.dim)
+    to_zero, turns = (
+        _turns(angle, side.dim) for angle in (start, 2 * np.pi * np.arange(_ANGLES) / _ANGLES)
+    )
     x, normal = (
-        np.einsum("aij,cjk,ck->cai", turns, at_zero, vectors[chosen]).reshape(-1, side.dim)
+        np.einsum("aij,cjk,ck->cai", turns, to_zero, vectors[chosen]).reshape(-1, side.dim)
         for vectors in (points.x, points.normal)
     )
-    return x, normal
+    found = side.locate(x, normal, side.mesh_size)
+    if found.missed.any():
+        raise InputError("surfaces", surface, "surfaces of revolution about the z axis")
+    u = result.mode_shapes(surface, found.at)
+    # Turned back by its angle, each point's components are radial and circumferential.
+    return np.einsum("aji,cajm->caim", turns, u.reshape(-1, _ANGLES, *u.shape[1:]))
 
 
 def _turns(theta: Floats, dim: int) -> Floats:
@@ -178,10 +153,6 @@ def _places(result: Result) -> list[str]:
     return sides or [
         f"{name}.{surface}" for name, body in result.bodies.items() for surface in body.surfaces
     ]
-
-
-def _alone(values: Complexes) -> list[dict[str, float]]:
-    return [{"frequency": float(v.imag / (2 * np.pi)), "growth": float(v.real)} for v in values]
 
 
 def _rows(shapes: list[Complexes]) -> Complexes:

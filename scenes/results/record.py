@@ -21,9 +21,10 @@ from typing import Any
 
 from cea.errors import InputError
 from cea.files import regular, write_whole
+from scenes.results.data import Record
 from scenes.results.result import Result
 
-PROVENANCE = ("command", "inputs", "versions", "commit", "machine", "seconds", "warnings")
+PROVENANCE = tuple(Record.model_fields)
 """Fields of every record; what else it holds is data of its command."""
 RUN = "run"
 """Command that a record of a run names."""
@@ -87,7 +88,8 @@ def record(
         "versions": versions(),
         "commit": commit(),
         "machine": {
-            **{"cpus": os.cpu_count(), "machine": platform.machine()},
+            "cpus": os.cpu_count(),
+            "machine": platform.machine(),
             "system": platform.system(),
         },
         "seconds": seconds,
@@ -133,15 +135,17 @@ def versions() -> dict[str, str]:
     """Versions of Python and of the packages that matter for numbers."""
     from cea.petsc import PETSc, SLEPc
 
-    found = {"python": platform.python_version()}
-    for name, package in _PACKAGES.items():
-        try:
-            found[name] = version(package)
-        except PackageNotFoundError:
-            found[name] = "not installed as a package"
+    found = {name: _version(package) for name, package in _PACKAGES.items()}
     for name, system in (("petsc", PETSc.Sys), ("slepc", SLEPc.Sys)):
         found[name] = ".".join(map(str, system.getVersion()))
-    return found
+    return {"python": platform.python_version(), **found}
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed as a package"
 
 
 @cache
@@ -160,10 +164,7 @@ def commit() -> str:
             return done.stdout.strip()
     except (OSError, subprocess.CalledProcessError):
         pass  # no git, or a checkout of another owner: the package says what it is
-    try:
-        return f"{_PACKAGE} {version(_PACKAGE)}"
-    except PackageNotFoundError:
-        return "unknown"
+    return f"{_PACKAGE} {_version(_PACKAGE)}"
 
 
 def _in_json(value: Any, place: str = "data") -> Any:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from cea.mode_table import SIGNS, html_table
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
+from scenes.results.data import described
 from scenes.results.shapes import displacements, summed_matrices, system_matrices
 from scenes.spec.body import backend_name
 
@@ -28,32 +29,6 @@ if TYPE_CHECKING:
 
     from cea.system.contact_stresses import NormalStress
     from cea.system.steady_state import SteadySliding
-
-
-class Analysis(Protocol):
-    """A kind of analysis: a module that runs scenes, and tells what their results hold.
-
-    Its name stands in :data:`scenes.running.analysis.ANALYSES`.
-    """
-
-    def run(self, scene: Any, /, **options: Any) -> "Result":
-        """Run a scene; options are those of a run, and of this analysis."""
-
-    def describe(self, result: "Result") -> dict[str, Any]:
-        """What the record of a result holds of this analysis, plain data."""
-
-    def opened(self, record: Any) -> "Fields":
-        """Fields of a result from a record; refused where it is of another kind of analysis."""
-
-    def table(self, result: "Result") -> list[dict[str, Any]]:
-        """Rows that say what was found."""
-
-    def lines(self, result: "Result") -> list[str]:
-        """The same as text."""
-
-
-Fields = dict[str, Any]
-"""Values of fields of a :class:`Result` by name."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -65,10 +40,9 @@ class Result:
 
     Parameters
     ----------
-    kind
-        The module of its analysis; None of a record that no run made.
     scene
-        The scene as run: :class:`scenes.Scene` or :class:`scenes.MatrixScene`.
+        The scene as run: :class:`scenes.Scene` or :class:`scenes.MatrixScene`; None of a record
+        that no run made.
     timer
         Seconds by stage.
     skipped
@@ -96,7 +70,6 @@ class Result:
         What else its record holds.
     """
 
-    kind: Analysis | None
     scene: Any
     timer: StageTimer
     skipped: Mapping[str, str]
@@ -114,9 +87,7 @@ class Result:
     @property
     def data(self) -> Mapping[str, Any]:
         """What its record holds (`docs/result_json.md`), fresh or read back; collective."""
-        if self.provenance or self.kind is None:
-            return self.stored
-        return self.kind.describe(self)
+        return self.stored if self.provenance else described(self)
 
     @property
     def system(self) -> CoupledSystem:
@@ -358,14 +329,29 @@ class Result:
         Of a static analysis a row for each side of each contact: extremes and oscillation of the
         normal stress (N/m^2).
         """
-        return [] if self.kind is None else self.kind.table(self)
+        if self.spectrum is not None:
+            return self.spectrum.table(self.analysis.growth_threshold)
+        numbers = ("min", "max", "oscillation")
+        return [
+            {"contact": name, "side": side} | {each: getattr(stress, each) for each in numbers}
+            for name, sides in self.stresses.items()
+            for side, stress in sides.items()
+        ]
 
     def __repr__(self) -> str:
-        if self.kind is None:
-            return (
-                f"{self.provenance['command']}, {self.provenance['commit']}: {', '.join(self.data)}"
-            )
-        return "\n".join(self.kind.lines(self))
+        if self.scene is None:
+            made = self.provenance
+            return f"{made['command']}, {made['commit']}: {', '.join(self.data)}"
+        if self.spectrum is not None:
+            lines = [*self.first_lines, repr(self.table()), SIGNS, *self.notes()]
+        else:
+            lines = [f"{self.scene.name}: static analysis", *self.steady_lines()]
+            lines += [
+                f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
+                f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
+                for row in self.table()
+            ]
+        return "\n".join(lines)
 
     def notes(self) -> list[str]:
         """What stands below a table of modes: dofs, evidence, steady sliding, warnings."""

@@ -96,10 +96,10 @@ def times(operator: Any, vectors: Complexes) -> Complexes:
     x, y = operator.createVecs()
     products = np.empty((y.getLocalSize(), vectors.shape[1]), dtype=complex)
     for j, vector in enumerate(vectors.T):
-        for part, values in (("real", vector.real), ("imag", vector.imag)):
-            x.array[:] = values
+        for target, part in ((products.real, vector.real), (products.imag, vector.imag)):
+            x.array[:] = part
             operator.mult(x, y)
-            getattr(products, part)[:, j] = y.array_r
+            target[:, j] = y.array_r
     destroy(x, y)
     return products
 

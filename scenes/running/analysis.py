@@ -1,4 +1,4 @@
-"""The kinds of analysis there are, and what each does of running, storing and opening results."""
+"""Scenes run by their kind of analysis, and results opened again."""
 
 from collections.abc import Callable, Mapping
 from importlib import import_module
@@ -9,9 +9,9 @@ from pydantic import ValidationError
 
 from cea.errors import InputError
 from cea.timing import StageTimer
-from scenes.results.data import Record, RunRecord, checked_record
+from scenes.results.data import Record, RunRecord, checked_record, opened
 from scenes.results.record import PROVENANCE, read_record
-from scenes.results.result import Analysis, Result
+from scenes.results.result import Result
 from scenes.spec.problems import problems
 from scenes.spec.reading import Scene, read_scene
 
@@ -19,18 +19,12 @@ if TYPE_CHECKING:
     from scenes.spec.matrices import MatrixScene
 
 ANALYSES = {
-    "cea": "scenes.running.modes",
-    "static": "scenes.running.static",
-    "matrices": "scenes.running.matrices",
+    "cea": ("scenes.running.modes", "run_modes"),
+    "static": ("scenes.running.static", "run_static"),
+    "matrices": ("scenes.running.matrices", "run_matrices"),
 }
-"""Modules by the kind of analysis that they make, ``analysis.kind``; that of a scene of matrices is
-named here alone."""
-
-
-def analysis_of(scene: "Scene | MatrixScene") -> Analysis:
-    """What runs a scene; its module is imported."""
-    kind = scene.analysis.kind if isinstance(scene, Scene) else "matrices"
-    return cast(Analysis, import_module(ANALYSES[kind]))
+"""Modules and functions that run a scene, by ``analysis.kind``; a scene of matrices is named here
+alone."""
 
 
 def run_scene(scene: "Scene | MatrixScene", **options: Any) -> Result:
@@ -49,7 +43,8 @@ def run_scene(scene: "Scene | MatrixScene", **options: Any) -> Result:
         When bodies or interfaces have other names than those of the scene, or the machine has not
         the memory it takes.
     """
-    return analysis_of(scene).run(scene, **options)
+    module, name = ANALYSES[scene.analysis.kind if isinstance(scene, Scene) else "matrices"]
+    return cast(Result, getattr(import_module(module), name)(scene, **options))
 
 
 def open_result(file: str | Path) -> Result:
@@ -88,21 +83,19 @@ def _opened(data: dict[str, Any]) -> Result:
     stored = {name: value for name, value in data.items() if name not in PROVENANCE}
     if "scene" not in data or not {"eigenvalues", "stresses"} & data.keys():
         made |= checked_record(Record, data)
-        return Result(None, None, StageTimer(), {}, provenance=made, stored=stored)
+        return Result(None, StageTimer(), {}, provenance=made, stored=stored)
     record = checked_record(RunRecord, data)
     of_matrices = "files" in record.scene
     read: Callable[[Mapping[str, Any]], Any] = read_matrix_scene if of_matrices else read_scene
     scene = read(record.scene)
     timer = StageTimer()
     timer.seconds = record.timings
-    kind = analysis_of(scene)
     return Result(
-        kind,
         scene,
         timer,
         record.skipped,
         record.warnings,
-        **kind.opened(record),
+        **opened(record, scene.analysis.kind),
         provenance=made,
         stored=stored,
     )

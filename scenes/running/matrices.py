@@ -19,11 +19,6 @@ from scenes.matrices.pencil import (
     symmetrised_pieces,
 )
 from scenes.results.result import Result
-from scenes.running.analysis import analysis_of
-from scenes.running.modes import describe as describe
-from scenes.running.modes import lines as lines
-from scenes.running.modes import opened as opened
-from scenes.running.modes import table as table
 from scenes.spec.matrices import ROLES, MatrixScene
 
 
@@ -92,7 +87,7 @@ class AssembledMatrices:
             left=left,
             timer=timer,
         )
-        known = analysis_of(scene), scene, timer, skipped_by(scene, self.pieces)
+        known = scene, timer, skipped_by(scene, self.pieces)
         return Result(*known, self.warnings(modes), spectrum=modes, pieces=self.pieces)
 
     def warnings(self, modes: Modes) -> tuple[ResultWarning, ...]:
@@ -139,10 +134,6 @@ def run_matrices(
         result.timer.add(stage, seconds)
     assembled.free()
     return result
-
-
-run = run_matrices
-"""As :class:`scenes.results.result.Analysis` has it; what is told is what is told of modes."""
 
 
 def skipped_by(scene: MatrixScene, pieces: Mapping[str, Piece]) -> dict[str, str]:

@@ -2,21 +2,18 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any, Unpack
+from typing import Unpack
 
 from cea.contact.interface import Interface
 from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.modes import Modes
 from cea.errors import InputError, ResultWarning
-from cea.mode_table import SIGNS, ModeTable
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.checking.memory import room_for_factors
 from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import short_modes
-from scenes.results.data import RunRecord, describe_modes, described_run, opened_modes
-from scenes.results.result import Fields, Result
-from scenes.running.analysis import analysis_of
+from scenes.results.result import Result
 from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
@@ -48,10 +45,6 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
         pencil = system.pencil(leave_out=options.get("leave_out", True))
     with EigenSolver(pencil) as driver:
         return solved(scene, system, interfaces, timer, driver, left=left)
-
-
-run = run_modes
-"""As :class:`scenes.results.result.Analysis` has it."""
 
 
 def solved(
@@ -95,9 +88,7 @@ def result_of_modes(
 
     The parameters are those of :func:`solved`; modes come with what the solver warns of.
     """
-    this = analysis_of(scene)
     result = Result(
-        this,
         scene,
         timer,
         skipped_by(scene),
@@ -125,24 +116,3 @@ def _kept_state(system: CoupledSystem, modes: Modes) -> Iterator[ResultWarning]:
             "zones and contact stiffness are those of the scene",
             {"parameters": moving},
         )
-
-
-def describe(result: Result) -> dict[str, Any]:
-    """What the record of a result holds; `docs/result_json.md` says what every field is."""
-    found = describe_modes(result.modes, result.analysis.growth_threshold)
-    return {"summary": result.summary} | found | described_run(result)
-
-
-def opened(record: RunRecord) -> Fields:
-    """Eigenvalues from a record."""
-    return {"spectrum": opened_modes(record)}
-
-
-def table(result: Result) -> ModeTable:
-    """A row for each mode, as :meth:`cea.eigen.spectrum.Spectrum.table` has them."""
-    return result.modes.table(result.analysis.growth_threshold)
-
-
-def lines(result: Result) -> list[str]:
-    """Summary, table and notes."""
-    return [*result.first_lines, repr(result.table()), SIGNS, *result.notes()]

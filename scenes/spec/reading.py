@@ -101,7 +101,7 @@ class OutputSpec:
     Parameters
     ----------
     pictures
-        Modes to draw and animate, the most unstable first; with c_n what the contacts carry is
+        Modes to draw, the most unstable first; with c_n what the contacts carry is
         drawn too, of a static analysis that alone.
     paraview
         Modes to write for ParaView, the most unstable first; of a static analysis, whether to

@@ -17,7 +17,6 @@ from comparisons.study.columns import Column
 from comparisons.study.numbers import shown
 from comparisons.study.sections import Table
 from scenes import Result, load_scene
-from scenes.running.analysis import analysis_of
 
 WIDTHS = (40, 120)
 WINDOW = Window(12000.0, 1e9, inf, 4, 2, inf, True, False, 1e10, 4, None)
@@ -55,7 +54,6 @@ def result():
     scene, left_out = load_scene("disc_pad"), {"newton": "known stiffness"}
     made, stored = {"command": "run"}, {"dofs": {"free": 1234}}
     return Result(
-        analysis_of(scene),
         scene,
         StageTimer(),
         left_out,

@@ -24,13 +24,13 @@ def test_modes_are_those_of_dense_matrices(backend, form, scene_of):
 
 DAMPED = {
     "bodies.disc.damping.alpha": 0.02,
-    "bodies.disc.damping.beta": 1e-3,
+    "bodies.disc.damping.beta": 0.001,
     "bodies.disc.rotation.rate": 0.1,
     "bodies.disc.material.rho": 1.3,
     "contacts.interface.sliding.pressure": 0.04,
     "contacts.interface.sliding.mu_slope": 0.2,
 }
-MODALLY_DAMPED = {"bodies.disc.damping.modal.ratio": 0.1}
+MODALLY_DAMPED = {"bodies.disc.damping.modal.ratio": 0.1, "bodies.pad.material.E": 1.3}
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,4 @@
-"""Decks of CalculiX and Abaqus: read back by their keywords, against the manual, and run."""
-
-import re
+"""Decks of CalculiX and Abaqus: read back by their keywords, and run."""
 
 import decks
 import numpy as np
@@ -15,80 +13,11 @@ from scenes.export.decks.bodies import deck_bodies
 from scenes.export.decks.write import write_deck
 from scenes.spec.problems import SceneError
 
-LABEL = r"[A-Za-z][\w-]{0,79}"
-NUMBER = r"[+-]?\d+(\.\d*)?([Ee][+-]?\d+)?"
-WHOLE = r"\d+"
-SET = f"({LABEL}|{WHOLE})"
-MODEL, STEP = "model", "step"
-
-
-def fields(*patterns):
-    """A data line with so many fields; "" may be left out."""
-    return re.compile(r"\s*,\s*".join(patterns) + r"\s*,?")
-
-
-GRAMMAR = {
-    "HEADING": (MODEL, {}, [re.compile(".*")]),
-    "NODE": (MODEL, {"NSET": LABEL}, [fields(WHOLE, NUMBER, NUMBER, NUMBER)]),
-    "ELEMENT": (
-        MODEL,
-        {"TYPE": "C3D4|C3D8|C3D10|CPE3|CPE4|CPE6", "ELSET": LABEL},
-        [re.compile(rf"{WHOLE}(,{WHOLE}){{3,10}}")],
-    ),
-    "NSET": (MODEL, {"NSET": LABEL}, [re.compile(rf"{WHOLE}(,{WHOLE}){{0,15}}")]),
-    "SURFACE": (MODEL, {"NAME": LABEL, "TYPE": "ELEMENT"}, [fields(WHOLE, "S[1-6]")]),
-    "MATERIAL": (MODEL, {"NAME": LABEL}, []),
-    "ELASTIC": (MODEL, {}, [fields(NUMBER, NUMBER)]),
-    "DENSITY": (MODEL, {}, [fields(NUMBER)]),
-    "SOLID SECTION": (MODEL, {"ELSET": LABEL, "MATERIAL": LABEL}, [fields(NUMBER)]),
-    "SURFACE INTERACTION": (MODEL, {"NAME": LABEL}, []),
-    "SURFACE BEHAVIOR": (MODEL, {"PRESSURE-OVERCLOSURE": "LINEAR"}, [fields(NUMBER)]),
-    "CONTACT PAIR": (
-        MODEL,
-        {"INTERACTION": LABEL, "TYPE": "SURFACE TO SURFACE", "SMALL SLIDING": ""},
-        [fields(LABEL, LABEL)],
-    ),
-    "CLEARANCE": (MODEL, {"MASTER": LABEL, "SLAVE": LABEL, "VALUE": NUMBER}, []),
-    "BOUNDARY": (None, {"OP": "NEW|MOD"}, [fields(SET, "[1-3]", "[1-3]")]),
-    "FRICTION": (None, {}, [fields(NUMBER)]),
-    "STEP": (MODEL, {"UNSYMM": "YES"}, []),
-    "STATIC": (STEP, {}, [fields(NUMBER, NUMBER)]),
-    "CHANGE FRICTION": (STEP, {"INTERACTION": LABEL}, []),
-    "MOTION": (
-        STEP,
-        {"ROTATION": "", "TRANSLATION": "", "TYPE": "VELOCITY"},
-        [fields(SET, *7 * [NUMBER]), fields(SET, "[1-3]", "[1-3]", NUMBER)],
-    ),
-    "FREQUENCY": (STEP, {"EIGENSOLVER": "LANCZOS"}, [fields(WHOLE, "", NUMBER)]),
-    "COMPLEX FREQUENCY": (STEP, {"FRICTION DAMPING": "NO"}, [fields(WHOLE, "", NUMBER)]),
-    "END STEP": (STEP, {}, []),
-}
-"""Where a keyword may stand (None, in both), parameters that it may have with their values, and its
-data lines: what the manual of Abaqus allows, as far as decks need it."""
-
-
-def check_grammar(file):
-    """Assert what the grammar allows, keyword by keyword, in a deck and the model it includes."""
-    place = MODEL
-    for card in decks.cards(file):
-        where, parameters, shapes = GRAMMAR[card.keyword]
-        assert where in (None, place), card
-        for name, value in card.parameters.items():
-            assert re.fullmatch(parameters[name], value), card
-        for row in card.rows:
-            # Empty fields are left out of cards.
-            lines = [",".join(row), ",".join([row[0], "", *row[1:]])]
-            assert any(shape.fullmatch(line) for shape in shapes for line in lines), (card, row)
-        place = {"STEP": STEP, "END STEP": MODEL}.get(card.keyword, place)
-    assert place == MODEL
-
 
 @pytest.mark.parametrize("name", ELEMENTS)
 def test_elements_are_those_of_the_mesh_and_right_handed(name, tmp_path):
     scene = alone(*ELEMENTS[name])
-    model, _, abaqus = write_deck(scene, tmp_path)
-    check_grammar(abaqus)
-    deck = decks.cards(model)
+    deck = decks.cards(write_deck(scene, tmp_path)[0])
     kind, elements = decks.elements(deck, "part")
     assert kind == name
     x = decks.nodes(deck)
@@ -97,27 +26,23 @@ def test_elements_are_those_of_the_mesh_and_right_handed(name, tmp_path):
     assert set().union(*elements.values()) == set(x)
     volumes = [volume(np.array([x[n] for n in nodes]), kind) for nodes in elements.values()]
     assert min(volumes) > 0
-    sides, height = (16, 1.0) if mesh.dim == 2 else (12, 0.05)
-    exact = sides * np.sin(2 * np.pi / sides) / 2 * (0.2**2 - 0.1**2) * height
+    exact = 12 * np.sin(2 * np.pi / 12) / 2 * (0.2**2 - 0.1**2) * 0.05
     assert sum(volumes) == pytest.approx(exact, rel=1e-12)
     # Nodes behind the corners lie in the middle of the edges that the manuals name.
-    corners, ends = {"C3D10": (4, "122331142434"), "CPE6": (3, "122331")}.get(name, (0, ""))
-    for nodes in elements.values() if corners else ():
-        for middle, i, j in zip(nodes[corners:], ends[::2], ends[1::2], strict=True):
+    ends = "122331142434"
+    for nodes in elements.values() if name == "C3D10" else ():
+        for middle, i, j in zip(nodes[4:], ends[::2], ends[1::2], strict=True):
             expected = (x[nodes[int(i) - 1]] + x[nodes[int(j) - 1]]) / 2
             assert np.allclose(x[middle], expected, atol=1e-15)
 
 
 def volume(x, kind):
-    """Volume of a straight element, or area; negative where it is inside out."""
-    kind = {"C3D10": "C3D4", "CPE6": "CPE3"}.get(kind, kind)
-    if kind == "C3D4":
+    """Volume of a straight element; negative where it is inside out."""
+    if kind != "C3D8":
         return np.linalg.det(x[1:4] - x[0]) / 6
-    if kind == "C3D8":
-        bottom, top = (area(x[i : i + 4, :2]) for i in (0, 4))
-        assert bottom == pytest.approx(top)
-        return bottom * (x[4, 2] - x[0, 2])
-    return area(x[: int(kind[3]), :2])
+    bottom, top = (area(x[i : i + 4, :2]) for i in (0, 4))
+    assert bottom == pytest.approx(top)
+    return bottom * (x[4, 2] - x[0, 2])
 
 
 def area(x):
@@ -146,9 +71,7 @@ def test_a_contact_has_the_stiffness_the_sides_and_the_motion_of_the_scene(tmp_p
 @pytest.mark.parametrize("mu", [0.7, 0.0])
 def test_steps_of_abaqus_are_as_the_manual_has_them(mu, tmp_path):
     """Static steps hold every node; the frequency step frees all but the supports."""
-    file = write_deck(in_contact(**{"contacts.pad_disc.mu": mu}), tmp_path)[2]
-    check_grammar(file)
-    deck = decks.cards(file)
+    deck = decks.cards(write_deck(in_contact(**{"contacts.pad_disc.mu": mu}), tmp_path)[2])
     steps = ("STATIC", "FREQUENCY", "COMPLEX FREQUENCY")
     sliding = ["STATIC", "STATIC", "FREQUENCY", "COMPLEX FREQUENCY"]
     found = [card.keyword for card in deck if card.keyword in steps]
@@ -173,7 +96,7 @@ def test_a_model_read_back_is_the_body_that_was_written(tmp_path):
     assert len(decks.nodes(again)) == len(decks.nodes(decks.cards(model)))
 
 
-MASS = {"C3D8": None, "C3D10": 2, "C3D4": 1, "CPE4": None}
+MASS = {"C3D8": None, "C3D10": 2, "C3D4": 1}
 """Degree to which CalculiX integrates the mass; None, exactly."""
 
 

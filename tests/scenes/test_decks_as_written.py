@@ -29,9 +29,6 @@ SPARSE = "".join(
 )
 
 DECKS = {
-    "sets of elements spelt in two ways": (
-        f"{HEAD}*Element, type=C3D8, elset=Plate\n{''.join(UPPER)}"
-        f"*ELEMENT, TYPE=C3D8, ELSET=PLATE\n{''.join(LOWER)}{HELD}", {"part": "plate"}),
     "sets of nodes spelt in two ways": (
         BODY + "*NSET, NSET=Clamp\n1, 6, 11\n*NSET, NSET=CLAMP\n16, 21, 26\n", {}),
     "parts and instances spelt in two ways": (
@@ -44,12 +41,6 @@ DECKS = {
         "plate-1.1, plate-1.6, plate-1.11, plate-1.16, plate-1.21, plate-1.26\n", {}),
     "surfaces before their sets, spelt otherwise": (
         f"*SURFACE, NAME=Clamp, TYPE=ELEMENT\nclamp, S6\n{BODY}*ELSET, ELSET=CLAMP\n1, 5\n", {}),
-    "surfaces of surfaces": (
-        BODY + "*SURFACE, NAME=A\n1, S6\n*SURFACE, NAME=B\n5, S6\n"
-        "*SURFACE, NAME=CLAMP, COMBINE=UNION\na, b\n", {}),
-    "what is left of a surface": (
-        BODY + "*ELSET, ELSET=E\n1, 5\n*SURFACE, NAME=A\nE, S6\n1, S1\n*SURFACE, NAME=B\n1, S1\n"
-        "*SURFACE, NAME=CLAMP, COMBINE=DIFFERENCE\nA, B\n", {}),
     "what surfaces share": (
         BODY + "*ELSET, ELSET=E\n1, 5\n*SURFACE, NAME=A\nE, S6\n1, S1\n*SURFACE, NAME=B\nE, S6\n"
         "*SURFACE, NAME=CLAMP, COMBINE=INTERSECTION\nA, B\n", {}),
@@ -60,17 +51,11 @@ DECKS = {
         f"{BODY}{SHELLS}*NSET, NSET=CLAMP, ELSET=Endface\n", {"part": "PLATE"}),
     "coordinates left out": (BODY.replace(NODES, SPARSE) + HELD, {}),
     "nodes in a file": (BODY.replace(f"*NODE\n{NODES}", "*NODE, INPUT=nodes.txt\n") + HELD, {}),
-    "elements in a file": (
-        f"{HEAD}*ELEMENT, TYPE=C3D8R, ELSET=PLATE, INPUT=elements.txt\n{HELD}", {}),
-    "sets in files": (
-        BODY + "*NSET, NSET=CLAMP, INPUT=clamp.txt\n*ELSET, ELSET=ALL, INPUT=all.txt\n",
-        {"part": "all"}),
     "more numbers than nodes": (
         BODY.replace(ELEMENTS, "".join(row.replace("\n", ", 7, 8\n") for row in ROWS)) + HELD, {}),
     "comments in keywords, CRLF and tabs": (
         (f"*NODE,\n** here\n NSET=NALL\n{NODES}*ELEMENT,\n type=C3D8,\n** a body\n elset=PLATE\n"
          + ELEMENTS.replace(", ", ",\t") + HELD).replace("\n", "\r\n"), {}),
-    "files in files, by the folder of the deck": (f"*INCLUDE, INPUT=mesh/all.inp\n{HELD}", {}),
     "files in files, by the folder of the file": (f"*INCLUDE, INPUT=mesh/near.inp\n{HELD}", {}),
     "backslashes": (
         f"*INCLUDE, INPUT=mesh\\nodes.inp\n*INCLUDE, INPUT=mesh\\elements.inp\n{HELD}", {}),

@@ -141,16 +141,6 @@ def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes)
     assert (apart <= estimate.remaining + 1e-12).all()
 
 
-def test_one_mode_alone_is_corrected_too(backend):
-    """The shift amid the modes is its own eigenvalue then."""
-    elements = {"upper": [6, 2], "lower": [5, 3]}
-    coarse = coarse_modes("blocks", backend, 2, 1.4, elements=elements)
-    assert len(coarse.modes) == 1
-    estimate = estimate_errors(coarse, steps=1)
-    assert (apart_from_richer(estimate, coarse) <= 0.05 * estimate.errors).all()
-    assert (estimate.errors > 0).all()
-
-
 def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
     """With what they hold: estimates in a space richer in one body are the same."""
     coarse = coarse_modes("blocks", backend, 2, 2.9, elements={"upper": [6, 2], "lower": [5, 3]})

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
-from meshes.breaks import breaks_of, layered
+from meshes.breaks import breaks_of
 from meshes.edge_layers import RATIO
 from meshes.shapes import Hub
 from scenes.refinement.meshes import (
@@ -133,16 +133,6 @@ def test_layers_at_edges_are_read_again_from_the_text_of_their_scene(tmp_path):
     file = tmp_path / "again.toml"
     file.write_text(scene_text(scene))
     assert load_scene(file) == scene
-
-
-def test_layers_are_nested_and_keep_what_was_there():
-    breaks = np.linspace(0.0, 1.0, 5)
-    one, two = (layered(breaks, (0.0, 0.5), n, 0.2) for n in (1, 2))
-    assert set(breaks) <= set(one) <= set(two)
-    assert len(two) == len(breaks) + 2 * 3  # one side at the end, two inside
-    assert np.array_equal(layered(breaks, (), 3, 0.2), breaks)
-    with pytest.raises(InputError, match="below 1/2"):
-        layered(breaks, (0.0,), 1, 0.6)
 
 
 def test_what_cannot_be_refined_is_refused():

@@ -1,7 +1,6 @@
 """Scenes whose contacts obey normal compliance: equilibrium first, then modes about it."""
 
 import pytest
-from covering import covering
 from pressed import SOFT, pressed_blocks
 
 from scenes import read_scene, run_scene
@@ -10,12 +9,9 @@ from scenes.spec.problems import SceneError
 GPTS = {"method": "gpts", "points": 3}
 
 
-def run(*arguments, **options):
-    return run_scene(read_scene(pressed_blocks(*arguments, **options)))
-
-
 def test_open_points_stay_points(backend):
-    result = run(backend, GPTS, c_n=100.0, m_n=2.0, mu=0.0, added_gap="0.2*(x-0.45)**2")
+    law = {"c_n": 100.0, "m_n": 2.0, "mu": 0.0, "added_gap": "0.2*(x-0.45)**2"}
+    result = run_scene(read_scene(pressed_blocks(backend, GPTS, **law)))
     (contact,) = result.system.contacts
     state = result.steady.contacts["interface"]
     assert 0 < state.closed_fraction < 1
@@ -23,26 +19,6 @@ def test_open_points_stay_points(backend):
     assert contact.slope == pytest.approx(state.stiffness)
     assert (contact.slope[state.closure <= 0] == 0).all()
     assert contact.law.pressure(contact.closure) == pytest.approx(state.pressure)
-
-
-def test_friction_is_a_parameter_and_stiffness_is_none(backend):
-    scene = read_scene(pressed_blocks(backend, GPTS, c_n=SOFT, m_n=2.0))
-    parameters = run_scene(scene).modes.pencil.parameters
-    assert "contacts.interface.mu" in parameters
-    assert "contacts.interface.P" not in parameters
-
-
-@pytest.mark.parametrize(
-    ("backend", "rule"), covering(("iga", "fe"), ({"method": "mortar"}, GPTS), strength=1)
-)
-def test_matrices_are_those_of_the_state(backend, rule):
-    result = run(backend, rule, c_n=1e2, m_n=2.0)
-    matrices = result.matrices()
-    (contact,) = result.system.contacts
-    assert abs(matrices["K_n"]).max() == pytest.approx(
-        max(abs(contact.K_n.getValuesCSR()[2])), rel=1e-14
-    )
-    assert abs(matrices["K_f"]).max() > 0
 
 
 @pytest.mark.parametrize(

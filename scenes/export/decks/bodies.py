@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.errors import InputError
-from cea.mesh import Cell, Floats, Ints, Mesh, lattice, matching_nodes, reference_nodes
+from cea.mesh import Cell, Ints, Mesh, lattice, matching_nodes, reference_nodes
 from meshes.files.content import named_sides
 from meshes.files.elements import facet_sides, full_kind
 from scenes.building.build import body_mesh, used_surfaces
@@ -19,14 +19,8 @@ ELEMENTS: Mapping[tuple[Cell, int], str] = {
     ("tetrahedron", 1): "C3D4",
     ("tetrahedron", 2): "C3D10",
     ("hexahedron", 1): "C3D8",
-    ("triangle", 1): "CPE3",
-    ("triangle", 2): "CPE6",
-    ("quadrilateral", 1): "CPE4",
 }
-"""Elements by kind of cell and degree. Squares and cubes of higher degree have a node inside here,
-none there: there is no counterpart."""
-_POINTS = 6
-"""Gauss points along each direction of a facet: its area element is smooth."""
+"""Elements by kind of cell and degree; none there has the node inside a cube of higher degree."""
 
 
 def set_name(place: str) -> str:
@@ -36,24 +30,12 @@ def set_name(place: str) -> str:
 
 @dataclass(frozen=True)
 class DeckBody:
-    """A body with its mesh and the numbers it has in a deck.
+    """A body with its mesh and the numbers it has in a deck."""
 
-    Parameters
-    ----------
-    name
-        Name of the body, which is that of its sets of nodes and elements.
-    spec
-        What the scene says of it.
-    mesh
-        Its mesh; nodes are those of its elements.
-    first_node, first_element
-        Numbers of its first node and element, from 1 through all bodies.
-    """
-
-    name: str
+    name: str  # that of its sets of nodes and elements too
     spec: BodySpec
-    mesh: Mesh
-    first_node: int
+    mesh: Mesh  # whose nodes are those of its elements
+    first_node: int  # numbers from 1 through all bodies
     first_element: int
 
     @property
@@ -82,22 +64,6 @@ class DeckBody:
         rising = np.lexsort((faces, elements))
         return elements[rising], faces[rising]
 
-    def area_of(self, surface: str) -> float:
-        """Area of a surface in space (m^2)."""
-        return float(np.linalg.norm(self.area_vectors(surface), axis=-1).sum())
-
-    def area_vectors(self, surface: str) -> Floats:
-        """Normals times area at Gauss points of facets, of either sense, (n_facets, points, 3)."""
-        mesh = self.mesh
-        at, weights = _gauss(mesh.is_simplex)
-        powers = lattice(2, mesh.order, mesh.is_simplex)
-        coefficients = np.linalg.inv(_monomials(powers / mesh.order, powers))
-        x = mesh.points[mesh.surfaces[surface]]
-        tangents = [
-            np.einsum("pj,jk,nkd->npd", _monomials(at, powers, i), coefficients, x) for i in (0, 1)
-        ]
-        return np.cross(*tangents) * weights[:, None]
-
 
 def element_nodes(mesh: Mesh) -> Ints:
     """Nodes of each cell in the order of its element type, right-handed, (n_cells, n_nodes)."""
@@ -114,25 +80,6 @@ def _is_mirrored(mesh: Mesh) -> NDArray[np.bool_]:
     apart = np.abs(first[:, None] - reference_nodes(mesh.cell, mesh.order)).max(axis=2)
     x = mesh.points[mesh.cells[:, apart.argmin(axis=1)]]
     return np.linalg.det(x[:, 1:] - x[:, :1]) < 0
-
-
-def _monomials(x: Floats, powers: Ints, derivative: int | None = None) -> Floats:
-    """Monomials, or their derivatives along one direction, at points, (n, n_monomials)."""
-    if derivative is None:
-        return np.prod(x[:, None] ** powers, axis=2)
-    lowered = np.maximum(powers - np.eye(2, dtype=int)[derivative], 0)
-    return _monomials(x, lowered) * powers[:, derivative]
-
-
-def _gauss(simplex: bool) -> tuple[Floats, Floats]:
-    """Points and weights of the unit square or triangle."""
-    x, w = np.polynomial.legendre.leggauss(_POINTS)
-    x, w = (x + 1) / 2, w / 2
-    s, t = (each.ravel() for each in np.meshgrid(x, x, indexing="ij"))
-    weights = np.outer(w, w).ravel()
-    if simplex:
-        return np.stack([s, (1 - s) * t], axis=1), weights * (1 - s)
-    return np.stack([s, t], axis=1), weights
 
 
 def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
@@ -153,7 +100,7 @@ def _mesh(name: str, spec: BodySpec, surfaces: Sequence[str]) -> Mesh:
         return _straight_quadratic(mesh)
     if degree != mesh.order or (mesh.cell, mesh.order) not in ELEMENTS:
         allowed = (
-            "the order of the cells for a deck, and 1 where they are no simplices: this file has "
+            "the order of the cells for a deck, in space, and 1 of hexahedra: this file has "
             f"a {mesh.cell} of order {mesh.order}"
         )
         raise InputError(f"bodies.{name}.mesh.degree", degree, allowed)

@@ -15,8 +15,8 @@ import numpy as np
 from cea.contact.friction import AlongVector, Circumferential
 from cea.errors import InputError
 from cea.mesh import Floats
+from cea.surface import Surface
 from scenes.export.decks.bodies import DeckBody, set_name
-from scenes.export.decks.model import in_space
 from scenes.spec.contact import ContactSpec
 
 _TANGENT = 1e-6
@@ -25,52 +25,26 @@ _TANGENT = 1e-6
 
 @dataclass(frozen=True)
 class DeckContact:
-    """A contact as decks have it.
+    """A contact as decks have it."""
 
-    Parameters
-    ----------
-    interaction
-        Name of its surface interaction.
-    slave, master
-        Names of the surfaces that are side a, where integration points lie, and side b.
-    stiffness
-        Contact stiffness p (N/m^3), uniform.
-    mu
-        Friction coefficient.
-    """
-
-    interaction: str
-    slave: str
+    interaction: str  # name of its surface interaction
+    slave: str  # surface that is side a, where integration points lie
     master: str
-    stiffness: float
+    stiffness: float  # p (N/m^3), uniform
     mu: float
 
 
 def deck_contacts(
-    contacts: Mapping[str, ContactSpec], bodies: Mapping[str, DeckBody]
+    contacts: Mapping[str, ContactSpec], surfaces: Mapping[str, Surface]
 ) -> list[DeckContact]:
-    """Contacts of a scene that was checked before."""
-    return [
-        DeckContact(
-            f"{name}-interaction",
-            set_name(spec.a),
-            set_name(spec.b),
-            _stiffness(name, spec, bodies),
-            float(spec.mu),
-        )
-        for name, spec in contacts.items()
-    ]
-
-
-def _stiffness(name: str, spec: ContactSpec, bodies: Mapping[str, DeckBody]) -> float:
-    """p, or P over the area of side a."""
-    if spec.P is None:
-        return float(spec.p or 0.0)
-    body, surface = spec.a.split(".")
-    area = bodies[body].area_of(surface)
-    if not area > 0:
-        raise InputError(f"contacts.{name}.a", spec.a, "a surface with an area")
-    return spec.P / area
+    """Contacts of a scene that was checked before, on surfaces by "body.surface"."""
+    found = []
+    for name, spec in contacts.items():
+        area = surfaces[spec.a].area
+        p = float(spec.p or 0.0) if spec.P is None else spec.P / area
+        sides = set_name(spec.a), set_name(spec.b)
+        found.append(DeckContact(f"{name}-interaction", *sides, p, float(spec.mu)))
+    return found
 
 
 @dataclass(frozen=True)
@@ -82,15 +56,17 @@ class RigidMotion:
 
     def at(self, x: Floats) -> Floats:
         """Velocities at points, (n, 3)."""
-        points, direction = in_space(x), self.direction
+        direction = self.direction
         if isinstance(direction, AlongVector):
-            return np.broadcast_to(_unit(direction.vector), points.shape)
+            return np.broadcast_to(_unit(direction.vector), x.shape)
         axis = _unit(direction.circumferential_about)
-        return np.cross(axis, points - np.asarray(direction.origin)) / self.radius
+        return np.cross(axis, x - np.asarray(direction.origin)) / self.radius
 
 
 def moving_bodies(
-    contacts: Mapping[str, ContactSpec], bodies: Mapping[str, DeckBody]
+    contacts: Mapping[str, ContactSpec],
+    bodies: Mapping[str, DeckBody],
+    surfaces: Mapping[str, Surface],
 ) -> dict[str, RigidMotion]:
     """Motions of the bodies that move, by name; all others rest."""
     motions: dict[str, RigidMotion] = {}
@@ -118,22 +94,13 @@ def moving_bodies(
             motion = RigidMotion(direction, min(radius, before.radius if before else np.inf))
         motions[body] = motion
         for side in (contact.a, contact.b):
-            _check_tangent(field, motion, bodies, side)
+            points = surfaces[side].gauss_points(2)
+            velocity = motion.at(points.x)
+            across = np.abs(np.einsum("ij,ij->i", points.normal, velocity))
+            if (across > _TANGENT * np.linalg.norm(velocity, axis=1)).any():
+                allowed = f"along {side} everywhere, so that the sides stay together as they slide"
+                raise InputError(field, direction, allowed)
     return motions
-
-
-def _check_tangent(
-    field: str, motion: RigidMotion, bodies: Mapping[str, DeckBody], side: str
-) -> None:
-    """Refuse a motion that takes a side off, or into, the other."""
-    body, surface = bodies[side.split(".")[0]], side.split(".")[1]
-    velocity = motion.at(body.mesh.points[body.mesh.surfaces[surface]].mean(axis=1))
-    normal = body.area_vectors(surface).sum(axis=1)
-    across = np.abs(np.einsum("ij,ij->i", normal, velocity))
-    sizes = np.linalg.norm(normal, axis=1) * np.linalg.norm(velocity, axis=1)
-    if (across > _TANGENT * sizes).any():
-        allowed = f"along {side} everywhere, so that the sides stay together as they slide"
-        raise InputError(field, motion.direction, allowed)
 
 
 def _unit(vector: tuple[float, ...]) -> Floats:

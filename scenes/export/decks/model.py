@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from cea.elasticity import Axes
 from cea.material import IsotropicMaterial, Material, OrthotropicMaterial
-from cea.mesh import Floats, Ints
+from cea.mesh import Ints
 from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.spec.reading import Scene
 
@@ -52,11 +52,6 @@ def table(rows: ArrayLike, form: str) -> list[str]:
     return text.getvalue().splitlines()
 
 
-def in_space(x: Floats) -> Floats:
-    """Points with z = 0 in the plane, (n, 3)."""
-    return np.pad(x, ((0, 0), (0, 3 - x.shape[1])))
-
-
 def model_lines(scene: Scene, bodies: Mapping[str, DeckBody]) -> Iterator[str]:
     """Lines of the model file, which the decks of all programs include."""
     yield from comments(
@@ -72,7 +67,7 @@ def model_lines(scene: Scene, bodies: Mapping[str, DeckBody]) -> Iterator[str]:
 
 
 def _body_lines(body: DeckBody) -> Iterator[str]:
-    x, material = in_space(body.mesh.points), body.spec.material
+    x, material = body.mesh.points, body.spec.material
     nodes = np.arange(body.first_node, body.first_node + len(x))
     yield keyword("NODE", NSET=body.name)
     yield from table(np.column_stack([nodes, x]), "%d" + ",%.13E" * 3)
@@ -94,8 +89,6 @@ def _body_lines(body: DeckBody) -> Iterator[str]:
     if material.rho is not None:
         yield from ("*DENSITY", f"{numbers(material.rho)},")
     yield keyword("SOLID SECTION", **section)
-    if body.mesh.dim == 2:
-        yield "1.,"  # the thickness
 
 
 def _axes_lines(name: str, axes: Axes) -> Iterator[str]:
@@ -134,14 +127,14 @@ def boundary_lines(bodies: Mapping[str, DeckBody], **parameters: object) -> Iter
         f"{set_name(f'{body.name}.{support.surface}')}, {first}, {last}"
         for body in bodies.values()
         for support in body.spec.supports
-        for first, last in _ranges(support.components, body.mesh.dim)
+        for first, last in _ranges(support.components)
     ]
     if held or parameters:
         yield keyword("BOUNDARY", **parameters)
         yield from held
 
 
-def _ranges(components: Iterable[str], dim: int) -> list[tuple[int, int]]:
+def _ranges(components: Iterable[str]) -> list[tuple[int, int]]:
     """First and last number of components that are held; none named are all."""
-    found = sorted({"xyz".index(each) + 1 for each in components}) or list(range(1, dim + 1))
-    return [(1, dim)] if len(found) == dim else [(each, each) for each in found]
+    found = sorted({"xyz".index(each) + 1 for each in components})
+    return [(1, 3)] if len(found) in (0, 3) else [(each, each) for each in found]

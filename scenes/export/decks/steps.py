@@ -5,7 +5,7 @@ contacts keep the overlap they are given and nothing deforms; the frequency step
 the supports. What differs:
 
 - closure over the size of the bodies: 1e-12 in CalculiX, as slip is small with it and rounding of
-  coordinates smaller; 1e-7 in Abaqus, which gives no digits.
+  coordinates smaller; 1e-7 in Abaqus.
 - sliding: CalculiX displaces the bodies that move as rigid bodies, far enough for every point to
   slip. Its friction then lies on the limit to rounding, and the frequency step would find many
   points to stick: of the disc and pad it then finds no instability. So the static step has twice
@@ -43,25 +43,13 @@ BASIS = 2
 
 @dataclass(frozen=True)
 class Deck:
-    """What a deck is made of.
-
-    Parameters
-    ----------
-    bodies, contacts
-        Bodies by name, and contacts.
-    motions
-        Motions of the bodies that move, by name.
-    modes
-        Number of modes.
-    max_frequency
-        Upper end of the window (Hz).
-    """
+    """What a deck is made of."""
 
     bodies: Mapping[str, DeckBody]
     contacts: list[DeckContact]
-    motions: Mapping[str, RigidMotion]
-    modes: int
-    max_frequency: float
+    motions: Mapping[str, RigidMotion]  # of the bodies that move
+    modes: int  # number that is asked for
+    max_frequency: float  # upper end of the window (Hz)
 
     def closure(self, program: str) -> float:
         """How far the sides overlap (m)."""

@@ -5,7 +5,8 @@ Scenes that a deck cannot hold are refused before a mesh is made.
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,10 @@ from cea.errors import InputError
 from cea.files import check_writable, write_whole
 from cea.petsc import MPI
 from cea.ranks import made_on_first
+from cea.surface import Surface
+from cea.timing import StageTimer
 from meshes.mesh_file import MeshFile
-from scenes.building.build import used_surfaces
+from scenes.building.build import build_bodies, used_surfaces
 from scenes.export.decks.bodies import ELEMENTS, deck_bodies, set_name
 from scenes.export.decks.contacts import deck_contacts, moving_bodies
 from scenes.export.decks.model import boundary_lines, comments, model_lines
@@ -69,24 +72,29 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
         raise SceneError(faults)
     name = file_name(scene.name)
     files = [folder / f"{name}_{kind}.inp" for kind in ("model", *STEPS)]
-    made_on_first(MPI.COMM_WORLD, lambda: _write(scene, files, modes))
+    for file in files:
+        made_on_first(MPI.COMM_WORLD, partial(check_writable, file, "out"))
+    built = build_bodies(scene, StageTimer())
+    surfaces = {
+        side: built[side.split(".")[0]].surfaces[side.split(".")[1]]
+        for contact in scene.contacts.values()
+        for side in (contact.a, contact.b)
+    }
+    made_on_first(MPI.COMM_WORLD, lambda: _write(scene, surfaces, files, modes))
     return files
 
 
-def _write(scene: Scene, files: list[Path], modes: int) -> None:
-    for file in files:
-        check_writable(file, "out")
+def _write(scene: Scene, surfaces: Mapping[str, Surface], files: list[Path], modes: int) -> None:
     assert isinstance(scene.analysis, ComplexEigenvalueAnalysis)
-    bodies = deck_bodies(scene)
-    contacts = deck_contacts(scene.contacts, bodies)
-    motions = moving_bodies(scene.contacts, bodies)
+    bodies, contacts = deck_bodies(scene), deck_contacts(scene.contacts, surfaces)
+    motions = moving_bodies(scene.contacts, bodies, surfaces)
     deck = Deck(bodies, contacts, motions, modes, scene.analysis.max_frequency)
-    texts, model = [model_lines(scene, bodies)], files[0].name
+    texts, model = [model_lines(scene, deck.bodies)], files[0].name
     for program, steps in STEPS.items():
         head = ["*HEADING", model.removesuffix("_model.inp")] if program == "abaqus" else []
         head += [*comments(_about(scene, deck, program)), f"*INCLUDE, INPUT={model}"]
         behaviour = contact_lines(deck, program)
-        texts.append(iter([*head, *boundary_lines(bodies), *behaviour, *steps(deck)]))
+        texts.append(iter([*head, *boundary_lines(deck.bodies), *behaviour, *steps(deck)]))
     for file, lines in zip(files, texts, strict=True):
         # ASCII is all that both programs surely read.
         write_whole("".join(f"{line}\n" for line in lines).encode("ascii", "replace"), file)
@@ -118,9 +126,6 @@ def _claims(scene: Scene) -> Iterator[_Claim]:
     for name, contact in scene.contacts.items():
         yield f"contacts.{name}", name, not _LABEL.fullmatch(name), _LABELS
         yield from _claims_on_contact(f"contacts.{name}", contact)
-        planar = len(scene.bodies[contact.a.split(".")[0]].geometry.directions) == 2
-        sides = f"{contact.a}, {contact.b}"
-        yield f"contacts.{name}", sides, planar, "none in the plane, where no bodies touch"
     # Sets whose names become one: capitals count as small letters, and a dot as a hyphen.
     sets = {f"bodies.{name}": name.lower() for name in scene.bodies}
     for name, body in scene.bodies.items():
@@ -139,10 +144,9 @@ def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
     fe = body.mesh.fe if body.backend == "fe" else None
     if fe is not None:  # elements of mesh files show when the file is read
         known = (fe.cell, fe.degree) in ELEMENTS
-        wanted = "tetrahedron" if len(body.geometry.directions) == 3 else "triangle"
         allowed = (
-            f"1, or 2 with cell = {wanted!r}, geometry_degree = 1, as no element there has the "
-            f"nodes of a {fe.cell} of degree {fe.degree},"
+            "1, or 2 with cell = 'tetrahedron', geometry_degree = 1, of bodies in space, as no "
+            f"element there has the nodes of a {fe.cell} of degree {fe.degree},"
         )
         yield f"{field}.mesh.fe.degree", fe.degree, not known, allowed
         curved = known and (fe.geometry_degree or fe.degree) not in {1, fe.degree}
