@@ -58,11 +58,6 @@ class RayleighDamping:
         alpha = 4 * pi * f * F * max(of_mass, 0.0) / shared
         return cls(alpha, max(of_stiffness, 0.0) / (pi * shared))
 
-    def ratio(self, frequency: float) -> float:
-        """Damping ratio of a mode of the body alone at a frequency (Hz)."""
-        omega = 2 * pi * frequency
-        return self.alpha / (2 * omega) + self.beta * omega / 2
-
 
 @dataclass(frozen=True)
 class ModalDamping:

@@ -20,8 +20,6 @@ from cea.surface_points import Location, Status, SurfaceCells, SurfaceCoordinate
 TOLERANCE = 1e-8
 """Default miss allowed, relative to the local mesh size."""
 
-_CLOSE = 1 / 16
-"""Part of the reach within which points are looked for first."""
 _MAX_ITERATIONS = 40
 _GRAZING = 1e-10
 """Sine between line and surface below which Newton's steps are least-squares steps."""
@@ -84,14 +82,7 @@ def locate_along(
     direction = np.ascontiguousarray(direction, dtype=float)
     out = _nothing(len(x), chart.dim, tolerance)
     for start in range(0, len(x), _CHUNK):
-        points = np.arange(start, min(start + _CHUNK, len(x)))
-        # What is met close by is the nearest: nothing farther off has to be tried.
-        for limit in (_CLOSE * reach, reach):
-            _locate(chart, x, direction, points, limit, reach, out)
-            far = ~(np.abs(out.distance[points]) <= limit)
-            points = points[far | out.missed[points]]
-            if not points.size:
-                break
+        _locate(chart, x, direction, np.arange(start, min(start + _CHUNK, len(x))), reach, out)
     return out
 
 
@@ -107,21 +98,15 @@ def _nothing(n: int, dim: int, tolerance: float) -> Location:
 
 
 def _locate(
-    chart: Chart,
-    x: Floats,
-    direction: Floats,
-    points: Ints,
-    limit: float,
-    reach: float,
-    out: Location,
+    chart: Chart, x: Floats, direction: Floats, points: Ints, reach: float, out: Location
 ) -> None:
-    """Locate some of the points, none farther off than a limit, and write down what is found."""
+    """Locate some of the points and write down what is found."""
     aim, tolerance = direction[points], out.tolerance
-    point, element, xi = chart.candidates(x[points], aim, limit)
+    point, element, xi = chart.candidates(x[points], aim, reach)
     size = chart.size(element)
     xi, distance, miss = _newton(chart, element, xi, x[points[point]], aim[point], tolerance)
     relative = miss / size
-    hit = (relative <= tolerance) & (np.abs(distance) <= limit)
+    hit = (relative <= tolerance) & (np.abs(distance) <= reach)
 
     # Hits before misses; hits by distance, rounded so that one edge seen from two elements ties.
     rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)

@@ -68,6 +68,11 @@ def transposed_product(left: Any, right: Any) -> Any:
     return _alone(left.transposeMatMult(right))
 
 
+def times(left: Any, right: Any) -> Any:
+    """L R."""
+    return _alone(left.matMult(right))
+
+
 def symmetric_product(gap: Any, weight: Any) -> Any:
     """G^T D G as (sqrt(D) G)^T (sqrt(D) G): symmetric to the last bit.
 

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
@@ -28,18 +27,6 @@ class Nodes:
         table = np.full((self.count, self.dim), -1, dtype=np.int64)
         table[self.node, self.component] = np.arange(len(self.node))
         return table
-
-    def starts(self, comm: Any) -> Ints:
-        """First basis function of each rank among those of all, and their number; collective."""
-        return np.concatenate([[0], np.cumsum(comm.allgather(self.count))])
-
-    def everywhere(self, comm: Any) -> tuple[Ints, Ints]:
-        """Basis function, among those of all ranks, and component of all unknowns; collective."""
-        node = self.node + self.starts(comm)[comm.rank]
-        return (
-            np.concatenate(comm.allgather(node)),
-            np.concatenate(comm.allgather(self.component)),
-        )
 
     def blocks(self, rows: csr_array, first: int) -> Floats:
         """Diagonal blocks of a matrix, zero where held, shape (count, dim, dim)."""

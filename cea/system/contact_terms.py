@@ -33,8 +33,8 @@ from cea.contact.contact import Contact, jump_operator
 from cea.contact.formulations import Form
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Term
-from cea.errors import InputError, ResultWarning
-from cea.matrices import destroy, product, squared, symmetric_product, symmetrised
+from cea.errors import ResultWarning
+from cea.matrices import destroy, product, squared, symmetrised
 from cea.petsc import PETSc
 
 MOST_DIGITS = 6.0
@@ -218,11 +218,6 @@ def _damping(
     """C of the turning direction, kind "speed", and of the slope of friction, PETSc AIJ (N s/m)."""
     sliding, interface = contact.sliding, contact.interface
     assert sliding is not None
-    if contact.coupling == "bonded" or contact.friction is None:
-        raise InputError("sliding", contact.coupling, "left out where nothing slides")
-    if sliding.speed is not None and interface.a.dim < 3:
-        allowed = "left out in the plane, where the direction of sliding cannot turn"
-        raise InputError("sliding.speed", float(sliding.speed.flat[0]), allowed)
     points, rows = interface.local_points, interface.rows
     load = points.weight * _pressure(contact, share)[rows]
     k = contact.friction_direction()
@@ -231,7 +226,8 @@ def _damping(
         slip = jump_operator(bodies, contact, direction)
         weight = slip.createVecLeft()
         weight.array[:] = values
-        matrix = _weighted(slip, weight)
+        matrix = symmetrised(product(slip, slip, weight))
+        matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         destroy(slip, weight)
         return matrix
 
@@ -247,17 +243,5 @@ def _pressure(contact: Contact, share: float) -> Floats:
     sliding = contact.sliding
     if sliding is not None and sliding.pressure is not None:
         return share * sliding.pressure
-    if contact.closure is None:
-        allowed = "needed where no state of steady sliding tells it (N/m^2)"
-        raise InputError("sliding.pressure", None, allowed)
+    assert contact.closure is not None
     return np.maximum(contact.law.pressure(contact.closure), 0.0)
-
-
-def _weighted(slip: Any, weight: Any) -> Any:
-    """T^T diag(w) T, symmetric to the last bit, for weights of any sign."""
-    smallest = weight.min()[1]
-    if smallest >= 0:
-        return symmetric_product(slip, weight)
-    matrix = symmetrised(product(slip, slip, weight))
-    matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    return matrix

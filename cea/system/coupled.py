@@ -98,13 +98,11 @@ class CoupledSystem:
         digits = {name: self._digits_at(name, values) for name in self.penalty_digits}
         return penalty_warnings(self.contacts, digits)
 
-    def keeps_forms(self, contacts: Iterable[str], values: Mapping[str, float]) -> bool:
-        """Whether contacts would take the forms they have if some parameters had other values."""
-        return all(
-            half.lumped is not None or form_for(self._digits_at(name, values)) == half.form
-            for name in contacts
-            for half in by_pair(self.contacts)[name]
-        )
+    def keeps_form(self, contact: str, values: Mapping[str, float]) -> bool:
+        """Whether a contact would take the form it has if some parameters had other values."""
+        form = form_for(self._digits_at(contact, values))
+        halves = by_pair(self.contacts)[contact]
+        return all(half.lumped is not None or half.form == form for half in halves)
 
     def _digits_at(self, contact: str, values: Mapping[str, float]) -> float:
         """Digits that the penalty form costs at other P and E; infinite where it is not known."""

@@ -74,7 +74,7 @@ def steady_sliding(
     Raises
     ------
     InputError
-        When the system has no load, no such contact, or steps do not rise to 1.
+        When the system has no load, or no such contact.
     ConvergenceError
         When the load opens the contact, a rigid motion is free, or no equilibrium is found; the
         last state is attached.
@@ -83,24 +83,13 @@ def steady_sliding(
         raise InputError("load", None, "forces: the system was coupled without")
     if all(contact.law.linear for contact in system.contacts):
         raise InputError("contacts", list(system.bodies), "one with a law of its closure")
-    targets = check_steps(steps, "steps")
+    if isinstance(steps, int):
+        steps = tuple(number / steps for number in range(1, steps + 1))
     equations = SteadyEquations(system)
     try:
-        return _Path(equations, timer or StageTimer(), targets, history=history).solve()
+        return _Path(equations, timer or StageTimer(), steps, history=history).solve()
     finally:
         equations.free()
-
-
-def check_steps(steps: int | Sequence[float], field: str) -> tuple[float, ...]:
-    """Parts of the load at the ends of steps, which rise from above 0 to 1; others are refused."""
-    if isinstance(steps, int):
-        if steps < 1:
-            raise InputError(field, steps, "1 or more")
-        return tuple(number / steps for number in range(1, steps + 1))
-    parts = tuple(float(part) for part in steps)
-    if not parts or not all(a < b for a, b in pairwise((0.0, *parts))) or parts[-1] != 1.0:
-        raise InputError(field, list(parts), "parts of the load that rise from above 0 to 1")
-    return parts
 
 
 class _Path:

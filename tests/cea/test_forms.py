@@ -67,12 +67,6 @@ def test_digits_at_other_moduli_are_those_of_a_scene_assembled_there(backend, mo
     assert found.data["digits"] == pytest.approx(fresh.data["digits"], abs=1e-9)
 
 
-def test_projected_gaps_cost_no_digits(backend):
-    system = assemble(contact_of(backend, 1e12, {"method": "mortar"}))
-    assert forms(system) == {"penalty"}
-    assert not system.warnings
-
-
 @pytest.mark.parametrize(
     ("backend", "method"), covering(["fe", "iga"], ["gpts", "mortar"], strength=1)
 )

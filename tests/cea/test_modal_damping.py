@@ -6,7 +6,7 @@ from blocks import assemble
 from covering import covering
 
 from cea.damping import ModalDamping
-from cea.eigen.driver import EigenSolver, solve_modes
+from cea.eigen.driver import solve_modes
 from cea.eigen.matching import assign
 from cea.errors import InputError
 
@@ -127,24 +127,6 @@ def test_modes_that_are_not_counted_do_not(backend):
     with pytest.raises(InputError, match=r"bodies\.block\.material\.rho"):
         modes.sensitivity("bodies.block.material.rho")
     assert np.isfinite(modes.sensitivity("bodies.block.damping.modal.ratio")).all()
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_the_ratio_is_a_parameter(backend):
-    system = assemble(one_block(backend, {"ratio": 0.0, "max_frequency": 0.95}))
-    pencil = system.pencil()
-    assert not pencil.at().quadratic
-    expected = piece_of(assemble(one_block(backend, KINDS["one ratio"])))
-    root = pencil.at({"bodies.block.damping.modal.ratio": 0.02}).low_rank.root()
-    assert root @ root.T == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
-    overdamped = solve_modes(pencil, TOP, {"bodies.block.damping.modal.ratio": 1.25})
-    assert overdamped.window.complete
-    with EigenSolver(pencil) as driver:
-        omega = driver.solve(TOP).eigenvalues.imag
-        wide = driver.solve(TOP, {"bodies.block.damping.modal.ratio": 1.25}, min_growth=-13.0)
-    slow, fast = -omega[omega < 1.9 * np.pi] * 0.5, -omega[omega < 1.9 * np.pi] * 2.0
-    real = np.sort(wide.growth_rates[wide.eigenvalues.imag == 0])
-    assert real == pytest.approx(np.sort(np.append(slow, fast)), rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,8 @@ from pressed import pressed_blocks
 from scipy.linalg import eigh
 
 from cea.material import IsotropicMaterial
-from scenes import assemble, read_scene, run_scene
+from scenes import read_scene, run_scene
 from scenes.building.build import build_body
-from scenes.checking.skipped import skipped_by
-from scenes.spec.plain import as_data
 
 STEEL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 MU = STEEL.lame[1]
@@ -108,18 +106,3 @@ def test_waves_along_a_pressed_column(backend):
     assert np.abs(result.frequencies - frequency).min() < 2e-4 * frequency
     plain = run_scene(read_scene(column(backend, pressure)))
     assert np.abs(plain.frequencies - frequency).min() > 5e-3 * frequency
-
-
-def test_off_it_changes_nothing_and_is_told(backend):
-    scene = read_scene(column(backend, 0.05))
-    assert "geometric stiffness" in skipped_by(scene)
-    assert "geometric_stiffness" not in as_data(scene)["analysis"]
-    stiffened = scene.change("analysis.geometric_stiffness", True)
-    assert "geometric stiffness" not in skipped_by(stiffened)
-    assembled = assemble(scene)
-    swept = assembled.modes({"analysis.geometric_stiffness": True})
-    assert swept.eigenvalues == pytest.approx(run_scene(stiffened).eigenvalues, rel=1e-9)
-    assert abs(swept.eigenvalues[0]) < (1 - 1e-3) * abs(assembled.modes().eigenvalues[0])
-    stiffer = swept.matrices()["K"] - assembled.modes().matrices()["K"]
-    assert abs(stiffer - stiffer.T).max() == 0.0
-    assert abs(stiffer).max() > 0

@@ -180,22 +180,6 @@ def test_forces_that_do_not_balance_end_the_run(backend, contact, monkeypatch):
     assert set(raised.value.best) == {"upper", "lower"}
 
 
-def test_moments_that_do_not_balance_end_the_run(backend, monkeypatch):
-    """Forces of a contact at other dofs than they act on."""
-    real = support_forces.forces_on_bodies
-
-    def wrong(*arguments):
-        for each in real(*arguments):
-            forces = each.forces.copy()
-            loaded = np.abs(forces).sum(axis=1) > 0
-            forces[loaded] = forces[loaded].mean(axis=0)
-            yield support_forces.SideForces(each.contact, each.body, forces, each.size)
-
-    monkeypatch.setattr("cea.system.support_forces.forces_on_bodies", wrong)
-    with pytest.raises(ConvergenceError, match="do not add up to zero"):
-        run_scene(read_scene(pressed(backend, "mortar")))
-
-
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_reactions_are_the_same_on_any_ranks(ranks):

@@ -110,31 +110,6 @@ def diameters(turning):
     return round(float(np.abs(np.linalg.eigvals(turning)).max()))
 
 
-@pytest.mark.parametrize("kind", ["alpha", "beta", "modal"])
-def test_circulatory_forces_of_modes_are_skew_for_every_number_of_diameters(backend, kind):
-    """Of a pair x: Omega c x^T B x to the last digits, c = alpha, beta kappa or 2 zeta omega."""
-    rate = 0.7
-    made = system(backend, kind, fine=2)
-    circulatory = sums(made, **{RATE: rate})[3]
-    seen = set()
-    for turning, x, kappa in at_rest(backend, fine=2):
-        m = diameters(turning)
-        if len(turning) > 2 or kappa[0] < 1e-3 or m > 6:
-            continue
-        seen.add(m)
-        damped = kappa < (1.2 * np.pi) ** 2
-        c = {
-            "alpha": np.full(len(kappa), 0.03),
-            "beta": 0.05 * kappa,
-            "modal": 0.04 * np.sqrt(kappa) * damped,
-        }[kind]
-        found, expected = x.T @ circulatory @ x, rate * c[:, None] * turning
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10 * (1 + kappa[0]))
-        assert np.abs(turning + turning.T).max() < 1e-10
-        assert np.abs(np.linalg.eigvals(turning).imag).max() == pytest.approx(m, abs=5e-2)
-    assert seen == set(range(7))
-
-
 @cache
 def waves(backend, kind, **options):
     """Lambda with Im > 0 of the lowest waves at rest, and their diameters."""

@@ -41,18 +41,6 @@ def test_the_eigenvalues_are_those_of_the_penalty_form(backend, formulation, mu)
     assert both[1].residuals.max() < 1e-9
 
 
-@pytest.mark.grid(quick=6)
-def test_multipliers_eliminated_give_the_penalty_matrices(backend, formulation):
-    penalty = assemble(with_form(two_blocks(backend, formulation), "penalty"))
-    saddle = assemble(with_form(two_blocks(backend, formulation), "saddle"))
-    multipliers = saddle.pencil().at().multipliers
-    closure, reaction = (dense(m) for m in (multipliers.closure, multipliers.reaction))
-    stiffness = reaction.T @ np.linalg.solve(dense(multipliers.compliance), closure)
-    matrices = penalty.pencil(eliminate=True).at()
-    expected = dense(matrices.operator()) - dense(penalty.stiffness)
-    np.testing.assert_allclose(stiffness, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
-
-
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_infinite_stiffness_is_the_limit_of_finite_ones(backend):
     mortar = {"method": "mortar"}

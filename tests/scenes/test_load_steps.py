@@ -9,7 +9,6 @@ from pressed import AREA, PRESSURE, pressed_blocks
 
 from cea.errors import ConvergenceError
 from cea.system.steady_newton import Iteration, SteadyNewton
-from cea.system.steady_path import check_steps
 from scenes import read_scene, run_scene
 from scenes.export.paraview import write_load_steps
 from scenes.spec.problems import SceneError
@@ -108,6 +107,3 @@ def test_what_are_no_steps_is_refused(backend, steps):
     with pytest.raises(SceneError) as refused:
         stepped(backend, steps)
     assert all(fault.field.startswith("analysis.load_steps") for fault in refused.value.faults)
-    if isinstance(steps, list):
-        with pytest.raises(ValueError, match="rise"):
-            check_steps(steps, "steps")
