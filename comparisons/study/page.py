@@ -121,6 +121,9 @@ def _section(
     for plot in section.plots:
         if isinstance(plot, Plot):
             panels = plots.drawn_by_page(plot, result)
+            if panels and out:
+                with rc_context(plots.STYLE):
+                    plots.save(plots.draw(plot, result), out / f"{plot.name}.png")
             drawn += [{"plot": plot, "panels": panels}] if panels else []
             continue
         with rc_context(plots.STYLE):

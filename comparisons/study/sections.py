@@ -60,7 +60,7 @@ class Plot:
     Parameters
     ----------
     name
-        Its name on the page.
+        Stem of the PNG file.
     caption
         What it shows.
     frame
