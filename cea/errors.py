@@ -36,17 +36,7 @@ def printable(text: str) -> str:
 
 
 class InputError(ValueError):
-    """Input refused before work begins.
-
-    Parameters
-    ----------
-    field
-        Name of the offending field as the user wrote it, e.g. ``bodies.pad.material.rho``.
-    value
-        The value that was given.
-    allowed
-        What is allowed, in words.
-    """
+    """Input refused: the field as the user wrote it, its value, and what is allowed, in words."""
 
     def __init__(self, field: str, value: object, allowed: str) -> None:
         self.field = field
@@ -65,15 +55,7 @@ class WriteError(OSError):
 
 
 class ConvergenceError(RuntimeError):
-    """An iteration that stopped short.
-
-    Parameters
-    ----------
-    message
-        What did not converge, and by how much.
-    best
-        The best answer so far.
-    """
+    """An iteration that stopped short: what did not converge, and the best answer so far."""
 
     def __init__(self, message: str, best: Any = None) -> None:
         self.best = best

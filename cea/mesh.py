@@ -191,9 +191,8 @@ def facet_nodes(cell: Cell, order: int) -> list[Ints]:
 def node_order(cell: Cell, order: int, nodes: ArrayLike) -> Ints:
     """Order that turns another program's list of the nodes of a cell into that of :class:`Mesh`.
 
-    Of nodes of the reference cell, from 0 to 1, in the order of the other program, (n_nodes, dim),
-    numbers such that ``cells[:, numbers]`` are in that of :class:`Mesh`; refused when they are not
-    those of the cell.
+    Of nodes of the reference cell, from 0 to 1, in the order of the other program, (n_nodes, dim):
+    ``cells[:, numbers]`` are then in that of :class:`Mesh`.
     """
     return matching_nodes(reference_nodes(cell, order), np.asarray(nodes, dtype=float))
 

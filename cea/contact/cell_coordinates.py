@@ -120,8 +120,7 @@ class _Lines:
     def _trusted(self, cell: Ints, position: Floats, tangents: Floats) -> NDArray[np.bool_]:
         """True where tangents are those at the centre, deformed and turned below a right angle.
 
-        The rotation in the polar decomposition of a plane map of positive determinant is below a
-        right angle where the trace is positive; neither depends on the coordinates.
+        The rotation in the polar decomposition of a plane map is where the trace is positive.
         """
         trusted = np.isfinite(position).all(axis=1) & np.isfinite(tangents).all(axis=(1, 2))
         change = self.inverse[cell[trusted], :-1] @ tangents[trusted]

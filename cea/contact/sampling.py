@@ -52,10 +52,7 @@ def _functions(surface: Surface) -> int:
 
 
 def nested(interface: Interface) -> bool:
-    """Whether one side's traces hold those of the other, as on meshes that match; collective.
-
-    A random function of each side is fitted, at the points, by the traces of the other.
-    """
+    """Whether traces of one side hold those of the other, as on meshes that match; collective."""
     comm = interface.comm
     traces = [
         csr_array(vstack(comm.allgather(csr_array(trace[:, _touched(interface, trace)]))))

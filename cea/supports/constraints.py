@@ -198,10 +198,7 @@ class Constraints:
         return self.dofs, self.forces.split(force[self.dofs], supports)
 
     def restrict(self, matrix: Any, expansion: Any) -> Any:
-        """Z^T A Z of a symmetric matrix, symmetric as far as rounding goes.
-
-        Plain components are picked from the matrix; the product is formed only for others.
-        """
+        """Z^T A Z of a symmetric matrix; a product is formed where Z does not pick components."""
         if not self.any:
             return matrix
         if not self.selects:

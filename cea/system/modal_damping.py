@@ -204,11 +204,7 @@ def _elastic_modes(body: Body, end: float | None, *, wanted: int, most: int) -> 
 
 
 def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
-    """A frequency (Hz) up to which there are so many elastic modes, and one more if there is one.
-
-    Eigenvalues that are found are some of those that there are: there may be more below the last
-    one, not less.
-    """
+    """A frequency (Hz) up to which there are so many elastic modes, and one more if any."""
     count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
     found, op = nearest(matrices, -least, count, KrylovOptions())
     op.free()
@@ -216,10 +212,7 @@ def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
 
 
 def _window(matrices: Matrices, least: float, end: float, most: int) -> float:
-    """A window (Hz) of the modes up to an end: neither far beyond all of them nor far below.
-
-    Modes would be rounding beside a shift far beyond them, rigid motions alone beside each other.
-    """
+    """A window (Hz) of the modes up to an end: neither far beyond all of them nor far below."""
     end = max(end, float(np.sqrt(least)) / (2 * np.pi))
     count = count_below(matrices, (2 * np.pi * end) ** 2)
     if count > most:

@@ -57,27 +57,12 @@ def steady_sliding(
     steps: int | Sequence[float] = 1,
     history: bool = False,
 ) -> SteadySliding:
-    """Equilibrium of steady sliding.
+    """Equilibrium of steady sliding of a system with loads, a contact of which has a law.
 
-    Parameters
-    ----------
-    system
-        Bodies with their loads, and contacts of which some have a law that is not linear.
-    timer
-        Counts assembly and factorisation.
-    steps
-        Number of equal steps in which the load is put on, or the part of it at the end of each,
-        rising to 1. Steps are cut where no equilibrium is found.
-    history
-        Whether the equilibrium at each of them is kept.
-
-    Raises
-    ------
-    InputError
-        When the system has no load, or no such contact.
-    ConvergenceError
-        When the load opens the contact, a rigid motion is free, or no equilibrium is found; the
-        last state is attached.
+    The load is put on in so many equal steps, or to rising parts of it at the end of each, the last
+    of them 1; steps are cut where no equilibrium is found. With a history the equilibrium at each
+    of them is kept. A ConvergenceError with the last state tells when the load opens the contact, a
+    rigid motion is free, or no equilibrium is found.
     """
     if system.load is None:
         raise InputError("load", None, "forces: the system was coupled without")

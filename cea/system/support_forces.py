@@ -106,22 +106,10 @@ def _left(parts: Floats, largest: float, rounding: float) -> float:
 def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dict[str, Floats]:
     """Resultant (N) of the forces of each support on its body; collective.
 
-    Parameters
-    ----------
-    system
-        The coupled system with its loads, linearised about its state of steady sliding where it
-        has one.
-    x
-        Free displacements under the loads (m), PETSc vector.
-    multipliers
-        Contact forces that are unknowns beside them (N), the rows of this rank.
-
-    Returns
-    -------
-    dict
-        By body, shape (supports, dim), in their order; bodies without supports are left out, and
-        those that rotate with modal damping. A direction that several supports hold at a dof is
-        shared evenly among them.
+    Of a system with its loads, linearised about its state of steady sliding where it has one, at
+    free displacements x (m), PETSc vector, and contact forces that are unknowns (N), the rows of
+    this rank. By body, shape (supports, dim); bodies without supports are left out, and those that
+    rotate with modal damping. A direction that several supports hold at a dof is shared evenly.
 
     Raises
     ------
