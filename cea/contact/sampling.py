@@ -52,7 +52,7 @@ def _functions(surface: Surface) -> int:
 
 
 def nested(interface: Interface) -> bool:
-    """Whether traces of one side hold those of the other, as on meshes that match; collective."""
+    """Whether one side has the traces of the other, as on meshes that match; collective."""
     comm = interface.comm
     traces = [
         csr_array(vstack(comm.allgather(csr_array(trace[:, _touched(interface, trace)]))))

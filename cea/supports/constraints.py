@@ -198,7 +198,7 @@ class Constraints:
         return self.dofs, self.forces.split(force[self.dofs], supports)
 
     def restrict(self, matrix: Any, expansion: Any) -> Any:
-        """Z^T A Z of a symmetric matrix; a product is formed where Z does not pick components."""
+        """Z^T A Z of a symmetric matrix; a product only where Z picks no components."""
         if not self.any:
             return matrix
         if not self.selects:
