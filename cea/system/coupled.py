@@ -224,7 +224,7 @@ class CoupledSystem:
         return joined(known, functions, dim) if every else None
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
-        """Full displacement (m) of a body with what supports prescribe, (dim * num_scalar_dofs,)."""
+        """Full displacement (m) of a body with what supports prescribe, (dim * scalar dofs,)."""
         part = x.getSubVector(self.index_sets[body])
         full = self.bodies[body].expansion.createVecLeft()
         self.bodies[body].expansion.mult(part, full)
