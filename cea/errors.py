@@ -6,12 +6,9 @@ from difflib import get_close_matches
 from typing import Any
 from unicodedata import category
 
-_LONGEST = 300
-"""Characters of a value or a name that a message shows, at most."""
-_WORDS = 1200
-"""Characters of what is allowed."""
-_COMPARED = 100
-"""Characters of names for which a similar one is searched."""
+_LONGEST = 300  # characters of a value or a name that a message shows, at most
+_WORDS = 1200  # characters of what is allowed
+_COMPARED = 100  # characters of names for which a similar one is searched
 
 
 def _shown(value: object) -> str:

@@ -28,8 +28,7 @@ DIMENSION: dict[Cell, int] = {
 SIMPLICES: tuple[Cell, ...] = ("triangle", "tetrahedron")
 """Cells that are simplices; the others are boxes."""
 
-_SAME = 1e-6
-"""Reference nodes nearer than this are one."""
+_SAME = 1e-6  # reference nodes nearer than this are one
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,8 +22,7 @@ from cea.surface_points import SurfaceCoordinates
 _NEWTON = 1e-9
 """Last step of Newton's method, relative to the cell; the error after it is its square."""
 _MAX_ITERATIONS = 60
-_SHORTEST = 2.0**-6
-"""Damping below which a line is taken to have reached its end of trust."""
+_SHORTEST = 2.0**-6  # damping below which a line is taken to have reached its end of trust
 _FOLDED = 1e-8
 """Determinant of the deformation, relative to the power of its trace, that counts as a fold."""
 

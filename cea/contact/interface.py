@@ -31,8 +31,7 @@ _SAGITTA = 0.25
 A chord of length h that turns by the angle t from the ends of its arc leaves it by h t / 4; between
 the chords of two sides the normals differ by the sum of both angles.
 """
-_FACING = -0.5
-"""Largest cosine between the normals of two surfaces that face each other."""
+_FACING = -0.5  # largest cosine between the normals of two surfaces that face each other
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,7 @@ from cea.surface_points import SurfaceCoordinates
 _HELD = 1e-6
 """Part of a trace that rounding, and the small shift below, may leave out of the other's."""
 _SHIFT = 1e-12
-_VANISHES = 1e-10
-"""Value of a trace function that counts as zero."""
+_VANISHES = 1e-10  # value of a trace function that counts as zero
 
 
 @dataclass(frozen=True)

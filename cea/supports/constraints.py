@@ -29,8 +29,7 @@ from cea.matrices import distributed
 from cea.petsc import PETSc
 from cea.supports.directions import Directions, orthonormal
 
-_RANK = 1e-10
-"""Eigenvalue of a sum of projectors, relative to the largest, that is none."""
+_RANK = 1e-10  # eigenvalue of a sum of projectors, relative to the largest, that is none
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 
-_TIED = 1e-9
-"""Relative difference of distances that counts as none."""
+_TIED = 1e-9  # relative difference of distances that counts as none
 
 
 @dataclass(frozen=True)

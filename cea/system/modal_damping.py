@@ -24,18 +24,13 @@ from cea.eigen.unformed import LowRank, LowRankTerm
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
 
-_SAME = 1e-8
-"""Relative distance up to which frequencies are those of one multiple eigenvalue."""
-_MOST = 2000
-"""Most modes of a body that are damped one by one."""
-_RIGID = 10.0
-"""Frequency relative to its uncertainty up to which a motion is rigid, or lost."""
-_RIGID_MOTIONS = 6
-"""Most rigid motions of a body in one piece."""
+_SAME = 1e-8  # relative distance up to which frequencies are those of one multiple eigenvalue
+_MOST = 2000  # most modes of a body that are damped one by one
+_RIGID = 10.0  # frequency relative to its uncertainty up to which a motion is rigid, or lost
+_RIGID_MOTIONS = 6  # most rigid motions of a body in one piece
 _BELOW = 1e-9
 """Square of a frequency that no elastic mode need be below, relative to :func:`_largest_ratio`."""
-_BEYOND = 1e-6
-"""What is searched beyond the last mode asked for, relative to its frequency."""
+_BEYOND = 1e-6  # what is searched beyond the last mode asked for, relative to its frequency
 
 
 @dataclass(frozen=True)

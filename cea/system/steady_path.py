@@ -33,16 +33,12 @@ from cea.system.steady_state import (
 )
 from cea.timing import StageTimer
 
-_SHORTEST = 1 / 64
-"""Least part of a step that was asked for to which it is cut."""
-_FIRST = 1 / 2
-"""The same before any equilibrium was found."""
-_GROWS = 2.0
-"""By how much a step is longer than the one before."""
+_SHORTEST = 1 / 64  # least part of a step that was asked for to which it is cut
+_FIRST = 1 / 2  # the same before any equilibrium was found
+_GROWS = 2.0  # by how much a step is longer than the one before
 _SOFTNESSES = tuple(10.0**power for power in range(12, -1, -2))
 """By what laws are divided in turn where the law itself does not converge."""
-_TOGETHER = 1e-9
-"""Parts of the load, in those of a step, that are taken with the step."""
+_TOGETHER = 1e-9  # parts of the load, in those of a step, that are taken with the step
 _FREE = (
     "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
     "bodies"

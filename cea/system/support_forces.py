@@ -38,10 +38,8 @@ from cea.petsc import MPI
 from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
-_BALANCED = 1e-8
-"""Sum of forces, relative to the largest of them, that counts as none."""
-_ROUNDING = 10.0
-"""The same in parts of what rounding makes of it."""
+_BALANCED = 1e-8  # sum of forces, relative to the largest of them, that counts as none
+_ROUNDING = 10.0  # the same in parts of what rounding makes of it
 
 
 @dataclass(frozen=True)
