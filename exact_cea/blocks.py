@@ -12,11 +12,12 @@ converges faster than geometrically for finite p, geometrically for p = infinity
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any, ClassVar
 
 from flint import acb, arb
 
 from exact_cea.material import SOFT, STIFF, Material, Response, compliance, join
-from exact_cea.numbers import Exact, not_negative, positive
+from exact_cea.numbers import Exact, exact_numbers
 from exact_cea.solve import Characteristic
 
 
@@ -51,29 +52,16 @@ class Blocks(Characteristic):
     length: Exact
     harmonics: int = 24
 
+    defaults: ClassVar[dict[str, Any]] = {
+        **{"p": "1", "mu0": "0.3", "kz": None, "a": SOFT, "b": STIFF},
+        **{"height_a": "0.5", "height_b": "1", "length": "2"},
+    }
+    """What :meth:`of` takes, in this order or by name."""
+
     @classmethod
-    def of(
-        cls,
-        p: str | float = "1",
-        mu0: str | float = "0.3",
-        kz: str | float | None = None,
-        a: Material = SOFT,
-        b: Material = STIFF,
-        height_a: str | float = "0.5",
-        height_b: str | float = "1",
-        length: str | float = "2",
-    ) -> "Blocks":
+    def of(cls, *given: Any, **named: Any) -> "Blocks":
         """Blocks of numbers or their texts."""
-        return cls(
-            positive("p", p, infinite=True),
-            not_negative("mu0", mu0),
-            None if kz is None else positive("kz", kz),
-            a,
-            b,
-            positive("height_a", height_a),
-            positive("height_b", height_b),
-            positive("length", length),
-        )
+        return cls(**exact_numbers(cls.defaults, given, named))
 
     @property
     def real(self) -> bool:

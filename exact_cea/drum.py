@@ -9,12 +9,12 @@ with ``phi ~ Z_m(alpha r)`` and ``chi, psi ~ Z_m(beta r)``, Z = J or Y,
 
 import math
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 from flint import acb, acb_mat, arb
 
-from cea.errors import InputError
 from exact_cea.material import SOFT, STIFF, Material, Response, compliance, join
-from exact_cea.numbers import Exact, not_negative, order, positive
+from exact_cea.numbers import Exact, exact_numbers, increasing, order
 from exact_cea.solve import Characteristic
 
 Column = list[acb]
@@ -51,34 +51,18 @@ class Drum(Characteristic):
     interface: Exact
     outer: Exact
 
+    defaults: ClassVar[dict[str, Any]] = {
+        **{"p": "1", "mu": "0.3", "kz": None, "a": SOFT, "b": STIFF},
+        **{"inner": "0.5", "interface": "1", "outer": "1.5"},
+    }
+    """What :meth:`of` takes, in this order or by name."""
+
     @classmethod
-    def of(
-        cls,
-        m: int,
-        p: str | float = "1",
-        mu: str | float = "0.3",
-        kz: str | float | None = None,
-        a: Material = SOFT,
-        b: Material = STIFF,
-        inner: str | float = "0.5",
-        interface: str | float = "1",
-        outer: str | float = "1.5",
-    ) -> "Drum":
+    def of(cls, m: int, *given: Any, **named: Any) -> "Drum":
         """Drum of numbers or their texts."""
-        radii = positive("inner", inner), positive("interface", interface), positive("outer", outer)
-        if not float(radii[0]) < float(radii[1]) < float(radii[2]):
-            raise InputError(
-                "inner, interface, outer", f"{inner}, {interface}, {outer}", "increasing"
-            )
-        return cls(
-            order("m", m),
-            positive("p", p, infinite=True),
-            not_negative("mu", mu),
-            None if kz is None else positive("kz", kz),
-            a,
-            b,
-            *radii,
-        )
+        drum = cls(order("m", m), **exact_numbers(cls.defaults, given, named))
+        increasing(inner=drum.inner, interface=drum.interface, outer=drum.outer)
+        return drum
 
     @property
     def real(self) -> bool:

@@ -27,11 +27,9 @@ _DIGITS = 22
 def drum(problem: Drum, max_frequency: float | None = None, count: int | None = None) -> Entry:
     """Entry of the drum: 2D where kz is None."""
     name: Entry = {"problem": "drum-2d" if problem.kz is None else "drum-3d", "m": problem.m}
-    if problem.kz is not None:
-        name["kz"] = str(problem.kz)
-    name |= {"p": str(problem.p), "mu": str(problem.mu)}
-    name |= {"a": str(problem.a), "b": str(problem.b)}
-    name["radii"] = [str(problem.inner), str(problem.interface), str(problem.outer)]
+    name |= _texts(problem, "kz") if problem.kz is not None else {}
+    name |= _texts(problem, "p", "mu", "a", "b")
+    name["radii"] = [*_texts(problem, "inner", "interface", "outer").values()]
     return name | _exact(_spectrum(problem, max_frequency, count))
 
 
@@ -40,7 +38,7 @@ def blocks_sine(
 ) -> Entry:
     """Entry of the blocks with friction ``mu0 sin(pi x / length)``."""
     kz = None if problem.kz is None else str(problem.kz)
-    name = {"problem": "blocks-sine-mu", "kz": kz, "p": str(problem.p), "mu0": str(problem.mu0)}
+    name = {"problem": "blocks-sine-mu", "kz": kz} | _texts(problem, "p", "mu0")
     return name | _sizes(problem) | _exact(_spectrum(problem, max_frequency, count))
 
 
@@ -65,11 +63,8 @@ def blocks_constant(
 def ring(problem: Ring, max_frequency: float | None = None, count: int | None = None) -> Entry:
     """Entry of the ring."""
     name: Entry = {"problem": "ring-rollers", "m": problem.m}
-    name |= {"p": str(problem.p), "mu": str(problem.mu)}
-    name |= {"a": str(problem.a), "b": str(problem.b)}
-    name["sizes"] = [
-        str(size) for size in (problem.inner, problem.outer, problem.height_a, problem.height_b)
-    ]
+    name |= _texts(problem, "p", "mu", "a", "b")
+    name["sizes"] = [*_texts(problem, "inner", "outer", "height_a", "height_b").values()]
     return name | _approximate(
         *converged(
             lambda fine: galerkin_problems.ring(problem, 16 if fine else 14, 1),
@@ -120,8 +115,13 @@ def _spectrum(problem: Drum | Blocks, max_frequency: float | None, count: int | 
 
 
 def _sizes(problem: Blocks) -> Entry:
-    sizes = problem.height_a, problem.height_b, problem.length
-    return {"a": str(problem.a), "b": str(problem.b), "sizes": [str(size) for size in sizes]}
+    sizes = _texts(problem, "height_a", "height_b", "length")
+    return _texts(problem, "a", "b") | {"sizes": [*sizes.values()]}
+
+
+def _texts(problem: Drum | Blocks | Ring, *names: str) -> Entry:
+    """Parameters as they were written."""
+    return {name: str(getattr(problem, name)) for name in names}
 
 
 def _exact(found: Spectrum) -> Entry:

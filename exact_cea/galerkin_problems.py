@@ -2,16 +2,16 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.errors import InputError
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
 from exact_cea.galerkin import GalerkinBody, GalerkinContact, Strain, lowest
 from exact_cea.material import Material
-from exact_cea.numbers import Exact, not_negative, order, positive
+from exact_cea.numbers import Exact, exact_numbers, increasing, order
 from exact_cea.solve import Guess
 from exact_cea.spectral import Axis, Single, graded
 
@@ -158,33 +158,18 @@ class Ring:
     height_a: Exact
     height_b: Exact
 
+    defaults: ClassVar[dict[str, Any]] = {
+        **{"p": "1e12", "mu": "0.3", "a": PAD, "b": DISC},
+        **{"inner": "0.08", "outer": "0.16", "height_a": "0.01", "height_b": "0.02"},
+    }
+    """What :meth:`of` takes, in this order or by name."""
+
     @classmethod
-    def of(
-        cls,
-        m: int,
-        p: str | float = "1e12",
-        mu: str | float = "0.3",
-        a: Material = PAD,
-        b: Material = DISC,
-        inner: str | float = "0.08",
-        outer: str | float = "0.16",
-        height_a: str | float = "0.01",
-        height_b: str | float = "0.02",
-    ) -> "Ring":
+    def of(cls, m: int, *given: Any, **named: Any) -> "Ring":
         """Ring of numbers or their texts."""
-        radii = positive("inner", inner), positive("outer", outer)
-        if not float(radii[0]) < float(radii[1]):
-            raise InputError("inner, outer", f"{inner}, {outer}", "increasing")
-        return cls(
-            order("m", m),
-            positive("p", p, infinite=True),
-            not_negative("mu", mu),
-            a,
-            b,
-            *radii,
-            positive("height_a", height_a),
-            positive("height_b", height_b),
-        )
+        ring = cls(order("m", m), **exact_numbers(cls.defaults, given, named))
+        increasing(inner=ring.inner, outer=ring.outer)
+        return ring
 
     def scale(self) -> float:
         """A frequency near the lowest: shear waves around the mean circumference of the disc."""

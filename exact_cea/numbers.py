@@ -2,7 +2,10 @@
 
 import math
 import re
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import partial
+from typing import Any
 
 from flint import arb, fmpq
 
@@ -114,3 +117,28 @@ def check_window(max_frequency: float | None, count: int | None) -> None:
         raise InputError("max_frequency", max_frequency, "a positive number")
     if count is not None and count < 1:
         raise InputError("count", count, "1 or more")
+
+
+def exact_numbers(
+    defaults: Mapping[str, Any], given: Sequence[Any], named: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Numbers of a problem, given in the order of their defaults or by name.
+
+    ``p`` may be infinite, friction zero; materials and what is None stay what they are.
+    """
+    chosen = {**defaults, **dict(zip(defaults, given, strict=False)), **named}
+    checks: dict[str, Callable[[str, Any], Exact]] = {"mu": not_negative, "mu0": not_negative}
+    checks["p"] = partial(positive, infinite=True)
+    return {
+        name: checks.get(name, positive)(name, value)
+        if isinstance(value, str | int | float | Exact)
+        else value
+        for name, value in chosen.items()
+    }
+
+
+def increasing(**numbers: Exact) -> None:
+    """Refuse numbers that do not rise."""
+    sizes = [float(number) for number in numbers.values()]
+    if sizes != sorted(set(sizes)):
+        raise InputError(", ".join(numbers), ", ".join(map(str, numbers.values())), "increasing")

@@ -35,12 +35,8 @@ Values = NDArray[np.complex128]
 
 _DIGITS = 16
 
-_SIZES = {
-    "drum": {"inner", "interface", "outer"},
-    "blocks": {"height_a", "height_b", "length"},
-    "blocks_constant": {"height_a", "height_b", "length"},
-    "ring": {"inner", "outer", "height_a", "height_b"},
-}
+_PROBLEMS: dict[str, type[Problem]] = {"drum": Drum, "ring": Ring}
+_PROBLEMS |= {"blocks": Blocks, "blocks_constant": Blocks}
 
 
 @dataclass(frozen=True)
@@ -172,22 +168,19 @@ def whole_spectrum(
 
 def make_problem(problem: str, *, m: int | None = None, **parameters: Any) -> Problem:
     """The problem of a name; parameters as in ``exact_eigenvalues``, the sign of m dropped."""
-    if problem not in _SIZES:
-        raise InputError("problem", problem, " or ".join(_SIZES))
-    known = {"p", "kz", "mu", "a", "b"} | _SIZES[problem]
+    if problem not in _PROBLEMS:
+        raise InputError("problem", problem, " or ".join(_PROBLEMS))
+    kind = _PROBLEMS[problem]
+    known = {"mu" if name == "mu0" else name for name in kind.defaults}
     for name, value in parameters.items():
         if name not in known:
             raise InputError(name, value, f"one of {', '.join(sorted(known))}")
-    if (m is None) != problem.startswith("blocks"):
+    if (m is None) != (kind is Blocks):
         raise InputError("m", m, "a circumferential order for drum and ring, none for blocks")
     given = {name: value for name, value in parameters.items() if value is not None}
     if m is None:
         return Blocks.of(mu0=given.pop("mu", "0.3"), **given)
-    if problem == "drum":
-        return Drum.of(abs(m), **given)
-    if "kz" in given:
-        raise InputError("kz", given["kz"], "none: the ring is three-dimensional as it is")
-    return Ring.of(abs(m), **given)
+    return (Drum if kind is Drum else Ring).of(abs(m), **given)
 
 
 @cache

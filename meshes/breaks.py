@@ -51,6 +51,8 @@ def breaks_of(
 
 def check_ends(shape: Shape, breaks: Breaks) -> None:
     """Refuse breaks that do not rise from one end of a shape to the other."""
+    along = f"one array along each of {', '.join(shape.directions)}"
+    require(len(breaks) == len(shape.directions), "breaks", breaks, along)
     for name, values, (low, high) in zip(shape.directions, breaks, shape.extent, strict=True):
         rising = len(values) > 1 and bool((np.diff(values) > 0).all())
         fits = rising and np.allclose([values[0], values[-1]], [low, high], rtol=1e-12)

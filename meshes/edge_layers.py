@@ -149,7 +149,8 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
         kept[some] = False
         quads = quads_towards(pattern, layers)
         x = _placed(mesh.points[lattice[some]], quads, mesh.order)
-        least = min(least, _least_distance(x))
+        steps = [np.diff(x, axis=axis) for axis in (2, 3, 4) if x.shape[axis] > 1]
+        least = min(least, *(float(np.linalg.norm(step, axis=-1).min()) for step in steps))
         numbers = count + np.arange(x[..., 0].size).reshape(x.shape[:-1])
         count += x[..., 0].size
         points.append(x.reshape(-1, dim))
@@ -184,12 +185,6 @@ def _placed(nodes: Floats, quads: Floats, order: int) -> Floats:
     u, v = values[..., 0, :], values[..., 1, :]
     placed: Floats = np.einsum("qija,qijb,cabkx->cqijkx", u, v, nodes, optimize=True)
     return placed
-
-
-def _least_distance(x: Floats) -> float:
-    """Least distance of neighbours on the lattices of cells, (cells, parts, n, n, along, dim)."""
-    steps = [np.diff(x, axis=axis) for axis in (2, 3, 4) if x.shape[axis] > 1]
-    return float(min(np.linalg.norm(step, axis=-1).min() for step in steps))
 
 
 def _sides_of_parts(quads: Floats, dim: int, along: int | None) -> Ints:

@@ -166,14 +166,7 @@ class MeshFile:
         return {name: count for name, (_, count) in faces.items() if count}
 
     def mesh(self, surfaces: Iterable[str], placement: Placement = _IN_PLACE) -> Mesh:
-        """Its mesh, checked.
-
-        Parameters
-        ----------
-        surfaces
-            Surfaces that are asked for: those of others may overlap.
-        placement
-            Where it is put.
+        """Its mesh, checked, with some of its surfaces: others may overlap these.
 
         Raises
         ------

@@ -59,14 +59,9 @@ class NurbsPatch:
 
 @dataclass(frozen=True)
 class NurbsShape:
-    """Patches of a shape and its named surfaces.
+    """Patches of a shape, joined where their faces coincide, and its named surfaces.
 
-    Parameters
-    ----------
-    patches
-        The patches, joined where their faces coincide.
-    faces
-        Faces (patch, axis, side) of each named surface; side 0 is where the parameter is least.
+    Faces are (patch, axis, side); side 0 is where the parameter is least.
     """
 
     patches: tuple[NurbsPatch, ...]
@@ -90,11 +85,9 @@ def _patches(shape: Shape, breaks: Breaks) -> tuple[list[NurbsPatch], Faces]:
     """Patches of a shape where it stands by itself, and its faces."""
     heights = breaks[2:]
     match shape:
-        case Patches():
-            pairs = zip(shape.patches, shape.nets, strict=True)
-            return [_given(patch, net, breaks) for patch, net in pairs], shape.faces
-        case NurbsFile():
-            return _patches(shape.given, breaks)
+        case Patches() | NurbsFile():
+            pairs = zip(shape.given.patches, shape.given.nets, strict=True)
+            return [_given(patch, net, breaks) for patch, net in pairs], shape.given.faces
         case Box() | Rectangle():
             patches = [_extruded(_rectangle(breaks), heights)]
             return patches, _on_all([0], _ends(shape.surfaces, range(len(breaks))))

@@ -6,6 +6,7 @@ read here, as splinepy ends the program over files that are not whole.
 
 import base64
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
@@ -99,8 +100,34 @@ class GivenPatch:
         return np.asarray(self.weights, dtype=float)
 
 
+class _OfPatches(ABC):
+    """What patches have, wherever they come from."""
+
+    names: ClassVar[tuple[str, ...]] = ("u", "v", "w")
+
+    @property
+    @abstractmethod
+    def given(self) -> "Patches":
+        """The patches (m)."""
+
+    @property
+    def directions(self) -> tuple[str, ...]:
+        """Names of the parameters."""
+        return self.names[: len(self.given.patches[0].degrees)]
+
+    @property
+    def surfaces(self) -> tuple[str, ...]:
+        """Names of the surfaces."""
+        return tuple(self.given.faces)
+
+    @property
+    def extent(self) -> tuple[tuple[float, float], ...]:
+        """Range of the scaled parameters."""
+        return ((0.0, 1.0),) * len(self.directions)
+
+
 @dataclass(frozen=True)
-class Patches:
+class Patches(_OfPatches):
     """Any conforming NURBS patches, joined with continuity 0 where their faces coincide.
 
     The directions u, v (and w) of the shape are the parameters of each patch in their own order,
@@ -128,8 +155,6 @@ class Patches:
     faces: dict[str, tuple[Face, ...]]
     merge_nodes: float | None = None
     shape: Literal["patches"] = "patches"
-
-    names: ClassVar[tuple[str, ...]] = ("u", "v", "w")
 
     def __post_init__(self) -> None:
         dims = sorted({len(patch.degrees) for patch in self.patches})
@@ -159,20 +184,10 @@ class Patches:
         )
         return tuple(part.reshape(net.shape) for part, net in zip(parts, nets, strict=False))
 
-    @cached_property
-    def directions(self) -> tuple[str, ...]:
-        """Names of the parameters."""
-        return self.names[: len(self.patches[0].degrees)]
-
     @property
-    def surfaces(self) -> tuple[str, ...]:
-        """Names of the surfaces."""
-        return tuple(self.faces)
-
-    @property
-    def extent(self) -> tuple[tuple[float, float], ...]:
-        """Range of the scaled parameters."""
-        return ((0.0, 1.0),) * len(self.directions)
+    def given(self) -> "Patches":
+        """They themselves."""
+        return self
 
 
 def _check_knots(knots: Floats, p: int, field: str, given: tuple[float, ...]) -> None:
@@ -188,7 +203,7 @@ def _check_knots(knots: Floats, p: int, field: str, given: tuple[float, ...]) ->
 
 
 @dataclass(frozen=True)
-class NurbsFile:
+class NurbsFile(_OfPatches):
     """A body of the NURBS patches of a file, joined where their faces coincide.
 
     Formats are the .json of splinepy and the .xml of G+Smo (gismo). Degrees are raised and knots
@@ -236,21 +251,6 @@ class NurbsFile:
         if near is not None:
             near = float(in_metres(np.array(near), self.unit))
         return Patches(patches, faces, near)
-
-    @property
-    def directions(self) -> tuple[str, ...]:
-        """Names of the parameters."""
-        return self.given.directions
-
-    @property
-    def surfaces(self) -> tuple[str, ...]:
-        """Names of the surfaces."""
-        return self.given.surfaces
-
-    @property
-    def extent(self) -> tuple[tuple[float, float], ...]:
-        """Range of the scaled parameters."""
-        return self.given.extent
 
 
 def _patch(spline: Spline, unit: Unit | None) -> GivenPatch:

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from cea.errors import InputError, require
+from cea.errors import require
 from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
 from meshes.breaks import Breaks, check_ends
 from meshes.crowned import Crowned
@@ -33,24 +33,21 @@ def shape_mesh(
     """Mesh a shape; its surfaces (curves in the plane) bear the names ``shape.surfaces``.
 
     Curved cells are polynomials through the Gauss-Lobatto points of the circles (see
-    :mod:`meshes.structured`); up to order 2 these are the nodes. Crowned faces pass through all
-    nodes, and are exact on straight bases from order 2. Only unstructured meshes need gmsh.
+    :mod:`meshes.structured`). Crowned faces pass through all nodes, and are exact on straight bases
+    from order 2. Only unstructured meshes need gmsh.
 
     Parameters
     ----------
-    shape
-        The shape.
+    shape, placement
+        The shape, and where it is put.
     cell
         ``hexahedron``, ``quadrilateral``: one element per cell of the breaks; ``tetrahedron``,
         ``triangle``: unstructured, or those of the breaks divided into six or two.
     order
         Order of the geometry, 1 to 4.
-    breaks
-        Element boundaries of a structured mesh along the directions of the shape (m, degrees).
-    size
-        Target edge length of an unstructured mesh (m).
-    placement
-        Where the shape is put.
+    breaks, size
+        Element boundaries of a structured mesh along the directions of the shape (m, degrees), or
+        target edge length of an unstructured one (m).
     edges, layers
         Edges along breaks of a structured mesh, and geometric layers of cells towards them.
 
@@ -95,10 +92,7 @@ def _check(shape: Shape, cell: Cell, order: int, breaks: Breaks | None, size: fl
 
 
 def _check_breaks(shape: Shape, breaks: Breaks | None) -> None:
-    along = ", ".join(shape.directions)
-    if breaks is None or len(breaks) != len(shape.directions):
-        raise InputError("breaks", breaks, f"one array along each of {along}")
-    check_ends(shape, breaks)
-    if shape.directions[1] == "theta":
+    check_ends(shape, breaks or ())
+    if breaks and shape.directions[1] == "theta":
         step = float(np.diff(breaks[1]).max())
         require(step < 180, "breaks of theta", step, "less than 180 degrees apart")

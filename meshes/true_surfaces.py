@@ -72,8 +72,9 @@ def true_surfaces(shape: Shape, placement: Placement = _IN_PLACE) -> dict[str, T
         heights[shape.surface] = shape.height
     if isinstance(shape, VentilatedDisc):
         heights |= {"bore": _cylinders(shape.bore), "rim": _cylinders(shape.outer_radius)}
-        if shape.holes:
-            heights["holes"] = _cylinders(shape.hole_radius, shape.hole_centres)
+        heights |= (
+            {"holes": _cylinders(shape.hole_radius, shape.hole_centres)} if shape.holes else {}
+        )
     return {name: TrueSurface(height, placement) for name, height in heights.items()}
 
 

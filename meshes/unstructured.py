@@ -246,25 +246,23 @@ def _refine(shape: VentilatedDisc, size: float) -> None:
     hole, whatever ``size`` (m); at the corners where the wall meets flange and plate they are a
     part of ``size``. Away from there they grow to it.
     """
-    field = gmsh.model.mesh.field
     middle = (shape.wall_inner + shape.wall_outer) / 2
     thickness = shape.wall_outer - shape.wall_inner
-    near = [f"{min(size, thickness)!r}+{_GROWTH}*Fabs(Sqrt(x*x+y*y)-{middle!r})"]
+    near = [(min(size, thickness), f"Fabs(Sqrt(x*x+y*y)-{middle!r})")]
     around = min(size, 2 * pi * shape.hole_radius / _AROUND)
     for x, y in shape.hole_centres:
-        distance = f"Fabs(Sqrt((x-({x!r}))^2+(y-({y!r}))^2)-{shape.hole_radius!r})"
-        near.append(f"{around!r}+{_GROWTH}*{distance}")
+        arm = f"Sqrt((x-({x!r}))^2+(y-({y!r}))^2)"
+        near.append((around, f"Fabs({arm}-{shape.hole_radius!r})"))
     corners = (shape.wall_outer, shape.ring_height), (shape.wall_inner, shape.hub_bottom)
     for r, z in corners:
-        distance = f"Sqrt((Sqrt(x*x+y*y)-{r!r})^2+(z-{z!r})^2)"
-        near.append(f"{_CORNER * size!r}+{_GROWTH}*{distance}")
-    tags = []
-    for formula in near:
-        tags.append(field.add("MathEval"))
-        field.setString(tags[-1], "F", formula)
-    least = field.add("Min")
-    field.setNumbers(least, "FieldsList", tags)
-    field.setAsBackgroundMesh(least)
+        near.append((_CORNER * size, f"Sqrt((Sqrt(x*x+y*y)-{r!r})^2+(z-{z!r})^2)"))
+    field = gmsh.model.mesh.field
+    tags = [field.add("MathEval") for _ in near]
+    for tag, (least, distance) in zip(tags, near, strict=True):
+        field.setString(tag, "F", f"{least!r}+{_GROWTH}*{distance}")
+    smallest = field.add("Min")
+    field.setNumbers(smallest, "FieldsList", tags)
+    field.setAsBackgroundMesh(smallest)
 
 
 def _revolved(profile: Sequence[tuple[float, float]]) -> list[tuple[int, int]]:

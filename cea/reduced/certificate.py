@@ -22,9 +22,9 @@ more than e, and its members by
 (L. Elsner, An optimal bound for the spectral variation of two matrices, Linear Algebra Appl. 71
 (1985)).
 
-Rounding: full solves have errors of their own. Besides, entries of the reduced matrices are rounded
-relative to their parts, which moves an eigenvalue of k unknowns and condition c by
-c sqrt(k) eps |y|^T (sum_j |c_j| |V^T A_j V|) |x| (componentwise backward error; N. J. Higham,
+Rounding: entries of the reduced matrices are off relative to their parts, and by what is seen where
+both V^T (A V) and (A^T V)^T V are computed. Errors E move an eigenvalue of k unknowns and condition
+c by c sqrt(k) |y|^T E |x| (componentwise backward error; N. J. Higham,
 T. Mary, SIAM J. Sci. Comput. 41 (2019)).
 """
 
@@ -32,23 +32,33 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.left_vectors import POWERS
 from cea.eigen.matching import connected
 from cea.eigen.pencil import Role
-from cea.reduced.products import real_times
 
 _TOUCH = 10.0
 """Bound of an eigenvalue, in its distance from the next, from the inverse of which on they are
 judged together."""
 
 
+def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
+    """A x in real arithmetic: imaginary parts of those columns alone that have one."""
+    turning = np.flatnonzero(vectors.imag.any(axis=0))
+    image = matrix @ np.hstack([vectors.real, vectors.imag[:, turning]])
+    columns = vectors.shape[1]
+    result = image[:, :columns].astype(complex)
+    result.imag[:, turning] = image[:, columns:]
+    return result
+
+
 @dataclass(frozen=True)
 class Residuals:
-    """K, D or M on a basis V.
+    """K, D or M on a basis V of states.
 
-    V^T A V; X^-1-coordinates Q^T A V and Q^T A^T V of its images; norm of what Q leaves out.
+    V^T A V; coordinates of what its images A V and A^T V cause; norm of what these leave out.
     """
 
     square: Floats
@@ -59,34 +69,25 @@ class Residuals:
 
 @dataclass(frozen=True)
 class Rounding:
-    """What rounding does.
+    """Errors of the entries of reduced matrices, by role."""
 
-    In full solves to eigenvalues of condition one (1/s^2); sum_j |c_j| |V^T A_j V| by role.
-    """
-
-    solves: float
     entries: Mapping[Role, Floats]
 
     def of_pairs(self, left: Complexes, right: Complexes, speeds: Floats) -> Floats:
-        """What it does to y^H P x of pairs (1/s^2), with abs(lambda) (1/s), shape (n,)."""
+        """What they do to y^H P x of pairs (1/s^2), with abs(lambda) (1/s), shape (n,)."""
         y, x = np.abs(left), np.abs(right)
         works = np.zeros(len(speeds))
         for role, entries in self.entries.items():
             works += speeds ** POWERS[role] * np.einsum("ij,ij->j", y, entries @ x)
-        return self.solves + _of_sums(len(y)) * works
+        return np.sqrt(len(y)) * works
 
     def of_block(self, left: Complexes, right: Complexes, speed: float) -> float:
-        """Norm of the perturbation of the block of a cluster by that of entries (1/s^2)."""
+        """Norm of the perturbation of the block of a cluster (1/s^2)."""
         y, x = np.abs(left), np.abs(right)
         block = np.zeros((y.shape[1], x.shape[1]))
         for role, entries in self.entries.items():
             block += speed ** POWERS[role] * (y.T @ entries @ x)
-        return float(_of_sums(len(y)) * np.linalg.norm(block, 2))
-
-
-def _of_sums(terms: int) -> float:
-    """Error of sums of so many terms, relative to these."""
-    return float(np.sqrt(terms) * np.finfo(float).eps)
+        return float(np.sqrt(len(y)) * np.linalg.norm(block, 2))
 
 
 @dataclass(frozen=True)
@@ -201,7 +202,6 @@ class Certifier:
 
     def _together(self, pairs: Pairs, outside: float) -> tuple[float, float, float]:
         """Error of the block of a cluster, rounding of it, distance from a multiple of one."""
-        half = 0 if self.damping is None else len(pairs.states) // 2
         q, q_sizes, q_axes = np.linalg.svd(pairs.states, full_matrices=False)
         d, d_sizes, d_axes = np.linalg.svd(pairs.duals, full_matrices=False)
         x, y = pairs.right @ q_axes.conj().T / q_sizes, pairs.left @ d_axes.conj().T / d_sizes
@@ -211,8 +211,7 @@ class Certifier:
             block = np.linalg.inv(inverse) + pairs.shift * np.eye(len(inverse))
         except np.linalg.LinAlgError:
             return np.inf, np.inf, np.inf
-        y, of_y = y @ turned, d[half:] @ turned
-        of_x = q[:half] if half else q
+        y = y @ turned
         r, s = self._residuals(x, y, lambda v: v @ block, lambda v: v @ block.conj().T)
         size = float(np.linalg.norm(block, 2))
         lengths = [
@@ -221,6 +220,7 @@ class Certifier:
         ]
         mean = np.trace(block) / len(block)
         spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
-        doubt = self.rounding.solves * float(np.linalg.norm(of_x, 2) * np.linalg.norm(of_y, 2))
-        doubt += self.rounding.of_block(y, x, size if half else np.sqrt(size))
+        doubt = self.rounding.of_block(
+            y, x, size if self.damping is not None else float(np.sqrt(size))
+        )
         return outside * lengths[0] * lengths[1], doubt, spread

@@ -177,22 +177,16 @@ def line_of(
 
     try:
         model = ReducedModel(pencil, box, max_frequency)
-    except (InputError, ConvergenceError):
+    except InputError:  # of a stiffness that makes no norm
         model = None
     if model is not None:
+        training = [point(value) for value in np.linspace(*ends, _TRAINING).tolist()]
         try:
-            Enrichment.of(model, driver).cover(
-                [point(value) for value in np.linspace(*ends, _TRAINING).tolist()]
-            )
-            return ModelLine(
-                model.small,
-                lambda value: pencil.values(point(value)),
-                dict.fromkeys(names, 1.0),
-            )
-        except ConvergenceError:  # of a stiffness that makes no norm
-            pass
+            Enrichment.of(model, driver).cover(training)
         finally:
             model.free()
+        rates = dict.fromkeys(names, 1.0)
+        return ModelLine(model.small, lambda value: pencil.values(point(value)), rates)
     damped = any(driver.quadratic(point(value)) for value in ends)
     window = Window(2 * np.pi * max_frequency, damped, decay=0.2 * np.pi * max_frequency)
     return FullLine(AtParameters(driver, names), window)

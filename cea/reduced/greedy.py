@@ -115,8 +115,8 @@ class Enrichment:
     def take(self, taken: Snapshot) -> float | None:
         """Test the reduced model by a full solve, and take its modes in."""
         tested, found = None, self.at(taken.point)
-        if self.model.norm.comm.bcast(found.worst) <= _MEANINGFUL:
-            tested = self.model.norm.comm.bcast(largest_ratio(found, taken))
+        if self.model.norms.states.comm.bcast(found.worst) <= _MEANINGFUL:
+            tested = self.model.norms.states.comm.bcast(largest_ratio(found, taken))
             if 1 < tested < np.inf:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
         self.model.take(taken)
@@ -134,7 +134,7 @@ class Enrichment:
 
     def worst(self, point: Point) -> float:
         """The worst bound at a point, the same on every rank."""
-        return float(self.model.norm.comm.bcast(self.at(point).worst))
+        return float(self.model.norms.states.comm.bcast(self.at(point).worst))
 
 
 def full_solve(
@@ -173,9 +173,9 @@ def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
         if not found.inside[mine].any():
             continue
         error = abs((found.z[mine] - theirs[rows[members]]).mean())
-        known = 0.0
-        if members.sum() == 1:
-            known = full.uncertainties[rows[members]].max()
-            known *= 1.0 if damped else 2 * full.speeds[rows[members]].max()
+        known = full.uncertainties[rows[members]]
+        if members.sum() > 1:  # the mean is not as sensitive as its members
+            known = known / full.conditions[rows[members]]
+        known = known.max() * (1.0 if damped else 2 * full.speeds[rows[members]].max())
         ratio = max(ratio, error / (found.means[mine].max() + known))
     return float(ratio)

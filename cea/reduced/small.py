@@ -5,24 +5,22 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.left_vectors import POWERS
 from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Role
-from cea.reduced.certificate import Residuals, Rounding
+from cea.reduced.certificate import Residuals, Rounding, real_times
 from cea.reduced.following import Sample, Window
 from cea.reduced.pieces import Values
-from cea.reduced.products import real_times
-from cea.reduced.saddle import Saddle, SmallContact, padded
 from cea.reduced.spectrum import ReducedSpectrum, Settings, reduced_spectrum
 
 
 @dataclass(frozen=True)
 class SmallPiece:
-    """One piece of a pencil on a basis V, with X^-1-coordinates Q of its images.
+    """One piece of a pencil on a basis V of states, with coordinates Q of what its images cause.
 
-    V^T A V; Q^T A V and Q^T A^T V, the same object where A is symmetric; norm of what Q does not
-    hold of either.
+    V^T A V; coordinates of A V and A^T V, the same object where A is symmetric; norm of what Q does
+    not hold of either; largest error of an entry of V^T A V by rounding.
     """
 
     role: Role
@@ -31,44 +29,40 @@ class SmallPiece:
     right: Floats
     left: Floats
     lost: float
+    rounding: float = 0.0
 
     @property
     def symmetric(self) -> bool:
         """Whether A is symmetric."""
         return self.left is self.right
 
-    def padded(self, rows: int) -> "SmallPiece":
-        """With zeros for vectors of Q that came later."""
-        right = padded(self.right, rows)
-        return replace(self, right=right, left=right if self.symmetric else padded(self.left, rows))
+    def ordered(self, order: Ints, rows: int) -> "SmallPiece":
+        """With its vectors in another order, and zeros for vectors of Q that came later."""
+
+        def padded(coordinates: Floats) -> Floats:
+            return np.pad(coordinates, ((0, rows - len(coordinates)), (0, 0)))[:, order]
+
+        right = padded(self.right)
+        left = right if self.symmetric else padded(self.left)
+        return replace(self, square=self.square[np.ix_(order, order)], right=right, left=left)
 
 
 @dataclass(frozen=True)
 class SmallPencil:
-    """All pieces on one basis, with contacts whose forces are unknowns.
-
-    Bounds are made with ``settings``; full solves have errors of ``rounding``, for eigenvalues of
-    condition one (1/s^2).
-    """
+    """All pieces on one basis of so many displacements, with contact forces behind them."""
 
     pieces: tuple[SmallPiece, ...]
-    contacts: tuple[SmallContact, ...]
+    displacements: int
     settings: Settings
-    rounding: float = 0.0
-
-    @property
-    def size(self) -> int:
-        """Vectors of the basis."""
-        return len(self.pieces[0].square)
 
     def at(self, values: Values) -> ReducedSpectrum:
         """Eigenvalues of the window and its margin at values of all parameters."""
-        if not self.size:
+        if not self.displacements:
             return ReducedSpectrum.empty(self.settings)
         K, M = (self._sum(role, values) for role in ("stiffness", "mass"))
         D = self._sum("damping", values) if self.settings.damped else None
-        saddle = Saddle.at(self.contacts, values) if self.contacts else None
-        return reduced_spectrum(K, D, M, self.settings, self._rounding(values, saddle), saddle)
+        rounding = Rounding({role: self._rounding(role, values) for role in POWERS})
+        return reduced_spectrum(K, D, M, self.displacements, self.settings, rounding)
 
     def derivatives(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
@@ -88,8 +82,7 @@ class SmallPencil:
         y^H (dK - kappa dM) x / y^H M x, with damping - y^H (lambda^2 dM + lambda dD + dK) x / y^H
         (2 lambda M + D) x; infinite at a coalescence.
         """
-        x, y = found.right, found.left.conj()
-        eigenvalues, damped = found.eigenvalues, self.settings.damped
+        y, eigenvalues, damped = found.left.conj(), found.eigenvalues, self.settings.damped
         one: Complexes = np.ones(len(found), dtype=complex)
         speeds: dict[str, Complexes] = (
             {"mass": -2 * eigenvalues, "damping": -one} if damped else {"mass": one}
@@ -103,62 +96,33 @@ class SmallPencil:
             factor = piece.coefficient.at(values) if piece.role in speeds else 0.0
             if not (slope or factor):
                 continue
-            projected = np.einsum("ij,ij->j", y, real_times(piece.square, x))
+            projected = np.einsum("ij,ij->j", y, real_times(piece.square, found.right))
             if damped or piece.role == "stiffness":
                 change += slope * eigenvalues ** POWERS[piece.role] * projected
             else:
                 change -= slope * found.z * projected
             if factor:
                 turned += factor * speeds[piece.role] * projected
-        change += self._moved_contacts(found, values, rates)
         with np.errstate(divide="ignore", invalid="ignore"):
             moved: Complexes = change / turned
         return moved
 
-    def _moved_contacts(
-        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
-    ) -> Complexes:
-        """What contacts whose forces are unknowns add to y^H dK x, shape (n,)."""
-        change: Complexes = np.zeros(len(found), dtype=complex)
-        first, y = 0, found.left.conj()
-        for each in self.contacts:
-            rows = slice(first, first + len(each.closes))
-            b, g, first = found.forces[rows], found.left_forces[rows].conj(), rows.stop
-            friction, compliance = (
-                sum(rate * of.derivative(name, values) for name, rate in rates.items())
-                for of in (each.friction, each.inverse_stiffness)
-            )
-            if friction:
-                change -= friction * np.einsum("ij,ij->j", y, real_times(each.slides.T, b))
-            if compliance:
-                change -= compliance * np.einsum("ij,ij->j", g, b)
-        return change
+    def _parts(self, role: Role, values: Values) -> list[tuple[float, SmallPiece]]:
+        own = [piece for piece in self.pieces if piece.role == role]
+        return [(c, piece) for piece in own if (c := piece.coefficient.at(values))]
 
-    def _rounding(self, values: Values, saddle: Saddle | None) -> Rounding:
-        """What rounding does to eigenvalues."""
-        entries: dict[Role, Floats] = {}
-        for role in POWERS:
-            parts = [
-                (abs(piece.coefficient.at(values)), np.abs(piece.square))
-                for piece in self.pieces
-                if piece.role == role
-            ]
-            entries[role] = _weighted(parts, (self.size, self.size))
-        if saddle is not None:
-            entries = {
-                role: saddle.rounded(each) if role == "stiffness" else saddle.padded(each)
-                for role, each in entries.items()
-            }
-        return Rounding(self.rounding, entries)
+    def _rounding(self, role: Role, values: Values) -> Floats:
+        """Errors of entries of the reduced matrices, relative to their parts or those of these."""
+        eps = np.finfo(float).eps
+        parts = [
+            (abs(c), eps * np.abs(piece.square) + piece.rounding * (piece.square != 0))
+            for c, piece in self._parts(role, values)
+        ]
+        return _weighted(parts, self.pieces[0].square.shape)
 
     def _sum(self, role: Role, values: Values) -> Residuals:
-        parts = [
-            (factor, piece)
-            for piece in self.pieces
-            if piece.role == role and (factor := piece.coefficient.at(values))
-        ]
-        shape = self.pieces[0].right.shape
-        square = _weighted([(c, piece.square) for c, piece in parts], (self.size, self.size))
+        parts, shape = self._parts(role, values), self.pieces[0].right.shape
+        square = _weighted([(c, piece.square) for c, piece in parts], self.pieces[0].square.shape)
         left = right = _weighted([(c, piece.right) for c, piece in parts if piece.symmetric], shape)
         one_sided = [(c, piece) for c, piece in parts if not piece.symmetric]
         if one_sided:
@@ -214,7 +178,7 @@ class ModelLine:
         at = self.parameters(self.value(value))
         found = self.known.get(value) or self.small.at(at)
         slopes = self.small.slopes(found, at, self.rates) * self.speed(value)
-        vectors = found.right / np.linalg.norm(found.right, axis=0)
+        vectors = found.shapes / np.linalg.norm(found.shapes, axis=0)
         bounds = found.errors, found.means, found.clusters
         sample = Sample(value, found.z, slopes, *bounds, vectors)
         return sample.with_mirror_image() if self.small.settings.damped else sample

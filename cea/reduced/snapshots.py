@@ -9,10 +9,7 @@ import numpy as np
 from cea.arrays import Complexes, Floats
 from cea.eigen.modes import Modes
 from cea.errors import ResultWarning
-from cea.reduced.norm import EnergyNorm
-
-_ALONE = 10.0
-"""Condition number up to which an eigenvalue is by itself."""
+from cea.reduced.norm import InnerProduct
 
 
 @dataclass(frozen=True)
@@ -70,8 +67,8 @@ class Snapshot:
             "warnings": [warning.plain() for warning in self.warnings],
         }
 
-    def real_vectors(self, norm: EnergyNorm, *, damped: bool) -> Floats:
-        """Real and imaginary parts of right and left vectors, each complex one of X-norm one.
+    def real_vectors(self, norm: InnerProduct, *, damped: bool) -> Floats:
+        """States of real and imaginary parts of all vectors, each complex one of length one.
 
         Of conjugate pairs of kappa one is enough; damped pencils have none. Phases are such that
         real parts are as long as can be.
@@ -82,25 +79,17 @@ class Snapshot:
             parts.append(_parts(norm, self.left[:, one]))
         return np.hstack(parts)
 
-    def real_forces(self, rows: slice) -> Floats:
-        """Real and imaginary parts of the contact forces in some rows of this rank."""
-        both = [self.forces[rows], self.left_forces[rows]]
-        return np.hstack([part for each in both for part in (each.real, each.imag)])
-
-    @property
-    def rounding(self) -> float:
-        """What errors of the full solve come to for kappa of condition one (1/s^2), at most.
-
-        Modes near a coalescence, whose uncertainty is that of a cluster, tell nothing of it.
-        """
-        alone = self.conditions < _ALONE
-        sizes = 2 * self.speeds * self.uncertainties / self.conditions
-        return float(sizes[alone].max(initial=0.0))
+    def real_forces(self) -> Floats:
+        """States of real and imaginary parts of all contact forces."""
+        both = self.forces, self.left_forces
+        parts = np.hstack([part for each in both for part in (each.real, each.imag)])
+        return np.vstack([np.zeros((len(self.right), parts.shape[1])), parts])
 
 
-def _parts(norm: EnergyNorm, vectors: Complexes) -> Floats:
+def _parts(norm: InnerProduct, vectors: Complexes) -> Floats:
     square = norm.comm.allreduce(np.einsum("ij,ij->j", vectors, vectors))
     vectors = vectors * np.exp(-0.5j * np.angle(square))
+    vectors = np.pad(vectors, ((0, norm.rows - len(vectors)), (0, 0)))
     real, imaginary = np.asfortranarray(vectors.real), np.asfortranarray(vectors.imag)
     of_imaginary = norm.lengths(imaginary)
     lengths = np.hypot(norm.lengths(real), of_imaginary)

@@ -8,14 +8,13 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import eig, solve_triangular
+from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
 from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certifier, Pairs, Residuals, Rounding
-from cea.reduced.saddle import Inverse, Saddle
 
 MARGIN = 1.15
 """Frequency up to which eigenvectors are taken into a basis, relative to the end of the window."""
@@ -23,6 +22,8 @@ _FURTHER = 0.05
 """Decay beyond that of the window, relative to its end, down to which they are."""
 _BELOW = 0.05
 """Part of the window below the real axis whose eigenvalues help to judge those next to it."""
+_INFINITE = 1e4
+"""Speed, relative to the window's end, of eigenvalues that ties make infinite but for rounding."""
 _SAFETY = 2.0
 """Factor on the inverse outside of the basis."""
 
@@ -84,17 +85,16 @@ class ReducedSpectrum:
     """Eigenvalues of a window and its margin, by rising frequency.
 
     kappa (1/s^2), or lambda (1/s) of damped pencils, as z, and lambda with Im lambda >= 0;
-    coordinates of their vectors of M-norm one and of their contact forces; bounds on the errors of
-    z (:class:`cea.reduced.certificate.Certificate`).
+    coordinates of their vectors of M-norm one, of displacements and contact forces below them;
+    bounds on the errors of z (:class:`cea.reduced.certificate.Certificate`).
     """
 
     settings: Settings
+    displacements: int
     z: Complexes
     eigenvalues: Complexes
     right: Complexes
     left: Complexes
-    forces: Complexes
-    left_forces: Complexes
     errors: Floats
     means: Floats
     reduction: Floats
@@ -106,14 +106,13 @@ class ReducedSpectrum:
         """What a basis without vectors knows."""
         none, vectors = np.empty(0, dtype=complex), np.empty((0, 0), dtype=complex)
         real, clusters = np.empty(0), np.empty(0, dtype=np.int64)
-        of_modes = (real, real, real, clusters, real)
-        return cls(settings, none, none, vectors, vectors, vectors, vectors, *of_modes)
+        return cls(settings, 0, none, none, vectors, vectors, real, real, real, clusters, real)
 
     def __len__(self) -> int:
         return len(self.z)
 
     def __getitem__(self, modes: Ints) -> "ReducedSpectrum":
-        arrays = {each.name: getattr(self, each.name)[..., modes] for each in fields(self)[1:]}
+        arrays = {each.name: getattr(self, each.name)[..., modes] for each in fields(self)[2:]}
         return replace(self, **arrays)
 
     @property
@@ -125,6 +124,11 @@ class ReducedSpectrum:
     def inside(self) -> NDArray[np.bool_]:
         """Which are in the window, shape (n,)."""
         return self.settings.holds(self.eigenvalues)
+
+    @property
+    def shapes(self) -> Complexes:
+        """Coordinates of the displacements of right vectors."""
+        return self.right[: self.displacements]
 
     @property
     def speeds(self) -> Floats:
@@ -196,49 +200,82 @@ def reduced_spectrum(
     stiffness: Residuals,
     damping: Residuals | None,
     mass: Residuals,
+    displacements: int,
     settings: Settings,
     rounding: Rounding,
-    saddle: Saddle | None,
 ) -> ReducedSpectrum:
-    """Eigenvalues of a window and its margin; ``damping`` is None without it."""
-    K, M, k = stiffness.square, mass.square, len(mass.square)
+    """Eigenvalues of a window and its margin; ``damping`` is None without it.
+
+    Contact forces stand behind so many displacements.
+    """
+    k = displacements
+    K, M = stiffness.square, mass.square[:k, :k]
     root = np.linalg.cholesky(M)
     if damping is None:
-        pairs = _undamped(K, M, root, settings, saddle)
+        pairs = _undamped(K, M, root, settings)
         eigenvalues, scale = upper_root(pairs.values), 1.0
     else:
-        pairs = _damped(K, damping.square, M, root, settings, saddle)
+        pairs = _damped(K, damping.square[:k, :k], M, root, settings)
         eigenvalues, scale = pairs.values, settings.end
-    if saddle is not None:
-        stiffness, mass = saddle.with_stiffness(stiffness), saddle.beside(mass)
-        damping = None if damping is None else saddle.beside(damping)
     certifier = Certifier(stiffness, damping, mass, rounding, scale)
     told = certifier.certificate(pairs, settings.outside(pairs.values))
     found = ReducedSpectrum(
-        settings,
-        pairs.values,
-        eigenvalues,
-        *(pairs.right[:k], pairs.left[:k], pairs.right[k:], pairs.left[k:]),
-        *(told.errors, told.means, told.reduction),
-        told.clusters,
-        told.slopes,
+        settings=settings,
+        displacements=k,
+        z=pairs.values,
+        eigenvalues=eigenvalues,
+        right=pairs.right,
+        left=pairs.left,
+        errors=told.errors,
+        means=told.means,
+        reduction=told.reduction,
+        clusters=told.clusters,
+        slopes=told.slopes,
     )
     return found if damping is None else found[np.flatnonzero(eigenvalues.imag >= 0)]
 
 
-def _undamped(
-    K: Floats, M: Floats, root: Floats, settings: Settings, saddle: Saddle | None
-) -> Pairs:
+class Inverse:
+    """The inverse of a shifted stiffness A with contact forces eliminated from [A, L; N, -c].
+
+    A^-1 - A^-1 L S^-1 N A^-1 with S = c + N A^-1 L: nothing grows with a contact stiffness 1 / c.
+    """
+
+    def __init__(self, whole: Floats, shifted: Floats) -> None:
+        k = len(shifted)
+        self._factors = lu_factor(shifted)
+        self._reacts, self._closes = whole[:k, k:], whole[k:, :k]
+        self._flexible = lu_solve(self._factors, self._reacts)
+        self._schur = lu_factor(self._closes @ self._flexible - whole[k:, k:])
+
+    def __call__(self, block: Floats) -> Floats:
+        """Displacements under a block of forces."""
+        found: Floats = lu_solve(self._factors, block)
+        return found - self._flexible @ lu_solve(self._schur, self._closes @ found)
+
+    def extended(self, right: Complexes, loads: Complexes) -> Complexes:
+        """Right vectors with their contact forces below, by the loads they are in balance with."""
+        gaps = self._closes @ lu_solve(self._factors, loads)
+        return np.vstack([right, lu_solve(self._schur, gaps)])
+
+    def extended_left(self, left: Complexes, loads: Complexes) -> Complexes:
+        """The same of left vectors."""
+        gaps = self._reacts.T @ lu_solve(self._factors, loads, trans=1)
+        return np.vstack([left, lu_solve(self._schur, gaps, trans=1)])
+
+
+def _undamped(K: Floats, M: Floats, root: Floats, settings: Settings) -> Pairs:
     """Eigenpairs by the inverse of K + s M."""
-    shift = settings.shift
-    inverse = Inverse(K + shift * M, saddle)
+    shift, k = settings.shift, len(M)
+    inverse = Inverse(K, K[:k, :k] + shift * M)
     operator = root.T @ inverse(root)
     theta, duals, states = eig(operator, left=True, right=True)
     with np.errstate(divide="ignore"):
         kappa = 1 / theta - shift
     speeds = upper_root(kappa)
     order = np.lexsort((speeds.real, speeds.imag))
-    order = order[speeds.imag[order] <= MARGIN * settings.end]
+    inside = (speeds.imag <= MARGIN * settings.end) & (np.abs(speeds) < _INFINITE * settings.end)
+    order = order[inside[order]]
     kappa, states, duals = kappa[order], states[:, order], duals[:, order]
     right = solve_triangular(root, states, lower=True, trans="T")
     left = solve_triangular(root, duals, lower=True, trans="T")
@@ -247,12 +284,10 @@ def _undamped(
     return Pairs(kappa, right, left, states, duals, operator, -shift)
 
 
-def _damped(
-    K: Floats, D: Floats, M: Floats, root: Floats, settings: Settings, saddle: Saddle | None
-) -> Pairs:
+def _damped(K: Floats, D: Floats, M: Floats, root: Floats, settings: Settings) -> Pairs:
     """Eigenpairs by the companion form, inverted about a real shift of growth."""
-    k, shift, scale = len(K), np.sqrt(settings.shift), settings.end
-    inverse_of = Inverse(shift**2 * M + shift * D + K, saddle)
+    k, shift, scale = len(M), np.sqrt(settings.shift), settings.end
+    inverse_of = Inverse(K, shift**2 * M + shift * D + K[:k, :k])
     one = np.eye(k)
     half = solve_triangular(root, D, lower=True)
     drag = solve_triangular(root, half.T, lower=True).T  # L^-1 D L^-T
@@ -266,7 +301,7 @@ def _damped(
         values = shift + 1 / mu
     order = np.lexsort((values.real, values.imag))
     inside = (values.imag >= -_BELOW * scale) & (values.imag <= MARGIN * scale)
-    inside &= np.isfinite(values) & (values.real >= -settings.reach)
+    inside &= (np.abs(values) < _INFINITE * scale) & (values.real >= -settings.reach)
     order = order[inside[order]]
     values, states, duals = values[order], states[:, order], duals[:, order]
     states = states / np.linalg.norm(states[:k], axis=0)

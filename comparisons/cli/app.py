@@ -92,7 +92,6 @@ app = typer.Typer(cls=_Commands, no_args_is_help=True, pretty_exceptions_enable=
 
 
 def _tell_version(wanted: bool) -> None:
-    """Print the version and end."""
     if wanted:
         typer.echo(f"friction-cea {cea.__version__}")
         raise typer.Exit
@@ -205,7 +204,6 @@ def _end(comm: Any, fault: str) -> None:
 
 
 def _all_arrive(comm: Any) -> bool:
-    """Whether all ranks come here before patience runs out."""
     arrived = comm.Ibarrier()
     deadline = monotonic() + _PATIENCE
     while not arrived.Test():

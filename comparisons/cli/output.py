@@ -192,6 +192,5 @@ def _table(columns: Sequence[Column], title: str = "", styles: Sequence[str] = (
 
 
 def _least(table: Table) -> int:
-    """Width below which a number would be cut."""
     room = Console(width=_ROOM)
     return Measurement.get(room, room.options, table).minimum

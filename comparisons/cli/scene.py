@@ -143,7 +143,6 @@ def schema(
 
 
 def _deliver(text: str, out: Path | None) -> None:
-    """Print a text, or write it to a file."""
     if out is None:
         typer.echo(text, nl=False)
         return

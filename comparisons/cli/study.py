@@ -192,7 +192,6 @@ def _print(study: "Study", result: "StudyResult") -> None:
 
 
 def _labels(only: list[str]) -> dict[str, str]:
-    """Labels and values of ``--only``."""
     for each in only:
         if "=" not in each:
             raise InputError("only", each, "LABEL=VALUE")

@@ -134,13 +134,12 @@ def pad(
     at: float = 0.75,
     *,
     pad_elements: Sequence[int] = (3, 2),
-    base_elements: Sequence[int] = (5, 3),
     **fields: Any,
 ) -> Scene:
     """A pad, its left edge at x = ``at`` and held at its back, on a base from x = 0 to 2."""
     upper = body(rectangle((width, 0.4), (at, 0.0)), pad_elements, E=0.5, supports=HELD_ABOVE)
     return scene(
-        {"pad": upper, "base": base(base_elements)},
+        {"pad": upper, "base": base()},
         contact=contact("pad.y_min", "base.y_max", **fields),
     )
 

@@ -21,11 +21,6 @@ _MODES = 25
 
 def line_figure(made: "Swept", line: Ints) -> Figure:
     """Growth and frequency of all modes along the first axis, unstable ones in colour."""
-    return _line({"made": made, "line": line})
-
-
-def _line(drawn: Data) -> Figure:
-    made, line = drawn["made"], drawn["line"]
     data, points, spectra = made.record, made.points, made.spectra
     figure = Figure(figsize=(7.2, 6.4), layout="constrained")
     growth, frequency = figure.subplots(2, 1, sharex=True)
@@ -69,14 +64,6 @@ def map_figure(made: "Swept") -> Figure:
     White: no growth above the threshold. Dots: growth begins; crosses: it ends. Hatched: a mode
     grows just above the window. Grey crosses: not certified.
     """
-    return _map({"made": made})
-
-
-map_figure.__name__ = "map"
-
-
-def _map(drawn: Data) -> Figure:
-    made = drawn["made"]
     data, points, spectra = made.record, made.points, made.spectra
     x, y = points.axis(0), points.axis(1)
 
@@ -111,17 +98,12 @@ def _map(drawn: Data) -> Figure:
     return figure
 
 
+map_figure.__name__ = "map"
+
+
 def samples_figure(made: "Swept") -> Figure:
     """Probabilities with their intervals, and where samples grow over each field."""
-    return _samples({"made": made})
-
-
-samples_figure.__name__ = "sweep"
-
-
-def _samples(drawn: Data) -> Figure:
-    data, points = drawn["made"].record, drawn["made"].points
-    largest = drawn["made"].spectra.largest
+    data, points, largest = made.record, made.points, made.spectra.largest
     count = len(points.names) + 1
     figure = Figure(figsize=(9.4, 3.2 * ((count + 1) // 2)), layout="constrained")
     spaces = figure.subplots((count + 1) // 2, 2, squeeze=False).ravel()
@@ -137,6 +119,9 @@ def _samples(drawn: Data) -> Figure:
     for space in spaces[count:]:
         space.remove()
     return figure
+
+
+samples_figure.__name__ = "sweep"
 
 
 def _bars(space: Axes, data: Data) -> None:

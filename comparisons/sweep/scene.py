@@ -9,16 +9,14 @@ import numpy as np
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil, release
-from cea.eigen.shifted import count_below
+from cea.eigen.pencil import Pencil
 from cea.errors import InputError, ResultWarning
-from cea.reduced.norm import shift_of
-from cea.reduced.pieces import check_pencil
 from comparisons.sweep.points import Field, Points, table_of
 from scenes import Result
 from scenes.running.assembled import AssembledScene
 from scenes.running.matrices import AssembledMatrices
 from scenes.running.swept import (
+    in_saddle_form,
     means_several,
     no_two_alike,
     parameters_meant,
@@ -78,7 +76,7 @@ def mapped(
     data: str | None = None,
     samples: tuple[int, int] = (0, 0),
 ) -> Mapped:
-    """Assemble a scene; where a contact becomes too stiff for a penalty its forces are unknowns.
+    """Assemble a scene with forces of its contacts as unknowns.
 
     ``samples`` are the number of samples of distributions and their seed. NoMapError is raised when
     a field is no parameter of the pencil, or the pencil is not that of all points, or has no
@@ -87,47 +85,51 @@ def mapped(
     if is_of_matrices(scene):
         matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
         names = _names(matrices.driver.pencil, fields, {}, ())
-        points = _points(matrices.driver.pencil, fields, names, samples)
         window = matrices.scene.window
-        _check_definite(matrices.driver.pencil, _ends(points, names), window.max_frequency)
-        return Mapped(
-            matrices.driver,
-            points,
-            names,
-            as_data(matrices.scene),
-            window.max_frequency,
-            window.growth_threshold,
-            window.min_growth,
-            lambda modes, _: matrices.warnings(modes),
-        )
+        return _mapped(matrices, fields, names, samples, window, lambda m, _: matrices.warnings(m))
     _refuse_data(data)
-    read = load_scene(scene, list(overrides))
-    first = AssembledScene(read)
-    names = _names(first.driver.pencil, fields, read.contacts, first.bonded)
-    points = _points(first.driver.pencil, fields, names, samples)
-    moved = [name for each in names for name in each if first.depends_on_state([name])]
+    read = in_saddle_form(load_scene(scene, list(overrides)))
+    assembled = AssembledScene(read)
+    names = _names(assembled.driver.pencil, fields, read.contacts, assembled.bonded)
+    moved = [name for each in names for name in each if assembled.depends_on_state([name])]
     if moved:
-        first.free()
+        assembled.free()
         allowed = "no parameter that moves a state of steady sliding"
         raise NoMapError("axis", moved[0], allowed)
-    least, most = _ends(points, names)
-    assembled = first.with_forms_at(
-        {name: most[name] if name.endswith(".P") else least[name] for name in least}
-    )
-    if assembled is not first:
-        first.free()
-    analysis = assembled.scene.analysis
+    analysis = read.analysis
     assert isinstance(analysis, ComplexEigenvalueAnalysis)
-    _check_definite(assembled.driver.pencil, (least, most), analysis.max_frequency)
+
+    def warnings(modes: Modes, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        return assembled.warnings(modes, analysis.max_frequency, values)
+
+    return _mapped(assembled, fields, names, samples, analysis, warnings)
+
+
+def _mapped(
+    assembled: Assembled,
+    fields: Sequence[Field],
+    names: tuple[Mapping[str, float], ...],
+    samples: tuple[int, int],
+    window: Any,
+    warnings: Warnings,
+) -> Mapped:
+    """A scene that is assembled, at points all of which are allowed."""
+    pencil = assembled.driver.pencil
+    points = _points(pencil, fields, names, samples)
+    try:  # modes that are damped one by one may be others there
+        for values in _ends(points, names):
+            pencil.check(values)
+    except InputError as error:
+        raise no_map(error) from error
     return Mapped(
         assembled.driver,
         points,
         names,
         as_data(assembled.scene),
-        analysis.max_frequency,
-        analysis.growth_threshold,
-        analysis.min_growth,
-        lambda modes, values: assembled.warnings(modes, analysis.max_frequency, values),
+        window.max_frequency,
+        window.growth_threshold,
+        window.min_growth,
+        warnings,
     )
 
 
@@ -151,9 +153,8 @@ def _names(
             of_p = {path: pencil.parameter(path).value / value for path, value in paths.items()}
             meant = of_p or dict.fromkeys(parameters_meant(pencil, field.name, bonded), 1.0)
             found.append(meant)
-        check_pencil(pencil, [name for each in found for name in each])
     except InputError as error:
-        raise _no_map(error) from error
+        raise no_map(error) from error
     no_two_alike(found, [field.name for field in fields])
     return tuple(found)
 
@@ -189,31 +190,8 @@ def _ends(points: Points, names: Sequence[Mapping[str, float]]) -> list[dict[str
     ]
 
 
-def _check_definite(
-    pencil: Pencil, ends: Sequence[Mapping[str, float]], max_frequency: float
-) -> None:
-    """Refuse a damped pencil whose stiffness makes no norm where parameters are least.
-
-    That of bodies at rest does; with rotation or in matrices from elsewhere it may not.
-    """
-    if not pencil.damped:
-        return
-    try:
-        for each in ends:  # modes that are damped one by one may be others there
-            pencil.check(each)
-    except InputError as error:
-        raise _no_map(error) from error
-    matrices = pencil.at(ends[0])
-    try:
-        negative = count_below(matrices, -shift_of(max_frequency))
-    finally:
-        release(matrices)
-    if negative:
-        told = f"{negative} negative eigenvalues of its symmetric part"
-        raise NoMapError("stiffness", told, "none, for a map, where parameters are least")
-
-
-def _no_map(error: InputError) -> NoMapError:
+def no_map(error: InputError) -> NoMapError:
+    """A refusal that leaves full solves."""
     return NoMapError(error.field, error.value, error.allowed)
 
 

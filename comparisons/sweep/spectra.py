@@ -94,10 +94,18 @@ class Spectra:
             above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
             above &= np.isin(words, GROWING)
             inside = np.flatnonzero(found.inside)
-            errors, own = (window.uncertainties, window.mean_errors), [words[i] for i in inside]
-            row = _row(window.eigenvalues, *errors, own, slope)
-            fastest = _fastest(found.eigenvalues[above])
-            rows.append(row | _about(found.worst, fastest, number[inside]))
+            rows.append(
+                _row(
+                    values=window.eigenvalues,
+                    uncertainty=window.uncertainties,
+                    mean_error=window.mean_errors,
+                    words=[words[i] for i in inside],
+                    slopes=slope,
+                    worst=found.worst,
+                    above=found.eigenvalues[above],
+                    number=number[inside],
+                )
+            )
         return cls._stacked(rows)
 
     @classmethod
@@ -111,11 +119,19 @@ class Spectra:
                 values, errors, worst = result.eigenvalues, result.modes.growth_uncertainties, 0.0
                 words = list(result.modes.verdicts(result.analysis.growth_threshold))
                 above = np.reshape(result.modes.window.growing_above, (-1, 2))
-            n, fastest = len(values), _fastest(above[:, 1] + 2j * np.pi * above[:, 0])
-            nothing, slopes = np.full(n, np.nan), np.full((n, count), np.nan + 0j)
-            number = np.full(n, -1, dtype=np.int64)
-            row = _row(values, errors, nothing, words, slopes)
-            rows.append(row | _about(worst, fastest, number))
+            n = len(values)
+            rows.append(
+                _row(
+                    values=values,
+                    uncertainty=errors,
+                    mean_error=np.full(n, np.nan),
+                    words=words,
+                    slopes=np.full((n, count), np.nan + 0j),
+                    worst=worst,
+                    above=above[:, 1] + 2j * np.pi * above[:, 0],
+                    number=np.full(n, -1, dtype=np.int64),
+                )
+            )
         return cls._stacked(rows)
 
     @classmethod
@@ -145,19 +161,19 @@ class Spectra:
         return {each.name: getattr(self, each.name) for each in fields(self)}
 
 
-def _fastest(values: Complexes) -> complex:
-    """The eigenvalue that grows fastest, not a number where there is none."""
-    return complex(values[values.real.argmax()]) if len(values) else complex(np.nan, np.nan)
-
-
 def _row(
+    *,
     values: Complexes,
     uncertainty: Floats,
     mean_error: Floats,
     words: Sequence[Word],
     slopes: Complexes,
+    worst: float,
+    above: Complexes,
+    number: Ints,
 ) -> dict[str, Any]:
-    """What is known of the modes at one point."""
+    """What is known at one point: its modes, the worst bound, what grows above the window."""
+    fastest = above[above.real.argmax()] if len(above) else np.nan + 1j * np.nan
     return {
         "growth": values.real,
         "frequency": values.imag / (2 * np.pi),
@@ -166,13 +182,11 @@ def _row(
         "verdict": np.array([WORDS.index(word) for word in words], dtype=np.int8),
         "growth_slope": slopes.real,
         "frequency_slope": slopes.imag / (2 * np.pi),
+        "worst": worst,
+        "above_growth": fastest.real,
+        "above_frequency": fastest.imag / (2 * np.pi),
+        "number": number,
     }
-
-
-def _about(worst: float, fastest: complex, number: Ints) -> dict[str, Any]:
-    """The worst bound, the fastest mode above the window, the numbers of modes."""
-    above = {"above_growth": fastest.real, "above_frequency": fastest.imag / (2 * np.pi)}
-    return {"worst": worst, "number": number} | above
 
 
 def _widened(array: NDArray[Any], width: int) -> NDArray[Any]:

@@ -26,7 +26,7 @@ from comparisons.sweep.boxes import Box, boxes_of
 from comparisons.sweep.points import Axis, Field, Points, plain_fields
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
-from comparisons.sweep.scene import InFull, Mapped, mapped
+from comparisons.sweep.scene import InFull, Mapped, mapped, no_map
 from comparisons.sweep.spectra import Spectra
 from comparisons.sweep.store import Store, fingerprint
 from scenes import Result
@@ -35,8 +35,6 @@ from scenes.results.record import record
 COMMAND = "sweep"
 _AT_FIRST = 0.5
 """Bound, relative to the tolerance, of a basis where it is made: elsewhere it is larger."""
-_ROUNDS = 4
-"""Times that full solves may find fault with a basis before it is given up."""
 _AT_ONCE = 64
 """Points without a certificate, the worst, that a basis takes in before all are looked at again."""
 _MOST_SAMPLES = 1_000_000
@@ -190,7 +188,7 @@ class _Run:
             basis.model.free()
         self.bases.append(self._told(basis))
         if MPI.COMM_WORLD.rank == 0:
-            self._store.keep_part(f"box-{number:03d}", self.bases[-1], {})
+            self._store.keep(f"box-{number:03d}", self.bases[-1], {})
         return [done[i] for i in range(len(names))]
 
     def _told(self, basis: Enrichment) -> dict[str, Any]:
@@ -212,7 +210,7 @@ class _Run:
     def _basis(self, box: Box) -> Enrichment:
         """A basis whose bounds are small at the training points of a box, and full solves agree.
 
-        Raises ConvergenceError when full solves keep passing the bounds.
+        Raises ConvergenceError when the last full solves passed the bounds.
         """
         scene, asked = self._scene, self._asked
         ends = {
@@ -220,7 +218,10 @@ class _Run:
             for (low, high), names in zip(box.ends, scene.names, strict=True)
             for name, factor in names.items()
         }
-        model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
+        try:
+            model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
+        except InputError as error:
+            raise no_map(error) from error
         basis = Enrichment(model, partial(self._full_solve, model), asked.tolerance, asked.most)
         try:
             for solve in self._store.solves():
@@ -229,27 +230,27 @@ class _Run:
                     basis.take(solve)
             own = np.concatenate(box.parts)
             checked = self._checked[np.isin(self._checked, own)]
-            for _ in range(_ROUNDS):
+            while True:
                 basis.cover([self._point(i) for i in box.training], _AT_FIRST * asked.tolerance)
                 spent = len(basis.solves) >= asked.most
                 if spent or basis.stands([self._point(i) for i in checked]):
                     return basis
+                if len(basis.solves) >= asked.most:
+                    raise ConvergenceError(
+                        "full solves found modes or errors that the reduced model had not told of; "
+                        "a lower max_frequency may help"
+                    )
                 checked = self._generator.choice(own, size=len(checked))
         except BaseException:
             model.free()
             raise
-        model.free()
-        raise ConvergenceError(
-            f"full solves found modes or errors that the reduced model had not told of, "
-            f"{_ROUNDS} times; a lower max_frequency may help"
-        )
 
     def _full_solve(self, model: ReducedModel, point: Mapping[str, float]) -> Snapshot:
         """A full solve, stored."""
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
         self._progress(f"full solve: {shown}")
         solve = full_solve(model, self._scene.driver, point, self._scene.warnings)
-        self._store.keep(solve)
+        self._store.keep_solve(solve)
         return solve
 
     def _make(
@@ -268,7 +269,7 @@ class _Run:
             for i in np.array_split(missing, comm.size)[comm.rank].tolist():
                 self._progress(f"{i + 1} of {len(box.parts)} parts of a box")
                 made[i] = self._part(box.parts[i], small, middle)
-                self._store.keep_part(names[i], *made[i])
+                self._store.keep(names[i], *made[i])
         for part in comm.allgather(made):
             done.update(part)
 

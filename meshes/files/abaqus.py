@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
@@ -27,6 +26,7 @@ from meshes.files.content import (
     without_nodes,
 )
 from meshes.files.elements import FACES, KINDS
+from meshes.placement import Placement
 
 Type = Literal["node", "element", "surface"]
 
@@ -138,9 +138,8 @@ class Scope:
             points = points + lines[0]
         if len(lines) > 1:
             start, end, angle = np.array(lines[1][:3]), np.array(lines[1][3:6]), lines[1][6]
-            axis = end - start
-            require(bool(np.any(axis)), "file", told, allowed)
-            turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis), degrees=True)
+            require(bool(np.any(end != start)), "file", told, allowed)
+            turn = Placement(tuple((end - start).tolist()), angle)
             points = start + turn.apply(points - start)
         return points
 

@@ -67,11 +67,7 @@ def ansys_content(file: Path) -> FileContent:
             places.append(rows[own])
     order = np.empty(len(heads), dtype=np.int64)
     order[np.concatenate(places)] = np.arange(len(heads))
-    node_sets = {
-        name.removeprefix("node "): known_rows(numbers, members.astype(np.int64))
-        for name, members in arrays.items()
-        if name.startswith("node ")
-    }
+    node_sets = _components(arrays, "node", numbers)
     return FileContent(points, numbers, blocks, _element_sets(arrays, heads, order), node_sets)
 
 
@@ -101,13 +97,19 @@ def _blocks(
         yield own, block(name, f"{cell}{listed.shape[1]}", numbers[own], rows)
 
 
+def _components(arrays: Mapping[str, Any], kind: str, numbers: Ints) -> dict[str, Ints]:
+    """Rows of the nodes or elements of each component."""
+    return {
+        name.removeprefix(f"{kind} "): known_rows(numbers, members.astype(np.int64))
+        for name, members in arrays.items()
+        if name.startswith(f"{kind} ")
+    }
+
+
 def _element_sets(arrays: Mapping[str, Any], heads: Ints, place: Ints) -> dict[str, Ints]:
     """Elements of each component, material and type, counted through the blocks."""
-    sets = {
-        name.removeprefix("element "): place[known_rows(heads[:, 8], members.astype(np.int64))]
-        for name, members in arrays.items()
-        if name.startswith("element ")
-    }
+    components = _components(arrays, "element", heads[:, 8])
+    sets = {name: place[rows] for name, rows in components.items()}
     for column, word in ((0, "material"), (1, "type")):
         for value in np.unique(heads[:, column]):
             sets.setdefault(f"{word} {value}", place[heads[:, column] == value])

@@ -1,7 +1,6 @@
 """The mesh of a body from the content of a mesh file: its nodes, elements and faces are checked."""
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +18,7 @@ from cea.mesh import (
     reference_nodes,
 )
 from meshes.files.content import FileContent, node_marks
-from meshes.files.elements import facet_sides
+from meshes.files.elements import facet_sides, full_kind
 from meshes.files.part import Part, check_nodes
 from meshes.files.surfaces import surface_faces
 from meshes.files.tetrahedra import completed, tetrahedra
@@ -82,11 +81,7 @@ def check_elements(cell: Cell, order: int, points: Floats, cells: Ints, numbers:
 def _corner_places(cell: Cell, order: int) -> Ints:
     """Places of the corners among the nodes of a cell, in C order of the reference cell."""
     places = lattice(DIMENSION[cell], order, cell in SIMPLICES)
-    if cell in SIMPLICES:
-        at_corner = (places == order).any(axis=1) | (places == 0).all(axis=1)
-    else:
-        at_corner = np.isin(places, (0, order)).all(axis=1)
-    return np.flatnonzero(at_corner)
+    return np.flatnonzero((places % order == 0).all(axis=1))
 
 
 def check_matching(cell: Cell, order: int, cells: Ints, numbers: Ints) -> None:
@@ -106,14 +101,9 @@ def check_matching(cell: Cell, order: int, cells: Ints, numbers: Ints) -> None:
 
 def _middles_apart(cell: Cell, cells: Ints, marks: NDArray[np.uint64]) -> int | None:
     """First cell with an edge whose middle is not that of the same edge of others alone."""
-    places = lattice(DIMENSION[cell], 2, cell in SIMPLICES)
-    corners = _corner_places(cell, 2)
-    found = [
-        (a, b, column)
-        for a, b in combinations(corners, 2)
-        for column in np.flatnonzero((places == (places[a] + places[b]) / 2).all(axis=1))
-        if cell in SIMPLICES or np.abs(places[a] - places[b]).sum() == 2
-    ]
+    kind = full_kind(cell, 2)
+    place = np.argsort(node_order(cell, 2, kind.reference))
+    found = [place[[*group, i]] for i, group in enumerate(kind.groups) if len(group) == 2]
     ends = np.stack([marks[cells[:, a]] + marks[cells[:, b]] for a, b, _ in found], axis=1).ravel()
     middles = cells[:, [column for *_, column in found]].ravel()
     for keys, values in ((ends, middles), (middles, ends)):

@@ -10,7 +10,7 @@ import numpy as np
 
 from cea.arrays import Ints
 from cea.errors import require
-from cea.mesh import matching_nodes, reference_nodes
+from cea.mesh import SIMPLICES, lattice, matching_nodes
 from meshes.files.content import ElementBlock, FileContent, rows_of, without_copies
 from meshes.files.elements import DIVIDED, full_kind
 from meshes.files.sandbox import arrays_of
@@ -66,7 +66,8 @@ def _block(
 ) -> ElementBlock:
     """Elements of one kind in one entity."""
     cell = _CELLS.get(name.split()[0])
-    if cell is None or (order > 2 and not _is_full(cell, order, rows.shape[1])):
+    full = order < 3 or len(lattice(dim, order, cell in SIMPLICES)) == rows.shape[1]
+    if cell is None or not full or (order > 2 and cell in DIVIDED):
         return ElementBlock(name, "line" if dim == 1 else name, order, ids, rows)
     reference = np.reshape(local, (rows.shape[1], -1))[:, :dim]
     low = np.array(_FROM.get(cell, [0] * dim))
@@ -76,11 +77,6 @@ def _block(
         place = matching_nodes(listed, reference)
         rows, reference = rows[:, place], listed
     return ElementBlock(name, cell, order, ids, rows, reference)
-
-
-def _is_full(cell: str, order: int, count: int) -> bool:
-    """Whether elements of third or higher order have all nodes of a cell of a mesh."""
-    return cell not in DIVIDED and count == len(reference_nodes(cell, order))  # type: ignore[arg-type]
 
 
 def arrays_of_model(model: Any) -> dict[str, Any]:

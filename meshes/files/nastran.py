@@ -215,12 +215,11 @@ def _sets(cards: Cards, of_elements: Ints) -> dict[str, Ints]:
     names = {
         (dim, card.whole(0)): name for name, dim in _PROPERTIES.items() for card in cards[name]
     }
-    keys, group = np.unique(of_elements, axis=0, return_inverse=True)
-    members = np.split(np.argsort(group, kind="stable"), np.cumsum(np.bincount(group))[:-1])
     defaults = {3: "PSOLID", 2: "PSHELL"}
+    keys, group = np.unique(of_elements, axis=0, return_inverse=True)
     return {
-        f"{names.get((dim, number), defaults[dim])} {number}": rows
-        for (dim, number), rows in zip(keys.tolist(), members, strict=True)
+        f"{names.get((dim, number), defaults[dim])} {number}": np.flatnonzero(group == i)
+        for i, (dim, number) in enumerate(keys.tolist())
     }
 
 

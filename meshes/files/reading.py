@@ -61,6 +61,4 @@ def _content(file: Path, _changed: int, _size: int) -> FileContent:
         raise InputError("file", str(file), allowed) from None
 
 
-@lru_cache(_KEPT)
-def _merged(content: FileContent, distance: float) -> FileContent:
-    return merged(content, distance)
+_merged = lru_cache(_KEPT)(merged)

@@ -17,7 +17,6 @@ from typing import NamedTuple
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.errors import require
 from cea.mesh import facet_nodes, node_order
 from meshes.files.content import ElementBlock, node_marks
 from meshes.files.elements import CORNERS, FACES, full_kind
@@ -26,9 +25,9 @@ from meshes.files.elements import CORNERS, FACES, full_kind
 class Tetrahedra(NamedTuple):
     """Elements divided into tetrahedra.
 
-    Points (n, 3), those that were added at the end; nodes of the tetrahedra in the order of
-    :class:`cea.mesh.Mesh`, (m, 4) or (m, 10); the element that each is a part of, rising, (m,); the
-    face of that element, 0 for its S1, that each of its facets lies on, -1 inside, (m, 4).
+    Points (n, 3), those that were added last; nodes of the tetrahedra as :class:`cea.mesh.Mesh`
+    lists them; the element that each is a part of, rising, (m,); the face of that element, 0 for
+    its S1, that each of its facets lies on, -1 inside, (m, 4).
     """
 
     points: Floats
@@ -39,10 +38,6 @@ class Tetrahedra(NamedTuple):
 
 def tetrahedra(points: Floats, blocks: Sequence[ElementBlock]) -> Tetrahedra:
     """Divide solid elements of a body, all of order 1 or all of order 2, into tetrahedra."""
-    orders = sorted({block.order for block in blocks})
-    kinds = ", ".join(sorted({block.kind for block in blocks}))
-    allowed = "elements that are all of order 1 or all of order 2, where a body has several kinds"
-    require(orders in ([1], [2]), "file", kinds, allowed)
     points, full = completed(points, blocks)
     starts = np.cumsum([0, *map(len, blocks)])
     parts = [_divided(block, int(start)) for block, start in zip(full, starts, strict=False)]

@@ -47,7 +47,6 @@ class Built[Part](dict[str, Part]):
 
 
 def _alike[Part](given: Mapping[str, Part] | None, wanted: Mapping[str, Any]) -> dict[str, Part]:
-    """Those that are made of what is wanted."""
     if not isinstance(given, Built):
         return {}
     return {name: given[name] for name in wanted if given.made_of.get(name) == wanted[name]}
@@ -298,7 +297,6 @@ def below(place: str) -> Iterator[None]:
 
 
 def _values(name: str, field: float | str, x: Floats) -> Floats:
-    """Values of a field of a contact at points."""
     try:
         return evaluate(Expression(field) if isinstance(field, str) else field, x)
     except InputError as error:

@@ -8,6 +8,7 @@ among what it left out.
 from collections.abc import Iterator, Mapping
 from functools import partial
 from itertools import combinations
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -60,15 +61,23 @@ def left_alone(scene: Scene) -> str:
 
 def doubtful_numbers(scene: Scene) -> Iterator[ResultWarning]:
     """Materials that no solid has in SI units, and bodies that are too large or too small."""
-    if left_alone(scene):
-        return
-    for name, body in scene.bodies.items():
-        for field, value, bound in _doubtful_material(body.material.E, body.material.rho):
-            yield ResultWarning(
-                "doubtful-units",
-                f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",
-                {"body": name, "field": field, "value": value},
-            )
+    for name, body in scene.bodies.items() if not left_alone(scene) else ():
+        E, rho = body.material.E, body.material.rho
+        speed, (slow, fast) = float(np.sqrt(E / (rho or inf))), _SOUND
+        doubts = {
+            "E": (E, E < _SOFTEST, f"E below {_SOFTEST:g} N/m^2"),
+            "rho": (rho, rho is not None and rho > _HEAVIEST, f"rho over {_HEAVIEST:g} kg/m^3"),
+        }
+        if rho is not None and not any(doubted for _, doubted, _ in doubts.values()):
+            bound = f"a speed of sound below {slow:g} or over {fast:g} m/s"
+            doubts["sqrt(E/rho)"] = speed, not slow <= speed <= fast, bound
+        for field, (value, doubted, bound) in doubts.items():
+            if doubted:
+                yield ResultWarning(
+                    "doubtful-units",
+                    f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",
+                    {"body": name, "field": field, "value": value},
+                )
         length, (low, high) = max(body.lengths), _LENGTHS
         if not low <= length <= high:
             yield ResultWarning(
@@ -76,20 +85,6 @@ def doubtful_numbers(scene: Scene) -> Iterator[ResultWarning]:
                 f"bodies.{name} is {length:.3g} m long, not {low:g} to {high:g} m; {_ASKED}",
                 {"body": name, "length": length},
             )
-
-
-def _doubtful_material(E: float, rho: float | None) -> Iterator[tuple[str, float, str]]:
-    """Fields of a material, their values and what no solid has; its speed of sound comes last."""
-    soft, heavy = E < _SOFTEST, rho is not None and rho > _HEAVIEST
-    if soft:
-        yield "E", E, f"E below {_SOFTEST:g} N/m^2"
-    if heavy and rho is not None:
-        yield "rho", rho, f"rho over {_HEAVIEST:g} kg/m^3"
-    if rho is not None and not (soft or heavy):
-        speed, (low, high) = float(np.sqrt(E / rho)), _SOUND
-        if not low <= speed <= high:
-            bound = f"a speed of sound below {low:g} or over {high:g} m/s"
-            yield "sqrt(E/rho)", speed, bound
 
 
 def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
@@ -130,33 +125,21 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
     """Pairs of bodies without a contact, one with middles of cells in the other; collective."""
     joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
     pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
-    named = sorted({name for pair in pairs for name in pair})
-    samples = {name: bodies[name].space.volume_cells().straight() for name in named}
-    boxes = {name: _box(bodies[name].comm, sample) for name, sample in samples.items()}
-    for pair in pairs:
-        (low, high), (least, greatest) = (boxes[name] for name in pair)
-        if (np.maximum(low, least) >= np.minimum(high, greatest)).any():
-            continue
-        comm, parts = bodies[pair[0]].comm, [samples[name] for name in pair]
-        cells = comm.bcast(made_on_first(comm, partial(_middles_inside, *parts)))
+    names = dict.fromkeys(name for pair in pairs for name in pair)  # in one order on all ranks
+    samples = {name: bodies[name].space.volume_cells().straight() for name in names}
+    for one, other in pairs:
+        counted = partial(_middles_inside, samples[one], samples[other])
+        cells = bodies[one].comm.bcast(made_on_first(bodies[one].comm, counted))
         if cells:
             yield ResultWarning(
                 "bodies-overlap",
-                f"bodies.{pair[0]} and bodies.{pair[1]} overlap ({cells} elements have "
+                f"bodies.{one} and bodies.{other} overlap ({cells} elements have "
                 "their middle in the other body), and no contact joins them",
-                {"body": pair[0], "other": pair[1], "elements": cells},
+                {"body": one, "other": other, "elements": cells},
             )
 
 
-def _box(comm: Any, sample: StraightCells) -> tuple[Floats, Floats]:
-    """Least and greatest coordinates (m) of a body; collective."""
-    ends = (sample.points.min(axis=0), sample.points.max(axis=0)) if comm.rank == 0 else None
-    low, high = comm.bcast(ends)
-    return low, high
-
-
 def _middles_inside(one: StraightCells, other: StraightCells) -> int:
-    """How many cells of each of two bodies have their middle in the other."""
     return _inside(one, other) + _inside(other, one)
 
 

@@ -84,7 +84,6 @@ def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Resu
 
 
 def _velocity(rotation: Rotation | None, x: Floats) -> Floats:
-    """Velocities of a body at points x (m/s), shape (n, dim)."""
     if rotation is None:
         return np.zeros_like(x)
     dim = x.shape[1]

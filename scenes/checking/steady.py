@@ -42,24 +42,10 @@ _NOISE = 4.0
 
 def steady_warnings(
     scene: Scene, system: CoupledSystem, steady: SteadySliding
-) -> tuple[ResultWarning, ...]:
+) -> Iterator[ResultWarning]:
     """What a state of steady sliding must be read with; collective."""
-    found = list(steady.uniqueness.warnings()) if steady.uniqueness is not None else []
-    found += _residual(steady)
-    largest = max(-steady.displacement.min()[1], steady.displacement.max()[1])
-    for contact in system.contacts:
-        if contact.name in steady.contacts:
-            state = steady.contacts[contact.name]
-            found += _open(contact, state)
-            found += _undecided(contact, state, _NOISE * steady.uncertainty * largest)
-            found += geometry_error(system, steady, contact, state)
-            halves = sum(each.pair == contact.pair for each in system.contacts)
-            found += coarse_closed_zone(scene.bodies, contact, state, halves)
-    return tuple(found)
-
-
-def _residual(steady: SteadySliding) -> Iterator[ResultWarning]:
-    """Forces that rounding leaves over, where the contact is very stiff."""
+    if steady.uniqueness is not None:
+        yield from steady.uniqueness.warnings()
     if steady.residual > LEFT_OVER:
         yield ResultWarning(
             "equilibrium-rounding",
@@ -67,31 +53,36 @@ def _residual(steady: SteadySliding) -> Iterator[ResultWarning]:
             "pressures have no more digits",
             {"residual": steady.residual},
         )
+    largest = max(-steady.displacement.min()[1], steady.displacement.max()[1])
+    for contact in system.contacts:
+        if contact.name in steady.contacts:
+            state = steady.contacts[contact.name]
+            yield from _undecided(contact, state, _NOISE * steady.uncertainty * largest)
+            yield from _geometry_error(system, steady, contact, state)
+            halves = sum(each.pair == contact.pair for each in system.contacts)
+            yield from _coarse_closed_zone(scene.bodies, contact, state, halves)
 
 
-def _open(contact: Contact, state: ContactState) -> Iterator[ResultWarning]:
-    """A contact that is open while others are not."""
+def _undecided(contact: Contact, state: ContactState, noise: float) -> Iterator[ResultWarning]:
+    """A contact that is open, or of which rounding decides where it is, as its stiffness jumps."""
+    about = {"contact": contact.pair, "half": contact.name}
     if not state.closed_area:
         yield ResultWarning(
             "contact-open",
             f"contacts.{contact.name} is open in steady sliding: it carries nothing",
-            {"contact": contact.pair, "half": contact.name},
+            about,
         )
-
-
-def _undecided(contact: Contact, state: ContactState, noise: float) -> Iterator[ResultWarning]:
-    """Points that rounding makes open or closed, where their stiffness jumps."""
     law = contact.law
     if not isinstance(law, NormalCompliance) or law.m > 1:
         return
     points = np.abs(state.closure) <= noise
-    area = float(contact.interface.points.weight[points].sum())
-    if area:
+    fraction = float(contact.interface.points.weight[points].sum()) / state.area
+    if fraction:
         yield ResultWarning(
             "closure-undecided",
-            f"rounding decides whether {area / state.area:.2g} of the area of "
-            f"contacts.{contact.name} is open; with m_n = 1 its stiffness jumps there",
-            {"contact": contact.pair, "half": contact.name, "fraction": area / state.area},
+            f"rounding decides whether {fraction:.2g} of the area of contacts.{contact.name} is "
+            "open; with m_n = 1 its stiffness jumps there",
+            about | {"fraction": fraction},
         )
 
 
@@ -128,8 +119,8 @@ def gaps_as_zero(contact: Contact) -> Iterator[ResultWarning]:
         )
 
 
-def geometry_error(
-    system: CoupledSystem, steady: "SteadySliding", contact: Contact, state: "ContactState"
+def _geometry_error(
+    system: CoupledSystem, steady: SteadySliding, contact: Contact, state: ContactState
 ) -> Iterator[ResultWarning]:
     """Closures that do not stand out from the errors of curved facets; collective."""
     interface, law = contact.interface, contact.law
@@ -149,12 +140,8 @@ def geometry_error(
         yield ResultWarning(
             "geometry-error",
             f"closures of contacts.{contact.name}, {closure:.2g} m in the mean, are not far above "
-            f"what its curved facets leave undecided, {of_gaps:.2g} m: pressures at its points "
-            + (
-                f"may be off by {100 * relative:.2g} % in the mean square"
-                if relative < 1
-                else "cannot be relied on"
-            ),
+            f"what its curved facets leave undecided, {of_gaps:.2g} m: pressures at its points are "
+            f"off by {100 * relative:.2g} % in the mean square, or more",
             {
                 **{"contact": contact.pair, "half": contact.name, "closure": closure},
                 **{"geometry_error": of_gaps, "relative": relative},
@@ -212,18 +199,18 @@ def closed_zone(x: Floats, closure: Floats) -> ClosedZone | None:
     return ClosedZone(2 * radius, across, closed[within])
 
 
-def coarse_closed_zone(
+def _coarse_closed_zone(
     bodies: Mapping[str, BodySpec], contact: Contact, state: ContactState, halves: int
 ) -> Iterator[ResultWarning]:
     """A closed zone that ends inside a contact and has too few elements across for its law."""
-    interface, half = contact.interface, contact
+    interface = contact.interface
     zone = closed_zone(interface.points.x, state.closure)
     if zone is None:
         return
     force = interface.points.weight * state.pressure
     stiffness = halves * float(force @ state.stiffness / force.sum())
     sides = []
-    for name, surface in ((half.a, interface.a), (half.b, interface.b)):
+    for name, surface in ((contact.a, interface.a), (contact.b, interface.b)):
         relative = stiffness * zone.width / bodies[name].material.E
         needed = min(_FEWEST[surface.dim] * relative ** (1 / 3), _ENOUGH) / _functions(bodies[name])
         sides.append((zone.elements(surface), needed, relative, f"{name}.{surface.name}"))
@@ -243,7 +230,6 @@ def coarse_closed_zone(
 
 
 def _functions(body: BodySpec) -> int:
-    """Trace functions in an element along a direction, the fewest of any."""
     iga = body.mesh.iga
     if body.backend == "fe" and body.fe_degree is not None:
         return body.fe_degree

@@ -295,7 +295,6 @@ def _degree(body: BodySpec) -> tuple[int, bool]:
 
 
 def _kind(method: str, weights: str) -> str:
-    """Kind of a rule in the table of collocation."""
     if method in ("greville", "botella"):
         return weights
     return {"node_to_surface/equal": "nodes", "grid/": "grid"}.get(f"{method}/{weights}", "")

@@ -82,7 +82,6 @@ def open_result(file: str | Path) -> Result:
 
 
 def _opened(data: dict[str, Any]) -> Result:
-    """Plain data as a result."""
     from scenes.spec.matrices import read_matrix_scene
 
     made = {name: data[name] for name in PROVENANCE}

@@ -20,7 +20,7 @@ from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
-from scenes.running.swept import at_parameters, parameters_changed, parameters_meant
+from scenes.running.swept import at_parameters, in_saddle_form, parameters_changed, parameters_meant
 from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
 
@@ -221,7 +221,8 @@ class AssembledScene:
         names = parameters_meant(self._driver.pencil, parameter)
         if self.depends_on_state(names):
             return self._followed_threshold(names, real, flutter, frequency)
-        other = self.with_forms_at(*(dict.fromkeys(names, value) for value in (real, flutter)))
+        saddle = in_saddle_form(self.scene)
+        other = self if saddle == self.scene else AssembledScene(saddle)
         try:
             found = first_threshold(
                 other.driver, names, real, flutter, max_frequency=self._top, frequency=frequency
@@ -234,7 +235,6 @@ class AssembledScene:
 
     @property
     def _top(self) -> float:
-        """Upper end of the window (Hz)."""
         assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
         return self.scene.analysis.max_frequency
 
@@ -276,27 +276,6 @@ class AssembledScene:
         """Contacts whose form is left open and would be another at some parameters."""
         left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
         return [name for name in left_open if not self._system.keeps_form(name, values)]
-
-    def with_forms_at(self, *points: Mapping[str, float]) -> "AssembledScene":
-        """The scene with contacts whose forms, where left open, lose no digits at some parameters.
-
-        Parameters
-        ----------
-        points
-            Parameters of the pencil.
-
-        Returns
-        -------
-        AssembledScene
-            Itself where its contacts would have the same forms there; else another one in which
-            forces are unknowns of the contacts that would not.
-        """
-        changing = [name for values in points for name in self._other_forms(values)]
-        if not changing:
-            return self
-        return AssembledScene(
-            self.scene.change({f"contacts.{name}.form": "saddle" for name in changing})
-        )
 
     def free(self) -> None:
         """Free factors kept between solves."""

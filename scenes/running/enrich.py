@@ -62,7 +62,6 @@ def _degree(body: BodySpec) -> int:
 
 
 def _mesh(field: str, body: BodySpec, by: Enrichment) -> MeshSpec:
-    """The mesh of a body in a richer space."""
     mesh, fe, iga, degree = body.mesh, body.mesh.fe, body.mesh.iga, _degree(body)
     if by == "smooth" and body.backend == "fe":
         raise InputError("by", by, "'degree' or 'bisection' for Lagrange elements")

@@ -74,21 +74,8 @@ class AssembledMatrices:
     ) -> Result:
         """Modes of the scene with parameters and the window changed.
 
-        Parameters
-        ----------
-        changes
-            Values by their paths, e.g. ``parameters.Omega`` or ``analysis.max_frequency``.
-        left
-            Whether left eigenvectors are wanted too, for sensitivities.
-        listener
-            Called with the name of each stage as it begins.
-
-        Raises
-        ------
-        SceneError
-            When a change is refused.
-        InputError
-            When a change is of files or sums, or the mass is not positive definite.
+        Parameters and errors are those of :meth:`scenes.AssembledScene.modes`; changes of files or
+        sums are refused, and a mass that is not positive definite.
         """
         scene = self.scene.change(dict(changes or {}))
         for name in ("files", "symmetric", "data", *ROLES):
@@ -117,21 +104,8 @@ class AssembledMatrices:
     ) -> ConfirmedThreshold:
         """The first value of a parameter at which a mode begins to grow; undamped, to flutter.
 
-        Parameters
-        ----------
-        parameter
-            Path of a parameter, e.g. ``parameters.Omega``.
-        real, flutter
-            Values between which it is sought, the first one seen from ``real``.
-        frequency
-            The threshold nearest to it (Hz) is taken; None takes the first one.
-
-        Raises
-        ------
-        InputError
-            When there is no such parameter, or nothing begins to grow between the values.
-        ConvergenceError
-            When spectra do not tell of thresholds.
+        Parameters and errors are those of :meth:`scenes.AssembledScene.threshold`, the parameter
+        is one as ``parameters.Omega``.
         """
         for value in (real, flutter):
             self._check_mass(self.scene.change({parameter: value}).values, StageTimer())

@@ -103,23 +103,15 @@ def _stress(stress: SideStress) -> NormalStress:
 def table(result: Result) -> list[dict[str, Any]]:
     """A row for each side of each contact: extremes and oscillation of sigma_n (N/m^2)."""
     return [
-        {
-            "contact": name,
-            "side": side,
-            "min": stress.min,
-            "max": stress.max,
-            "oscillation": stress.oscillation,
-        }
+        {"contact": name, "side": side, "min": s.min, "max": s.max, "oscillation": s.oscillation}
         for name, sides in result.stresses.items()
-        for side, stress in sides.items()
+        for side, s in sides.items()
     ]
 
 
 def lines(result: Result) -> list[str]:
     """What contacts and supports carry, then the rows of the table."""
-    rows = [
-        f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
-        f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
-        for row in table(result)
-    ]
+    form = "{contact}, side {side}: sigma_n from {min:.6g} to {max:.6g}, oscillation "
+    form += "{oscillation:.6g} N/m^2"
+    rows = [form.format(**row) for row in table(result)]
     return [f"{result.scene.name}: static analysis", *result.steady_lines(), *rows]

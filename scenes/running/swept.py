@@ -70,6 +70,13 @@ def stiffnesses_meant(contacts: Mapping[str, ContactSpec], name: str) -> dict[st
     return found
 
 
+def in_saddle_form(scene: Scene) -> Scene:
+    """The scene with the forces of contacts at points as unknowns: none is lost to stiffness."""
+    contacts = scene.contacts.items()
+    pointwise = [name for name, each in contacts if each.formulation.coupling == "pointwise"]
+    return scene.change({f"contacts.{name}.form": "saddle" for name in pointwise})
+
+
 def no_two_alike(groups: Sequence[Iterable[str]], names: Sequence[str]) -> None:
     """Refuse axes that mean one parameter twice."""
     seen: dict[str, str] = {}

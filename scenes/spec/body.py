@@ -20,6 +20,15 @@ from meshes.placement import Placement
 from meshes.shapes import Shape, VentilatedDisc
 
 Backend = Literal["fe", "iga"]
+
+
+def refuse_first(*rules: tuple[object, str, object, str]) -> None:
+    """Refuse the first fault: each has whether it is one, its field, value and what is allowed."""
+    for wrong, field_, value, allowed in rules:
+        if wrong:
+            raise InputError(field_, value, allowed)
+
+
 BACKEND_NAMES = {"fe": "finite elements", "iga": "NURBS"}
 """Backends by the name shown."""
 
@@ -71,20 +80,17 @@ class FeMesh:
     layers: Annotated[int, Field(ge=0, le=8)] = 0
 
     def __post_init__(self) -> None:
-        if self.edges and self.cell in SIMPLICES:
-            raise InputError("edges", self.edges, f"left out for cell = {self.cell!r}")
-        if self.layers and not self.edges:
-            raise InputError("layers", self.layers, "0 without edges")
-        if self.cell not in SIMPLICES:
-            if self.elements is None:
-                raise InputError("elements", None, f"needed for cell = {self.cell!r}")
-            if self.size is not None:
-                raise InputError("size", self.size, f"left out for cell = {self.cell!r}")
-        elif (self.elements is None) == (self.size is None):
-            allowed = "either size, unstructured, or elements, boxes divided"
-            raise InputError("size", self.size, f"{allowed}, for cell = {self.cell!r}")
-        if self.elements is None and self.through:
-            raise InputError("through", self.through, "left out where size is given")
+        simplices, cell = self.cell in SIMPLICES, f"cell = {self.cell!r}"
+        sized, counted = self.size is not None, self.elements is not None
+        either = f"either size, unstructured, or elements, boxes divided, for {cell}"
+        refuse_first(
+            (self.edges and simplices, "edges", self.edges, f"left out for {cell}"),
+            (self.layers and not self.edges, "layers", self.layers, "0 without edges"),
+            (not simplices and not counted, "elements", None, f"needed for {cell}"),
+            (not simplices and sized, "size", self.size, f"left out for {cell}"),
+            (simplices and counted == sized, "size", self.size, either),
+            (not counted and self.through, "through", self.through, "left out where size is given"),
+        )
 
     @property
     def boundaries(self) -> dict[str, tuple[float, ...]]:

@@ -115,7 +115,6 @@ def _other_lengths(
 def _load_checks(
     scene: Scene, place: str, load: LoadSpec, known: Sequence[str]
 ) -> Iterator[InputError]:
-    """Loads on what is not there, and forces of another dimension."""
     if load.surface is not None:
         yield from _unknown_surface(f"{place}.surface", load.surface, known)
     elif load.body not in scene.bodies:
@@ -152,7 +151,6 @@ def _body_checks(place: str, body: BodySpec) -> Iterator[InputError]:
 
 
 def _range_checks(place: str, body: BodySpec) -> Iterator[InputError]:
-    """Ranges of coordinates that no mesh can divide."""
     for name, (low, high) in zip(body.geometry.directions, body.geometry.extent, strict=True):
         if not high - low > _THIN * max(abs(low), abs(high)):
             allowed = "a range that is not lost in the rounding of its ends"
@@ -160,7 +158,6 @@ def _range_checks(place: str, body: BodySpec) -> Iterator[InputError]:
 
 
 def _mesh_checks(place: str, body: BodySpec) -> Iterator[InputError]:
-    """Meshes that do not suit their shape."""
     shape, mesh, backend = body.geometry, body.mesh, body.backend
     fe, iga, dim = mesh.fe, mesh.iga, len(shape.directions)
     suited: tuple[str, ...] = ("fe", "iga")
@@ -198,7 +195,6 @@ def _mesh_checks(place: str, body: BodySpec) -> Iterator[InputError]:
 
 
 def _unstructured_checks(place: str, fe: FeMesh) -> Iterator[InputError]:
-    """Meshes other than unstructured tetrahedra, which alone fit some shapes."""
     if fe.cell != "tetrahedron":
         yield InputError(f"{place}.cell", fe.cell, "tetrahedron for such a shape")
     elif fe.size is None:
@@ -209,7 +205,6 @@ def _unstructured_checks(place: str, fe: FeMesh) -> Iterator[InputError]:
 
 
 def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iterator[InputError]:
-    """Elements that are too few for their shape, or too many for any machine."""
     elements = mesh.elements or ()
     if not all(1 <= count <= MAX_ELEMENTS for count in elements):
         yield InputError(f"{place}.elements", elements, f"1 to {MAX_ELEMENTS} along each direction")

@@ -1,6 +1,7 @@
 """What a scene says of a contact."""
 
 from dataclasses import dataclass
+from math import inf
 from typing import Annotated, Any, Union
 
 from pydantic import Discriminator, Field, GetCoreSchemaHandler, Tag
@@ -11,7 +12,7 @@ from cea.contact.friction import AlongField, AlongVector, Circumferential
 from cea.contact.laws import NormalCompliance
 from cea.errors import InputError
 from cea.expressions import Expression
-from scenes.spec.body import Backend
+from scenes.spec.body import Backend, refuse_first
 
 
 class _Registered:
@@ -33,7 +34,6 @@ _DIRECTIONS = {
 
 
 def _kind_of_direction(value: Any) -> str | None:
-    """The kind of a direction of friction; None where none of the fields is given."""
     if not isinstance(value, dict):
         return type(value).__name__
     return next((kind for name, kind in _DIRECTIONS.items() if name in value), None)
@@ -49,6 +49,17 @@ Direction = Annotated[
         custom_error_message="a table {vector = ...}, {circumferential_about = ...}, {field = ...}",
     ),
 ]
+
+
+def _check_field(name: str, value: float | str | None, allowed: str = "") -> None:
+    """Refuse what is no expression, and what is the same everywhere and of another sign."""
+    constant = value
+    if isinstance(value, str):
+        Expression(value).check(name)
+        constant = Expression(value).constant
+    zero = constant == 0 and "equal" in allowed
+    if isinstance(constant, float) and allowed and not (constant > 0 or zero):
+        raise InputError(name, value, allowed)
 
 
 @dataclass(frozen=True)
@@ -73,15 +84,11 @@ class SlidingSpec:
     mu_slope: float | str | None = None
 
     def __post_init__(self) -> None:
-        if isinstance(self.pressure, float) and not self.pressure >= 0:
-            raise InputError("pressure", self.pressure, "greater than or equal to 0 (N/m^2)")
-        if isinstance(self.speed, float) and not self.speed > 0:
-            raise InputError("speed", self.speed, "greater than 0 (m/s)")
+        _check_field("pressure", self.pressure, "greater than or equal to 0")
+        _check_field("speed", self.speed, "greater than 0")
+        _check_field("mu_slope", self.mu_slope)
         if self.speed is None and self.mu_slope is None:
             raise InputError("speed", None, "speed, mu_slope or both")
-        for name, value in self.fields.items():
-            if isinstance(value, str):
-                Expression(value).check(name)
 
     @property
     def fields(self) -> dict[str, float | str | None]:
@@ -147,37 +154,31 @@ class ContactSpec:
     sliding: SlidingSpec | None = None
 
     def __post_init__(self) -> None:
-        for name, value in (("p", self.p), ("mu", self.mu), ("added_gap", self.added_gap)):
-            if isinstance(value, str):
-                Expression(value).check(name)
-        p, mu = _constant(self.p), _constant(self.mu)
-        if p is not None and not p > 0:
-            raise InputError("p", self.p, "greater than 0")
-        if mu is not None and not mu >= 0:
-            raise InputError("mu", self.mu, "greater than or equal to 0")
+        _check_field("p", self.p, "greater than 0")
+        _check_field("mu", self.mu, "greater than or equal to 0")
+        _check_field("added_gap", self.added_gap)
         self._check_stiffness()
-        if self.mu != 0 and self.friction_direction_on_a is None:
-            raise InputError("friction_direction_on_a", None, "needed when mu is not zero")
-        coupling = self.formulation.coupling
-        for name, stiffness in (("P", self.P), ("p", self.p)):
-            if stiffness == float("inf") and self.form == "penalty":
-                raise InputError(name, stiffness, "finite, or form = 'saddle'")
-            if stiffness == float("inf") and coupling == "lumped":
-                raise InputError(name, stiffness, "finite where lumped")
-        if coupling == "lumped" and self.form == "saddle":
-            raise InputError("form", "saddle", "penalty where lumped")
-        if coupling == "bonded" and (self.mu != 0 or self.full_pass):
-            method = self.formulation.method
-            raise InputError("formulation.method", method, "a half pass with mu = 0")
-        if self.sliding is not None:
-            self._check_sliding()
-
-    def _check_sliding(self) -> None:
-        if self.formulation.coupling == "bonded":
-            allowed = "one that is not bonded where it slides"
-            raise InputError("formulation", self.formulation.method, allowed)
-        if self.friction_direction_on_a is None:
-            raise InputError("friction_direction_on_a", None, "needed where it slides")
+        method, coupling = self.formulation.method, self.formulation.coupling
+        frictional, slides = self.mu != 0, self.sliding is not None
+        undirected = self.friction_direction_on_a is None
+        stiffness = "P" if self.P is not None else "p"
+        tied, lumped = inf in (self.P, self.p), coupling == "lumped"
+        bonded = coupling == "bonded"
+        refuse_first(
+            (
+                frictional and undirected,
+                "friction_direction_on_a",
+                None,
+                "needed when mu is not zero",
+            ),
+            (tied and self.form == "penalty", stiffness, inf, "finite, or form = 'saddle'"),
+            (tied and lumped, stiffness, inf, "finite where lumped"),
+            (lumped and self.form == "saddle", "form", "saddle", "penalty where lumped"),
+            (bonded and frictional, "formulation.method", method, "a half pass with mu = 0"),
+            (bonded and self.full_pass, "formulation.method", method, "a half pass with mu = 0"),
+            (bonded and slides, "formulation", method, "one that is not bonded where it slides"),
+            (slides and undirected, "friction_direction_on_a", None, "needed where it slides"),
+        )
 
     @property
     def law(self) -> NormalCompliance | None:
@@ -204,11 +205,6 @@ class ContactSpec:
         if self.formulation.coupling == "mortar" and self.form == "saddle":
             allowed = "penalty where c_n is given: open parts of mortar contact have no compliance"
             raise InputError("form", self.form, allowed)
-
-
-def _constant(value: float | str | None) -> float | None:
-    """Value of a field that is the same everywhere, else None."""
-    return Expression(value).constant if isinstance(value, str) else value
 
 
 _ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}

@@ -175,7 +175,6 @@ def _adapter() -> TypeAdapter[MatrixScene]:
 
 
 def _checks(scene: MatrixScene) -> Iterator[InputError]:
-    """Faults of names, numbers and sums."""
     yield from scene_name_checks(scene.name)
     analysis = scene.analysis
     if analysis.kind != "cea":
@@ -199,7 +198,6 @@ def _checks(scene: MatrixScene) -> Iterator[InputError]:
 
 
 def _sum_checks(scene: MatrixScene) -> Iterator[InputError]:
-    """Sums of matrices that are not there, and files in no sum."""
     there = f"one of the files: {', '.join(scene.files) or 'there are none'}"
     sums = {role: getattr(scene, role) for role in ROLES}
     for role, coefficients in sums.items():
@@ -218,7 +216,6 @@ def _sum_checks(scene: MatrixScene) -> Iterator[InputError]:
 
 
 def _formula(value: Any, names: Mapping[str, str], place: str) -> Formula:
-    """A coefficient of a number or of arithmetic as text."""
     if isinstance(value, str):
         return Formula(value, names, place)
     number = isinstance(value, int | float) and not isinstance(value, bool)

@@ -151,7 +151,6 @@ def _parts(path: str) -> list[Part]:
 
 
 def _text(parts: Iterable[Part]) -> str:
-    """A path with numbers in brackets."""
     text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts)
     return text.removeprefix(".")
 

@@ -118,7 +118,6 @@ def _siblings(section: Any, wrong: Any, sections: _Sections) -> list[str]:
 
 
 def _words(detail: Mapping[str, Any]) -> str:
-    """Any other error, in pydantic's words but for kinds of values."""
     kind = _KINDS.get(detail["type"].partition("_")[0])
     if kind is not None and detail["type"].endswith(("_type", "_from_float", "_exact_type")):
         quoted = isinstance(detail["input"], str) and kind not in ("a list", "a table")

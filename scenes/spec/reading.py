@@ -28,7 +28,6 @@ LoadSteps = Annotated[int, Field(ge=1, le=MAX_STEPS)] | tuple[float, ...]
 
 
 def _check_load_steps(steps: LoadSteps | None) -> None:
-    """Refuse parts of a load that do not rise from above 0 to 1."""
     if not isinstance(steps, tuple):
         return
     rising = bool(steps) and all(a < b for a, b in pairwise((0.0, *steps))) and steps[-1] == 1
@@ -287,7 +286,6 @@ def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> di
 
 
 def _without_faults(scene: Scene) -> Scene:
-    """A scene, refused where its fields do not suit each other."""
     faults = list(cross_checks(scene))
     if faults:
         raise SceneError(faults)
@@ -296,5 +294,4 @@ def _without_faults(scene: Scene) -> Scene:
 
 @cache
 def _adapter(formulations: tuple[type[Formulation], ...]) -> TypeAdapter[Scene]:
-    """What reads scenes that may name some formulations."""
     return TypeAdapter(Scene)

@@ -69,14 +69,12 @@ def _turns(matrix: Floats, rotation: Rotation) -> bool:
 
 
 def _are_parallel(one: Iterable[float], other: Iterable[float]) -> bool:
-    """Whether two directions, of any length but zero, are the same or opposite."""
     first, second = (of_size_one(tuple(each)) for each in (one, other))
     sine = np.linalg.norm(np.cross(first, second)) / np.linalg.norm(first) / np.linalg.norm(second)
     return bool(sine <= _ASIDE)
 
 
 def _is_on_axis(body: BodySpec, point: Iterable[float]) -> bool:
-    """Whether a point lies on the axis of a body; in the plane it may have two coordinates."""
     x = np.array([*point, 0.0])[:3]
     arm = np.cross(body.placement.rotation[:, 2], x - body.placement.translation)
     return bool(np.linalg.norm(arm) <= _ASIDE * body.geometry.extent[0][1])

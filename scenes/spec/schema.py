@@ -71,7 +71,6 @@ def _document(section: dict[str, Any]) -> None:
 
 
 def _plain(text: str) -> str:
-    """Text in one line, without the marks of docstrings."""
     text = re.sub(r":\w+:`~?([^`]*)`", r"\1", text)
     return " ".join(text.replace("``", "").split())
 
@@ -135,7 +134,6 @@ def reference_text() -> str:
 
 
 def _section(name: str, section: Mapping[str, Any]) -> Iterator[str]:
-    """Lines of a section."""
     fields = section["properties"]
     kinds = {field: spec["const"] for field, spec in fields.items() if "const" in spec}
     which = "".join(f'`{field} = "{kind}"`. ' for field, kind in kinds.items())

@@ -42,7 +42,6 @@ def _key(name: str) -> str:
 
 
 def _value(value: Any) -> str:
-    """A value in one line."""
     if isinstance(value, Mapping):
         return "{ " + ", ".join(f"{_key(k)} = {_value(v)}" for k, v in value.items()) + " }"
     if isinstance(value, list):

@@ -4,20 +4,17 @@ from itertools import product
 
 import numpy as np
 import pytest
-from mpi import on_ranks
 from reduced_cases import (
     ALPHA,
     MU,
     RATIO,
     P,
     damped_blocks_pencil,
-    damped_numbers,
     dense_damped,
     enrichment,
     model_line,
     random_damped_pencil,
 )
-from same_numbers import assert_same
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
@@ -142,10 +139,7 @@ def test_derivatives_of_coefficients_are_those_of_differences(backend):
     pieces = Pieces(pencil, (P, MU, ALPHA, RATIO))
     values, names = pencil.values({P: 7.0, MU: 0.3, ALPHA: 0.02}), {P, MU, ALPHA, RATIO}
     seen = set()
-    coefficients = [piece.coefficient for piece in pieces.all]
-    for contact in pieces.contacts:
-        coefficients += [contact.friction, contact.inverse_stiffness]
-    for coefficient in coefficients:
+    for coefficient in (piece.coefficient for piece in pieces.all):
         for name in coefficient.names & names:
             seen.add(name)
             step = 1e-6 * max(values[name], 1e-3)
@@ -154,11 +148,3 @@ def test_derivatives_of_coefficients_are_those_of_differences(backend):
             assert slope == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-6, abs=1e-12)
     assert seen == names
     pieces.free()
-
-
-@pytest.mark.mpi
-@pytest.mark.slow
-def test_damped_maps_are_the_same_on_several_ranks(backend):
-    ranks = {"fe": 2, "iga": 3}[backend]
-    found = on_ranks(ranks, "reduced_cases.damped_numbers", backend)
-    assert_same(found, damped_numbers(backend), rel=1e-8)

@@ -55,22 +55,6 @@ def blocks(backend, degree, n, p):
     return EigenSolver(build_system(scene, bodies, interfaces, timer).pencil())
 
 
-def test_several_parameters_have_one_value():
-    """Two halves of a coupling, each with a parameter of its own, flutter where the whole does."""
-    stiffness, mass, friction = (term.matrix.copy() for term in lumped(0.7).pencil.terms)
-    terms = [Term("stiffness", stiffness), Term("mass", mass)]
-    for name in ("s", "t"):
-        half = Coefficient.of({name: (1.0, 1.0)}, factor=-0.5)
-        terms.append(Term("stiffness", friction, half, symmetric=False))
-    driver = EigenSolver(Pencil(terms, [Parameter("s", 1.0), Parameter("t", 1.0)]))
-    found = first_threshold(driver, ("s", "t"), 0.0, 0.9 / 0.7, max_frequency=TOP)
-    assert found.value == pytest.approx(0.5 / 0.7, rel=1e-12)
-    assert found.parameter == "s, t"
-    for names in ((), ("s", "u")):
-        with pytest.raises(InputError, match="parameter"):
-            first_threshold(driver, names, 0.0, 1.0, max_frequency=TOP)
-
-
 def exact_points():
     """p, mu_c and omega of the stored thresholds."""
     return [
@@ -149,18 +133,6 @@ def test_first_thresholds_of_the_blocks_on_coarse_meshes(mesh, i):
     threshold = found_at(blocks(backend, degree, n, p), mu_c, omega, 0.53)
     assert threshold.value == pytest.approx(mu_c, abs=1e-4)
     assert threshold.eigenvalue == pytest.approx(1j * omega, rel=1e-5)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("backend", "degree", "n"), [("fe", 4, 3), ("iga", 4, 4)])
-@pytest.mark.parametrize("p", ["1", "10"])
-def test_every_threshold_of_the_blocks_to_six_digits(backend, degree, n, p):
-    driver = blocks(backend, degree, n, p)
-    for stiffness, mu_c, omega in exact_points():
-        if stiffness == p:
-            threshold = found_at(driver, mu_c, omega, 0.62, spread=0.02)
-            assert threshold.value == pytest.approx(mu_c, abs=1e-6)
-            assert threshold.eigenvalue == pytest.approx(1j * omega, rel=1e-7)
 
 
 @pytest.mark.convergence

@@ -1,28 +1,28 @@
 """Samples of fields that are spread: probabilities of growth, and every sample's certificate."""
 
-import json
 import sys
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from mpi import on_ranks
-from reduced_blocks import MESHES, flutter_of_the_blocks
 from reference_data import plane_meshes, stored
-from same_numbers import assert_same
 from scipy.stats import kstest, lognorm, norm, truncnorm
 
 from cea.eigen.matching import assign
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from comparisons.cli.app import main
-from comparisons.sweep.page import read_sweep, write_sweep
+from comparisons.sweep.page import write_sweep
 from comparisons.sweep.points import Distribution, read_distribution, read_fields, table_of
 from comparisons.sweep.probabilities import growing, probabilities, wilson
 from comparisons.sweep.scene import mapped
 from comparisons.sweep.spectra import Spectra
 from comparisons.sweep.study import Asked, run
 
+MESHES = {
+    "fe": {"upper": [8, 2], "lower": [5, 3]},
+    "iga": {"upper": [10, 2], "lower": [7, 3]},
+}
 MU, P = "contacts.interface.mu", "contacts.interface.P"
 
 
@@ -76,9 +76,10 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backen
     """Only mu varies: what grows is what was drawn above mu_c, sample by sample."""
     swept, _ = made(backend)
     data, values = swept.record, swept.points.values[:, 0]
-    driver, name, bracket, top = flutter_of_the_blocks(backend)
-    threshold = first_threshold(driver, name, *bracket, max_frequency=top).value
-    driver.free()
+    scene = mapped("blocks", read_fields(["mu=0:1:2"]), overrides(backend))
+    near, top = (0.9 * MU_C, 1.1 * MU_C), scene.max_frequency
+    threshold = first_threshold(scene.driver, MU, *near, max_frequency=top).value
+    scene.driver.free()
     far = np.abs(values - threshold) > 1e-6 * threshold
     np.testing.assert_array_equal(grows_in(swept).any(axis=1)[far], (values > threshold)[far])
     exact = (1.08 * MU_C - threshold) / (0.15 * MU_C)
@@ -160,53 +161,6 @@ def test_samples_are_those_of_full_solves(backend, tmp_path):
         unstable = (modes.eigenvalues.real > scene.growth_threshold)[inside]
         assert grows[i].any() == unstable.any()
     scene.driver.free()
-
-
-def test_samples_that_are_not_certified_are_counted_and_named(tmp_path):
-    wanted = asked("iga", "mu~uniform:0:0.2", "P~lognormal:1:2", most=2, checks=0, count=50)
-    swept = run(wanted, tmp_path / "out")
-    data, left = swept.record, np.flatnonzero(swept.spectra.bound > 1e-8)
-    assert 0 < len(left) == data["values"] - data["certified"]
-    assert data["not_certified"] == left.tolist()
-    told = next(each for each in data["warnings"] if each["kind"] == "not-certified")
-    assert str(left[0]) in told["message"]
-
-
-@pytest.mark.slow
-def test_samples_leave_a_page_and_are_drawn_anew(made, backend, monkeypatch, capsys):
-    swept, folder = made(backend)
-    names = {"sweep.nc", "probability.csv", "sweep.csv", "report.html", "sweep.png"}
-    assert names <= {file.name for file in folder.iterdir()}
-    again = read_sweep(folder)
-    np.testing.assert_array_equal(again.points.values, swept.points.values)
-    np.testing.assert_array_equal(again.spectra.growth, swept.spectra.growth)
-    (folder / "report.html").unlink()
-    text = f"mu~uniform:{0.93 * MU_C}:{1.08 * MU_C}"
-    command = ["cea", "sweep", "blocks", text, "--redraw", "--out", str(folder)]
-    monkeypatch.setattr(sys, "argv", command)
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert not end.value.code, capsys.readouterr().err
-    page = (folder / "report.html").read_text()
-    assert f"{swept.record['any']['grows']} of 400 samples grow" in page
-
-
-@pytest.mark.slow
-def test_the_command_records_its_seed_and_draws_the_same_again(tmp_path, monkeypatch, capsys):
-    settings = [part for each in overrides("iga") for part in ("--set", each)]
-    text = f"mu~normal:{MU_C}:{0.01 * MU_C}"
-    found = []
-    for name in ("one", "other"):
-        out = tmp_path / name
-        options = ["--samples", "20", "--seed", "7", *settings, "--out", str(out)]
-        monkeypatch.setattr(sys, "argv", ["cea", "sweep", "blocks", text, *options])
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert not end.value.code, capsys.readouterr().err
-        data = json.loads((out / "result.json").read_text())
-        assert data["inputs"]["seed"] == 7
-        found.append((out / "sweep.csv").read_text())
-    assert found[0] == found[1]
 
 
 @pytest.mark.parametrize(
@@ -306,10 +260,3 @@ def test_commands_that_ask_for_no_samples_are_refused(words, told, monkeypatch, 
         main()
     assert end.value.code
     assert told in capsys.readouterr().err
-
-
-@pytest.mark.slow
-@pytest.mark.mpi
-def test_samples_are_the_same_on_several_ranks():
-    alone = on_ranks(1, "sampled_numbers.numbers")
-    assert_same(on_ranks(2, "sampled_numbers.numbers"), alone, rel=1e-8)

@@ -77,9 +77,7 @@ def test_help_takes_a_moment(arguments):
         (["exact", "drum", "--m", "2"], "flint", "exact"),
         (["study", "agreement"], "pyvista", "pictures"),
         (["figure", "3"], "matplotlib", "pictures"),
-        (["claims"], "matplotlib", "pictures"),
-        (["study", "formulations"], "flint", "exact"),
-        (["study", "accuracy"], "matplotlib", "pictures"),
+        (["study", "accuracy"], "flint", "exact"),
         (["run", "disc", "--set", "output.pictures=1"], "pyvista", "pictures"),
     ],
 )

@@ -171,19 +171,6 @@ def dense_damped(matrices, s, turning):
     return values[values.imag >= 0]
 
 
-def damped_numbers(backend):
-    """What a damped map of the blocks comes to, in plain numbers that hang on no basis."""
-    pencil = damped_blocks_pencil(backend)
-    built = enrichment(pencil, {MU: (0.5, 1.0), ALPHA: (0.0, 0.1)}, 0.4)
-    built.cover([{MU: mu, ALPHA: a} for mu in (0.5, 1.0) for a in (0.0, 0.1)])
-    rows = []
-    for mu, alpha in ((0.61, 0.07), (0.83, 0.02)):
-        found = built.at({MU: mu, ALPHA: alpha}).window
-        sums = [found.eigenvalues.sum(), (found.eigenvalues**2).sum()]
-        rows.append([len(found), *(part for z in sums for part in (z.real, z.imag))])
-    return {"rows": rows, "solves": len(built.solves)}
-
-
 def map_numbers(backend):
     """What a map of the blocks comes to, in plain numbers that hang on no basis."""
     pencil = blocks_pencil(backend)

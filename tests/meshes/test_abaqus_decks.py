@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from mesh_writers import by_place
 
-from cea.errors import InputError
 from meshes.mesh_file import MeshFile
 from meshes.placement import Placement
 
@@ -103,15 +102,3 @@ def test_faces_of_a_deck(tmp_path, sets, middles):
     found = mesh.points[mesh.surfaces["wanted"]].mean(axis=1)
     assert len(found) == len(middles)
     np.testing.assert_allclose(sorted(found.round(9).tolist()), sorted(middles), atol=1e-9)
-
-
-def test_a_deck_may_be_in_several_files(tmp_path):
-    head, _, rest = DECK.partition("*Element, type=C3D8R")
-    (tmp_path / "part.txt").write_text("*Element, type=C3D8R" + rest)
-    whole = MeshFile(str(deck(tmp_path)), "m", part="Cube-1").mesh(["Top"])
-    split = deck(tmp_path, f"{head}*Include, input=part.txt\n")
-    mesh = MeshFile(str(split), "m", part="Cube-1").mesh(["Top"])
-    np.testing.assert_array_equal(mesh.points, whole.points)
-    deck(tmp_path, "*INCLUDE, INPUT=deck.inp\n")
-    with pytest.raises(InputError, match="include each other"):
-        MeshFile(str(split), "m")

@@ -55,9 +55,8 @@ def test_thresholds_in_what_is_no_parameter_are_refused(backend):
         assemble(scene_of(backend)).threshold("contacts.interface.size", 0.2, 0.4)
 
 
-@pytest.mark.parametrize(("stiff", "kept"), [(30.0, False), (1e12, True)])
-def test_thresholds_lose_no_digits_where_a_contact_becomes_stiff(backend, stiff, kept, monkeypatch):
-    """A form left open is good at both ends."""
+def test_thresholds_are_sought_with_contact_forces_as_unknowns(backend, monkeypatch):
+    """However stiff a contact becomes no digits are lost."""
     scene = read_scene(pressed_blocks(backend, GPTS, P=3.0, mu=0.3))
     solved = []
 
@@ -66,5 +65,5 @@ def test_thresholds_lose_no_digits_where_a_contact_becomes_stiff(backend, stiff,
         return ConfirmedThreshold(names[0], real, 1j, 0, 0)
 
     monkeypatch.setattr("scenes.running.assembled.first_threshold", sought)
-    assemble(scene).threshold("contacts.interface.P", 1.0, stiff)
-    assert solved == [kept]
+    assemble(scene).threshold("contacts.interface.P", 1.0, 30.0)
+    assert solved == [True]
