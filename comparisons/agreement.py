@@ -26,15 +26,16 @@ from comparisons.study.numbers import decimals, number, per_cent, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
-from comparisons.study.shapes import by_importance
 from comparisons.study.study import Case, Study
 from scenes import Result
 from scenes.results.matching import match_unstable
-from scenes.spec.body import Backend, BodySpec, MeshSpec, backend_name
+from scenes.spec.body import Backend, backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene, with_contact
 
 FREQUENCY_BOUND, GROWTH_BOUND = 0.01, 0.15
 """Largest relative differences of frequencies and of growth rates that agree."""
+_FINER = 3
+"""Degree, in every direction, that the last pairing is run with once more."""
 
 
 @dataclass(frozen=True)
@@ -43,13 +44,10 @@ class Options:
 
     Parameters
     ----------
-    refined_degree
-        Degree, in every direction, that the last pairing is run with once more.
     overrides
         Changes of the disc_pad scene.
     """
 
-    refined_degree: int = 3
     overrides: tuple[str, ...] = ()
 
 
@@ -81,16 +79,9 @@ def scene(case: Case, options: Options) -> dict[str, Scene]:
         rule = rules(pad)[case["formulation"]]
         scenes[name] = with_contact(replace(disc_pad, bodies=bodies), formulation=rule)
     if mortar:
-        degree = options.refined_degree
-        finer = {n: _of_degree(body, degree) for n, body in bodies.items()}
-        scenes[f"{name}, degree {degree}"] = replace(scenes[name], bodies=finer)
+        finer = {f"bodies.{body}.mesh.iga.degree": [_FINER] * 3 for body in bodies}
+        scenes[f"{name}, degree {_FINER}"] = scenes[name].change(finer)
     return scenes
-
-
-def _of_degree(body: BodySpec, degree: int) -> BodySpec:
-    assert body.mesh.iga is not None
-    iga = replace(body.mesh.iga, degree=(degree,) * len(body.mesh.iga.degree))
-    return replace(body, mesh=MeshSpec(fe=body.mesh.fe, iga=iga))
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -99,23 +90,10 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     results = {name: session.solve(scene) for name, scene in session.scene.items()}
     runs, modes = [], []
     for number_of_run, (name, result) in enumerate(results.items(), 1):
-        key, rows = f"{case['formulation']}-{number_of_run}", result.table()
-        kept = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
-        session.keep_modes(key, result, kept, f"{case['formulation']}, {name}")
+        key = f"{case['formulation']}-{number_of_run}"
+        rows = session.keep_modes(key, result, title=f"{case['formulation']}, {name}")
         runs.append({"run": name} | _run(result))
-        modes += [
-            {
-                "run": name,
-                "shape": f"{key}/{row['mode']}",
-                "mode": row["mode"],
-                "frequency": row["frequency"],
-                "growth": row["growth_rate"],
-                "residual": row["residual"],
-                "condition": row["condition"],
-                "unstable": row["verdict"] == "unstable",
-            }
-            for row in rows
-        ]
+        modes += [{"run": name} | row for row in rows]
     first, *others = results
     compared = [(first, other) for other in others if "degree" not in other]
     compared += [(others[-2], other) for other in others if "degree" in other]
@@ -132,7 +110,6 @@ def _run(result: Result) -> dict[str, Any]:
     window, rows = result.modes.window, result.table()
     return {
         "dofs": result.dofs,
-        "points": sum(len(interface.points) for interface in result.interfaces.values()),
         "found": window.found_below,
         "counted": window.symmetric_count,
         "complete": bool(window.complete),
@@ -163,7 +140,7 @@ def _paired(first: Result, second: Result) -> Iterator[dict[str, Any]]:
 def unstable(result: StudyResult) -> pd.DataFrame:
     """Unstable modes of the disc and pad."""
     frame = result.frame("modes")
-    return frame[frame["unstable"]].drop(columns="unstable")
+    return frame[frame["verdict"] == "unstable"].drop(columns="verdict")
 
 
 def headline(result: StudyResult) -> str:

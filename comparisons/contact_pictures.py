@@ -27,17 +27,7 @@ def draw_contacts(result: Result, out: Path) -> list[Path]:
     thinnest where it is curved all round; in the plane values along the coordinate in which the
     contact is longest.
 
-    Parameters
-    ----------
-    result
-        A run; rank 0 draws.
-    out
-        Folder for the PNG files ``contact_<backend>_<half pass>.png``.
-
-    Returns
-    -------
-    list of Path
-        The files; none where no state of steady sliding was sought.
+    The files ``contact_<backend>_<half pass>.png``; none where there is no steady sliding.
     """
     states = result.steady.contacts if result.steady is not None else {}
     files = []

@@ -37,31 +37,15 @@ _TOLERANCE = 1e-4
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at.
-
-    Parameters
-    ----------
-    name
-        What it is.
-    told
-        What was found.
-    mend
-        The command, or what else is to be done, where it is a fault; None where all is well.
-    """
+    """One thing that was looked at."""
 
     name: str
     told: str
-    mend: str | None = None
+    mend: str | None = None  # the command, or what else is to be done, where it is a fault
 
 
 def examine(*, launched: bool) -> Iterator[Finding]:
-    """Look at everything, cheap things first: each finding as soon as it is known.
-
-    Parameters
-    ----------
-    launched
-        Whether a launcher of MPI began this process.
-    """
+    """Look at everything, cheap things first; ``launched``: whether mpiexec began this process."""
     yield Finding("python", ".".join(map(str, sys.version_info[:3])))
     installed = list(packages())
     yield from installed
@@ -131,13 +115,7 @@ def libraries() -> Iterator[Finding]:
 
 
 def launcher(*, launched: bool) -> Finding:
-    """The mpiexec of the MPI that the packages use, tried on two ranks.
-
-    Parameters
-    ----------
-    launched
-        Whether a launcher began this process: it then works, and would not begin another inside.
-    """
+    """The mpiexec of the MPI that the packages use, tried on two ranks, but not inside of one."""
     right = Path(sys.executable).with_name("mpiexec")
     mend = "python -m pip install --force-reinstall mpich"
     if launched:

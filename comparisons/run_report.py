@@ -8,7 +8,7 @@ import pandas as pd
 from cea.petsc import MPI
 from comparisons.study.closing import PARAMETERS, machine, parameters, warned
 from comparisons.study.columns import Column
-from comparisons.study.numbers import growth, number, plain, shown
+from comparisons.study.numbers import growth, number, shown
 from comparisons.study.page import REPORT, write
 from comparisons.study.plots import VERDICT_MARKS, sign
 from comparisons.study.result import Data
@@ -16,33 +16,20 @@ from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.shapes import Shapes, by_importance
 from scenes import Result
 from scenes.results.record import read_record
-from scenes.spec.body import backend_name
 
 _KEY = "run"
 """Name of the modes on the page."""
 
 
 def write_run_report(result: Result, record: Path) -> Path:
-    """Write the page of a run beside its record; collective, rank 0 writes.
+    """Write the page of a run beside its ``result.json``; collective, rank 0 writes.
 
-    Parameters
-    ----------
-    result
-        The run.
-    record
-        Its ``result.json``, as :func:`scenes.save_result` wrote it.
-
-    Returns
-    -------
-    Path
-        ``report.html``: one file that needs no other. It shows every mode on the diagram, and
-        the shapes of as many as the page has room for, unstable ones first.
+    It shows every mode on the diagram, and the shapes of as many as there is room for, unstable
+    ones first.
     """
     shapes = Shapes()
     if result.spectrum is not None and result.coupled is not None:
         shapes.add(_KEY, result, by_importance(result))
-    elif result.coupled is not None:
-        shapes.add_bodies(_KEY, result)
     if result.comm.rank == 0:
         data = read_record(record)
         title, text = data["scene"]["name"], data["scene"].get("description") or ""
@@ -102,58 +89,29 @@ def stresses(data: Data) -> pd.DataFrame:
     )
 
 
-def bodies(data: Data) -> pd.DataFrame:
-    """Bodies: how they are discretised, of what they are made, what holds them."""
-    rows = []
-    for name, body in data["scene"].get("bodies", {}).items():
-        mesh = (body.get("mesh") or {}).get(body["backend"]) or {}
-        fields = ("cell", "degree", "elements", "size")
-        told = (f"{f} {plain(mesh[f])}" for f in fields if mesh.get(f) is not None)
-        supports = ", ".join(support["surface"] for support in body.get("supports") or ())
-        rows.append(
-            {
-                "body": name,
-                "discretised_by": backend_name(body["backend"]),
-                "mesh": ", ".join(told),
-                "dofs": data["dofs"]["bodies"][name],
-                **{field: body["material"].get(field) for field in ("E", "nu", "rho")},
-                "supported_at": supports or "none",
-            }
-        )
-    return pd.DataFrame(rows)
-
-
 def contacts(data: Data) -> pd.DataFrame:
-    """Contact points as they were found on the other side, and what was asked of the contact."""
-    specs, rows = data["scene"].get("contacts", {}), []
-    for name, found in data.get("contacts", {}).items():
-        spec = specs.get(name) or specs.get(name.rpartition(".")[0]) or {}
-        stiffness = (f"{k} = {plain(spec[k])}" for k in ("P", "p", "c_n") if spec.get(k))
-        rows.append(
+    """Contact points as they were found on the other side."""
+    return pd.DataFrame(
+        [
             {
                 "contact": name,
-                "sides": f"{spec['a']} on {spec['b']}" if spec else "",
-                "formulation": (spec.get("formulation") or {}).get("method", ""),
-                "stiffness": next(stiffness, ""),
-                "friction": plain(spec.get("mu", "")),
                 "points": found["points"],
                 "missed": found["status"].get("missed", 0),
                 "area": found["area"],
                 "largest_gap": found["largest_distance"],
             }
-        )
-    return pd.DataFrame(rows)
+            for name, found in data.get("contacts", {}).items()
+        ]
+    )
 
 
-def stages(data: Data) -> pd.DataFrame:
-    """Seconds of each stage."""
-    taken = [(stage, seconds) for stage, seconds in data["timings"].items() if seconds > 0]
-    return pd.DataFrame(taken, columns=["stage", "seconds"])
+def _named(values: Data, *columns: str) -> pd.DataFrame:
+    return pd.DataFrame(list(values.items()), columns=list(columns))
 
 
-def left_out(data: Data) -> pd.DataFrame:
+def skipped(data: Data) -> pd.DataFrame:
     """What the scene did not need."""
-    return pd.DataFrame(list(data["skipped"].items()), columns=["left_out", "reason"])
+    return _named(data["skipped"], "left_out", "reason")
 
 
 def summary(data: Data) -> str | None:
@@ -182,9 +140,6 @@ COLUMNS = {
     "growth": Column("growth rate", "1/s", growth),
     "arc": Column("along the surface", "m"),
     "stress": Column("σₙ", "N/m²"),
-    "E": Column("E", "N/m²", shown(3)),
-    "nu": Column("ν", show=shown(3)),
-    "rho": Column("ρ", "kg/m³", shown(4)),
     "area": Column("area of side a", "m²", shown(4)),
     "largest_gap": Column("largest gap", "m", shown(2)),
 }
@@ -223,19 +178,17 @@ SECTIONS = [
     Section("Steady sliding", headline=steady),
     Section("Stresses", plots=[STRESSES]),
     Section(
-        "Geometry and mesh",
-        geometry=True,
+        "Contacts",
         tables=[
-            Table("bodies", "Dofs are those that supports leave free.", bodies, COLUMNS),
             Table("contacts", "Points as found on the other side.", contacts, COLUMNS),
         ],
     ),
     Section(
         "Run time",
         headline=size,
-        tables=[Table("stages", "", stages)],
+        tables=[Table("stages", "", lambda data: _named(data["timings"], "stage", "seconds"))],
     ),
-    Section("Left out", tables=[Table("skipped", "Not needed by the scene.", left_out)]),
+    Section("Left out", tables=[Table("skipped", "Not needed by the scene.", skipped)]),
     Section(
         "Machine, versions, scene as run",
         tables=[

@@ -1,28 +1,31 @@
 """Matrices of a Lagrange space, put together from compiled scalar forms.
 
-With the scalar basis functions phi_n, one form with a constant tensor C gives
+With the scalar basis functions phi_n, one form with a tensor T gives
 
-    G_ij = int d_i phi_m d_j phi_n    (C = e_i e_j^T; row m, column n; G_ji = G_ij^T)
-    K_ij = lambda G_ij + mu G_ji + mu delta_ij sum_k G_kk
+    K_ij = int T^ij_pq d_p phi_m d_q phi_n,    T^ij_pq = c_ipjq,
 
-for the components i and j of an isotropic solid (Hughes, The Finite Element Method, 2000, sec. 2.8
-and 3.10). The same form with the stress in the place of C is the geometric stiffness, and with
-v v^T, v the velocity of a rotation, the convective stiffness. Every scalar matrix is put together
-with its transpose, so that symmetric matrices are symmetric, and skew ones skew, to the last bit.
+for the components i and j of an elastic solid (Hughes, The Finite Element Method, 2000, sec. 2.8
+and 3.10; row m, column n; K_ji = K_ij^T). The same form with the stress in the place of T is the
+geometric stiffness. T is a constant, or numbers at the points of the quadrature. With v v^T, v the
+velocity of a rotation, it is the convective stiffness. Every scalar matrix is put together with its
+transpose, so that symmetric matrices are symmetric, and skew ones skew, to the last bit.
 
 A form is compiled once for each element, whatever the material: numbers are dolfinx Constants.
 """
 
-from itertools import combinations_with_replacement
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx.fem import Constant, Form, Function, form
+from basix import make_quadrature
+from basix.ufl import quadrature_element
+from dolfinx.fem import Constant, Expression, Form, Function, form, functionspace
 from dolfinx.fem.petsc import assemble_matrix, create_matrix
 from scipy.sparse import bsr_array, csr_array
 
 from cea.arrays import Floats
+from cea.elasticity import Elasticity
 from cea.matrices import destroy, distributed, local_part
 from cea.petsc import PETSc
 from cea.rotation import Rotation
@@ -55,28 +58,27 @@ class LagrangeMatrices:
         """Dimension of space, 2 or 3."""
         return int(self._mesh.geometry.dim)
 
-    def stiffness(self, lame: tuple[float, float]) -> Any:
+    def stiffness(self, elasticity: Elasticity) -> Any:
         """Elastic stiffness (N/m), symmetric."""
-        lam, mu = lame
         every = range(self.dim)
-        tensor = Constant(self._mesh, np.zeros((self.dim, self.dim)))
-        integral = self._gradients(tensor, 2)
+        integral, x, put = self._gradients(2, elasticity.varies)
         matrix = create_matrix(integral)
-        G = {}
-        for i, j in combinations_with_replacement(every, 2):
-            tensor.value[:] = 0.0
-            tensor.value[i, j] = 1.0
-            rows, transposed = _integrated(integral, matrix)
-            G[i, j], G[j, i] = rows.data, transposed
-            if i == j:
-                G[i, i] = 0.5 * (rows.data + transposed)
+        blocks: Floats = np.empty(0)
+        for j in every:
+            tensor = np.empty((self.dim, self.dim, *x.shape))  # i, p, q, points
+            for q in every:
+                gradient = np.zeros((self.dim, *x.shape))
+                gradient[j, q] = 1.0
+                tensor[:, :, q] = elasticity.stress(gradient, x)
+            for i in range(j + 1):
+                put(tensor[i])
+                rows, transposed = _integrated(integral, matrix)
+                if not blocks.size:
+                    blocks = np.empty((rows.nnz, self.dim, self.dim))
+                blocks[:, i, j], blocks[:, j, i] = rows.data, transposed
+                if i == j:
+                    blocks[:, i, i] = 0.5 * (rows.data + transposed)
         destroy(matrix)
-        blocks = np.empty((rows.nnz, self.dim, self.dim))
-        trace = mu * sum(G[k, k] for k in every)
-        for i, j in G:
-            blocks[:, i, j] = lam * G[i, j] + mu * G[j, i]
-            if i == j:
-                blocks[:, i, i] += trace
         return self._matrix(_coupled(rows, blocks))
 
     def mass(self, rho: float) -> Any:
@@ -84,12 +86,12 @@ class LagrangeMatrices:
         rows, transposed = self._products(self._mass_quadrature)
         return self._of_each_component(rows, 0.5 * rho * (rows.data + transposed))
 
-    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+    def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Stiffness int sigma_ij d_i u . d_j v that stresses of a displacement make (N/m)."""
-        lam, mu = (Constant(self._mesh, value) for value in lame)
-        strain = ufl.sym(ufl.as_tensor([ufl.grad(u) for u in self._functions(displacement)]))
-        stress = lam * ufl.tr(strain) * ufl.Identity(self.dim) + 2 * mu * strain
-        rows, transposed = _scalar(self._gradients(stress, 3))
+        integral, x, put = self._gradients(3, varies=True)
+        slopes = [self._at_points(ufl.grad(u), 3) for u in self._functions(displacement)]
+        put(elasticity.stress(np.stack(slopes), x))
+        rows, transposed = _scalar(integral)
         return self._of_each_component(rows, 0.5 * (rows.data + transposed))
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
@@ -122,13 +124,47 @@ class LagrangeMatrices:
         blocks = _times(squares, eye) + _times(skew, spin) + _times(mass, spin.T @ spin)
         return self._matrix(_coupled(rows, blocks))
 
-    def _gradients(self, tensor: Any, factors: int) -> Form:
-        """Int C grad phi_n . grad phi_m, a product of so many gradients with C.
+    def _gradients(
+        self, factors: int, varies: bool
+    ) -> tuple[Form, Floats, Callable[[Floats], None]]:
+        """Int T grad phi_n . grad phi_m, a product of so many gradients with T.
 
-        Gradients have one degree less than functions, but on boxes along one direction only.
+        Beside the form the points at which T is wanted (m), (dim, n), and what sets it there,
+        given as (dim, dim, n): points of the quadrature where T varies, else one that is not
+        looked at. Gradients have one degree less than functions, but on boxes along one direction
+        only.
         """
+        degree, shape = self._degree(factors), (self.dim, self.dim)
+        if varies:
+            cell, mesh = self._mesh.basix_cell(), self._mesh
+            element = quadrature_element(cell, value_shape=shape, degree=degree)
+            tensor: Any = Function(functionspace(mesh, element))
+            at = tensor.function_space.dofmap.list
+            values = tensor.x.array.reshape(-1, *shape)
+            x = self._at_points(ufl.SpatialCoordinate(mesh), factors)
+
+            def put(numbers: Floats) -> None:
+                values[at.ravel()] = np.moveaxis(numbers, -1, 0)
+        else:
+            tensor, x = Constant(self._mesh, np.zeros(shape)), np.zeros((self.dim, 1))
+
+            def put(numbers: Floats) -> None:
+                tensor.value[:] = numbers[..., 0]
+
         integrand = ufl.inner(ufl.dot(tensor, ufl.grad(self._trial)), ufl.grad(self._test))
-        return self._form(integrand, factors * (self._order - self._is_simplex))
+        return self._form(integrand, degree), x, put
+
+    def _degree(self, factors: int) -> int:
+        """Degree of the quadrature of a product of so many gradients."""
+        return factors * (self._order - self._is_simplex)
+
+    def _at_points(self, expression: Any, factors: int) -> Floats:
+        """A vector at the points of the quadrature of so many gradients, (dim, n)."""
+        points, _ = make_quadrature(self._mesh.basix_cell(), self._degree(factors))
+        cells = self._mesh.topology.index_map(self._mesh.topology.dim)
+        every = np.arange(cells.size_local + cells.num_ghosts, dtype=np.int32)
+        found = Expression(expression, points).eval(self._mesh, every)
+        return found.reshape(-1, self.dim).T
 
     def _products(self, degree: int | None = None) -> tuple[csr_array, Floats]:
         """Int phi_m phi_n, exact on affine cells by default."""

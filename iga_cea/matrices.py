@@ -1,12 +1,12 @@
 """Matrices of joined NURBS patches, each from the coefficients of a form at Gauss points.
 
-With the gradients grad N_a = sum_k D_k N_a grad xi_k, isotropic elasticity
+With the gradients grad N_a = sum_k D_k N_a grad xi_k, elasticity
 
-    K[a i, b j] = int lambda d_i N_a d_j N_b + mu d_j N_a d_i N_b + mu delta_ij grad N_a . grad N_b
+    K[a i, b j] = int c_ipjq d_p N_a d_q N_b
 
 (Hughes, The Finite Element Method, sec. 2.7) has the coefficients
 
-    C_km[ij] = lambda E[ij] + mu E[ji] + mu delta_ij tr E,    E = |J| grad xi_k (x) grad xi_m.
+    C_km[ij] = |J| c_ipjq (grad xi_k)_p (grad xi_m)_q.
 
 With the derivative t_a of function a along a rotation (:mod:`cea.rotation`),
 
@@ -20,12 +20,13 @@ A skew, and W v = a x v, the components of Y and Z are
 
 from collections.abc import Callable
 from functools import cached_property
-from itertools import combinations_with_replacement, product
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from cea.arrays import Floats
+from cea.elasticity import Elasticity
 from cea.rotation import Rotation
 from iga_cea.entries import entries
 from iga_cea.metric import VALUE, Metric
@@ -56,22 +57,25 @@ class NurbsMatrices:
     def _pattern(self) -> Pattern:
         return Pattern.of(self._multipatch, self._comm.rank)
 
-    def stiffness(self, lame: tuple[float, float]) -> Any:
-        """Elastic stiffness (N/m), of Lame parameters (N/m^2), symmetric."""
-        (lam, mu), dim = lame, self._dim
+    def stiffness(self, elasticity: Elasticity) -> Any:
+        """Elastic stiffness (N/m), symmetric."""
+        dim = self._dim
 
         def coefficients(metric: Metric) -> Coefficients:
-            found: Coefficients = {}
-            for k, m in combinations_with_replacement(sorted(metric.gradients), 2):
-                scaled = metric.gradients[k] * metric.measure
-                E = scaled[:, None] * metric.gradients[m]
-                C = lam * E + mu * E.swapaxes(0, 1)
-                trace = mu * np.trace(E)
-                for i in range(dim):
-                    C[i, i] += trace
-                found[k, m] = C.reshape(dim * dim, *trace.shape)
-                found[m, k] = C.swapaxes(0, 1).reshape(dim * dim, *trace.shape)
-            return found
+            shape, x = metric.measure.shape, metric.x.reshape(dim, -1)
+            found: Coefficients = {
+                (k, m): np.empty((dim, dim, x.shape[1]))
+                for k, m in product(metric.gradients, repeat=2)
+            }
+            for m, slope in metric.gradients.items():
+                along = (slope * metric.measure).reshape(dim, -1)
+                for j in range(dim):
+                    gradient = np.zeros((dim, *along.shape))
+                    gradient[j] = along
+                    stress = elasticity.stress(gradient, x)
+                    for k, g in metric.gradients.items():
+                        found[k, m][:, j] = np.einsum("ian,an->in", stress, g.reshape(dim, -1))
+            return {key: each.reshape(dim * dim, *shape) for key, each in found.items()}
 
         data = entries(self._multipatch, self._pattern, Form(dim, coefficients), self._comm)
         return block_matrix(self._pattern, data, dim, self._comm)
@@ -80,17 +84,14 @@ class NurbsMatrices:
         """Consistent mass (kg) of a density (kg/m^3), symmetric."""
         return self._of_each_component(self._products(rho))
 
-    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+    def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Stiffness int sigma_ij d_i N_a d_j N_b that stresses of a displacement make (N/m)."""
-        lam, mu = lame
+        dim = self._dim
 
         def coefficients(metric: Metric) -> Coefficients:
             slope = metric.field_gradient
-            stress = mu * (slope + slope.swapaxes(0, 1))
-            trace = lam * np.trace(slope)
-            for i in range(self._dim):
-                stress[i, i] += trace
-            stress *= metric.measure
+            flat = elasticity.stress(slope.reshape(dim, dim, -1), metric.x.reshape(dim, -1))
+            stress = flat.reshape(slope.shape) * metric.measure
             pulled = {
                 k: np.einsum("ab...,b...->a...", stress, g) for k, g in metric.gradients.items()
             }

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
+from cea.elasticity import Elasticity
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.rotation import Rotation
@@ -88,9 +89,9 @@ class NurbsSpace:
         count, gauss = self.multipatch.num_scalar_dofs, max(self.degree) + 2
         return face_constraints(self.surfaces, supports, count, self.dim, gauss, field)
 
-    def stiffness(self, lame: tuple[float, float]) -> Any:
+    def stiffness(self, elasticity: Elasticity) -> Any:
         """Elastic stiffness (N/m), symmetric."""
-        return self._matrices.stiffness(lame)
+        return self._matrices.stiffness(elasticity)
 
     def mass(self, rho: float) -> Any:
         """Consistent mass (kg), symmetric."""
@@ -104,9 +105,9 @@ class NurbsSpace:
         """Z of a rotation (:mod:`cea.rotation`), kg, symmetric."""
         return self._matrices.convective(rho, rotation)
 
-    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+    def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Stiffness that stresses of a displacement (m) make, N/m, symmetric."""
-        return self._matrices.geometric_stiffness(lame, displacement)
+        return self._matrices.geometric_stiffness(elasticity, displacement)
 
     @property
     def dof_positions(self) -> Floats:

@@ -39,7 +39,7 @@ APPLICATIONS = sorted(
     if (folder / "__init__.py").is_file() and folder.name not in ("study", "cli")
 )
 SOLVERS = {"petsc4py", "slepc4py", "mpi4py", "dolfinx_solver"}
-BESIDE_US = {"comparisons.bench.programs"}
+BESIDE_US = {"comparisons.bench.assembly"}
 """Programs that assembly is compared with and that come with this one."""
 DRAWING = {
     *("scenes.pictures.drawing", "scenes.pictures.grids", "scenes.pictures.scene"),

@@ -15,7 +15,8 @@ from scipy.sparse import csr_array, diags_array, kron
 
 from cea.arrays import Floats, Ints
 from cea.body.space import Space
-from cea.material import IsotropicMaterial
+from cea.elasticity import Elasticity
+from cea.material import Material
 from cea.matrices import antisymmetrised, destroy, distributed, symmetrised, total
 from cea.petsc import PETSc
 from cea.rotation import Rotation
@@ -58,6 +59,7 @@ class Body:
     --------
     A steel cube of one hexahedron, held at its bottom:
 
+    >>> from cea.material import IsotropicMaterial
     >>> from cea.mesh import Mesh
     >>> from fe_cea import LagrangeSpace
     >>> corners = [[x, y, z] for x in (0, 0.1) for y in (0, 0.1) for z in (0, 0.1)]
@@ -71,7 +73,7 @@ class Body:
 
     name: str
     space: Space
-    material: IsotropicMaterial
+    material: Material
     supports: Sequence[Support] = ()
     springs: Sequence[Spring] = ()
     pressures: Sequence[Pressure] = ()
@@ -148,9 +150,13 @@ class Body:
     def _stiffness(self) -> Any:
         return self.reduced(self.full_stiffness())
 
+    def stiffness_of(self, elasticity: Elasticity) -> Any:
+        """Elastic stiffness of another law, PETSc AIJ (free x free), symmetric, N/m; made anew."""
+        return self.reduced(self.space.stiffness(elasticity))
+
     def full_stiffness(self) -> Any:
         """Elastic stiffness with springs of all dofs, PETSc AIJ (full x full), N/m; made anew."""
-        stiffness = self.space.stiffness(self.material.lame)
+        stiffness = self.space.stiffness(self.material.elasticity)
         if (springs := self.full_spring_stiffness()) is not None:
             stiffness.axpy(1.0, springs, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
             destroy(springs)
@@ -193,7 +199,7 @@ class Body:
 
     def geometric_stiffness(self, displacement: Floats) -> Any:
         """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
-        return self.reduced(self.space.geometric_stiffness(self.material.lame, displacement))
+        return self.reduced(self.space.geometric_stiffness(self.material.elasticity, displacement))
 
     @cached_property
     def prescribed(self) -> Any | None:

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
+from cea.elasticity import Elasticity
 from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
@@ -48,8 +49,8 @@ class Space(Protocol):
         """What supports leave free; the field is their name in messages."""
         ...
 
-    def stiffness(self, lame: tuple[float, float]) -> Any:
-        """Elastic stiffness (N/m) of Lame parameters (lambda, mu) (N/m^2), symmetric."""
+    def stiffness(self, elasticity: Elasticity) -> Any:
+        """Elastic stiffness (N/m) of a law of the material, symmetric."""
         ...
 
     def mass(self, rho: float) -> Any:
@@ -64,7 +65,7 @@ class Space(Protocol):
         """Z of a rotation (:mod:`cea.rotation`) at a density (kg/m^3), symmetric, kg."""
         ...
 
-    def geometric_stiffness(self, lame: tuple[float, float], displacement: Floats) -> Any:
+    def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Int sigma_ij d_i u . d_j v with the stress sigma of a displacement, symmetric, N/m.
 
         The displacement of all dofs (m) is the same on every rank, (dim * num_scalar_dofs,)

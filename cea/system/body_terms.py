@@ -13,8 +13,8 @@ where they are in space.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,9 +24,11 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.blocks import image_of
-from cea.eigen.parameters import Coefficient, Monomial, Parameter
+from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, CirculatoryTerm, LowRankTerm
+from cea.elasticity import Elasticity
+from cea.material import Material
 from cea.matrices import (
     block_diagonal,
     destroy,
@@ -85,7 +87,8 @@ class BodyTerms:
     @cached_property
     def terms(self) -> tuple[Term, ...]:
         """K and M, what damping and rotation make of them, and the sparse part of what rotates."""
-        return (*self._of_body(), *self._of_rotation(), *self._carried[0])
+        own = (*self._of_body(), *self._of_constants(), *self._of_rotation())
+        return (*own, *self._carried[0])
 
     @property
     def circulatory(self) -> tuple[CirculatoryTerm, ...]:
@@ -107,7 +110,11 @@ class BodyTerms:
         """Parameters of the body."""
         path, motion, material = self.path, self.motion, self.body.material
         convective = motion.rotation is not None and motion.rotation.convective_stiffness
-        yield Parameter(f"{path}.material.E", material.E, "N/m^2", positive=True)
+        if self._constant_by_constant or "E" in material.constants:
+            for name, value in material.constants.items():
+                positive, unit = name[0] in "EG", "1" if name[0] == "n" else "N/m^2"
+                own = f"{path}.material.{name}"
+                yield Parameter(own, value, unit, positive=positive, signed=not positive)
         if self.with_mass or motion.circulates or convective:
             rho = float(material.rho or 0)
             yield Parameter(f"{path}.material.rho", rho, "kg/m^3", positive=True)
@@ -145,8 +152,18 @@ class BodyTerms:
 
     @property
     def _stiffness(self) -> Coefficient:
-        """Young's modulus, relative to its own."""
-        return Coefficient.of({f"{self.path}.material.E": (self.body.material.E, 1.0)})
+        """Young's modulus, relative to its own; 1 of a solid that has several."""
+        E = self.body.material.constants.get("E")
+        return CONSTANT if E is None else Coefficient.of({f"{self.path}.material.E": (E, 1.0)})
+
+    @property
+    def _constant_by_constant(self) -> bool:
+        """Whether each constant of a solid that has several is a parameter.
+
+        Where damping depends on modes or rotates with the body it is not known at others.
+        """
+        several = bool(self.body.material.entries)
+        return several and not (self.motion.circulates or self.motion.modal)
 
     @property
     def _mass(self) -> Coefficient:
@@ -159,9 +176,9 @@ class BodyTerms:
         body, path = self.body, self.path
         pieces: list[tuple[Role, Mat, Coefficient]]
         pieces = [("stiffness", body.stiffness(), self._stiffness)]
-        if (springs := body.spring_stiffness()) is not None:
-            E = {f"{path}.material.E": (body.material.E, 1.0)}
-            pieces.append(("stiffness", springs, Coefficient((Monomial(), Monomial(-1.0, E)))))
+        if self._stiffness.names and (springs := body.spring_stiffness()) is not None:
+            less = replace(self._stiffness.monomials[0], factor=-1.0)
+            pieces.append(("stiffness", springs, Coefficient((Monomial(), less))))
         if self.with_mass:
             pieces.append(("mass", body.mass(), self._mass))
         for role, own, coefficient in pieces:
@@ -170,6 +187,19 @@ class BodyTerms:
             if self.with_mass and self.motion.damping is not None:
                 factor = {"mass": "alpha", "stiffness": "beta"}[role]
                 yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
+
+    def _of_constants(self) -> Iterator[Term]:
+        """What K grows by where constants of a solid that has several change."""
+        material, path = self.body.material, f"{self.path}.material"
+        for place, own in material.entries.items() if self._constant_by_constant else ():
+            unit = np.zeros((6, 6))
+            unit[place] = unit[place[::-1]] = 1.0
+            law, entry = Elasticity(unit, material.axes), Entry(material, place, path, own)
+            make = cache(lambda law=law: self.square(self.body.stiffness_of(law)))
+            yield TermOfConstant("stiffness", make, entry)
+            if self.with_mass and self.motion.damping is not None:
+                damped = replace(entry, factor=f"{self.path}.damping.beta")
+                yield TermOfConstant("damping", make, damped)
 
     def _of_rotation(self) -> Iterator[Term]:
         """Omega Y and - Omega^2 Z."""
@@ -256,6 +286,50 @@ class BodyTerms:
         every = np.zeros((sum(local for local, _ in self.sizes), count))
         every[self._first : self._first + len(columns)] = columns
         return distributed(csr_array(every), (stop - start, count), self.body.expansion.comm)
+
+
+class TermOfConstant(Term):
+    """A symmetric piece whose matrix is made when a constant of the material first changes."""
+
+    def __init__(self, role: Role, make: Callable[[], Mat], coefficient: Dependence) -> None:
+        vars(self).update(role=role, make=make, coefficient=coefficient)
+
+    @cached_property
+    def matrix(self) -> Mat:
+        """The piece, PETSc AIJ (n x n)."""
+        return vars(self)["make"]()
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """How much larger an entry of the matrix of constants is at others, times a parameter or 1."""
+
+    material: Material
+    place: tuple[int, int]
+    path: str  # of the material in a scene
+    own: tuple[str, ...]  # constants it depends on
+    factor: str | None = None
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters it depends on."""
+        return frozenset([f"{self.path}.{name}" for name in self.own]) | {
+            *filter(None, [self.factor])
+        }
+
+    def _value(self, values: Mapping[str, complex]) -> complex:
+        constants = {name: values[f"{self.path}.{name}"] for name in self.material.constants}
+        grown = self.material.matrix_of(constants) - self.material.elasticity.matrix
+        return complex(grown[self.place] * (values[self.factor] if self.factor else 1.0))
+
+    def at(self, values: Mapping[str, float]) -> float:
+        """Value at given parameters."""
+        return self._value(values).real
+
+    def derivative(self, name: str, values: Mapping[str, float]) -> float:
+        """Derivative in one parameter, by a complex step: exact to rounding."""
+        step = 1e-20 * (abs(values[name]) or 1.0)
+        return self._value({**values, name: values[name] + 1j * step}).imag / step
 
 
 def body_terms(

@@ -10,7 +10,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact
 from cea.errors import InputError
-from cea.material import IsotropicMaterial
+from cea.material import Material
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
@@ -115,14 +115,14 @@ def pressure_along(
 
 
 def normal_stress(
-    surface: Surface, at: SurfaceCoordinates, displacement: Floats, material: IsotropicMaterial
+    surface: Surface, at: SurfaceCoordinates, displacement: Floats, material: Material
 ) -> Floats:
     """Stress n.sigma.n (N/m^2) with n the outward normal, shape (n,); tension is positive."""
     normal = surface.normal(at)
     u = displacement.reshape(-1, surface.dim)
     gradient = np.stack([derivative @ u for derivative in surface.gradient(at)], axis=2)
-    stress = material.stress(gradient)
-    return np.einsum("ni,nij,nj->n", normal, stress, normal)
+    stress = material.elasticity.stress(np.moveaxis(gradient, 0, 2), surface.position(at).T)
+    return np.einsum("ni,ijn,nj->n", normal, stress, normal)
 
 
 def _contact(system: CoupledSystem, name: str) -> Contact:

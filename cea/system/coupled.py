@@ -123,7 +123,8 @@ class CoupledSystem:
         """Diagonal of K of all bodies at other E (N/m), PETSc vector; springs stay as they are."""
         diagonal = self.stiffness_diagonal.copy()
         for name, body in self.bodies.items():
-            factor = values.get(_modulus(name), body.material.E) / body.material.E
+            E = body.material.means[0]
+            factor = values.get(_modulus(name), E) / E
             part = diagonal.getSubVector(self.index_sets[name])
             part.scale(factor)
             if (springs := body.spring_stiffness()) is not None:

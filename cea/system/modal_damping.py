@@ -123,10 +123,9 @@ def modal_coefficient(path: str, body: Body, damping: ModalDamping, *others: str
     Modes that are counted stay the same where E and rho change a body without springs, and
     2 omega_j (M phi_j) (M phi_j)^T goes with the root of E rho.
     """
-    material = {
-        f"{path}.material.E": body.material.E,
-        f"{path}.material.rho": float(body.material.rho or 0),
-    }
+    material = {f"{path}.material.rho": float(body.material.rho or 0)}
+    if (E := body.material.constants.get("E")) is not None:
+        material[f"{path}.material.E"] = E
     names = (*(parameter.name for parameter in modal_parameters(path, damping)), *others)
     powers = dict.fromkeys(names, (1.0, 1.0))
     if damping.end is None and body.spring_stiffness() is None:

@@ -1,42 +1,18 @@
 """What the study runs: contact rules, degrees, meshes and stiffnesses, as scenes."""
 
-from collections.abc import Callable, Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import prod
 from typing import Any
 
-from cea.contact.formulations import (
-    Botella,
-    GaussPointToSurface,
-    Greville,
-    Grid,
-    Mortar,
-    NodeToSurface,
-    Segments,
-)
 from cea.errors import InputError
 from comparisons.accuracy.problems import PROBLEMS, BodyMesh, Problem
-from comparisons.study.formulations import Variant
+from comparisons.study.formulations import Variant, variants
 from comparisons.study.study import Case
 from scenes.spec.body import Backend
-from scenes.spec.contact import suits
 from scenes.spec.reading import BACKENDS, Scene, load_scene
 
-RULES: Mapping[str, Callable[[int, int], Variant]] = {
-    "mortar": lambda gauss, grid: Variant(Mortar()),
-    "segments": lambda gauss, grid: Variant(Segments()),
-    "GPTS": lambda gauss, grid: Variant(GaussPointToSurface(gauss)),
-    "GPTS lumped": lambda gauss, grid: Variant(GaussPointToSurface(gauss, lumped=True)),
-    "GPTS full pass": lambda gauss, grid: Variant(GaussPointToSurface(gauss), full_pass=True),
-    "grid": lambda gauss, grid: Variant(Grid(grid)),
-    "node-to-surface": lambda gauss, grid: Variant(NodeToSurface()),
-    "node-to-surface, tributary": lambda gauss, grid: Variant(NodeToSurface("tributary")),
-    "Greville": lambda gauss, grid: Variant(Greville()),
-    "Greville, area": lambda gauss, grid: Variant(Greville("area")),
-    "Botella": lambda gauss, grid: Variant(Botella()),
-    "Botella, area": lambda gauss, grid: Variant(Botella("area")),
-}
-"""Contact rules of given numbers of Gauss and grid points; the yardsticks first."""
 YARDSTICKS = ("mortar", "segments", "GPTS")
 """Rules that show the error of the bodies alone, the best first."""
 INTEGRATING = ("mortar", "segments")
@@ -62,9 +38,6 @@ class Options:
         Problems with exact eigenvalues.
     stiffnesses
         Contact stiffnesses p in units of each problem; at the first every degree is run.
-    thorough
-        Whether every contact rule is run at every degree; else mortar at every degree, and every
-        rule at degree 2.
     most_dofs_2d, most_dofs_3d
         Most degrees of freedom of a run.
     levels
@@ -76,7 +49,6 @@ class Options:
     parts: tuple[str, ...] = PARTS
     problems: tuple[str, ...] = tuple(PROBLEMS)
     stiffnesses: tuple[float, ...] = (1.0, 0.1, 10.0, 1000.0)
-    thorough: bool = True
     most_dofs_2d: int = 12_000
     most_dofs_3d: int = 4_500
     levels: int = 4
@@ -98,39 +70,45 @@ class Method:
     rule: str
 
 
+def rules(backend: Backend, gauss: int, grid: int) -> dict[str, Variant]:
+    """Contact rules by name, of so many Gauss and grid points; full passes of GPTS alone."""
+    every = variants((backend, backend), gauss=(gauss,), grid=grid)
+    named = {re.sub(r" \d+", "", variant.label): variant for variant in every}
+    return {n: v for n, v in named.items() if not v.full_pass or n.startswith("GPTS")}
+
+
 def methods() -> list[Method]:
     """Every method: each degree of each backend with each contact rule it may have."""
     return [
         Method(backend, degree, rule)
-        for rule, variant in RULES.items()
         for backend in BACKENDS
-        if suits(variant(2, 2).formulation, backend)
+        for rule in rules(backend, 2, 2)
         for degree in DEGREES[backend]
     ]
 
 
 def lines(options: Options) -> Iterator[Case]:
-    """Lines of plots: a problem, a stiffness and a method on finer and finer meshes."""
-    first = options.stiffnesses[0]
+    """Lines of plots: a problem, a stiffness and a method on finer and finer meshes.
+
+    At the first stiffness every method is run; at others mortar, and all rules on a few degrees.
+    """
     for problem in options.problems:
         for p in options.stiffnesses:
             for method in methods():
-                also = method.backend == "iga" and method.degree == 3 and options.thorough
-                chosen = method.degree == 2 or also
-                chosen |= method.rule == "mortar" and (options.thorough or p == first)
-                if chosen or (options.thorough and p == first):
+                few = (method.backend, method.degree) in (("fe", 2), ("iga", 2), ("iga", 3))
+                if p == options.stiffnesses[0] or few or method.rule == "mortar":
                     yield {"problem": problem, "p": p, **vars(method)}
 
 
 def refinements(case: Case, options: Options) -> list[int]:
     """Refinements of a line, spread over the degrees of freedom allowed; the last off the first p.
 
-    A problem may widen the range of the first stiffness in a thorough study.
+    A problem may widen the range of the first stiffness.
     """
     problem, method = PROBLEMS[case["problem"]], method_of(case)
     most = options.most_dofs_2d if problem.dim == 2 else options.most_dofs_3d
     at_first = case["p"] == options.stiffnesses[0]
-    if at_first and options.thorough and problem.most_dofs is not None:
+    if at_first and problem.most_dofs is not None:
         most = problem.most_dofs
     fitting = [
         n for n in _REFINEMENTS if FEWEST[problem.dim] <= estimated_dofs(problem, method, n) <= most
@@ -187,7 +165,7 @@ def scene_of(
         }
     )
     gauss, grid = method.degree + 1, _grid_points(problem, method, refinement)
-    return RULES[method.rule](gauss, grid).of(scene, p=problem.unit * p)
+    return rules(method.backend, gauss, grid)[method.rule].of(scene, p=problem.unit * p)
 
 
 def _mesh(problem: Problem, body: BodyMesh, method: Method, refinement: int) -> dict[str, Any]:

@@ -50,15 +50,7 @@ def _reason_to_stop(case: Case, refinement: int, runs: list[dict[str, Any]], rep
 
 
 def measure(case: Case, refinement: int, repeats: int) -> dict[str, Any]:
-    """Measure one mesh of a line.
-
-    Returns
-    -------
-    dict
-        ``refinement``, ``dofs``, ``points``; ``seconds`` of processor time, median of the runs,
-        and of each stage; ``memory``, peak above what the process held before (MB); errors of
-        :func:`errors`.
-    """
+    """Seconds of processor time (medians), peak memory (MB) and errors of one mesh of a line."""
     problem, method = PROBLEMS[case["problem"]], method_of(case)
     _warm_up(case["problem"], method)
     scene, taken, memory = scene_of(problem, method, refinement, case["p"]), [], []
@@ -87,14 +79,7 @@ def _warm_up(problem: str, method: Method) -> None:
 
 
 def errors(computed: Complexes, exact: Complexes, band: tuple[float, float]) -> dict[str, Any]:
-    """Errors over the exact eigenvalues of a band.
-
-    Returns
-    -------
-    dict
-        ``lambda``, ``frequency``, ``growth``, each ``_worst`` and ``_median``, None where modes are
-        missing; ``modes`` listed; numbers of ``missing`` and ``spurious`` eigenvalues.
-    """
+    """Errors over the exact eigenvalues of a band, None where modes are missing, and counts."""
     match = match_spectrum(computed, exact, band, reach=REACH)
     found: dict[str, Any] = {"modes": len(match.exact)}
     for name, error in (

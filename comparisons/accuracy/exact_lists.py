@@ -4,10 +4,8 @@ python -m comparisons.accuracy.exact_lists     # computes all of them anew
 """
 
 import json
-from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +13,8 @@ from cea.arrays import Complexes
 from cea.files import write_whole
 from comparisons.accuracy.problems import PROBLEMS, Problem
 
+STIFFNESSES = (0.1, 1.0, 10.0, 1000.0)
+"""Contact stiffnesses p of the lists, in units of each problem."""
 FILE = Path(__file__).with_name("exact.json")
 
 
@@ -28,27 +28,19 @@ def exact(name: str, stiffness: float) -> Complexes:
     return np.array([complex(re, im) for re, im in found])
 
 
-def computed(
-    problems: Iterable[Problem] = PROBLEMS.values(),
-    stiffnesses: Iterable[float] = (0.1, 1.0, 10.0, 1000.0),
-) -> dict[str, Any]:
-    """Exact lists as plain data, all computed."""
-    return {
-        chosen.name: {
-            "parameters": _parameters(chosen),
-            "lists": {f"{p:g}": [[v.real, v.imag] for v in chosen.exact(p)] for p in stiffnesses},
-        }
-        for chosen in problems
-    }
-
-
 def _parameters(chosen: Problem) -> dict[str, float]:
     """What a list depends on, beside the materials and sizes of the reference problems."""
     return {"unit": chosen.unit, "mu": chosen.mu, "highest": chosen.highest_exact}
 
 
 if __name__ == "__main__":
-    text = json.dumps(computed())
+    data = {
+        name: {
+            "parameters": _parameters(chosen),
+            "lists": {f"{p:g}": [[v.real, v.imag] for v in chosen.exact(p)] for p in STIFFNESSES},
+        }
+        for name, chosen in PROBLEMS.items()
+    }
     # A line for each list: changes can be read.
-    lines = text.replace('": [[', '":\n[[').replace("]], ", "]],\n") + "\n"
+    lines = json.dumps(data).replace('": [[', '":\n[[').replace("]], ", "]],\n") + "\n"
     write_whole(lines.encode(), FILE)

@@ -60,14 +60,9 @@ def cases() -> Iterator[Case]:
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Growth in a problem that cannot flutter.
+    """Largest abs(Re lambda) over abs(lambda), what residual times condition explains of it there.
 
-    Returns
-    -------
-    dict
-        Rows of ``no_flutter``: ``modes`` looked at; ``growth``, the largest abs(Re lambda) over
-        abs(lambda); ``explained``, what residual times condition explains of it there; and
-        ``unexplained``, modes that grow or decay by more than that.
+    ``unexplained`` modes grow or decay by more than that.
     """
     each = NO_FLUTTER[case["problem"]]
     scene = scene_of(each.problem, method_of(case), _REFINEMENT, case["p"], each.changes)

@@ -114,11 +114,6 @@ def matrix(result: StudyResult) -> pd.DataFrame:
     return both[["backend", "rule"]].drop_duplicates().merge(across)
 
 
-def against_stiffness(result: StudyResult) -> pd.DataFrame:
-    """Growth errors of rules at degree 2, by rising p."""
-    return uses(result).query("degree == 2 and growth_worst > 0").sort_values("p")
-
-
 def in_short(result: StudyResult) -> str:
     """Contact rules that may be used at every stiffness."""
     every = judged(result).groupby(["backend", "rule"], sort=False)["usable"].all()
@@ -154,18 +149,10 @@ def _plot(name: str, caption: str, frame: Any, x: str, series: tuple[str, ...]) 
 
 _TWO = shown(2)
 COLUMNS = {
-    "rule": Column("contact rule"),
     "p": Column("p", show=shown(3)),
-    **{
-        f"{name}_{which}": Column(f"{which} error of {name}", show=_TWO)
-        for name in ("lambda", "frequency", "growth")
-        for which in ("worst", "median")
-    },
-    "order": Column("observed order", show=_TWO),
-    "theory": Column("theory", show=_TWO),
+    "lambda_worst": Column("worst error of lambda", show=_TWO),
+    "growth_worst": Column("worst error of growth", show=_TWO),
     "floor": Column("error of the yardstick", show=_TWO),
-    "growth": Column("largest growth", show=_TWO),
-    "explained": Column("explained", show=_TWO),
 }
 SECTIONS = [
     Section(
@@ -179,14 +166,6 @@ SECTIONS = [
         [
             Table("matrix", "Formulations by p.", matrix, COLUMNS, printed=True),
             Table("uses", "Every rule beside its yardstick.", uses, COLUMNS, shown=False),
-        ],
-        [
-            Plot(
-                "growth",
-                "Worst error of growth against p, bodies of degree 2.",
-                *(against_stiffness, "p", "growth_worst", ("rule", "backend"), "problem", "xy"),
-                own=COLUMNS,
-            )
         ],
         of="runs",
     ),

@@ -18,24 +18,12 @@ _REAL = 1e-9
 
 @dataclass(frozen=True)
 class BodyMesh:
-    """Elements of a body on the coarsest mesh.
-
-    Parameters
-    ----------
-    name
-        Name of the body in the scene.
-    coarsest
-        Elements along each direction.
-    closed
-        Directions that run all the way round.
-    in_contact
-        Directions along the contact surface.
-    """
+    """A body with the elements along each direction of its coarsest mesh."""
 
     name: str
     coarsest: tuple[int, ...]
-    closed: tuple[bool, ...]
-    in_contact: tuple[bool, ...]
+    closed: tuple[bool, ...]  # directions that run all the way round
+    in_contact: tuple[bool, ...]  # directions along the contact surface
 
     def elements(self, refinement: int) -> tuple[int, ...]:
         """Elements along each direction of a refined mesh."""
@@ -44,47 +32,19 @@ class BodyMesh:
 
 @dataclass(frozen=True)
 class Problem:
-    """A problem with exact eigenvalues.
-
-    Parameters
-    ----------
-    name
-        Name of its scene.
-    bodies
-        Bodies a and b; their meshes never match.
-    band
-        Lowest and highest Im lambda of the listed modes.
-    mu
-        Friction coefficient, or its amplitude.
-    solver
-        Name of the problem of :mod:`exact_cea.reference` that it is.
-    unit
-        Unit of the contact stiffness p (N/m^3).
-    profile
-        The friction coefficient in the scene, with ``{mu}`` for the number.
-    depth
-        Length in z between rollers; None in plane strain, and for the ring.
-    geometry_degree
-        Of Lagrange elements, where the rims of both bodies must meet on coarse meshes; None takes
-        that of the displacements, 2 at least on curved bodies.
-    most_dofs
-        Of a case at the first stiffness of a thorough study, where fewer do not resolve the band on
-        several meshes; None takes those of the study.
-    highest_order
-        Order of convergence in lambda that a singularity caps; None where there is none.
-    """
+    """A problem with exact eigenvalues, by the name of its scene."""
 
     name: str
-    bodies: tuple[BodyMesh, BodyMesh]
-    band: tuple[float, float]
-    mu: float
-    solver: str
-    unit: float = 1.0
-    profile: str = "{mu}"
-    depth: float | None = None
-    geometry_degree: int | None = None
-    most_dofs: int | None = None
-    highest_order: float | None = None
+    bodies: tuple[BodyMesh, BodyMesh]  # a and b; their meshes never match
+    band: tuple[float, float]  # lowest and highest Im lambda of the listed modes
+    mu: float  # friction coefficient, or its amplitude
+    solver: str  # name of the problem of exact_cea.reference
+    unit: float = 1.0  # of the contact stiffness p (N/m^3)
+    profile: str = "{mu}"  # the friction coefficient in the scene
+    depth: float | None = None  # length in z between rollers; None in plane strain and of the ring
+    geometry_degree: int | None = None  # of Lagrange elements, where rims must meet
+    most_dofs: int | None = None  # at the first p, where fewer resolve too little
+    highest_order: float | None = None  # order of convergence in lambda that a singularity caps
 
     @property
     def dim(self) -> int:
@@ -107,13 +67,7 @@ class Problem:
         return _FAR * self.band[1]
 
     def exact(self, stiffness: float) -> Complexes:
-        """Exact eigenvalues with Im >= 0 to well beyond the band, by frequency, computed.
-
-        Parameters
-        ----------
-        stiffness
-            Contact stiffness relative to the unit.
-        """
+        """Exact eigenvalues with Im >= 0 to well beyond the band, by frequency; p in the unit."""
         values = whole_spectrum(
             self.solver,
             max_frequency=self.highest_exact,
@@ -129,71 +83,33 @@ class Problem:
         return values[(values.imag >= self.band[0]) & (values.imag <= self.band[1])]
 
 
-_PLANE_RING = (False, True), (False, True)
-_PLANE_BLOCK = (False, False), (True, False)
-_WALL = (False, True, False), (False, True, True)
-_PLATE = (False, True, False), (True, True, False)
-_BLOCK = (False, False, False), (True, False, True)
 _SINE = "{mu}*abs(sin(pi*x/2))"
 """Not negative at a wall by rounding of its coordinate either."""
 
 
 def _pair(
-    a: tuple[str, tuple[int, ...]],
-    b: tuple[str, tuple[int, ...]],
-    directions: tuple[tuple[bool, ...], tuple[bool, ...]],
+    a: tuple[str, tuple[int, ...]], b: tuple[str, tuple[int, ...]], closed: str, in_contact: str
 ) -> tuple[BodyMesh, BodyMesh]:
-    return BodyMesh(*a, *directions), BodyMesh(*b, *directions)
+    """Meshes of both bodies; letters name the directions that are closed and in contact."""
+    directions = "rtz" if closed else "xyz"
+    every = directions[: len(a[1])]
+    flags = [tuple(d in letters for d in every) for letters in (closed, in_contact)]
+    return BodyMesh(*a, *flags), BodyMesh(*b, *flags)
 
 
-_LAYERS = _pair(("upper", (4, 1)), ("lower", (3, 2)), _PLANE_BLOCK)
-
-PROBLEMS = {
-    p.name: p
-    for p in (
-        Problem(
-            "drum",
-            _pair(("outer", (1, 12)), ("inner", (1, 8)), _PLANE_RING),
-            band=(0.0, 2.5),
-            mu=0.3,
-            solver="drum",
-        ),
-        Problem(
-            "drum_3d",
-            _pair(("outer", (1, 12, 2)), ("inner", (1, 8, 3)), _WALL),
-            band=(0.0, 2.2),
-            mu=0.7,
-            solver="drum",
-            depth=1.0,
-        ),
-        Problem("blocks", _LAYERS, band=(0.0, 3.3), mu=1.0, profile=_SINE, solver="blocks"),
-        Problem(
-            "blocks_constant_mu",
-            _LAYERS,
-            band=(0.0, 3.3),
-            mu=0.7,
-            solver="blocks_constant",
-            highest_order=2.0,
-        ),
-        Problem(
-            "blocks_3d",
-            _pair(("upper", (4, 1, 3)), ("lower", (3, 2, 4)), _BLOCK),
-            band=(0.0, 2.8),
-            mu=1.0,
-            profile=_SINE,
-            solver="blocks",
-            depth=2.0,
-        ),
-        Problem(
-            "ring",
-            _pair(("pad", (1, 12, 1)), ("disc", (2, 16, 1)), _PLATE),
-            band=(1e4, 9e4),
-            unit=1e12,
-            mu=0.3,
-            solver="ring",
-            geometry_degree=4,
-            most_dofs=13_000,
-        ),
-    )
-}
+_LAYERS = _pair(("upper", (4, 1)), ("lower", (3, 2)), "", "x")
+_RING = _pair(("outer", (1, 12)), ("inner", (1, 8)), "t", "t")
+_WALL = _pair(("outer", (1, 12, 2)), ("inner", (1, 8, 3)), "t", "tz")
+_BLOCKS = _pair(("upper", (4, 1, 3)), ("lower", (3, 2, 4)), "", "xz")
+_PLATE = _pair(("pad", (1, 12, 1)), ("disc", (2, 16, 1)), "t", "rt")
+_BAND = (0.0, 3.3)
+_EVERY = (
+    Problem("drum", _RING, (0.0, 2.5), 0.3, "drum"),
+    Problem("drum_3d", _WALL, (0.0, 2.2), 0.7, "drum", depth=1.0),
+    Problem("blocks", _LAYERS, _BAND, 1.0, "blocks", profile=_SINE),
+    Problem("blocks_constant_mu", _LAYERS, _BAND, 0.7, "blocks_constant", highest_order=2.0),
+    Problem("blocks_3d", _BLOCKS, (0.0, 2.8), 1.0, "blocks", profile=_SINE, depth=2.0),
+    Problem(*("ring", _PLATE, (1e4, 9e4), 0.3, "ring", 1e12), geometry_degree=4, most_dofs=13_000),
+)
+PROBLEMS = {problem.name: problem for problem in _EVERY}
 """Problems by name."""

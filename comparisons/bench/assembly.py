@@ -1,4 +1,4 @@
-"""Stiffness and mass of one body by this program and by dolfinx: processor time and memory.
+"""Stiffness and mass of a box by this program and by dolfinx: processor time of an element.
 
 Rounds repeat all cases by turns, and each round holds plain dolfinx with quadratic hexahedra, by
 which the others are measured: what else the machine does then slows all of them alike.
@@ -7,32 +7,101 @@ which the others are measured: what else the machine does then slows all of them
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
+from itertools import product
 from time import process_time
-from typing import Any
+from typing import Any, Literal
 
 import pandas as pd
 
-from comparisons.bench.programs import Boxes, Discretisation, Family, Ours, PlainDolfinx
+from cea.errors import InputError
+from cea.material import IsotropicMaterial
+from cea.petsc import MPI  # ahead of dolfinx
 from comparisons.study.columns import Column, medians
-from comparisons.study.measure import measured
 from comparisons.study.numbers import shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study, at_least_one
+from meshes.shapes import Box
+from scenes.building.build import build_body
+from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
 
-DEGREES: Mapping[Family, tuple[int, ...]] = {
-    "NURBS": (2, 3, 4),
-    "Q": (1, 2, 3, 4),
-    "P": (1, 2, 3, 4),
-}
+import ufl  # isort: skip
+from dolfinx.fem import form, functionspace  # isort: skip
+from dolfinx.fem.petsc import assemble_matrix  # isort: skip
+from dolfinx.mesh import CellType, create_box  # isort: skip
+
+Family = Literal["NURBS", "Q", "P"]
+"""NURBS of highest continuity, Lagrange hexahedra, Lagrange tetrahedra."""
+Boxes = tuple[int, int, int]
+"""Elements along each side; tetrahedra are such boxes divided into six."""
+DEGREES: Mapping[Family, tuple[int, ...]] = {"NURBS": (2, 3, 4), "Q": (1, 2, 3), "P": (1, 2, 3)}
 """Degrees of each family."""
-OURS, PLAIN = "this program", "dolfinx"
-YARDSTICK = ("Q2", PLAIN)
+YARDSTICK = ("Q2", "dolfinx")
 """What every other is measured by."""
-PROGRAMS: Mapping[str, type[Ours] | type[PlainDolfinx]] = {OURS: Ours, PLAIN: PlainDolfinx}
-_BYTES = 12
-"""Bytes of an entry of a compressed matrix: a double and the number of its column."""
+MATERIAL = IsotropicMaterial(E=1.0, nu=0.3, rho=1.0)
+_CELLS: Mapping[str, Literal["hexahedron", "tetrahedron"]] = {"Q": "hexahedron", "P": "tetrahedron"}
+_WEDGES = 6
+"""Tetrahedra that a box is divided into."""
+_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
+
+
+class Ours:
+    """A body of this program without supports: its space is made, its matrices are not."""
+
+    def __init__(self, family: Family, degree: int, boxes: Boxes) -> None:
+        box = Box((1.0, 1.0, 1.0))
+        if family == "NURBS":
+            mesh = MeshSpec(iga=IgaMesh((degree,) * 3, boxes))
+            spec = BodySpec("iga", box, MATERIAL, mesh)
+        else:
+            mesh = MeshSpec(fe=FeMesh(_CELLS[family], degree, elements=boxes))
+            spec = BodySpec("fe", box, MATERIAL, mesh)
+        self._body = build_body("box", spec)
+
+    def stiffness(self) -> Any:
+        """PETSc AIJ, made anew."""
+        return self._body.stiffness()
+
+    def mass(self) -> Any:
+        """PETSc AIJ, made anew."""
+        return self._body.mass()
+
+
+class PlainDolfinx:
+    """dolfinx as its demos use it, for this machine: both matrices as forms of vectors."""
+
+    def __init__(self, family: Family, degree: int, boxes: Boxes) -> None:
+        corners = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]
+        mesh = create_box(MPI.COMM_SELF, corners, boxes, CellType[_CELLS[family]])
+        self._space = functionspace(mesh, ("Lagrange", degree, (3,)))
+        self._degrees = 2 * (degree - (family == "P")), 2 * degree
+
+    def stiffness(self) -> Any:
+        """PETSc AIJ, made anew; quadrature is exact on affine cells."""
+        u, v = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
+        lam, mu = MATERIAL.lame
+        strain = ufl.sym(ufl.grad(u))
+        stress = lam * ufl.tr(strain) * ufl.Identity(3) + 2 * mu * strain
+        return _assembled(ufl.inner(stress, ufl.sym(ufl.grad(v))), self._degrees[0])
+
+    def mass(self) -> Any:
+        """PETSc AIJ, made anew."""
+        u, v = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
+        return _assembled(MATERIAL.rho * ufl.inner(u, v), self._degrees[1])
+
+
+def _assembled(integrand: Any, degree: int) -> Any:
+    dx = ufl.dx(metadata={"quadrature_degree": degree})
+    matrix = assemble_matrix(form(integrand * dx, jit_options=dict(_OPTIONS)))
+    matrix.assemble()
+    return matrix
+
+
+PROGRAMS: Mapping[str, type[Ours] | type[PlainDolfinx]] = {
+    "this program": Ours,
+    "dolfinx": PlainDolfinx,
+}
 
 
 @dataclass(frozen=True)
@@ -42,81 +111,63 @@ class Options:
     Parameters
     ----------
     boxes
-        Elements along radius, angle and height.
-    boxes_of_degree_4
-        Those of Lagrange functions of degree 4, whose matrices are the largest.
+        Elements along each side.
     repeats
         Rounds; medians count.
     """
 
     boxes: Boxes = (16, 16, 8)
-    boxes_of_degree_4: Boxes = (8, 8, 4)
     repeats: int = 3
 
     def __post_init__(self) -> None:
         at_least_one(repeats=self.repeats)
-        for boxes in (self.boxes, self.boxes_of_degree_4):
-            Discretisation("Q", 1, boxes)
+        if min(self.boxes) < 1:
+            raise InputError("boxes", self.boxes, "one or more along each direction")
 
 
 def cases(options: Options) -> Iterator[Case]:
     """Every discretisation by every program that knows it, by turns."""
     for repeat in range(options.repeats):
         for family, degrees in DEGREES.items():
-            for degree in degrees:
-                for program in [OURS] if family == "NURBS" else PROGRAMS:
-                    yield {"functions": f"{family}{degree}", "program": program, "repeat": repeat}
-
-
-def discretisation(functions: str, options: Options) -> Discretisation:
-    """The body divided for functions as ``Q2``."""
-    degree = int(functions[-1])
-    family: Any = functions[:-1]
-    coarser = family != "NURBS" and degree == max(DEGREES[family])
-    return Discretisation(family, degree, options.boxes_of_degree_4 if coarser else options.boxes)
+            programs = ["this program"] if family == "NURBS" else [*PROGRAMS]
+            for degree, program in product(degrees, programs):
+                yield {"family": family, "degree": degree, "program": program, "repeat": repeat}
 
 
 @cache
 def _warm_up(program: str, family: Family, degree: int) -> None:
     """Assemble the smallest body once in a process, to load and compile what it needs."""
-    assembled(PROGRAMS[program](Discretisation(family, degree, (1, 1, 1))))
+    assembled(PROGRAMS[program](family, degree, (1, 1, 1)))
 
 
 def evaluate(case: Case, session: Session) -> dict[str, Any]:
-    """Time and memory of an assembly."""
-    divided = discretisation(case["functions"], session.options)
-    _warm_up(case["program"], divided.family, divided.degree)
-    row = {"family": divided.family, "degree": divided.degree, "elements": divided.elements}
-    return row | assembled(PROGRAMS[case["program"]](divided))
+    """Time of an assembly."""
+    boxes, of = session.options.boxes, (case["family"], case["degree"])
+    _warm_up(case["program"], *of)
+    elements = boxes[0] * boxes[1] * boxes[2] * (_WEDGES if case["family"] == "P" else 1)
+    return {"elements": elements} | assembled(PROGRAMS[case["program"]](*of, boxes))
 
 
 def assembled(program: Ours | PlainDolfinx) -> dict[str, Any]:
-    """Processor seconds of both matrices; peak memory above that before, and that finished (MB)."""
-    with measured() as both:
-        begun = process_time()
-        K = program.stiffness()
-        stiffness = process_time() - begun
-        M = program.mass()
-    return {
-        "dofs": K.getSize()[0],
-        "stiffness": stiffness,
-        "mass": both.processor - stiffness,
-        "memory": both.memory,
-        "finished": _BYTES * sum(matrix.getInfo()["nz_used"] for matrix in (K, M)) / 1e6,
-    }
+    """Dofs, and processor seconds of both matrices."""
+    begun = process_time()
+    dofs = program.stiffness().getSize()[0]
+    stiffness = process_time()
+    program.mass()
+    return {"dofs": dofs, "stiffness": stiffness - begun, "mass": process_time() - stiffness}
 
 
 def times(result: StudyResult) -> pd.DataFrame:
     """Medians of each program and discretisation; ratios are to the yardstick of the same round."""
     frame = result.frame()
     both = frame["stiffness"] + frame["mass"]
-    element = both / frame["elements"]
-    yardstick = element[(frame["functions"] == YARDSTICK[0]) & (frame["program"] == YARDSTICK[1])]
+    element, name = both / frame["elements"], frame["family"] + frame["degree"].astype(str)
+    yardstick = element[(name == YARDSTICK[0]) & (frame["program"] == YARDSTICK[1])]
     unit = frame["repeat"].map(dict(zip(frame["repeat"][yardstick.index], yardstick, strict=True)))
     frame["per_element"], frame["per_dof"] = 1e3 * element, 1e6 * both / frame["dofs"]
-    frame["ratio"], frame["memory_ratio"] = element / unit, frame["memory"] / frame["finished"]
-    for name in ("stiffness", "mass"):
-        frame[name] = 1e3 * frame[name] / frame["elements"]
+    frame["ratio"] = element / unit
+    for matrix in ("stiffness", "mass"):
+        frame[matrix] = 1e3 * frame[matrix] / frame["elements"]
     return medians(frame)
 
 
@@ -125,16 +176,17 @@ COLUMNS = {
     "per_element": Column("both", "ms/element", shown(3)),
     "per_dof": Column("both", "µs/dof", shown(3)),
     "ratio": Column("of dolfinx Q2", show=shown(3)),
-    "memory_ratio": Column("peak memory / finished matrices", show=shown(3)),
-    "finished": Column("finished", "MB", shown(3)),
 }
 TIMES = Table(
     "times",
     "Processor time of stiffness and mass on one thread, medians; an element over one of plain "
-    "dolfinx Q2, assembled in the same round. Memory: peak while assembling above that before; "
-    "finished: the matrices, 12 bytes an entry.",
+    "dolfinx Q2, assembled in the same round.",
     *(times, COLUMNS),
     printed=True,
+)
+PLOT = Plot(
+    *("ratio", "Time of an element against degree.", times, "degree", "ratio"),
+    *(("program",), "family", "y", COLUMNS),
 )
 STUDY = Study(
     name="bench assembly",
@@ -142,24 +194,7 @@ STUDY = Study(
     options=Options,
     cases=cases,
     evaluate=evaluate,
-    quick={"boxes": (2, 2, 1), "boxes_of_degree_4": (1, 1, 1), "repeats": 1},
+    quick={"boxes": (2, 2, 1), "repeats": 1},
     process=Process("comparisons.bench.assembly:STUDY", 120.0),
-    sections=[
-        Section(
-            "Assembly",
-            "A quarter of a thick ring, divided alike everywhere.",
-            of="runs",
-            tables=[TIMES],
-            plots=[
-                Plot(
-                    *(f"{name}_over_degree", caption, times, "degree", name),
-                    *(("program",), "family", "y", COLUMNS),
-                )
-                for name, caption in (
-                    ("ratio", "Time of an element against degree."),
-                    ("memory_ratio", "Peak memory over that of the matrices."),
-                )
-            ],
-        )
-    ],
+    sections=[Section("Assembly", "A box.", None, [TIMES], [PLOT], of="runs")],
 )

@@ -8,7 +8,6 @@ both with that mass, to compare what is the same, and with the exact one, to tel
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -21,12 +20,11 @@ from cea.contact.formulations import Segments
 from cea.eigen.classify import classify, thresholds
 from comparisons.bench import ccx
 from comparisons.study.columns import Column, wide
-from comparisons.study.measure import measured
 from comparisons.study.numbers import counted, decimals, number, shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study, at_least_one
+from comparisons.study.study import Case, Study
 from fe_cea import LagrangeSpace
 from scenes import run_modes
 from scenes.building.build import body_mesh
@@ -53,18 +51,12 @@ class Options:
     ----------
     meshes
         Boxes along each direction of each body, six tetrahedra each; a mesh after another.
-    repeats
-        Runs of each program; medians of their times count.
     """
 
     meshes: tuple[Mapping[str, tuple[int, ...]], ...] = (
         {"pad": (3, 5, 2), "disc": (5, 36, 1)},
         {"pad": (4, 8, 3), "disc": (7, 56, 2)},
     )
-    repeats: int = 3
-
-    def __post_init__(self) -> None:
-        at_least_one(repeats=self.repeats)
 
 
 def cases(options: Options) -> Iterator[Case]:
@@ -91,43 +83,30 @@ def scene(case: Case, options: Options) -> Scene:
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """One scene on both programs: modes by rising frequency, unstable ones, what they took."""
+    """One scene on both programs: modes by rising frequency, and unstable ones."""
     assert session.scene is not None
-    repeats = range(session.options.repeats)
     with TemporaryDirectory() as name:
-        deck = write_deck(session.scene, Path(name), MODES)[1]
-        theirs = [ccx.run(deck) for _ in repeats]
-    top = _WIDER * float(theirs[0].eigenvalues[-1].imag) / (2 * np.pi)
+        theirs = ccx.run(write_deck(session.scene, Path(name), MODES)[1])
+    top = _WIDER * float(theirs[-1].imag) / (2 * np.pi)
     wide_enough = session.scene.change({"analysis.max_frequency": top})
-    same, exact = [], run_modes(wide_enough)
-    for _ in repeats:
-        with measured() as cost:
-            values = run_modes(wide_enough, bodies=bodies_of(wide_enough)).eigenvalues
-        same.append(cost)
-    lists = [theirs[0].eigenvalues, _sorted(values), _sorted(exact.eigenvalues)]
-    count = min(map(len, lists))
-    timed: list[tuple[str, list[Any]]] = [(PROGRAMS[0], theirs), (PROGRAMS[1], same)]
-    found = dict(zip(PROGRAMS, lists, strict=True))
-    return {
-        "runs": [{"dofs": exact.system.size, "calculix": ccx.version()}],
-        "modes": [
-            {"program": program, "mode": i + 1, **_mode(values[i])}
-            for program, values in found.items()
-            for i in range(count)
-        ],
-        "unstable": [
+    same, exact = (
+        run_modes(wide_enough, bodies=bodies).eigenvalues
+        for bodies in (bodies_of(wide_enough), None)
+    )
+    found = dict(zip(PROGRAMS, (theirs, _sorted(same), _sorted(exact)), strict=True))
+    count = min(map(len, found.values()))
+
+    def rows(values: Mapping[str, Complexes]) -> list[dict[str, Any]]:
+        return [
             {"program": program, "mode": i + 1, **_mode(value)}
-            for program, values in found.items()
-            for i, value in enumerate(unstable(values))
-        ],
-        "times": [
-            {
-                "program": program,
-                "clock": median(run.clock for run in runs),
-                "processor": median(run.processor for run in runs),
-            }
-            for program, runs in timed
-        ],
+            for program, own in values.items()
+            for i, value in enumerate(own)
+        ]
+
+    return {
+        "runs": [{"calculix": ccx.version()}],
+        "modes": rows({program: values[:count] for program, values in found.items()}),
+        "unstable": rows({program: unstable(values) for program, values in found.items()}),
     }
 
 
@@ -184,13 +163,6 @@ def differences(result: StudyResult) -> pd.DataFrame:
     return result.frame().merge(worst, on=["problem", "mesh"])
 
 
-def times(result: StudyResult) -> pd.DataFrame:
-    """What each program took, its processor time also over that of CalculiX."""
-    frame = result.frame("times")[["problem", "mesh", "program", "clock", "processor"]]
-    first = frame.groupby(["problem", "mesh"])["processor"].transform("first")
-    return frame.assign(ratio=frame["processor"] / first)
-
-
 def headline(result: StudyResult) -> str:
     """How far the programs are apart, and how many unstable modes each finds."""
     found = differences(result)
@@ -222,16 +194,14 @@ STUDY = Study(
     cases=cases,
     scene=scene,
     evaluate=evaluate,
-    quick={"meshes": ({"pad": (2, 3, 1), "disc": (3, 16, 1)},), "repeats": 1},
-    process=Process("comparisons.bench.calculix:STUDY", 3600.0),
+    quick={"meshes": ({"pad": (2, 3, 1), "disc": (3, 16, 1)},)},
     shipped=Path(__file__).parent / "calculix_results",
     sections=[
         Section(
             "Frequencies",
             "CalculiX integrates the mass of a tetrahedron of ten nodes with the four points of "
-            "its stiffness, exact to degree 2 where products of shape functions have degree 4. "
-            "With the same points in this program the frequencies of a body agree to rounding; "
-            "with the exact mass, which it has otherwise, they are lower, less on finer meshes.",
+            "its stiffness. With the same points in this program the frequencies of a body agree "
+            "to rounding; with the exact mass they are lower, less on finer meshes.",
             headline,
             [
                 Table(
@@ -247,14 +217,10 @@ STUDY = Study(
         ),
         Section(
             "Unstable modes",
-            "CalculiX knows no steady sliding: it takes a point to slip where its friction of the "
-            "static step is beyond the limit in the frequency step. With the same friction in both "
-            "steps that is decided by rounding, many points stick, and unstable modes come out "
-            "stable. The deck has twice the friction in the static step, and changes it to that of "
-            "the scene in the frequency step, where then every point slips. Both programs "
-            "integrate the penalty over pieces that no element boundary of either side crosses; "
-            "CalculiX leaves out the smallest of them, gives points their stick stiffness across "
-            "the direction of slip, and prints complex eigenvalues with seven digits.",
+            "CalculiX takes a point to slip where its friction of the static step is beyond the "
+            "limit in the frequency step: the deck has twice the friction in the static step. It "
+            "leaves out the smallest pieces of the contact, gives points their stick stiffness "
+            "across the direction of slip, and prints complex eigenvalues with seven digits.",
             tables=[
                 Table(
                     "unstable",
@@ -264,13 +230,6 @@ STUDY = Study(
                 )
             ],
             of="unstable",
-        ),
-        Section(
-            "Times",
-            "On one thread. CalculiX is asked for a number of modes and has its deck, this program "
-            "for all modes of a window that holds as many, and makes its mesh.",
-            tables=[Table("times", "Medians, over those of CalculiX.", times, printed=True)],
-            of="times",
         ),
     ],
 )

@@ -1,4 +1,4 @@
-"""CalculiX: where it is, what a run of it takes, and what it found.
+"""CalculiX: where it is, and what it finds.
 
 Real eigenvalues are read from its binary file (``.eig``), which holds all their digits. Complex
 ones stand in its list (``.dat``) alone, with seven.
@@ -9,10 +9,7 @@ import re
 import shutil
 import struct
 import subprocess
-from dataclasses import dataclass
 from pathlib import Path
-from resource import RUSAGE_CHILDREN, getrusage
-from time import perf_counter
 
 import numpy as np
 
@@ -25,31 +22,8 @@ _VERSION = re.compile(r"Version (\S+)")
 _END_OF_LIST = "P A R T I C I P A T I O N"
 
 
-@dataclass(frozen=True)
-class Found:
-    """What CalculiX found.
-
-    Parameters
-    ----------
-    eigenvalues
-        lambda (1/s) by rising frequency, each pair with both growth rates, shape (n,).
-    clock, processor
-        Seconds of its process by the clock, and of the processor.
-    """
-
-    eigenvalues: Complexes
-    clock: float
-    processor: float
-
-
 def program() -> str:
-    """Path of CalculiX.
-
-    Raises
-    ------
-    InputError
-        When it is not installed.
-    """
+    """Path of CalculiX, refused where it is not installed."""
     found = shutil.which(PROGRAM)
     if found is None:
         allowed = "CalculiX on the path, as the Debian package calculix-ccx installs it"
@@ -64,8 +38,13 @@ def version() -> str:
     return found.group(1) if found else "unknown"
 
 
-def run(deck: Path) -> Found:
+def run(deck: Path) -> Complexes:
     """Run a deck that asks for frequencies on one thread; results are left beside it.
+
+    Returns
+    -------
+    ndarray
+        lambda (1/s) by rising frequency, each pair with both growth rates, shape (n,).
 
     Raises
     ------
@@ -73,7 +52,6 @@ def run(deck: Path) -> Found:
         When CalculiX is not installed, or ends without results.
     """
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    begun, before = perf_counter(), getrusage(RUSAGE_CHILDREN)
     done = subprocess.run(
         [program(), deck.stem],
         cwd=deck.parent,
@@ -83,7 +61,6 @@ def run(deck: Path) -> Found:
         errors="replace",
         check=False,
     )
-    clock, after = perf_counter() - begun, getrusage(RUSAGE_CHILDREN)
     listed = deck.with_suffix(".dat")
     eigenvalues = _listed(listed.read_text(encoding="utf-8") if listed.is_file() else "")
     if done.returncode or not eigenvalues.size or "*ERROR" in done.stdout:
@@ -92,11 +69,7 @@ def run(deck: Path) -> Found:
     kappa = stored_kappa(deck.with_suffix(".eig"))
     if kappa is not None:
         eigenvalues = 1j * np.sqrt(kappa.astype(complex))
-    return Found(
-        eigenvalues[np.lexsort((eigenvalues.real, eigenvalues.imag))],
-        clock,
-        after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
-    )
+    return eigenvalues[np.lexsort((eigenvalues.real, eigenvalues.imag))]
 
 
 def _listed(text: str) -> Complexes:

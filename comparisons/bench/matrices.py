@@ -2,8 +2,7 @@
 
 What a person would do without this program: five shifts along the imaginary axis of the window, at
 each the eigenvalues nearest to it by ARPACK and SuperLU in complex arithmetic, with no word on what
-lies between them. Two ways: the companion form given to ``eigs`` as it is, 2 n unknowns; and the
-same with the systems reduced to Q(sigma) = sigma^2 M + sigma C + K by hand, n unknowns.
+lies between them. Systems of the companion form are reduced to Q(sigma) = sigma^2 M + sigma C + K.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -15,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.sparse import block_array, csc_array, eye_array
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
 from cea.arrays import Complexes
@@ -67,13 +66,7 @@ class Options:
 
 
 def loaded(options: Options) -> MatrixScene:
-    """The scene.
-
-    Raises
-    ------
-    InputError
-        Without damping.
-    """
+    """The scene, refused without damping."""
     scene = load_matrices(options.scene, options.set, options.data)
     if not scene.damping:
         raise InputError("damping", {}, "one matrix or more: the race is one of quadratic problems")
@@ -109,35 +102,19 @@ def evaluate(case: Case, session: Session) -> dict[str, Any]:
     return {"clock": cost.clock, "processor": cost.processor, "found": found, "modes": of}
 
 
-def _nearest(
-    way: Callable[[Matrices, complex], Complexes],
-) -> Callable[[AssembledMatrices, Matrices], Complexes]:
+def nearest(assembled: AssembledMatrices, matrices: Matrices) -> Complexes:
     """Eigenvalues nearest to shifts in the middle of equal parts of the window."""
-
-    def nearest(assembled: AssembledMatrices, matrices: Matrices) -> Complexes:
-        top = 2 * np.pi * assembled.scene.window.max_frequency
-        found = []
-        for shift in 1j * top * (np.arange(_SHIFTS) + 0.5) / _SHIFTS:
-            try:
-                found.append(way(matrices, shift))
-            except ArpackError as error:
-                found.append(np.asarray(getattr(error, "eigenvalues", []), dtype=complex))
-        return np.concatenate(found)
-
-    return nearest
+    top = 2 * np.pi * assembled.scene.window.max_frequency
+    found = []
+    for shift in 1j * top * (np.arange(_SHIFTS) + 0.5) / _SHIFTS:
+        try:
+            found.append(_reduced(matrices, shift))
+        except ArpackError as error:
+            found.append(np.asarray(getattr(error, "eigenvalues", []), dtype=complex))
+    return np.concatenate(found)
 
 
-def companion(matrices: Matrices, shift: complex) -> Complexes:
-    """Eigenvalues nearest to a shift by the companion form, as it is."""
-    M, C, K = (matrices[name] for name in "MCK")
-    one = eye_array(M.shape[0], format="csc")
-    # Complex matrices: of real ones ARPACK iterates with the real part of the inverse alone.
-    left = block_array([[None, one], [-K, -C]], format="csc", dtype=complex)
-    right = block_array([[one, None], [None, M]], format="csc", dtype=complex)
-    return eigs(left, _WANTED, M=right, sigma=shift, return_eigenvectors=False)
-
-
-def reduced(matrices: Matrices, shift: complex) -> Complexes:
+def _reduced(matrices: Matrices, shift: complex) -> Complexes:
     """Eigenvalues nearest to a shift by the companion form, its systems reduced to Q(shift)."""
     M, C, K = (matrices[name] for name in "MCK")
     n = M.shape[0]
@@ -154,8 +131,7 @@ def reduced(matrices: Matrices, shift: complex) -> Complexes:
 
 WAYS: Mapping[str, Callable[[AssembledMatrices, Matrices], Complexes]] = {
     "cea, the whole window": lambda assembled, _: assembled.modes().eigenvalues,
-    f"scipy, {_SHIFTS} shifts, Q(sigma) factorised": _nearest(reduced),
-    f"scipy, {_SHIFTS} shifts, companion form": _nearest(companion),
+    f"scipy, {_SHIFTS} shifts, Q(sigma) factorised": nearest,
 }
 
 

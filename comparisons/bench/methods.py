@@ -29,23 +29,13 @@ TOLERANCE = 1e-12
 
 @dataclass(frozen=True)
 class Problem:
-    """K x = kappa M x with K = S - F, and what is asked of a method.
+    """K x = kappa M x with K = S - F, and what is asked of a method."""
 
-    Parameters
-    ----------
-    pencil
-        What this program's driver takes.
-    stiffness, mass, friction
-        S, M and F, PETSc AIJ.
-    top
-        End of the window, of kappa = -lambda^2 (1/s^2).
-    """
-
-    pencil: Pencil
-    stiffness: Any
+    pencil: Pencil  # what this program's driver takes
+    stiffness: Any  # S, PETSc AIJ
     mass: Any
-    friction: Any
-    top: float
+    friction: Any  # F
+    top: float  # end of the window, of kappa = -lambda^2 (1/s^2)
 
     @classmethod
     def of(cls, scene: Scene) -> "Problem":
@@ -76,21 +66,11 @@ class Problem:
 
 @dataclass(frozen=True)
 class Answer:
-    """Eigenvalues of K x = kappa M x.
+    """Eigenvalues of K x = kappa M x."""
 
-    Parameters
-    ----------
-    kappa
-        Eigenvalues (1/s^2), those of conjugate pairs both, shape (n,).
-    vectors
-        Their vectors, the rows of this rank, shape (n_local, n).
-    claims
-        What the method says of itself.
-    """
-
-    kappa: Complexes
-    vectors: Complexes
-    claims: str = ""
+    kappa: Complexes  # (1/s^2), those of conjugate pairs both
+    vectors: Complexes  # the rows of this rank
+    claims: str = ""  # what the method says of itself
 
     def inside(self, top: float) -> "Answer":
         """Those up to the end of a window."""

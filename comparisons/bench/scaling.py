@@ -1,4 +1,4 @@
-"""What more unknowns, higher degrees and more ranks cost: whole runs of disc_pad."""
+"""What more unknowns and more ranks cost: whole runs of disc_pad on quadratic tetrahedra."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -26,8 +26,7 @@ SIZES: Mapping[str, tuple[float, ...]] = {
     "medium": (1.6, 2.1, 2.7, 3.4),
     "large": (2.1, 2.7, 3.4, 4.4),
 }
-"""Factors on the boxes along each side; strong scaling takes the last but one, weak the first."""
-DEGREES: Mapping[str, tuple[int, ...]] = {"fe": (1, 2, 3), "iga": (2, 3, 4)}
+"""Factors on the boxes along each side; runs on more ranks take the last but one."""
 _WHOLE = "whole"
 """Name of all stages together."""
 
@@ -57,56 +56,36 @@ class Options:
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Rows of runs that differ in one thing each: size, ranks (strong, weak), or degree."""
+    """Runs of every size on one rank, and of the last size but one on more ranks."""
     factors = SIZES[options.size]
     for repeat in range(options.repeats):
         for factor in factors:
-            yield _case("size", factor, repeat)
+            yield {"row": "size", "factor": factor, "ranks": 1, "repeat": repeat}
         for ranks in options.ranks:
-            yield _case("strong", factors[-2], repeat, ranks)
-        for ranks in options.ranks:
-            yield _case("weak", factors[0], repeat, ranks)
-        for backend, degrees in DEGREES.items():
-            for degree in degrees:
-                yield _case("degree", 1.0, repeat, backend=backend, degree=degree)
+            yield {"row": "ranks", "factor": factors[-2], "ranks": ranks, "repeat": repeat}
 
 
-def _case(
-    row: str, factor: float, repeat: int, ranks: int = 1, backend: str = "fe", degree: int = 2
-) -> Case:
-    labels = {"row": row, "backend": backend, "degree": degree, "factor": factor}
-    return labels | {"ranks": ranks, "repeat": repeat}
-
-
-def scene(case: Case, options: Options) -> Scene:
-    """Disc and pad; hexahedra where degrees are compared, which NURBS have too, else tetrahedra."""
+def scene(case: Case, options: Any) -> Scene:
+    """Disc and pad."""
     changes: dict[str, Any] = {}
     for body, boxes in COARSEST.items():
-        mesh = f"bodies.{body}.mesh.{case['backend']}"
         counts = [max(1, round(case["factor"] * n)) for n in boxes]
-        if case["row"] == "weak":
-            counts[1] *= case["ranks"]  # unknowns of a rank stay as they are
-        changes[f"{mesh}.elements"] = counts
-        if case["backend"] == "iga":
-            changes[f"{mesh}.degree"] = [case["degree"]] * 3
-        else:
-            changes[f"{mesh}.degree"] = case["degree"]
-            changes[f"{mesh}.cell"] = "hexahedron" if case["row"] == "degree" else "tetrahedron"
-    return load_scene("disc_pad", backend=case["backend"]).change(changes)
+        mesh = {"cell": "tetrahedron", "degree": 2, "elements": counts}
+        changes[f"bodies.{body}.mesh.fe"] = mesh
+    return load_scene("disc_pad", backend="fe").change(changes)
 
 
 @cache
-def _warm_up(of_degrees: bool, backend: str, degree: int) -> None:
+def _warm_up() -> None:
     """Run the coarsest mesh once in a process: it loads or compiles forms and fills caches."""
-    row = "degree" if of_degrees else "size"
-    run_modes(scene(_case(row, 1.0, 0, backend=backend, degree=degree), Options()))
+    run_modes(scene({"factor": 1.0}, None))
 
 
 def evaluate(case: Case, session: Session) -> list[dict[str, Any]]:
     """A row for each stage of a run and one for all, with what the whole run took."""
     assert session.scene is not None
     comm = MPI.COMM_WORLD
-    _warm_up(case["row"] == "degree", case["backend"], case["degree"])
+    _warm_up()
     comm.Barrier()
     with measured() as cost:
         result = run_modes(session.scene)
@@ -129,16 +108,20 @@ def evaluate(case: Case, session: Session) -> list[dict[str, Any]]:
     ]
 
 
-def stages(result: StudyResult, row: str = "") -> pd.DataFrame:
-    """Medians of the stages of each run, or of the runs of a row that have some."""
-    found = medians(result.frame(), "stage")
-    return found.query("row == @row and processor > 0") if row else found
+def stages(result: StudyResult) -> pd.DataFrame:
+    """Medians of the stages of each run."""
+    return medians(result.frame(), "stage")
+
+
+def by_size(result: StudyResult) -> pd.DataFrame:
+    """Stages of the runs that differ in size."""
+    return stages(result).query("row == 'size' and processor > 0")
 
 
 def runs(result: StudyResult) -> pd.DataFrame:
     """A row for each run, its stages beside each other."""
     found = stages(result)
-    labels = ["row", "backend", "degree", "factor", "ranks"]
+    labels = ["row", "factor", "ranks"]
     whole = found.loc[found["stage"] == _WHOLE, [*labels, "unknowns", "modes", "clock", "memory"]]
     every = whole.merge(wide(found, labels, "stage", "processor"), on=labels)
     return every.drop(columns="factor")
@@ -146,12 +129,12 @@ def runs(result: StudyResult) -> pd.DataFrame:
 
 def speed_up(result: StudyResult) -> pd.DataFrame:
     """How much sooner the busiest rank is done on more ranks than on the fewest, by stage."""
-    found = stages(result).query("row in ('strong', 'weak') and busiest > 0")
+    found = stages(result).query("row == 'ranks' and busiest > 0")
     found = found.sort_values("ranks", kind="stable")
-    first = found.groupby(["row", "stage"])["busiest"].transform("first")
+    first = found.groupby("stage")["busiest"].transform("first")
     found = found.assign(fewest=first, ratio=first / found["busiest"])
     found = found[found["ranks"] > found["ranks"].min()]
-    return found[["row", "stage", "ranks", "fewest", "busiest", "ratio"]]
+    return found[["stage", "ranks", "fewest", "busiest", "ratio"]]
 
 
 COLUMNS = {
@@ -160,7 +143,7 @@ COLUMNS = {
 }
 STUDY = Study(
     name="bench scaling",
-    title="More ranks, more unknowns, higher degrees",
+    title="More ranks and more unknowns",
     options=Options,
     cases=cases,
     scene=scene,
@@ -183,8 +166,7 @@ STUDY = Study(
                 Table(
                     "ranks",
                     "Processor time of the rank that works longest; what it waits for others is "
-                    "work too. Strong: the same mesh on all; the ratio is the ranks at best. Weak: "
-                    "as many unknowns on each rank; the ratio is 1 at best.",
+                    "work too. The ratio is the number of ranks at best.",
                     *(speed_up, COLUMNS),
                 ),
             ],
@@ -192,14 +174,7 @@ STUDY = Study(
                 Plot(
                     "unknowns",
                     "Stages over unknowns.",
-                    lambda result: stages(result, "size"),
-                    *("unknowns", "processor", ("stage",), "", "xy"),
-                ),
-                Plot(
-                    "degree",
-                    "Runs over degree.",
-                    lambda result: stages(result, "degree"),
-                    *("degree", "processor", ("stage", "backend"), "", "y"),
+                    *(by_size, "unknowns", "processor", ("stage",), "", "xy"),
                 ),
             ],
         )

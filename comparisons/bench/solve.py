@@ -20,7 +20,7 @@ from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
 from comparisons.bench.methods import METHODS, OURS, SERIAL, Problem, backward_errors
 from comparisons.study.columns import Column, medians
-from comparisons.study.measure import limit_memory, measured
+from comparisons.study.measure import measured
 from comparisons.study.numbers import shown
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
@@ -52,19 +52,14 @@ class Options:
         Ranks of each method.
     repeats
         Runs of each by turns; medians count.
-    memory
-        Most memory of each rank (10^9 bytes), as addresses: what asks for more fails.
     """
 
     size: str = "medium"
     ranks: int = 1
     repeats: int = 1
-    memory: float = 8.0
 
     def __post_init__(self) -> None:
         at_least_one(ranks=self.ranks, repeats=self.repeats)
-        if not self.memory > 0:
-            raise InputError("memory", self.memory, "a positive number")
         if self.size not in SIZES:
             raise InputError("size", self.size, f"one of {', '.join(SIZES)}")
 
@@ -103,7 +98,6 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     options, comm, name = session.options, MPI.COMM_WORLD, case["method"]
     if name == SERIAL and comm.size > 1:
         raise InputError("ranks", comm.size, "1: scipy runs on one")
-    limit_memory(1e9 * options.memory)
     problem = _problem(options)
     wanted = 0 if name == OURS else _wanted(options)
     with measured() as cost:

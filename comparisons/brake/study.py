@@ -20,11 +20,11 @@ import pandas as pd
 from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.study.columns import Column
-from comparisons.study.numbers import decimals, number, per_cent, plain, shown
+from comparisons.study.numbers import decimals, number, per_cent, plain
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table
 from comparisons.study.session import Session
-from comparisons.study.shapes import by_importance
+from comparisons.study.shapes import mode_rows
 from comparisons.study.study import Case, Study
 from scenes.checking.memory import estimated_memory
 from scenes.results.matching import match_runs
@@ -92,28 +92,19 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
         for group in match_runs(coarser, result).groups:
             numbers = {"first": group.first.tolist(), "second": group.second.tolist()}
             matches.append(numbers | {"assurance": group.assurance})
-    rows, name = result.table(), f"{case['size']:g}"
-    if case["size"] == sizes[-1]:
-        kept = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
-        session.keep_modes(name, result, kept)
+    name = f"{case['size']:g}"
+    finest = case["size"] == sizes[-1]
+    modes = session.keep_modes(name, result) if finest else mode_rows(name, result)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _KILOBYTE
     run = {
         "dofs": result.dofs,
-        "modes": len(rows),
-        "unstable": sum(row["verdict"] == "unstable" for row in rows),
+        "modes": len(modes),
+        "unstable": sum(row["verdict"] == "unstable" for row in modes),
         "complete": bool(result.modes.window.complete),
         "seconds": result.timer.total,
-        "factorisation": result.timer.seconds["factorisation"],
-        "krylov": result.timer.seconds["krylov"],
         "memory": result.comm.allreduce(peak, MPI.SUM) / 1e9,
         "estimated": estimated_memory(result.scene).bytes / 1e9,
     }
-    kept_of_modes = ("mode", "frequency", "damping_ratio", "uncertainty", "verdict")
-    modes = [
-        {"shape": f"{name}/{row['mode']}", "growth": row["growth_rate"]}
-        | {key: row[key] for key in kept_of_modes}
-        for row in rows
-    ]
     return {"brake_runs": [run], "modes": modes, "matches": matches}
 
 
@@ -164,11 +155,6 @@ def _over_meshes(result: StudyResult, by_size: list[pd.DataFrame]) -> Iterator[l
         yield chain
 
 
-def unstable(result: StudyResult) -> pd.DataFrame:
-    """Unstable pairs of every run: the growing mode of each."""
-    return result.frame("modes").query("verdict == 'unstable'").drop(columns="verdict")
-
-
 def headline(result: StudyResult) -> str:
     """How many unstable pairs the finest mesh has, and how far they are from converged."""
     grow = brake_modes(result)
@@ -180,10 +166,9 @@ def headline(result: StudyResult) -> str:
 OWN = {
     "size": Column("size", "m", plain),
     "unstable": Column("unstable pairs", show=number),
-    **{name: Column(name, "s", decimals(0)) for name in ("seconds", "factorisation", "krylov")},
+    "seconds": Column("seconds", "s", decimals(0)),
     "memory": Column("memory", "GB", decimals(1)),
     "estimated": Column("estimated", "GB", decimals(1)),
-    "uncertainty": Column("algebraic error", "1/s", shown(1)),
     "spread": Column("spread", "%", per_cent),
 }
 STUDY = Study(
@@ -213,7 +198,6 @@ STUDY = Study(
             [
                 Table("brake_runs", "Every mesh.", "brake_runs", OWN, printed=True),
                 Table("brake_modes", "Modes over the meshes.", brake_modes, OWN, printed=True),
-                Table("brake_unstable", "Unstable pairs.", unstable, OWN, printed=True),
             ],
             [
                 Plot(

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from io import StringIO
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
@@ -87,19 +88,26 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
         print_columns(to, columns, f"{table.name}.csv", title=table.caption)
 
 
-def print_result(result: "Result", to: Console = console) -> None:
+def print_result(result: "Result", to: Console = console, *, explain: bool = False) -> None:
     """Print what a run found: first how many modes are unstable, last what it left out."""
     if result.spectrum is None:
         say(to, str(result))
     else:
         _print_modes(result, to)
     print_warnings([warning.plain() for warning in result.warnings], to)
-    print_skipped(result.skipped, to)
+    print_skipped(result.skipped, to, explain=explain)
 
 
-def print_skipped(skipped: Mapping[str, str], to: Console = console) -> None:
-    """Print the names of what a run leaves out, and of what is given without use."""
+def print_skipped(
+    skipped: Mapping[str, str], to: Console = console, *, explain: bool = False
+) -> None:
+    """Print what a run leaves out, and what is given without use: names, or the reasons too."""
     from scenes.checking.skipped import GIVEN
+
+    if explain:
+        for name, reason in skipped.items():
+            say(to, f"left out: {name}: {reason}", "dim")
+        return
 
     given = [name for name, reason in skipped.items() if reason.startswith(GIVEN)]
     others = [name for name in skipped if name not in given]
@@ -167,7 +175,12 @@ def print_columns(
     while to.is_terminal and count > _NEEDED and _least(_table(columns[:count])) > to.width:
         count -= 1
     table = _table(columns[:count], title, styles)
-    width = max(to.width, _least(table)) if to.is_terminal else _ROOM
+    least = _least(table)
+    width = max(to.width, least) if to.is_terminal else _ROOM
+    # rich may add the padding of columns to the width that it is given
+    narrower = range(width, least // 2, -1) if to.is_terminal else ()
+    fits = (each for each in narrower if least <= _widest(table, each) <= to.width)
+    width = next(fits, width)
     room = Console(width=width, file=to.file, force_terminal=to.is_terminal, highlight=False)
     room.print(table, crop=False)
     if left_out := [heading for heading, _, _ in columns[count:]]:
@@ -194,3 +207,10 @@ def _table(columns: Sequence[Column], title: str = "", styles: Sequence[str] = (
 def _least(table: Table) -> int:
     room = Console(width=_ROOM)
     return Measurement.get(room, room.options, table).minimum
+
+
+def _widest(table: Table, width: int) -> int:
+    """Width that a table takes where it is given some width."""
+    text = StringIO()
+    Console(width=width, file=text).print(table, crop=False)
+    return max(map(cell_len, text.getvalue().splitlines()))

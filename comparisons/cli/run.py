@@ -34,6 +34,9 @@ def run(
     ] = None,
     overwrite: _Overwrite = False,
     report: _Report = False,
+    explain: Annotated[
+        bool, typer.Option("--explain", help="Tell why each thing was left out.")
+    ] = False,
 ) -> None:
     """Run one scene and write its result.json."""
     from comparisons.cli.output import working
@@ -55,7 +58,7 @@ def run(
         with working("reading the scene"):
             chosen = load_scene(scene, set_ or (), backend)
     out = out or Path("results") / file_name(chosen.name)
-    _run(chosen, out, inputs, overwrite=overwrite, report=report)
+    _run(chosen, out, inputs, overwrite=overwrite, report=report, explain=explain)
 
 
 def solve(
@@ -111,6 +114,7 @@ def _run(
     *,
     overwrite: bool,
     report: bool,
+    explain: bool = False,
 ) -> None:
     """Run a scene, print its result, then put it in the place of an earlier one."""
     from comparisons.cli.output import console, print_result, say, working
@@ -124,7 +128,7 @@ def _run(
         if report or (output is not None and (output.pictures or output.paraview)):
             need("pictures")
         result = analysis_of(scene).run(scene, listener=work.stage)
-    print_result(result)
+    print_result(result, explain=explain)
     page = None
     with working("writing") as work, new_folder(out, root=result.comm.rank == 0) as new:
         drawn = {} if output is None else _draw(result, new.part, work)

@@ -38,7 +38,7 @@ STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
 BENCHMARKS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "assembly": ("bench.assembly:STUDY", "Stiffness and mass, beside dolfinx.", ()),
     "solve": ("bench.solve:STUDY", "Modes of disc_pad, beside SLEPc, scipy, projection.", ()),
-    "scaling": ("bench.scaling:STUDY", "More ranks, finer meshes, higher degrees.", ()),
+    "scaling": ("bench.scaling:STUDY", "More ranks and finer meshes.", ()),
     "matrices": ("bench.matrices:STUDY", "Matrices from files, beside scipy.", ()),
     "calculix": ("bench.calculix:STUDY", "CalculiX on the same meshes.", ()),
 }

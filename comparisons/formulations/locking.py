@@ -25,8 +25,16 @@ from comparisons.study.session import Session
 from comparisons.study.study import Case
 from exact_cea.reference import exact_eigenvalues
 from scenes.spec.body import backend_name
-from scenes.spec.reading import Scene, load_scene
+from scenes.spec.reading import BACKENDS, Scene, load_scene
 
+_MU0 = 0.3
+"""Amplitude of the friction coefficient mu0 sin(pi x / 2)."""
+_HIGHEST = 2.2
+"""Highest Im lambda of the exact eigenvalues that are looked at: six lie below."""
+_DEGREE = 2
+"""Degree on both sides, splines with continuity one less."""
+_GAUSS, _GRID = (3, 6), 37
+"""GPTS points per element; equally spaced points over side a."""
 _MARGIN = 1.15
 """How far beyond the exact eigenvalues is searched: locked ones lie too high."""
 _LOCKED = 10.0
@@ -42,49 +50,31 @@ class Options:
     p
         Contact stiffnesses (N/m^3); body a has E = 0.1 and thickness 0.5. Infinite ones are run in
         the saddle form.
-    mu0
-        Amplitude of the friction coefficient mu0 sin(pi x / 2).
-    max_frequency
-        Highest Im lambda of the exact eigenvalues that are looked at: six lie below 2.2.
     elements_a, elements_b
         Elements along x and y.
-    locking_degree
-        Degree on both sides, splines with continuity one less.
-    locking_gauss
-        GPTS points per element; lumped and in a full pass too.
-    locking_grid
-        Equally spaced points over side a.
-    backends
-        Backends, both sides on the same.
     formulations
         Labels of formulations; all by default.
     """
 
     p: tuple[float, ...] = (*(float(10**k) for k in range(10)), inf)
-    mu0: float = 0.3
-    max_frequency: float = 2.2
     elements_a: tuple[int, int] = (12, 4)
     elements_b: tuple[int, int] = (13, 8)
-    locking_degree: int = 2
-    locking_gauss: tuple[int, ...] = (3, 6)
-    locking_grid: int = 37
-    backends: tuple[str, ...] = ("fe", "iga")
     formulations: tuple[str, ...] = ()
 
 
 def offered(options: Options, backend: Any) -> dict[str, Variant]:
     """Formulations by label, with about as many grid points over side a on either backend."""
-    grid = options.locking_grid
+    grid = _GRID
     if backend == "fe":
         grid = 1 + max(1, round((grid - 1) / options.elements_a[0]))
-    every = variants((backend, backend), gauss=options.locking_gauss, grid=grid)
+    every = variants((backend, backend), gauss=_GAUSS, grid=grid)
     chosen = options.formulations or [v.label for v in every]
     return {v.label: v for v in every if v.label in chosen}
 
 
 def cases(options: Options) -> Iterator[Case]:
     """Every formulation on both backends at every p; lumped matrices have no p = infinity."""
-    for backend in options.backends:
+    for backend in BACKENDS:
         for label, variant in offered(options, backend).items():
             for p in options.p:
                 if p < inf or variant.has_saddle_form:
@@ -93,30 +83,29 @@ def cases(options: Options) -> Iterator[Case]:
 
 def scene(case: Case, options: Options) -> Scene:
     """The ``blocks`` scene on the meshes of the study with the contact of a case."""
-    degree = options.locking_degree
     changes: dict[str, Any] = {
-        "contacts.interface.mu": f"{options.mu0!r}*sin(pi*x/2)",
-        "analysis.max_frequency": _MARGIN * options.max_frequency / tau,
+        "contacts.interface.mu": f"{_MU0!r}*sin(pi*x/2)",
+        "analysis.max_frequency": _MARGIN * _HIGHEST / tau,
     }
     for body, elements in (("upper", options.elements_a), ("lower", options.elements_b)):
         changes[f"bodies.{body}.mesh"] = {
-            "fe": {"cell": "quadrilateral", "degree": degree, "elements": list(elements)},
-            "iga": {"degree": [degree, degree], "elements": list(elements)},
+            "fe": {"cell": "quadrilateral", "degree": _DEGREE, "elements": list(elements)},
+            "iga": {"degree": [_DEGREE] * 2, "elements": list(elements)},
         }
     blocks = load_scene("blocks", backend=case["backend"]).change(changes)
     return offered(options, case["backend"])[case["formulation"]].of(blocks, p=case["p"])
 
 
 @cache
-def _exact(p: float, mu0: float, max_frequency: float) -> Complexes:
-    return exact_eigenvalues("blocks", p=p, mu=mu0, max_frequency=max_frequency)
+def _exact(p: float) -> Complexes:
+    return exact_eigenvalues("blocks", p=p, mu=_MU0, max_frequency=_HIGHEST)
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     """Worst relative error of the exact eigenvalues; lost where one is 15 per cent off."""
-    right = _exact(case["p"], session.options.mu0, session.options.max_frequency)
     result = session.solve()
-    worst = float(match_spectrum(result.eigenvalues, right, reach=_MARGIN - 1).errors.max())
+    match = match_spectrum(result.eigenvalues, _exact(case["p"]), reach=_MARGIN - 1)
+    worst = float(match.errors.max())
     a = result.interfaces["interface"].a
     row = {
         "points": sum(len(interface.points) for interface in result.interfaces.values()),

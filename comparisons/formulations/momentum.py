@@ -41,17 +41,8 @@ def momentum_defects(system: CoupledSystem, motions: Mapping[str, Floats]) -> di
     vanishes for every x where K^T r does. The largest entry of K^T r is related to the largest
     column sum of abs(K) times the largest entry of r.
 
-    Parameters
-    ----------
-    system
-        Bodies without supports, whose free dofs are the full ones.
-    motions
-        Rigid motions of each body (:func:`rigid_motions`).
-
-    Returns
-    -------
-    dict
-        ``linear`` and ``angular``, each of ``_normal`` and ``_friction`` forces.
+    Bodies have no supports: their free dofs are the full ones. ``linear`` and ``angular`` are those
+    of ``_normal`` and ``_friction`` forces.
     """
     dim = next(iter(system.bodies.values())).dim
     r, y = (system.vector() for _ in range(2))

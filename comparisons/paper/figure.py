@@ -27,19 +27,9 @@ Tables = dict[str, list[Row]]
 
 @dataclass(frozen=True)
 class Figure(ABC):
-    """A figure of the paper, or a study beside it.
+    """A figure of the paper, or a study beside it, on some kinds of meshes."""
 
-    Parameters
-    ----------
-    name
-        Number of the figure; a word for a study.
-    title
-        What it shows.
-    meshes
-        Kinds of meshes that it is made on.
-    """
-
-    name: str
+    name: str  # number of the figure; a word for a study
     title: str
     meshes: tuple[Mesh, ...] = field(default=MESHES, kw_only=True)
 

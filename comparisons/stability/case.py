@@ -37,39 +37,17 @@ NONE: tuple[str, ...] = ()
 
 @dataclass(frozen=True)
 class Run:
-    """One run of a case.
+    """One run of a case."""
 
-    Parameters
-    ----------
-    row
-        What distinguishes it within its case: "P = 1e6 N/m".
-    way
-        Backend and formulation.
-    problem
-        What is solved.
-    reference
-        The true answer; None where only a refusal is right.
-    expected
-        The verdicts that may come out.
-    tolerance
-        Relative error of lambda up to which an answer is accurate.
-    lowest
-        Number of true modes in the window, where the problem gives no frequency.
-    warnings
-        Kinds of warnings that may come although the answer is accurate.
-    names
-        What the message of a refusal must contain.
-    """
-
-    row: str
+    row: str  # what distinguishes it within its case: "P = 1e6 N/m"
     way: Way
     problem: Problem
-    reference: Reference | None
-    expected: tuple[Verdict, ...] = ACCURATE
-    tolerance: float = 1e-8
-    lowest: int = 8
-    warnings: tuple[str, ...] = MESH
-    names: str = ""
+    reference: Reference | None  # None where only a refusal is right
+    expected: tuple[Verdict, ...] = ACCURATE  # the verdicts that may come out
+    tolerance: float = 1e-8  # relative error of lambda up to which an answer is accurate
+    lowest: int = 8  # true modes in the window, where the problem gives no frequency
+    warnings: tuple[str, ...] = MESH  # kinds that may come although the answer is accurate
+    names: str = ""  # what the message of a refusal must contain
 
 
 Runs = Iterator[Run]

@@ -251,6 +251,24 @@ def incompressible() -> Runs:
         yield from runs(f"ν = {nu}", _both({"nu": nu}), FEW)
 
 
+def anisotropic() -> Runs:
+    """Moduli 1e2 and 1e4 apart, constants near the loss of definiteness, hardly any compression."""
+    axes = {"first": [2.0, 1.0, 0.0], "second": [0.0, 1.0, 0.0]}
+    shear = {"G_12": 0.04, "G_13": 0.04, "G_23": 0.04, "rho": 0.35, "axes": axes}
+    plain = {"E_1": 0.1, "E_2": 0.1, "E_3": 0.1, "nu_12": 0.25, "nu_13": 0.25, "nu_23": 0.25}
+    changes = {
+        "E_1 / E_2 = 1e2": {"E_1": 10.0},
+        "E_1 / E_2 = 1e4": {"E_1": 1000.0},
+        "E_1 / E_2 = 1e-4": {"E_2": 1000.0, "nu_12": 1e-4},
+        "ν₁₂ = 0.9999 of its bound": {"nu_12": 0.9999, "nu_13": 0.0, "nu_23": 0.0},
+        "ν = 0.4999 of each": {"nu_12": 0.4999, "nu_13": 0.4999, "nu_23": 0.4999},
+        "G_12 / E = 1e-4": {"G_12": 1e-5},
+    }
+    for row, change in changes.items():
+        material = {"kind": "orthotropic", **shear, **plain, **change}
+        yield from runs(row, layers(upper={"material": material}), FEW)
+
+
 def locking() -> Runs:
     """Poisson's ratio 0.3 to 0.49999: what it costs in truth."""
     from exact_cea.material import Material

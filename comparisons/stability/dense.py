@@ -58,11 +58,8 @@ Constraint = tuple[Floats, Floats, Floats]
 def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
     """Lambda (1/s) of every mode of a scene with Im >= 0, by rising frequency.
 
-    Parameters
-    ----------
-    data
-        The scene as plain data. Undamped, growing partners of each pair only: where kappa is real
-        and negative lambda is positive.
+    Undamped, growing partners of each pair only: where kappa is real and negative lambda is
+    positive.
     """
     contacts = {
         name: contact
@@ -96,14 +93,9 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
 
 
 def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint]) -> Complexes:
-    """Every finite kappa = -lambda^2 of a dense pencil with constraints.
+    """Every finite kappa = -lambda^2 of a dense pencil, K perhaps unsymmetric, with constraints.
 
-    Parameters
-    ----------
-    stiffness, mass
-        K and M, shape (n, n); K may be unsymmetric.
-    constraints
-        J (m, n), L (m, n) and C (m, m) of each contact.
+    These are J (m, n), L (m, n) and C (m, m) of each contact.
     """
     n = len(stiffness)
     J = np.vstack([np.empty((0, n)), *(c[0] for c in constraints)])
@@ -118,11 +110,7 @@ def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint])
     near = _kappas_about(-shift, stiffness, mass, J, L, C)
     if np.abs(np.diag(C)).min(initial=np.inf) == 0:
         return near
-    far = (
-        eigvals(stiffness + L.T @ np.linalg.solve(C, J), mass)
-        if len(J)
-        else eigvals(stiffness, mass)
-    )
+    far = eigvals(stiffness + (L.T @ np.linalg.solve(C, J) if len(J) else 0.0), mass)
     return _joined(near, far, shift)
 
 

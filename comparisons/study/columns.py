@@ -72,16 +72,9 @@ def is_missing(value: Any) -> bool:
 
 
 def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = None) -> Column:
-    """How a column is shown; one that nobody declared by its name, numbers with three digits.
+    """How a column of a frame is shown: as the application says, else as studies share it.
 
-    Parameters
-    ----------
-    name
-        Name of the column; a number where a pivoted frame has one for each value.
-    frame
-        The frame it stands in.
-    own
-        Columns of the application, before those that studies share.
+    One that nobody declared has its name, and numbers have three digits.
     """
     for known in (own or {}, COLUMNS):
         if name in known:
@@ -97,18 +90,10 @@ def is_number(shown_as: Column) -> bool:
 
 
 def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) -> pd.DataFrame:
-    """A frame with a column for each value of ``across``; rows and columns keep their order.
+    """A frame with a column for each value of ``across``, whose cells are those of ``values``.
 
-    Parameters
-    ----------
-    frame
-        The frame.
-    index
-        Columns whose values a row has in common.
-    across
-        Column whose values are those of the new columns.
-    values
-        Column of the cells; one that has no row is missing.
+    A row has the columns ``index`` in common; rows and columns keep their order, and what has no
+    row is missing.
     """
     if frame.empty:
         return frame
@@ -120,14 +105,8 @@ def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) ->
 def medians(frame: pd.DataFrame, *also: str, over: str = "repeat") -> pd.DataFrame:
     """A row for all that differ in one label: medians of measured numbers, the first of all else.
 
-    Parameters
-    ----------
-    frame
-        Rows of a table.
-    also
-        Columns that tell rows of one case apart.
-    over
-        The label, which is left out; labels stand before it, what was measured behind it.
+    Labels stand before ``over``, which is left out, what was measured behind it; the columns
+    ``also`` tell rows of one case apart.
     """
     if frame.empty:
         return frame

@@ -20,15 +20,7 @@ from scenes.spec.reading import Scene
 
 @dataclass(frozen=True)
 class Variant:
-    """A formulation with its options.
-
-    Parameters
-    ----------
-    formulation
-        Points and weights.
-    full_pass
-        Whether points lie on both sides.
-    """
+    """A formulation with its options; in a full pass points lie on both sides."""
 
     formulation: Formulation
     full_pass: bool = False

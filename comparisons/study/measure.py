@@ -2,7 +2,6 @@
 
 import gc
 import re
-import resource
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -18,20 +17,11 @@ _RESET_PEAK = "5"
 
 @dataclass
 class Cost:
-    """What a block of work took on this rank.
+    """What a block of work took on this rank."""
 
-    Parameters
-    ----------
-    clock, processor
-        Seconds by the clock, and of the processor: other work does not lengthen these.
-    memory
-        Peak above what the process held before, freed memory given back (MB); None where the system
-        does not tell.
-    """
-
-    clock: float = 0.0
-    processor: float = 0.0
-    memory: float | None = None
+    clock: float = 0.0  # seconds
+    processor: float = 0.0  # seconds: other work does not lengthen these
+    memory: float | None = None  # peak above what was held before (MB); None: not told
 
 
 @contextmanager
@@ -48,12 +38,6 @@ def measured() -> Iterator[Cost]:
     yield cost
     cost.clock, cost.processor = perf_counter() - clock, process_time() - processor
     cost.memory = None if before is None else (_memory("VmHWM") - before) / 1e6
-
-
-def limit_memory(size: float) -> None:
-    """Refuse this process more than so many bytes of addresses: what needs more fails."""
-    _, most = resource.getrlimit(resource.RLIMIT_AS)
-    resource.setrlimit(resource.RLIMIT_AS, (int(size), most))
 
 
 def _memory(field: str) -> float:

@@ -44,29 +44,22 @@ def write(
     text: str = "",
     files: bool = True,
 ) -> Path:
-    """Write tables, figures and the page.
+    """Write tables, figures and ``report.html``, one file that needs no other; its path.
 
     Parameters
     ----------
-    title
-        Title of the page.
-    sections
-        Its sections; one that shows nothing is left out.
+    title, sections
+        Of the page; a section that shows nothing is left out.
     result
-        What their frames and headlines are made of.
+        What frames and headlines are made of.
     out
-        Folder for ``report.html``, CSV and PNG files.
+        Folder.
     shapes
         Modes of the viewer.
     text
         What stands above all sections.
     files
-        Whether tables and plots are written to files too.
-
-    Returns
-    -------
-    Path
-        The page: one file that needs no other. Texts are escaped.
+        Whether tables and figures are written to files too.
     """
     to = out if files else None
     parts = [made for s in present(sections, result) if (made := _section(s, result, to, shapes))]
@@ -92,7 +85,7 @@ def write(
         scripts=Markup(
             "\n".join((_HERE / "scripts" / name).read_text("utf-8") for name in _SCRIPTS)
         ),
-        library=_library() if modes or any(p["plots"] or p["geometry"] for p in parts) else "",
+        library=_library() if modes or any(part["plots"] for part in parts) else "",
     )
     write_whole(page.encode(), out / REPORT)
     return out / REPORT
@@ -128,6 +121,9 @@ def _section(
     for plot in section.plots:
         if isinstance(plot, Plot):
             panels = plots.drawn_by_page(plot, result)
+            if panels and out:
+                with rc_context(plots.STYLE):
+                    plots.save(plots.draw(plot, result), out / f"{plot.name}.png")
             drawn += [{"plot": plot, "panels": panels}] if panels else []
             continue
         with rc_context(plots.STYLE):
@@ -144,7 +140,6 @@ def _section(
         "plots": drawn,
         "images": images,
         "modes": section.modes and shapes is not None and bool(shapes.modes),
-        "geometry": next(iter(shapes.scenes), "") if section.geometry and shapes else "",
     }
     if not any(shown.values()):
         return None

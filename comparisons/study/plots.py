@@ -1,4 +1,4 @@
-"""Plots of data frames as figures of plotly.js; look and files of figures that matplotlib draws."""
+"""Plots of data frames: matplotlib draws PNG files, plotly.js the pages, both the same lines."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -29,7 +29,17 @@ VERDICT_MARKS = {
     "rigid": ("circle-open", GREY, "○"),
 }
 """Marker, colour and sign of each verdict: none is told by colour alone."""
-_MARKERS = ("circle", "square", "triangle-up", "diamond", "triangle-down", "cross", "star")
+_OF_MATPLOTLIB = {
+    "circle": "o",
+    "square": "s",
+    "triangle-up": "^",
+    "diamond": "D",
+    "triangle-down": "v",
+    "cross": "P",
+    "star": "*",
+}
+"""Markers by their names in plotly, where ``-open`` behind one leaves it empty."""
+_MARKERS = tuple(_OF_MATPLOTLIB)
 _OF_BACKENDS = {"fe": ("square-open", BLUE), "iga": ("circle", VERMILION)}
 STYLE = {
     "font.size": 9,
@@ -41,7 +51,6 @@ STYLE = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "grid.color": GRID,
-    "grid.linewidth": 0.6,
     "legend.frameon": False,
     "legend.fontsize": 8,
 }
@@ -122,6 +131,32 @@ def _titles(plot: Plot, result: Any) -> tuple[str, str]:
     frame = rows(plot.frame, result)
     x, y = (column(name, frame, plot.own).axis for name in (plot.x, plot.y))
     return x, y
+
+
+def draw(plot: Plot, result: Any) -> Figure:
+    """A figure of a plot that has points, panels side by side."""
+    made, (x, y) = panels(plot, result), _titles(plot, result)
+    columns = min(3, len(made))
+    figure = Figure(figsize=(4.4 * columns + 1.0, 3.6 * -(-len(made) // columns)))
+    figure.set_layout_engine("constrained")
+    grid = figure.subplots(-(-len(made) // columns), columns, sharey=True, squeeze=False)
+    for axes in grid.flat[len(made) :]:
+        axes.set_axis_off()
+    for axes, (title, lines) in zip(grid.flat, made, strict=False):
+        for line in lines:
+            axes.plot(
+                line.x,
+                [float("nan") if value is None else value for value in line.y],
+                color=line.colour,
+                linestyle="-" if line.joined else "",
+                marker=_OF_MATPLOTLIB.get(line.marker.removesuffix("-open"), ""),
+                markerfacecolor="none" if line.marker.endswith("-open") else line.colour,
+                label=line.label or None,
+            )
+        axes.set(xlabel=x, ylabel=y, title=title, **{f"{axis}scale": "log" for axis in plot.log})
+        if any(line.label for line in lines):
+            axes.legend(fontsize=6.5)
+    return figure
 
 
 def save(figure: Figure, file: Path) -> bytes:

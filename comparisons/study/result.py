@@ -24,13 +24,8 @@ Data = Mapping[str, Any]
 class StudyResult:
     """A study that was just run or read back.
 
-    Parameters
-    ----------
-    record
-        Provenance, and ``cases`` with ``labels``, ``key``, ``commit``, ``seconds``, ``failed``,
-        ``tables`` of rows, ``shapes`` and ``runs``.
-    arrays
-        Arrays by key of the case, then name.
+    ``record`` has provenance, and ``cases`` with ``labels``, ``key``, ``commit``, ``seconds``,
+    ``failed``, ``tables`` of rows, ``shapes`` and ``runs``; ``arrays`` are by key and name.
     """
 
     record: Data
@@ -96,13 +91,7 @@ def read_arrays(file: Path) -> dict[str, np.ndarray]:
 
 
 def read_result(out: Path, command: str) -> dict[str, Any]:
-    """Record that a command wrote to a folder, as it is or compressed.
-
-    Raises
-    ------
-    InputError
-        When the folder holds none of that command.
-    """
+    """Record that a command wrote to a folder, compressed or not; refused where there is none."""
     files = (out / RESULT, out / f"{RESULT}.gz")
     found = next((file for file in files if file.is_file()), None)
     data = read_record(found) if found is not None else {}
@@ -112,13 +101,7 @@ def read_result(out: Path, command: str) -> dict[str, Any]:
 
 
 def read(name: str, out: Path) -> StudyResult:
-    """Read what the study of a name wrote to a folder.
-
-    Raises
-    ------
-    InputError
-        When it holds no result of that study.
-    """
+    """Read what the study of a name wrote to a folder; refused where there is none."""
     record = read_result(out, name)
     if "cases" not in record:
         raise InputError("out", str(out), "a result with cases: run the study anew")

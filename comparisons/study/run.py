@@ -26,13 +26,7 @@ Stored = tuple[dict[str, Any], Mapping[str, Any]]
 
 
 def selected(study: Study, options: Any, only: Mapping[str, str]) -> list[Case]:
-    """Cases whose labels have the values given as text.
-
-    Raises
-    ------
-    InputError
-        When no case has such a label or value.
-    """
+    """Cases whose labels have the values given as text; refused where no case has."""
     cases = list(study.cases(options))
     for name, value in only.items():
         if not any(name in case for case in cases):

@@ -15,18 +15,8 @@ def merged_warnings(runs: Sequence[Run], what: str) -> list[dict[str, Any]]:
     Warnings of one kind are one where they are about the same: the contact, the body and whatever
     else their data name in words.
 
-    Parameters
-    ----------
-    runs
-        All runs, those without warnings too.
-    what
-        The runs in words: "values of mu".
-
-    Returns
-    -------
-    list
-        ``kind``, ``message`` and ``data``, whose ``places`` are the runs with ``point``, what sets
-        the run apart, and its own ``message`` and ``data``.
+    All runs are given, those without warnings too, and what they are: "values of mu". ``places``
+    in ``data`` are the runs with ``point``, what sets the run apart, ``message`` and ``data``.
     """
     given: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for point, warnings in runs:

@@ -60,7 +60,7 @@ class Plot:
     Parameters
     ----------
     name
-        Its name on the page.
+        Stem of the PNG file.
     caption
         What it shows.
     frame
@@ -114,8 +114,6 @@ class Section:
         What it shows.
     modes
         Whether the viewer of the modes that cases kept stands here.
-    geometry
-        Whether the bodies of the first result with modes stand here at rest.
     of
         Table of rows of a study without which the section is left out.
     """
@@ -126,5 +124,4 @@ class Section:
     tables: Sequence[Table] = ()
     plots: Sequence[Plot | Drawing] = ()
     modes: bool = False
-    geometry: bool = False
     of: str = ""

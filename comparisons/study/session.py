@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from comparisons.study.shapes import Shapes
+from comparisons.study.shapes import Shapes, by_importance, mode_rows
 from scenes import Result, run_scene
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene
@@ -50,17 +50,7 @@ class Session:
         Bodies and contact points of earlier runs are used again where their specifications are
         equal; the very scene of the last run is not run again.
 
-        Parameters
-        ----------
-        scene
-            The scene.
-        options
-            As of :func:`scenes.run_scene`.
-
-        Returns
-        -------
-        Result
-            The result.
+        Options are those of :func:`scenes.run_scene`.
         """
         scene = scene or self.scene
         assert scene is not None, "the study gives no scene for its cases"
@@ -93,23 +83,20 @@ class Session:
         self.arrays[name] = np.asarray(array)
 
     def keep_modes(
-        self, name: str, result: Result, numbers: Sequence[int], title: str = ""
-    ) -> None:
-        """Keep modes for the viewer of the page; collective.
+        self, name: str, result: Result, numbers: Sequence[int] | None = None, title: str = ""
+    ) -> list[dict[str, Any]]:
+        """Keep modes for the viewer of the page, and give a row for each mode; collective.
 
-        Parameters
-        ----------
-        name
-            Name of the result, unique among all cases: the shape of mode i is ``name/i``.
-        result
-            The result.
-        numbers
-            Modes from 0, the most important first; as many are kept as there is room for.
-        title
-            What is said of the result.
+        The shape of mode i is ``name/i``; names are unique among all cases. As many are kept as
+        there is room for, of numbers from 0, the most important first; by default all but stable
+        ones.
         """
+        if numbers is None:
+            rows = result.table()
+            numbers = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
         bodies = list(result.bodies.values())
         like = next((key for key, others in self._shown if others == bodies), None)
         if like is None:
             self._shown.append((name, bodies))
         self.shapes.add(name, result, numbers, like, title)
+        return mode_rows(name, result)

@@ -13,7 +13,6 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.contact.contact import Contact
 from cea.eigen.classify import BY_URGENCY, GROWING
 from comparisons.study.numbers import growth, literal, number
 from comparisons.study.result import StudyResult
@@ -25,14 +24,8 @@ _POSITIONS = 2**16 - 1
 """Steps of a position along the longest side of a scene."""
 _POINTS = 4000
 """Points of the outsides of a scene, about: more are not seen on a screen."""
-_MOST_POINTS = 8000
-"""Points from which on outsides are reduced."""
 _MOST = 3_000_000
 """Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
-_CONTACT_POINTS = 600
-"""Points of a contact that are shown at most."""
-_ARROWS = 24
-"""Arrows of friction that are shown at most."""
 _ALIGNED = 4
 """Bytes at whose multiples arrays begin, as typed arrays of a browser want it."""
 _NUMBERS = "shapes"
@@ -47,10 +40,7 @@ class Binary:
     _size: int = 0
 
     def add(self, values: Any, kind: str = "") -> dict[str, Any]:
-        """Keep an array as ``int16`` or ``uint16``; by default whole numbers from 0 on, by size.
-
-        Its type, where it begins (bytes) and how many numbers it has are returned.
-        """
+        """Keep an array, by default of numbers from 0 on, and tell its type, place and length."""
         values = np.asarray(values)
         kind = kind or ("uint16" if values.max(initial=0) < 2**16 else "uint32")
         begin = self.append(np.ascontiguousarray(values, dtype=kind).tobytes())
@@ -79,15 +69,7 @@ def packed(content: bytes) -> str:
 
 @dataclass
 class Shapes:
-    """What the views of a page draw.
-
-    Parameters
-    ----------
-    scenes
-        Plain data of bodies by the key of their result.
-    modes
-        Plain data of modes by the key of their result, then their number from 1.
-    """
+    """What the views of a page draw: bodies by the key of their result, modes by it and number."""
 
     scenes: dict[str, Any] = field(default_factory=dict)
     modes: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -104,12 +86,6 @@ class Shapes:
         arrays = {_NUMBERS: numbers} if len(numbers) else {}
         return {"scenes": self.scenes, "modes": self.modes}, arrays
 
-    def add_bodies(self, key: str, result: Result) -> None:
-        """Keep the bodies of a result at rest, and its contact points; collective."""
-        cells = _cells(result)
-        if result.comm.rank == 0:
-            self._add_scene(key, result, _outsides(cells, {}))
-
     def add(
         self,
         key: str,
@@ -118,20 +94,9 @@ class Shapes:
         like: str | None = None,
         title: str = "",
     ) -> None:
-        """Keep modes of a result, as many as there is room for; collective.
+        """Keep modes of a result, from 0, as many as there is room for; collective.
 
-        Parameters
-        ----------
-        key
-            Name of the result.
-        result
-            The result.
-        modes
-            Numbers of the modes, from 0, the most important first.
-        like
-            Key of a result kept before whose bodies are the same.
-        title
-            What is said of the result.
+        The most important come first; ``like`` is the key of a result with the same bodies.
         """
         from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
@@ -144,8 +109,8 @@ class Shapes:
             return
         outsides = _outsides(cells, shapes)
         if like is None:
-            self._add_scene(key, result, outsides)
-        kept, rows = self.modes.setdefault(key, {}), result.table()
+            self._add_scene(key, outsides)
+        rows, kept = result.table(), self.modes.setdefault(key, {})
         for i, mode in enumerate(modes):
             parts = [s.point_data for s in outsides.values()]
             u = np.concatenate([data[f"real {i}"] + 1j * data[f"imaginary {i}"] for data in parts])
@@ -168,8 +133,8 @@ class Shapes:
                 "scene": like or key,
             }
 
-    def _add_scene(self, key: str, result: Result, outsides: Mapping[str, Any]) -> None:
-        """Bodies of a scene: positions in a box, triangles, lines; points of contacts."""
+    def _add_scene(self, key: str, outsides: Mapping[str, Any]) -> None:
+        """Bodies of a scene: positions in a box, triangles, lines."""
         from scenes.pictures.drawing import view_of  # brings pyvista
 
         points = [surface.points for surface in outsides.values()]
@@ -196,13 +161,6 @@ class Shapes:
             "step": step,
             "view": view_of(points).tolist(),
             "flat": not np.ptp(every[:, 2]),
-            "reduced": any("element" not in s.cell_data for s in outsides.values()),
-            "contacts": [
-                {"name": literal(contact.name), "a": literal(contact.a)}
-                | {"points": kept(_in_space(_some(contact, _CONTACT_POINTS).x))}
-                | _arrows(contact)
-                for contact in result.system.contacts
-            ],
         }
 
 
@@ -226,22 +184,6 @@ def _moved(data: Any, by: int) -> Any:
     return [_moved(part, by) for part in data] if isinstance(data, list) else data
 
 
-def _some(contact: Contact, most: int) -> Any:
-    """Points of a contact, all of them or as many as may be, evenly spread."""
-    points = contact.interface.points
-    even = np.linspace(0, max(len(points) - 1, 0), min(len(points), most))
-    return points[np.unique(even.round().astype(np.int64))]
-
-
-def _arrows(contact: Contact) -> dict[str, Any]:
-    """Where friction pushes side a."""
-    friction, points = contact.friction, _some(contact, _ARROWS)
-    if friction is None or not friction.acts or len(points) == 0:
-        return {}
-    along = _in_space(friction.direction.at(points.x, points.normal))
-    return {"arrows": {"from": _in_space(points.x).tolist(), "along": along.tolist()}}
-
-
 def _cells(result: Result) -> dict[str, Any]:
     """Cells of the bodies; collective."""
     from scenes.pictures.grids import merged  # brings pyvista
@@ -253,7 +195,7 @@ def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict
     """Outsides of the bodies with no more points than a page has room for, and their modes.
 
     Their points bear ``real`` and ``imaginary`` displacements by the number of the mode, from 0;
-    their triangles, where none was left out, the ``element`` that they are of.
+    their triangles the ``element`` that they are of.
     """
     from scenes.pictures.grids import outside
 
@@ -272,17 +214,11 @@ def _outsides(cells: Mapping[str, Any], shapes: Mapping[str, Complexes]) -> dict
             break
     for surface in made.values():
         surface.cell_data["element"] = surface.cell_data["vtkOriginalCellIds"]
-    if total <= _MOST_POINTS:
-        return made
-    share = 1 - _MOST_POINTS / total
-    keep: dict[str, Any] = {"preserve_topology": True, "boundary_vertex_deletion": False}
-    return {name: s.decimate_pro(share, feature_angle=15.0, **keep) for name, s in made.items()}
+    return made
 
 
 def _element_edges(surface: Any) -> Ints:
-    """Pairs of points along edges of elements, shape (n, 2); none of what was reduced."""
-    if "element" not in surface.cell_data:
-        return np.empty((0, 2), dtype=np.int64)
+    """Pairs of points along edges of elements, shape (n, 2)."""
     triangles, element = surface.regular_faces, np.asarray(surface.cell_data["element"])
     pairs = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     of_elements = np.unique(np.column_stack([pairs, np.repeat(element, 3)]), axis=0)[:, :2]
@@ -300,6 +236,16 @@ def _sharp_edges(surface: Any) -> Ints:
     if not edges.n_points:
         return np.empty((0, 2), dtype=np.int64)
     return np.asarray(edges.point_data["number"])[edges.lines.reshape(-1, 3)[:, 1:]]
+
+
+def mode_rows(name: str, result: Result) -> list[dict[str, Any]]:
+    """A row for each mode of a result, with the name of its shape."""
+    kept = ("mode", "frequency", "damping_ratio", "uncertainty", "verdict")
+    return [
+        {"shape": f"{name}/{row['mode']}", "growth": row["growth_rate"]}
+        | {key: row[key] for key in kept}
+        for row in result.table()
+    ]
 
 
 def by_importance(result: Result) -> list[int]:

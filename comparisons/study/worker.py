@@ -123,13 +123,7 @@ class Worker:
 
 
 def launcher(ranks: int) -> list[str]:
-    """What starts a program on so many ranks.
-
-    Raises
-    ------
-    InputError
-        When there is no mpiexec.
-    """
+    """What starts a program on so many ranks; refused where there is no mpiexec."""
     if ranks == 1:
         return []
     beside = Path(sys.executable).with_name("mpiexec")

@@ -54,7 +54,7 @@ def left_alone(scene: Scene) -> str:
         return "units = 'other'"
     low, high = _NEAR_ONE
     materials = [body.material for body in scene.bodies.values()]
-    numbers = [n for each in materials for n in (each.E, each.rho) if n is not None]
+    numbers = [n for each in materials for n in (each.means[0], each.rho) if n is not None]
     near_one = all(low <= n <= high for n in numbers)
     return "every E and rho is near one, as in scenes without units" if near_one else ""
 
@@ -62,7 +62,7 @@ def left_alone(scene: Scene) -> str:
 def doubtful_numbers(scene: Scene) -> Iterator[ResultWarning]:
     """Materials that no solid has in SI units, and bodies that are too large or too small."""
     for name, body in scene.bodies.items() if not left_alone(scene) else ():
-        E, rho = body.material.E, body.material.rho
+        E, rho = body.material.means[0], body.material.rho
         speed, (slow, fast) = float(np.sqrt(E / (rho or inf))), _SOUND
         doubts = {
             "E": (E, E < _SOFTEST, f"E below {_SOFTEST:g} N/m^2"),

@@ -72,7 +72,7 @@ def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Resu
             _velocity(rotation, body.space.volume_cells().straight().points), axis=1
         )
         speed = float(max(body.comm.allgather(speeds.max(initial=0.0))))
-        wave = float(np.sqrt(body.material.lame[1] / body.material.rho))
+        wave = float(np.sqrt(body.material.means[1] / body.material.rho))
         if speed > _SURFACE_WAVES * wave:
             yield ResultWarning(
                 "faster-than-waves",

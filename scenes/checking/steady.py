@@ -211,7 +211,7 @@ def _coarse_closed_zone(
     stiffness = halves * float(force @ state.stiffness / force.sum())
     sides = []
     for name, surface in ((contact.a, interface.a), (contact.b, interface.b)):
-        relative = stiffness * zone.width / bodies[name].material.E
+        relative = stiffness * zone.width / bodies[name].material.means[0]
         needed = min(_FEWEST[surface.dim] * relative ** (1 / 3), _ENOUGH) / _functions(bodies[name])
         sides.append((zone.elements(surface), needed, relative, f"{name}.{surface.name}"))
     elements, needed, relative, place = min(sides, key=lambda side: side[0] / side[1])

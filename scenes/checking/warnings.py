@@ -117,12 +117,13 @@ def volumetric_locking(name: str, body: BodySpec) -> Iterator[ResultWarning]:
     """A material that keeps its volume, in elements of a degree too low for it."""
     degree, smooth = _degree(body)
     limit = _INCOMPRESSIBLE.get(("iga" if smooth else "fe", degree), inf)
-    if body.material.nu >= limit:
+    nu = body.material.means[2]
+    if nu >= limit:
         yield ResultWarning(
             "volumetric-locking",
-            f"bodies.{name} is nearly incompressible (nu = {body.material.nu:g}); elements of "
+            f"bodies.{name} is nearly incompressible (nu = {nu:g}); elements of "
             f"degree {degree} are too stiff from nu = {limit:g} on",
-            {"body": name, "nu": body.material.nu, "degree": degree, "limit": limit},
+            {"body": name, "nu": nu, "degree": degree, "limit": limit},
         )
 
 
@@ -320,7 +321,7 @@ def relative_stiffness(scene: Scene, name: str, halves: Sequence[Contact]) -> fl
     for side in (spec.a, spec.b):
         body, surface = side.split(".")
         depth = _depth(scene, body, surface)
-        compliance += min(depth or width, width) / scene.bodies[body].material.E
+        compliance += min(depth or width, width) / scene.bodies[body].material.means[0]
     return _mean(spec, halves) * compliance
 
 
@@ -328,7 +329,7 @@ def stiffness_in_the_mesh(scene: Scene, name: str, halves: Sequence[Contact]) ->
     """P h / E with the mesh size h and E of the side for which h / E is larger."""
     spec, interface = scene.contacts[name], halves[0].interface
     sides = zip((spec.a, spec.b), (interface.a, interface.b), strict=True)
-    yields = (s.mesh_size / scene.bodies[side.split(".")[0]].material.E for side, s in sides)
+    yields = (s.mesh_size / scene.bodies[side.split(".")[0]].material.means[0] for side, s in sides)
     return _mean(spec, halves) * max(yields)
 
 

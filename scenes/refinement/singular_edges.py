@@ -138,7 +138,7 @@ def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:
         p = contact.P / prod(lengths[1:])
     if not isinstance(p, int | float):
         return True
-    return bool(p * lengths[0] > _STIFF * min(body.material.E for body in bodies))
+    return bool(p * lengths[0] > _STIFF * min(body.material.means[0] for body in bodies))
 
 
 def _edges(body: BodySpec, surface: str) -> Iterator[SingularEdge]:

@@ -5,11 +5,11 @@ from math import pi
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import Discriminator, Field, Tag
 
 from cea.damping import ModalDamping, RayleighDamping
 from cea.errors import InputError
-from cea.material import IsotropicMaterial
+from cea.material import AnisotropicMaterial, IsotropicMaterial, OrthotropicMaterial
 from cea.mesh import SIMPLICES, Cell
 from cea.rotation import Rotation
 from cea.supports.boundary import Spring, Support
@@ -20,6 +20,15 @@ from meshes.placement import Placement
 from meshes.shapes import Shape, VentilatedDisc
 
 Backend = Literal["fe", "iga"]
+
+Material = Annotated[
+    Annotated[IsotropicMaterial, Tag("isotropic")]
+    | Annotated[OrthotropicMaterial, Tag("orthotropic")]
+    | Annotated[AnisotropicMaterial, Tag("anisotropic")],
+    Discriminator(
+        lambda given: given.get("kind", "isotropic") if isinstance(given, dict) else given.kind
+    ),
+]
 
 
 def refuse_first(*rules: tuple[object, str, object, str]) -> None:
@@ -285,7 +294,7 @@ class BodySpec:
     geometry
         Its shape, in coordinates of its own.
     material
-        Linear isotropic elasticity.
+        Linear elasticity, isotropic if no ``kind`` is given.
     mesh
         How it is divided, for each backend that it is to be run on.
     supports
@@ -302,7 +311,7 @@ class BodySpec:
 
     backend: Backend
     geometry: Annotated[Shape, Field(discriminator="shape")]
-    material: IsotropicMaterial
+    material: Material
     mesh: MeshSpec = field(default_factory=MeshSpec)
     supports: tuple[SupportSpec, ...] = ()
     springs: tuple[Spring, ...] = ()

@@ -133,6 +133,7 @@ def _body_checks(place: str, body: BodySpec) -> Iterator[InputError]:
     wrong = list(_range_checks(place, body)) or list(_mesh_checks(place, body))
     yield from wrong or _size_checks(place, body)
     yield from fault_of(body.placement.check, dim, f"{place}.placement")
+    yield from fault_of(body.material.elasticity.check, dim, f"{place}.material")
     for i, support in enumerate(body.supports):
         yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
         yield from _unknown_surface(f"{place}.supports.{i}.surface", support.surface, known)

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from cea.arrays import Floats, of_size_one
+from cea.elasticity import Elasticity
 from cea.errors import InputError
 from cea.rotation import Rotation
 from cea.supports.boundary import Support
@@ -33,6 +34,8 @@ def rotation_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable[
     if not _is_on_axis(body, rotation.origin):
         allowed = f"a point of the axis of the body, as {list(body.placement.translation)}"
         yield InputError(f"{place}.rotation.origin", rotation.origin, allowed)
+    if not _material_turns(body.material.elasticity, rotation, dim):
+        yield InputError(f"{place}.material", body.material.kind, "the same all round the rotation")
     for i, spec in enumerate(body.supports):
         if body.rotates_in_equilibrium and spec.support().prescribes:
             allowed = "zero where a body rotates with damping or convective stiffness"
@@ -60,6 +63,17 @@ def _goes_round(support: Support, body: BodySpec, rotation: Rotation) -> bool:
         about = (0 in components) == (1 in components)
         return along and (about or _is_on_axis(body, frame.origin or (0.0, 0.0, 0.0)))
     return True
+
+
+def _material_turns(law: Elasticity, rotation: Rotation, dim: int) -> bool:
+    """Whether stresses turn with the strains, where both are turned about the axis by a radian."""
+    spin, origin = rotation.spin(dim), np.asarray(rotation.origin[:dim], dtype=float)[:, None]
+    turn = np.eye(dim) + np.sin(1.0) * spin + (1 - np.cos(1.0)) * spin @ spin
+    arm = np.arange(1.0, dim + 1)[:, None]
+    gradient = np.square(np.arange(1.0, dim**2 + 1)).reshape(dim, dim)
+    here = law.stress(gradient[..., None], origin + arm)[..., 0]
+    there = law.stress((turn @ gradient @ turn.T)[..., None], origin + turn @ arm)[..., 0]
+    return bool(np.abs(turn @ here @ turn.T - there).max() <= _ASIDE * np.abs(here).max())
 
 
 def _turns(matrix: Floats, rotation: Rotation) -> bool:

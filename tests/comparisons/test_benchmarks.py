@@ -1,21 +1,18 @@
 """`cea bench`: programs and methods that must agree do, and what is measured is what it says."""
 
 import struct
-import sys
 from importlib import import_module
 
 import decks
 import numpy as np
 import pandas as pd
 import pytest
-from mpi import mpiexec
 from scipy.sparse.linalg import eigsh
 
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import local_part
 from comparisons.bench import assembly, calculix, ccx, scaling, solve
-from comparisons.bench.methods import METHODS, OURS, Problem, backward_errors
-from comparisons.bench.programs import EXACT_VOLUME, MATERIAL, Discretisation
+from comparisons.bench.methods import METHODS, OURS
 from comparisons.study.measure import measured
 from comparisons.study.result import read
 from comparisons.study.run import run
@@ -26,17 +23,14 @@ BOXES = (2, 3, 1)
 
 def matrices_of(program, family, degree):
     """Stiffness and mass, scipy."""
-    made = assembly.PROGRAMS[program](Discretisation(family, degree, BOXES))
+    made = assembly.PROGRAMS[program](family, degree, BOXES)
     return local_part(made.stiffness()).tocsc(), local_part(made.mass()).tocsc()
 
 
-@pytest.mark.grid(quick=1)
-@pytest.mark.parametrize("family", ["Q", "P"])
-def test_programs_give_the_same_matrices(family):
+def test_programs_give_the_same_matrices():
     """Their order of dofs differs, mass and elastic eigenvalues of the free body do not."""
-    every = [matrices_of(program, family, 2) for program in assembly.PROGRAMS]
-    masses = [M.sum() for _, M in every]
-    assert masses[0] == pytest.approx(masses[1], rel=1e-12)
+    every = [matrices_of(program, "Q", 2) for program in assembly.PROGRAMS]
+    assert every[0][1].sum() == pytest.approx(every[1][1].sum(), rel=1e-12)
     values = [np.sort(eigsh(K, 9, M, sigma=-0.1, return_eigenvectors=False))[6:] for K, M in every]
     np.testing.assert_allclose(*values, rtol=1e-9)
     assert values[0][0] > 0.01
@@ -44,15 +38,10 @@ def test_programs_give_the_same_matrices(family):
 
 @pytest.mark.parametrize(("family", "degree"), [("Q", 1), ("P", 3), ("NURBS", 3)])
 def test_a_free_body_has_its_mass_and_no_force_in_translation(family, degree):
-    K, M = matrices_of(assembly.OURS, family, degree)
+    K, M = matrices_of("this program", family, degree)
     assert abs(K.reshape((-1, 3)).sum(axis=0)).max() < 1e-10
     assert abs(K - K.T).max() == 0
-    volume = M.sum() / 3 / MATERIAL.rho
-    if family == "NURBS":  # Gauss points integrate the rational Jacobian nearly
-        assert volume == pytest.approx(EXACT_VOLUME, rel=1e-4)
-    else:
-        chords = np.sin(np.pi / 6) / (np.pi / 6)  # three straight edges round a quarter
-        assert volume == pytest.approx(chords * EXACT_VOLUME, rel=1e-12)
+    assert M.sum() / 3 == pytest.approx(1.0, rel=1e-12)
 
 
 class Given:
@@ -68,11 +57,13 @@ class Given:
 
 def test_ratios_are_to_the_yardstick_of_the_same_round():
     """Ours takes twice as long as dolfinx in each round, however fast a round is."""
-    taken = {(assembly.OURS, 0): 4.0, (assembly.PLAIN, 0): 2.0}
-    taken |= {(assembly.OURS, 1): 10.0, (assembly.PLAIN, 1): 5.0}
-    row = {"family": "Q", "degree": 2, "elements": 3, "dofs": 9, "memory": 1.0, "finished": 1.0}
+    ours, theirs = assembly.PROGRAMS
+    taken = {(ours, 0): 4.0, (theirs, 0): 2.0, (ours, 1): 10.0, (theirs, 1): 5.0}
+    row = {"elements": 3, "dofs": 9}
     rows = [
-        {"functions": "Q2", "program": program, "repeat": repeat, "stiffness": s, "mass": s} | row
+        {"family": "Q", "degree": 2, "program": program, "repeat": repeat}
+        | {"stiffness": s, "mass": s}
+        | row
         for (program, repeat), s in taken.items()
     ]
     found = assembly.times(Given(rows)).set_index("program")
@@ -108,47 +99,13 @@ def test_errors_are_those_of_pairs():
     assert solve.unstable(np.append(pair, 1e6)) == 1
 
 
-ON_RANKS = """
-from comparisons.bench.methods import METHODS, Problem, backward_errors
-from comparisons.bench.solve import Options, scene
-problem = Problem.of(scene({}, Options("tiny")))
-for method in list(METHODS.values())[:2]:
-    found = method(problem, 70).inside(problem.top)
-    assert len(found.kappa) == 70, len(found.kappa)
-    assert backward_errors(problem, found).max() < 1e-8
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.mpi
-def test_methods_find_the_same_on_two_ranks():
-    done = mpiexec(2, sys.executable, "-c", ON_RANKS)
-    assert done.returncode == 0, done.stderr
-
-
-def test_backward_errors_see_a_wrong_eigenvalue():
-    problem = Problem.of(solve.scene({}, solve.Options("tiny")))
-    found = METHODS[OURS](problem, 0)
-    assert backward_errors(problem, found).max() < 1e-8
-    worse = type(found)(1.001 * found.kappa, found.vectors)
-    assert backward_errors(problem, worse).min() == pytest.approx(1e-3, rel=0.01)
-
-
 def test_speed_up_is_that_of_the_busiest_rank():
     rows = [
-        {"row": row, "backend": "fe", "degree": 2, "factor": 1.0, "ranks": ranks, "repeat": 0}
+        {"row": row, "factor": 1.0, "ranks": ranks, "repeat": 0}
         | {"stage": "assembly", "processor": seconds, "busiest": seconds}
-        for row, ranks, seconds in (
-            *(("strong", 1, 8.0), ("strong", 2, 5.0), ("weak", 1, 1.0), ("weak", 2, 1.25)),
-        )
+        for row, ranks, seconds in (("ranks", 1, 8.0), ("ranks", 2, 5.0))
     ]
-    assert scaling.speed_up(Given(rows))["ratio"].tolist() == pytest.approx([1.6, 0.8])
-
-
-def test_weak_scaling_keeps_the_unknowns_of_a_rank():
-    cases = [c for c in scaling.cases(scaling.Options("tiny", (1, 2))) if c["row"] == "weak"]
-    one, two = (scaling.scene(case, None).bodies["disc"].mesh.fe.elements for case in cases)
-    assert (two[0], two[1], two[2]) == (one[0], 2 * one[1], one[2])
+    assert scaling.speed_up(Given(rows))["ratio"].tolist() == pytest.approx([1.6])
 
 
 def test_peak_memory_sees_an_allocation():
@@ -200,20 +157,14 @@ def installed(tmp_path, monkeypatch):
 def test_eigenvalues_of_calculix_are_read_with_the_digits_it_gives(installed):
     kappa = (4.000000000001, 9.0)
     real = installed(REAL, perturbed=0, kappa=kappa)
-    assert real.eigenvalues == pytest.approx(1j * np.sqrt(kappa), rel=1e-15)
-    assert installed(COMPLEX, perturbed=1).eigenvalues.tolist() == [-0.25 + 5j, 0.25 + 5j]
+    assert real == pytest.approx(1j * np.sqrt(kappa), rel=1e-15)
+    assert installed(COMPLEX, perturbed=1).tolist() == [-0.25 + 5j, 0.25 + 5j]
 
 
 @pytest.mark.parametrize("said", [" *ERROR in arpack", "nothing"])
 def test_a_run_of_calculix_without_results_is_told(installed, said):
     with pytest.raises(ConvergenceError, match="no eigenvalues"):
         installed("" if said == "nothing" else REAL, perturbed=0, said=said)
-
-
-def test_a_missing_calculix_is_told(monkeypatch, tmp_path):
-    monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(InputError, match="calculix-ccx"):
-        ccx.program()
 
 
 @pytest.mark.slow
@@ -244,7 +195,6 @@ def test_stored_frequencies_of_calculix_are_the_same_to_rounding():
         ("assembly", {"repeats": 0}, "repeats"),
         ("assembly", {"boxes": (0, 1, 1)}, "boxes"),
         ("solve", {"size": "huge"}, "size"),
-        ("solve", {"memory": 0.0}, "memory"),
         ("scaling", {"ranks": ()}, "ranks"),
         ("matrices", {"repeats": 0}, "repeats"),
     ],

@@ -1,12 +1,9 @@
 """The study of the ventilated brake on few elements: meshes matched, what is stored."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
-import numpy as np
 import pandas as pd
 import pytest
-from mpi import cea_on_ranks
 
 from cea.errors import InputError
 from comparisons.brake.study import (
@@ -15,9 +12,7 @@ from comparisons.brake.study import (
     Options,
     brake_modes,
     scene_of_size,
-    unstable,
 )
-from comparisons.study.result import read
 from comparisons.study.run import run
 from scenes.checking.memory import estimated_memory
 from scenes.spec.problems import SceneError
@@ -93,37 +88,6 @@ def test_partners_stay_one_row_whatever_they_were_before():
     assert last["verdict"] == "unstable"
 
 
-@pytest.mark.slow
-def test_unstable_pairs_are_told_with_their_damping_ratio(result):
-    frame = unstable(result)
-    assert len(frame) == result.frame("brake_runs")["unstable"].sum() > 0
-    assert (frame["growth"] > 1.0).all()  # the threshold of the scene, 1/s
-    ratios = -frame["growth"] / (2 * np.pi * frame["frequency"])
-    np.testing.assert_allclose(frame["damping_ratio"], ratios, rtol=1e-3)
-
-
-def test_what_is_stored_is_taken_for_the_options_by_default(tmp_path):
-    def never(case, session):
-        raise AssertionError("stored cases are not run")
-
-    result = run(replace(STUDY, evaluate=never), Options(), tmp_path / "out")
-    assert list(result.frame("brake_runs")["unstable"]) == [3, 3, 3]
-
-
-@pytest.mark.slow
-@pytest.mark.mpi
-def test_two_ranks_find_what_one_finds(result, tmp_path):
-    overrides = [f"--overrides={override}" for override in LINEAR]
-    more = ["--sizes", "0.03", "--out", tmp_path]
-    done = cea_on_ranks(2, "study", "brake", *overrides, *more)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("The page to open: ") == 1
-    theirs = read("brake", tmp_path).frame("modes")
-    ours = result.frame("modes").query("size == 0.03")
-    for key in ("frequency", "growth"):
-        np.testing.assert_allclose(theirs[key], ours[key], rtol=1e-8, atol=1e-5)
-
-
 @pytest.mark.parametrize("sizes", [(), (0.01, 0.02), (0.01, 0.01), (-0.01,)])
 def test_sizes_that_do_not_fall_are_refused(sizes):
     with pytest.raises(InputError) as caught:
@@ -131,19 +95,9 @@ def test_sizes_that_do_not_fall_are_refused(sizes):
     assert caught.value.field == "sizes"
 
 
-def assert_estimated(degree, size, dofs):
-    scene = scene_of_size(size, [f"bodies.{name}.mesh.fe.degree={degree}" for name in BODIES])
-    assert estimated_memory(scene).dofs == pytest.approx(dofs, rel=0.25)
-
-
 def test_the_estimate_knows_how_fine_the_disc_is():
     """Its dofs are those of the mesh, whatever the size: walls and holes bound that."""
-    assert_estimated(2, 0.0055, 483_000)
-
-
-@pytest.mark.slow
-def test_the_estimate_knows_how_rough_the_disc_is(result):
-    assert_estimated(1, 0.03, result.frame("brake_runs")["dofs"][0])
+    assert estimated_memory(scene_of_size(0.0055)).dofs == pytest.approx(483_000, rel=0.25)
 
 
 @pytest.mark.parametrize(

@@ -69,14 +69,6 @@ def test_a_solve_that_fails_or_is_wrong_is_a_fault(monkeypatch):
     assert "SceneError" in doctor.solve("iga").told
 
 
-def test_nothing_more_is_tried_where_packages_lack(monkeypatch):
-    fault = Finding("numpy", "not installed", "python -m pip install 'friction-cea'")
-    monkeypatch.setattr(doctor, "packages", lambda: iter([fault]))
-    found = list(doctor.examine(launched=True))
-    assert fault in found
-    assert not any(finding.name.startswith("solve") for finding in found)
-
-
 @pytest.mark.parametrize("mend", [None, "sudo apt-get install gcc"])
 def test_the_code_says_whether_all_is_well(mend, monkeypatch, capsys):
     found = [Finding("python", "3.12"), Finding("C compiler", "gcc", mend)]

@@ -20,10 +20,6 @@ QUICK = {
     "samples": 9,
     "meshes": ("hexahedra", "quadrilaterals", "NURBS"),
 }
-ROTATED = QUICK | {
-    "P": (1e6,),
-    "formulations": ("Greville", "node-to-surface", "GPTS 5", "GPTS 5, lumped", *YARDSTICKS),
-}
 
 
 def part(name, **options):
@@ -40,9 +36,10 @@ def few_locking():
 
 @cache
 def patch_test(interface):
-    """Every formulation; the rotated interface, tetrahedra and triangles whole in slow tests."""
-    options = ROTATED if interface == "rotated" else QUICK
-    return part("patch_tests", **(options | {"interfaces": (interface,)}))
+    """Flat interfaces with every formulation; curved ones with a few."""
+    few = {"formulations": ("GPTS 5", "GPTS 5, lumped", *YARDSTICKS)}
+    options = QUICK | {"interfaces": (interface,)} | (few if interface == "curved" else {})
+    return part("patch_tests", **options)
 
 
 def errors(frame, **labels):
@@ -73,16 +70,8 @@ def test_as_many_points_as_traces_do_not_lock():
     assert set(greville["points"]) == set(greville["traces"]) == {14}
 
 
-def test_tied_contact_is_the_limit_of_stiff_contact():
-    for (_, formulation), own in few_locking().groupby(["backend", "formulation"]):
-        *_, stiff, tied = own["error"]
-        assert tied > stiff if formulation == "segments" else tied == pytest.approx(stiff, rel=1e-2)
-
-
-@pytest.mark.grid(quick=1)
-@pytest.mark.parametrize("interface", ["flat", "rotated"])
-def test_yardsticks_pass_and_points_do_not(interface):
-    for (_, formulation), own in by_formulation(patch_tests.runs(patch_test(interface))):
+def test_yardsticks_pass_and_points_do_not():
+    for (_, formulation), own in by_formulation(patch_tests.runs(patch_test("flat"))):
         (error,) = own.loc[own["P"] == 1e6, "error"]
         if formulation in YARDSTICKS:
             assert own["passed"].all(), own
@@ -90,29 +79,6 @@ def test_yardsticks_pass_and_points_do_not(interface):
         else:
             # Quadrature across cells of b goes wrong until contact is stiffer than the blocks.
             assert error > 4e-3, own
-
-
-@pytest.mark.slow
-def test_area_weights_are_better_than_equal_ones_at_low_stiffness():
-    frame = patch_tests.runs(patch_test("flat"))
-    for meshes, plain, weighted in (
-        ("NURBS on NURBS", "Greville", "Greville, area"),
-        ("NURBS on NURBS", "Botella", "Botella, area"),
-        ("hexahedra on hexahedra", "node-to-surface", "node-to-surface, tributary"),
-    ):
-        even, shared = (errors(frame, meshes=meshes, formulation=f) for f in (plain, weighted))
-        assert shared[0] < 0.4 * even[0]
-        # Where the gap is closed at every point, whatever the force, weights have no say.
-        assert shared[2] == pytest.approx(even[2], rel=1e-3)
-
-
-@pytest.mark.slow
-def test_placement_changes_nothing_but_rounding():
-    flat = patch_tests.runs(patch_test("flat"))
-    for (meshes, formulation), own in by_formulation(patch_tests.runs(patch_test("rotated"))):
-        if formulation not in YARDSTICKS:
-            here = errors(flat, meshes=meshes, formulation=formulation, P=1e6)
-            np.testing.assert_allclose(own["error"], here, rtol=1e-5)
 
 
 @pytest.mark.slow
@@ -150,7 +116,7 @@ def test_error_on_curved_interfaces_falls_with_the_mesh(meshes, backend, order):
 
 
 @pytest.mark.grid(quick=1)
-@pytest.mark.parametrize("interface", ["flat", "rotated", "curved"])
+@pytest.mark.parametrize("interface", ["flat", "curved"])
 def test_momentum(interface):
     """Linear momentum is kept by all; angular too, but by lumping and by friction across gaps."""
     for row in patch_tests.runs(patch_test(interface), "momentum").to_dict("records"):
@@ -161,22 +127,6 @@ def test_momentum(interface):
         assert row["angular_normal"] < 1e-9
         gaps = interface == "curved" and row["meshes"] != "NURBS on NURBS"
         assert row["angular_friction"] < (1e-4 if gaps else 1e-13)
-
-
-def test_what_passes_is_told_by_meshes():
-    passes = patch_tests.passes(patch_test("curved")).set_index("formulation")
-    assert passes.loc["mortar", "NURBS on NURBS"] == "every"
-    assert passes.loc["GPTS 5", "NURBS on NURBS"] == "10¹⁴"
-    assert passes.loc["mortar", "quadrilaterals on quadrilaterals"] == "none"
-
-
-@pytest.mark.slow
-def test_simplices_behave_as_other_cells():
-    options = QUICK | {"interfaces": ("flat", "rotated"), "meshes": ("tetrahedra",)}
-    result = part("patch_tests", **options)
-    for (_, formulation), own in patch_tests.runs(result).groupby(["interface", "formulation"]):
-        assert own["passed"].all() == (formulation in YARDSTICKS), own
-    assert patch_tests.runs(result, "momentum").filter(like="linear").to_numpy().max() < 1e-14
 
 
 @pytest.mark.slow

@@ -149,36 +149,6 @@ def test_the_phase_moves_the_shape(page, result):
     np.testing.assert_allclose(at(90) + at(270), 2 * rest, atol=1e-4 * np.ptp(rest))
 
 
-@pytest.mark.slow
-def test_the_geometry_is_drawn_when_it_comes_in_sight(page, result):
-    place = page.find_element("class name", "geometry")
-    page.execute_script(IN_SIGHT, place)
-    names = until(page, "return document.querySelector('.geometry').data?.map((one) => one.name)")
-    assert [name for name in names if name in result.bodies] == [
-        *("outer", "outer", "inner", "inner")
-    ]
-    assert "contact interface" in names
-
-
-def test_no_button_sends_data_elsewhere(page):
-    titles = page.execute_script(
-        "return [...document.querySelectorAll('.modebar-btn')].map((one) => one.dataset.title)"
-    )
-    assert len(titles) > 10
-    offered = ("Zoom", "Pan", "Reset", "Download plot", "Turntable")
-    assert [title for title in titles if not title.startswith(offered)] == []
-
-
-@pytest.mark.slow
-def test_play_and_pause(page):
-    play = page.find_element("class name", "play")
-    page.execute_script(IN_SIGHT, play)
-    play.click()
-    until(page, "return Number(document.querySelector('.phase').value) > 20")
-    play.click()
-    assert play.get_attribute("aria-pressed") == "false"
-
-
 def test_nothing_was_complained_of_and_nothing_asked_for(page):
     """After all that was done to the page."""
     assert complaints(page) == []

@@ -2,7 +2,6 @@
 
 import base64
 import gzip
-import json
 
 import numpy as np
 import pytest
@@ -12,9 +11,8 @@ from typer.testing import CliRunner
 
 from comparisons.cli.app import app
 from comparisons.run_report import write_run_report
-from comparisons.study import shapes as kit_shapes
-from comparisons.study.numbers import literal
-from comparisons.study.shapes import STEPS, Binary, Shapes, by_importance
+from comparisons.study import shapes as of_pages
+from comparisons.study.shapes import STEPS, Shapes, by_importance
 from scenes import load_scene, run_modes, run_scene, save_result
 
 
@@ -78,9 +76,9 @@ def test_shapes_are_those_of_the_modes(report, page, result):
     held = page.data["shapes"]
     text = report.read_text("utf-8").split('id="numbers">')[1].split("<")[0]
     (first,) = result.most_unstable(1)
-    cells = kit_shapes._cells(result)
+    cells = of_pages._cells(result)
     u = {name: result.mode_shapes(name, each.values, [first]) for name, each in cells.items()}
-    outside = kit_shapes._outsides(cells, u)
+    outside = of_pages._outsides(cells, u)
     mode = held["modes"]["run"][str(first + 1)]
     data = [surface.point_data for surface in outside.values()]
     exact = np.concatenate([each["real 0"] + 1j * each["imaginary 0"] for each in data])[:, :2]
@@ -111,7 +109,7 @@ def test_unstable_modes_come_first_and_stay_when_room_is_short(result, monkeypat
     assert set(verdicts[:count]) == {"unstable"}
     growth = [rows[i]["growth_rate"] for i in order[:count]]
     assert growth == sorted(growth, reverse=True)
-    monkeypatch.setattr(kit_shapes, "_MOST", 1)
+    monkeypatch.setattr(of_pages, "_MOST", 1)
     few = Shapes()
     few.add("run", result, order)
     assert list(few.modes["run"]) == [str(order[0] + 1)]
@@ -127,16 +125,6 @@ def test_a_static_analysis_has_a_report(tmp_path):
         stress = result.stresses["interface"][trace["name"].removeprefix("side ")]
         np.testing.assert_allclose(trace["x"], stress.arc)
     assert "modes" not in page.tables
-
-
-def test_the_command_names_the_report(tmp_path):
-    command = ["run", "blocks", "--report"]
-    done = CliRunner().invoke(app, [*command, "--out", str(tmp_path)])
-    assert done.exit_code == 0, done.output
-    assert f"The page to open: {tmp_path / 'report.html'}" in done.output.replace("\n", "")
-    data = json.loads((tmp_path / "result.json").read_text())
-    page = Page((tmp_path / "report.html").read_text("utf-8"))
-    assert len(page.tables["modes"]) == 1 + len(data["eigenvalues"])
 
 
 @pytest.mark.parametrize("command", ["run", "solve"])
@@ -162,21 +150,6 @@ def test_matrices_have_a_report_without_shapes(tmp_path, command):
     (trace,) = (t for t in page.data["figure-stability"]["data"] if "customdata" in t)
     np.testing.assert_allclose(trace["x"], np.arange(1, 4) / (2 * np.pi))
     assert "shapes" not in page.data
-
-
-def test_arrays_come_back_from_their_text():
-    binary = Binary()
-    arrays = [np.arange(5), np.array([70000, 3]), np.array([-7, 2047])]
-    places = [binary.add(arrays[0]), binary.add(arrays[1])]
-    places.append(binary.add(arrays[2], "int16"))
-    assert [place["type"] for place in places] == ["uint16", "uint32", "int16"]
-    for array, place in zip(arrays, places, strict=True):
-        np.testing.assert_array_equal(numbers(binary.text(), place), array)
-        assert place["at"] % 4 == 0
-
-
-def test_texts_fit_the_library():
-    assert literal("<b>a & b</b>") == "&lt;b&gt;a &amp; b&lt;/b&gt;"
 
 
 @pytest.mark.slow

@@ -49,6 +49,29 @@ def test_fresh_runs_lie_within_the_bounds_of_stiff_and_tied_contacts(
         assert (np.abs(found[one] - fresh.eigenvalues[other]) <= doubts).all()
 
 
+@pytest.mark.slow
+def test_a_map_is_certified_up_to_any_stiffness(tmp_path):
+    """In the penalty form rounding leaves bounds of 1e-7 from P = 1e13 on."""
+    coarse = (
+        "bodies.pad.mesh.iga.elements=[3,6,2]",
+        "bodies.disc.mesh.iga.elements=[5,32,1]",
+    )
+    axes = (read_axis("mu=0:1:3"), read_axis("P=1e12:1e14:log:3"))
+    made = run(Asked("disc_pad", axes, coarse, checks=1, confirm=0), tmp_path / "out")
+    assert made.record["certified"] == 9
+    scene = load_scene("disc_pad", coarse)
+    for i in (4, 8):
+        mu, stiffness = made.points.values[i]
+        fresh = run_modes(
+            scene.change({"contacts.pad_disc.mu": mu, "contacts.pad_disc.P": stiffness})
+        )
+        there = made.spectra.there[i]
+        found = made.spectra.growth[i, there] + 2j * np.pi * made.spectra.frequency[i, there]
+        one, other = assign(np.abs(found[:, None] - fresh.eigenvalues))
+        doubts = made.spectra.uncertainty[i, there][one] + fresh.modes.growth_uncertainties[other]
+        assert (np.abs(found[one] - fresh.eigenvalues[other]) <= doubts).all()
+
+
 def test_tied_contacts_have_thresholds(tmp_path):
     _, record, scene = swept("fe", "contacts.low.P=1e-1:1e6:log:8", tmp_path, TIED)
     assert record["thresholds"]

@@ -19,7 +19,6 @@ from cea.errors import InputError
 from comparisons.cli import study as command
 from comparisons.cli.app import RENAMED, app
 from comparisons.study import run as engine
-from comparisons.study.columns import Column, column
 from comparisons.study.page import write_study
 from comparisons.study.result import read
 from comparisons.study.run import finished, parts, run, selected
@@ -130,12 +129,6 @@ def test_stored_cases_are_taken_where_everything_agrees(tmp_path, clean, monkeyp
         assert computed(factor=2.0) == ["1", "2", "3"]
 
 
-def test_failed_cases_are_computed_again(tmp_path, clean):
-    for _ in range(2):
-        run(STUDY, options(tmp_path, sizes=(13, 2)), tmp_path / "out")
-    assert noted(tmp_path) == ["13", "2", "13"]
-
-
 def test_shipped_cases_are_taken_at_any_commit(tmp_path, monkeypatch):
     monkeypatch.setattr(engine, "commit", lambda: "old")
     write_study(STUDY, run(STUDY, options(tmp_path), tmp_path / "a"), tmp_path / "shipped")
@@ -215,14 +208,6 @@ def test_drawn_anew_everything_is_the_same_to_the_byte(tmp_path):
     write_study(STUDY, read("squares", out), again)
     for file in sorted(out.iterdir()):
         assert file.read_bytes() == (again / file.name).read_bytes(), file.name
-
-
-def test_columns_nobody_declared_are_shown_by_their_kind():
-    frame = pd.DataFrame({"own_name": [0.12345], "count": [12345], "text": ["a"], 1e4: [1.0]})
-    cells = [column(name, frame).cell(frame[name].tolist()[0]) for name in frame]
-    assert cells == ["0.123", "12\u202f345", "a", "1.00"]
-    assert [column(name, frame).title for name in frame][::3] == ["own name", "10\u202f000"]
-    assert Column("x").cell(None) == Column("x").cell(float("nan")) == "–"
 
 
 @pytest.fixture

@@ -25,8 +25,8 @@ QUICK = ("blocks_iga", "hertz_cylinder_iga", "patch_test_fe")
 """Frozen scenes that the quick tests run, a second or two each."""
 RULES = {
     "gpts": "GPTS",
-    "gpts_lumped": "GPTS lumped",
-    "full_pass": "GPTS full pass",
+    "gpts_lumped": "GPTS, lumped",
+    "full_pass": "GPTS, full pass",
     "node": "node-to-surface",
     "node_tributary": "node-to-surface, tributary",
     "greville": "Greville",
@@ -171,7 +171,7 @@ def test_a_deck_is_as_frozen(tmp_path):
 
 def test_calculix_finds_the_frozen_eigenvalues(tmp_path):
     with_calculix()
-    found = ccx.run(write_deck(in_contact(), tmp_path, 20)[1]).eigenvalues
+    found = ccx.run(write_deck(in_contact(), tmp_path, 20)[1])
     expected = np.array([complex(*pair) for pair in stored("decks")["eigenvalues"]])
     kept = min(len(found), len(expected)) - 2  # the last have not always converged
     np.testing.assert_allclose(found[:kept], expected[:kept], rtol=1e-5)

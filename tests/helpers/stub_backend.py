@@ -46,9 +46,9 @@ class StubSpace:
                 held.append(Directions(surface.line, direction, None, own))
         return constrain(len(self.nodes), Directions.joined(held, 2), field=field)
 
-    def stiffness(self, lame):
-        """Elastic stiffness."""
-        lam, mu = lame
+    def stiffness(self, elasticity):
+        """Elastic stiffness of an isotropic solid."""
+        lam, mu = elasticity.matrix[0, 1], elasticity.matrix[3, 3]
 
         def of_point(N, g):
             K = lam * np.einsum("ai,bj->aibj", g, g) + mu * np.einsum("aj,bi->aibj", g, g)
@@ -60,7 +60,7 @@ class StubSpace:
         """Consistent mass."""
         return self._matrix(lambda N, g: rho * np.einsum("a,b,ij->aibj", N, N, np.eye(2)))
 
-    def geometric_stiffness(self, lame, displacement):
+    def geometric_stiffness(self, elasticity, displacement):
         """Not there."""
         raise NotImplementedError
 

@@ -108,7 +108,7 @@ MESHES = {
 @pytest.fixture
 def cells(backend):
     scene = load_scene("disc").on(backend).change(f"bodies.disc.mesh.{backend}", MESHES[backend])
-    return merged(build_bodies(scene, StageTimer())["disc"].volume_cells())
+    return merged(build_bodies(scene, StageTimer())["disc"].space.volume_cells())
 
 
 def test_an_outside_is_closed_and_has_the_volume_of_the_body(cells):

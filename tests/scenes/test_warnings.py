@@ -149,7 +149,7 @@ RULES = {
     "grid": {"method": "grid", "points": 33},
     "node-to-surface": {"method": "node_to_surface"},
     "node-to-surface, tributary": {"method": "node_to_surface", "weights": "tributary"},
-    "GPTS lumped": {"method": "gpts", "points": 4, "lumped": True},
+    "GPTS, lumped": {"method": "gpts", "points": 4, "lumped": True},
     "GPTS": {"method": "gpts", "points": 4},
 }
 ACCURATE = ("GPTS", "node-to-surface, tributary")

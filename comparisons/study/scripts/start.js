@@ -1,13 +1,4 @@
-// What happens when a page opens. Views that are far from sight are drawn when they come near.
-
-function whenNear(place, draw) {
-  const observer = new IntersectionObserver((entries) => {
-    if (!entries.some((entry) => entry.isIntersecting)) return;
-    observer.disconnect();
-    draw(place);
-  }, { rootMargin: "400px" });
-  observer.observe(place);
-}
+// What happens when a page opens.
 
 async function start() {
   const nav = document.querySelector("nav");
@@ -32,9 +23,6 @@ async function drawAll(tables) {
   if (viewer) tables.forEach((table) => linkRows(table, show));
   for (const plot of plots) await drawPlot(plot, show);
   if (viewer?.select.options.length) await viewer.show(place.dataset.first);
-  for (const view of document.querySelectorAll(".geometry")) {
-    whenNear(view, (near) => drawGeometry(near, shapes));
-  }
 }
 
 start().catch((error) => {

@@ -1,7 +1,6 @@
-// Views in space: bodies with their meshes, and modes that vibrate.
+// Modes that vibrate in space.
 
 const SIGNS = { unstable: "▲", "grows slowly": "△", undecided: "◆", stable: "●", rigid: "○" };
-const BODY_COLOURS = ["#8fbcd9", "#e6b06c", "#93c9a8", "#d4a5c3", "#c9c36b", "#b0b7bf"];
 const PERIOD = 2.4; // seconds of a period on the screen
 const LIGHT = {
   ambient: 0.72, diffuse: 0.4, specular: 0.05, roughness: 0.9, fresnel: 0.05,
@@ -221,52 +220,4 @@ class ModeViewer {
     this.playButton.setAttribute("aria-pressed", "false");
     this.playButton.textContent = "▶ play";
   }
-}
-
-// Bodies at rest, each in a colour, with the edges of their elements and the contact points.
-async function drawGeometry(place, shapes) {
-  const scene = shapes.scenes[place.dataset.scene];
-  const contacts = scene.contacts ?? [];
-  const above = new Set(contacts.map((contact) => contact.a)); // what hides contact points
-  const traces = contacts.flatMap((contact) => contactTraces(shapes, scene, contact));
-  // What is seen through comes last, or it would hide what lies behind.
-  traces.push(...bodiesOf(shapes, place.dataset.scene).flatMap((body, index) => {
-    const [i, j, k] = body.triangles;
-    const [x, y, z] = body.rest;
-    const colour = BODY_COLOURS[index % BODY_COLOURS.length];
-    const group = { name: body.name, legendgroup: body.name };
-    const opacity = above.has(body.name) && !scene.flat ? 0.6 : 1;
-    return [
-      {
-        type: "mesh3d", x, y, z, i, j, k, color: colour, opacity, flatshading: true, ...lit(scene),
-        showlegend: true, hovertemplate: "x %{x:.4g} m<br>y %{y:.4g} m<br>z %{z:.4g} m", ...group,
-      },
-      // Outsides that were reduced have no edges of elements left.
-      lineTrace(segments(scene.reduced ? body.sharp : body.edges, body.rest), "#4d5660", 1, group),
-    ];
-  }));
-  place.textContent = "";
-  const layout = spaceLayout(scene, isNarrow() ? 330 : 460);
-  await Plotly.newPlot(place, traces, layout, settings(BUTTONS_IN_SPACE));
-}
-
-function contactTraces(shapes, scene, contact) {
-  const at = rows(numbers(shapes, contact.points), 3).map((places, axis) =>
-    Float32Array.from(places, (value) => scene.low[axis] + scene.step * value));
-  const group = { name: `contact ${contact.name}`, legendgroup: contact.name };
-  const points = {
-    type: "scatter3d", mode: "markers", x: at[0], y: at[1], z: at[2],
-    marker: { size: 2.2, color: "#d55e00" }, ...group,
-    hovertemplate: "contact point<br>x %{x:.4g} m<br>y %{y:.4g} m<br>z %{z:.4g} m",
-  };
-  if (!contact.arrows) return [points];
-  const [from, along] = [contact.arrows.from, contact.arrows.along];
-  const axis = (list, i) => list.map((vector) => vector[i]);
-  return [points, {
-    type: "cone", anchor: "tail", sizemode: "absolute", sizeref: 0.045 * diagonal(scene),
-    x: axis(from, 0), y: axis(from, 1), z: axis(from, 2),
-    u: axis(along, 0), v: axis(along, 1), w: axis(along, 2),
-    colorscale: [[0, "#222222"], [1, "#222222"]], showscale: false, showlegend: true,
-    name: "friction on side a", hoverinfo: "name",
-  }];
 }

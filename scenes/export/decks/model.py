@@ -6,6 +6,8 @@ from io import StringIO
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cea.elasticity import Axes
+from cea.material import IsotropicMaterial, Material, OrthotropicMaterial
 from cea.mesh import Floats, Ints
 from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.spec.reading import Scene
@@ -83,13 +85,47 @@ def _body_lines(body: DeckBody) -> Iterator[str]:
         yield keyword("SURFACE", NAME=name, TYPE="ELEMENT")
         elements, faces = body.faces_of(surface)
         yield from table(np.column_stack([elements + body.first_element, faces]), "%d,S%d")
-    yield keyword("MATERIAL", NAME=f"{body.name}-material")
-    yield from ("*ELASTIC", numbers(material.E, material.nu))
+    section = {"ELSET": body.name, "MATERIAL": f"{body.name}-material"}
+    if material.axes is not None:
+        section["ORIENTATION"] = f"{body.name}-axes"
+        yield from _axes_lines(section["ORIENTATION"], material.axes)
+    yield keyword("MATERIAL", NAME=section["MATERIAL"])
+    yield from _elastic_lines(material)
     if material.rho is not None:
         yield from ("*DENSITY", f"{numbers(material.rho)},")
-    yield keyword("SOLID SECTION", ELSET=body.name, MATERIAL=f"{body.name}-material")
+    yield keyword("SOLID SECTION", **section)
     if body.mesh.dim == 2:
         yield "1.,"  # the thickness
+
+
+def _axes_lines(name: str, axes: Axes) -> Iterator[str]:
+    """Axes of a material: a point on axis 1 and one beside it, or two points of the axis."""
+    if axes.cylindrical_about is not None:
+        end = np.add(axes.origin, axes.cylindrical_about)
+        yield keyword("ORIENTATION", NAME=name, SYSTEM="CYLINDRICAL")
+        yield numbers(*axes.origin, *end)
+    elif axes.first and axes.second:
+        yield keyword("ORIENTATION", NAME=name, SYSTEM="RECTANGULAR")
+        yield numbers(*map(float, (*axes.first, *axes.second)))
+
+
+def _elastic_lines(material: Material) -> Iterator[str]:
+    """Constants in the axes of the material; shear stresses in the order 12, 13, 23."""
+    if isinstance(material, IsotropicMaterial):
+        yield from (keyword("ELASTIC"), numbers(material.E, material.nu))
+    elif isinstance(material, OrthotropicMaterial):
+        s = np.linalg.inv(material.elasticity.matrix)
+        E1, E2, E3, G23, G13, G12 = 1 / np.diag(s)
+        yield keyword("ELASTIC", TYPE="ENGINEERING CONSTANTS")
+        yield numbers(E1, E2, E3, -s[0, 1] * E1, -s[0, 2] * E1, -s[1, 2] * E2, G12, G13)
+        yield numbers(G23)
+    else:
+        order = [0, 1, 2, 5, 4, 3]
+        c = material.elasticity.matrix[np.ix_(order, order)]
+        upper = [c[i, j] for j in range(6) for i in range(j + 1)]
+        yield keyword("ELASTIC", TYPE="ANISOTROPIC")
+        for start in range(0, len(upper), 8):
+            yield numbers(*upper[start : start + 8])
 
 
 def boundary_lines(bodies: Mapping[str, DeckBody], **parameters: object) -> Iterator[str]:

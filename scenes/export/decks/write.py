@@ -148,6 +148,9 @@ def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
         curved = known and (fe.geometry_degree or fe.degree) not in {1, fe.degree}
         place = f"{field}.mesh.fe.geometry_degree"
         yield place, fe.geometry_degree, curved, f"1 or {fe.degree}"
+    axes = body.material.axes
+    by_text = axes is not None and not (axes.uniform or axes.cylindrical_about)
+    yield f"{field}.material.axes", axes, by_text, "numbers, or cylindrical"
     unwritten = "left out, as it is not written,"
     for name in ("springs", "damping", "rotation"):
         yield f"{field}.{name}", getattr(body, name), getattr(body, name), unwritten

@@ -1,0 +1,252 @@
+"""Materials of several constants: closed forms, changes of frame, isotropic solids."""
+
+import numpy as np
+import pytest
+
+from cea.elasticity import Axes
+from cea.material import AnisotropicMaterial, OrthotropicMaterial
+from scenes import SceneError, assemble, load_scene, read_scene, run_modes
+from scenes.building.build import build_body
+
+WOOD = {
+    "kind": "orthotropic",
+    **{"E_1": 1.6e10, "E_2": 1.1e9, "E_3": 6e8, "nu_12": 0.37, "nu_13": 0.43, "nu_23": 0.47},
+    **{"G_12": 1.2e9, "G_13": 9e8, "G_23": 2e8, "rho": 700.0},
+}
+FIVE = {
+    "kind": "orthotropic",
+    **{"E_1": 1e10, "E_3": 3e9, "nu_12": 0.3, "nu_13": 0.2, "G_13": 1.5e9, "rho": 2500.0},
+}
+OBLIQUE = {"first": [1.0, 2.0, 0.5], "second": [0.0, 1.0, 1.0]}
+SIZE = (0.05, 0.03, 0.02)
+
+
+def block(backend, material, *, elements=(3, 2, 2), supports=None, **options):
+    """A box of one material, held at one end unless told otherwise."""
+    mesh = {
+        "fe": {"cell": "hexahedron", "degree": 2, "elements": list(elements)},
+        "iga": {"degree": [2, 2, 2], "elements": list(elements)},
+    }
+    body = {
+        "backend": backend,
+        "geometry": {"shape": "box", "size": SIZE},
+        "material": material,
+        "supports": [{"surface": "x_min"}] if supports is None else supports,
+        "mesh": mesh,
+        **options,
+    }
+    analysis = {"kind": "cea", "max_frequency": 40000.0}
+    return read_scene({"name": "block", "bodies": {"block": body}, "analysis": analysis})
+
+
+def lowest(scene, count=6):
+    return np.sort(run_modes(scene).frequencies)[:count]
+
+
+def isotropic(E, nu, rho):
+    G = E / (2 * (1 + nu))
+    nine = {f"E_{i}": E for i in (1, 2, 3)} | {f"nu_{ij}": nu for ij in ("12", "13", "23")}
+    return {
+        "kind": "orthotropic",
+        **nine,
+        **{f"G_{ij}": G for ij in ("12", "13", "23")},
+        "rho": rho,
+    }
+
+
+@pytest.mark.parametrize("axes", [None, {"cylindrical_about": [0, 0, 1], "origin": [-3, -2, 0]}])
+def test_isotropic_constants_give_the_isotropic_eigenvalues(backend, axes):
+    """In the plane, with contact, and in space."""
+    solid = block(backend, {"E": 1e10, "nu": 0.3, "rho": 2500.0}, elements=(2, 2, 1))
+    for scene, name in ((load_scene("blocks", backend=backend), "upper"), (solid, "block")):
+        own = scene.bodies[name].material
+        other = isotropic(own.E, own.nu, own.rho) | {"axes": axes}
+        found = run_modes(scene.change(f"bodies.{name}.material", other)).eigenvalues
+        right = run_modes(scene).eigenvalues
+        assert np.abs(found - right).max() <= 1e-12 * np.abs(right).max()
+
+
+def rotated(material):
+    """The same solid by its constants in the axes of space."""
+    solid = OrthotropicMaterial(**{k: v for k, v in material.items() if k != "axes"})
+    R = Axes(**material["axes"]).at(np.zeros((3, 1)))[:, :, 0]
+    pairs = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+    place = {pair: n for n, pair in enumerate(pairs)} | {
+        (j, i): n for n, (i, j) in enumerate(pairs)
+    }
+    own = np.array(
+        [
+            [
+                [
+                    [solid.elasticity.matrix[place[i, j], place[k, m]] for m in range(3)]
+                    for k in range(3)
+                ]
+                for j in range(3)
+            ]
+            for i in range(3)
+        ]
+    )
+    c = np.einsum("ip,jq,kr,ms,pqrs->ijkm", R, R, R, R, own)
+    entries = {
+        f"C_{a + 1}{b + 1}": float(c[pairs[a] + pairs[b]]) for a in range(6) for b in range(a, 6)
+    }
+    return {"kind": "anisotropic", "C": entries, "rho": material["rho"]}
+
+
+def test_turned_axes_are_the_turned_tensor(backend):
+    turned = WOOD | {"axes": OBLIQUE}
+    found, right = lowest(block(backend, turned)), lowest(block(backend, rotated(turned)))
+    assert found == pytest.approx(right, rel=1e-12)
+
+
+def test_a_turned_block_with_its_axes_is_the_same_block(backend):
+    """Change of frame: nothing tells the block from one that lies elsewhere in space."""
+    angle = {"axis": [1.0, 2.0, 3.0], "angle": 40.0}
+    scene = block(backend, WOOD | {"axes": OBLIQUE}, placement=angle)
+    turn = scene.bodies["block"].placement.rotation
+    axes = {name: (turn @ vector).tolist() for name, vector in OBLIQUE.items()}
+    there = lowest(scene.change("bodies.block.material.axes", axes))
+    assert there == pytest.approx(lowest(block(backend, WOOD | {"axes": OBLIQUE})), rel=1e-10)
+
+
+HELD = {
+    "z": {"x": ["x"], "y": ["y"]},
+    "x": {"x": ["z"], "y": ["y", "z"]},
+    "y": {"x": ["x", "z"], "y": ["z"]},
+}
+"""What the sides of a block hold so that a plane wave along z is exact, by its displacement."""
+
+
+def waves(backend, moving, elements):
+    """Frequencies of standing waves along z whose displacement is along one axis."""
+    supports = [
+        {"surface": f"{side}_{end}", "components": components}
+        for side, components in HELD[moving].items()
+        for end in ("min", "max")
+    ]
+    scene = block(backend, WOOD, elements=(1, 1, elements), supports=supports)
+    return run_modes(scene.change("analysis.max_frequency", 250000.0)).frequencies
+
+
+@pytest.mark.parametrize(("moving", "constant"), [("z", (2, 2)), ("x", (4, 4)), ("y", (3, 3))])
+def test_plane_waves_have_the_speeds_of_the_closed_form(backend, moving, constant):
+    solid = OrthotropicMaterial(**WOOD)
+    right = np.sqrt(solid.elasticity.matrix[constant] / WOOD["rho"]) / (2 * SIZE[2])
+    errors = []
+    for elements in (4, 8):
+        errors.append(np.abs(waves(backend, moving, elements) / right - 1).min())
+    assert errors[1] < 3e-5
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(4, abs=0.1)
+
+
+ROUND = {"cylindrical_about": [0.0, 0.0, 1.0]}
+
+
+@pytest.mark.slow
+def test_both_backends_converge_to_the_same_disc_with_cylindrical_axes():
+    found = {}
+    for backend, meshes in {
+        "fe": ([3, 24, 1], [6, 48, 2]),
+        "iga": ([3, 12, 1], [6, 24, 2]),
+    }.items():
+        for elements in meshes:
+            mesh = {
+                "fe": {"cell": "hexahedron", "degree": 2, "elements": elements},
+                "iga": {"degree": [2, 2, 2], "elements": elements},
+            }
+            geometry = {"shape": "annulus", "inner_radius": 0.1, "outer_radius": 0.2, "top": 0.03}
+            body = {"backend": backend, "geometry": geometry | {"bottom": 0.0}, "mesh": mesh}
+            body |= {"material": WOOD | {"axes": ROUND}, "supports": []}
+            analysis = {"kind": "cea", "max_frequency": 3000.0}
+            scene = {"name": "disc", "bodies": {"disc": body}, "analysis": analysis}
+            found[backend, elements[0]] = lowest(read_scene(scene), 12)[6:]  # rigid
+    coarse = np.abs(found["fe", 3] / found["iga", 3] - 1).max()
+    fine = np.abs(found["fe", 6] / found["iga", 6] - 1).max()
+    assert fine < 3e-3
+    assert fine < coarse / 12
+
+
+@pytest.mark.parametrize("material", [WOOD | {"axes": OBLIQUE}, FIVE], ids=["nine", "five"])
+def test_modes_and_derivatives_in_each_constant_are_those_of_other_scenes(backend, material):
+    """The pencil at other constants against a fresh scene; derivatives against differences."""
+    scene = block(backend, material, elements=(2, 1, 1), damping={"alpha": 5.0, "beta": 1e-8})
+    assembled = assemble(scene)
+    names = [name for name in material if name[0] in "EnG"]
+    modes = assembled.modes(left=True).modes
+    for name in names:
+        path, step = f"bodies.block.material.{name}", 1e-4 * material[name]
+        fresh = [
+            run_modes(scene.change(path, material[name] + sign * step)).eigenvalues[0]
+            for sign in (1, -1)
+        ]
+        there = assembled.modes({path: material[name] + step}).eigenvalues[0]
+        assert abs(there - fresh[0]) <= 1e-11 * abs(there)
+        slope = (fresh[0] - fresh[1]) / (2 * step)
+        assert modes.sensitivity(path)[0] == pytest.approx(slope, rel=1e-4)
+
+
+def test_energy_of_a_uniform_strain_and_its_stresses(backend):
+    """u^T K u = V eps : C : eps, and v^T K_g v = V sigma : (grad v)^T grad v, for linear u, v."""
+    scene = block(backend, WOOD | {"axes": OBLIQUE}, elements=(1, 1, 1), supports=[])
+    body = build_body("block", scene.bodies["block"])
+    x = body.space.dof_positions
+    u, v = (np.random.default_rng(seed).normal(size=(3, 3)) for seed in (1, 2))
+    stress = body.material.elasticity.stress(u[..., None], np.zeros((3, 1)))[..., 0]
+    volume = np.prod(SIZE)
+    displacement = (x @ u.T).ravel()
+    energies = (
+        (body.space.stiffness(body.material.elasticity), displacement, np.sum(stress * u)),
+        (
+            body.space.geometric_stiffness(body.material.elasticity, displacement),
+            (x @ v.T).ravel(),
+            np.sum(stress * (v.T @ v)),
+        ),
+    )
+    for matrix, vector, right in energies:
+        left, product = matrix.createVecs()
+        left.setArray(vector)
+        matrix.mult(left, product)
+        assert left.dot(product) == pytest.approx(volume * right, rel=1e-11)
+
+
+REFUSED = {
+    "E_1": (WOOD | {"E_1": -1.0}, "positive number"),
+    "nu_12": (WOOD | {"nu_12": 4.0}, "nu_12"),
+    "nu_23": (WOOD | {"nu_12": 3.0, "nu_13": 4.0, "nu_23": 1.2}, "positive definite"),
+    "G_12": ({k: v for k, v in WOOD.items() if k != "G_12"}, "nine constants"),
+    "C_22": ({"kind": "anisotropic", "C": {"C_11": 1.0, "C_12": 2.0, "C_22": 3.0}}, "C_22"),
+    "C_21": ({"kind": "anisotropic", "C": {"C_21": 1.0}}, "C_11, C_12"),
+    "axes": (WOOD | {"axes": {"first": [1, 0, 0], "second": [2, 0, 0]}}, "axes"),
+    "kind": (WOOD | {"kind": "wood"}, "orthotropic"),
+}
+
+
+@pytest.mark.parametrize(("material", "named"), REFUSED.values(), ids=REFUSED)
+def test_wrong_constants_and_axes_are_refused_by_name(material, named):
+    with pytest.raises(SceneError) as refused:
+        block("fe", material)
+    assert named in str(refused.value)
+
+
+def test_in_the_plane_and_in_rotation_symmetry_is_asked_for():
+    plane = load_scene("blocks").change("bodies.upper.material", WOOD)
+    with pytest.raises(SceneError, match="plane strain"):
+        plane.change("bodies.upper.material.axes", OBLIQUE)
+    round_disc = {"material": FIVE, "rotation": {"rate": 10.0}}
+    scene = load_scene("disc_pad").change({f"bodies.disc.{k}": v for k, v in round_disc.items()})
+    with pytest.raises(SceneError, match="all round"):
+        scene.change("bodies.disc.material", WOOD)
+    scene.change("bodies.disc.material", WOOD | {"axes": ROUND})
+
+
+def test_axes_by_expressions_are_those_of_the_cylinder():
+    x = np.random.default_rng(3).normal(size=(3, 20))
+    given = Axes(("x/r", "y/r", 0.0), ("-y/r", "x/r", 0.0)).at(x)
+    assert given == pytest.approx(Axes(cylindrical_about=(0.0, 0.0, 2.0)).at(x), abs=1e-15)
+
+
+def test_mean_moduli_of_an_isotropic_solid_are_its_own():
+    solid = OrthotropicMaterial(**isotropic(2.1e11, 0.3, 7800.0))
+    assert solid.means[::2] == pytest.approx((2.1e11, 0.3), rel=1e-13)
+    entries = {f"C_{i}{i}": 1.0 for i in range(1, 7)}
+    assert AnisotropicMaterial("anisotropic", entries).elasticity.matrix == pytest.approx(np.eye(6))
