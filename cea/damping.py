@@ -8,8 +8,7 @@ import numpy as np
 from cea.arrays import Floats, is_number
 from cea.errors import InputError
 
-_ROUNDING = 1e-15
-"""Of ratios that are proportional to the frequency, or to its inverse."""
+_ROUNDING = 1e-15  # of ratios that are proportional to the frequency, or to its inverse
 
 
 @dataclass(frozen=True)

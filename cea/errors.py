@@ -6,12 +6,9 @@ from difflib import get_close_matches
 from typing import Any
 from unicodedata import category
 
-_LONGEST = 300
-"""Characters of a value or a name that a message shows, at most."""
-_WORDS = 1200
-"""Characters of what is allowed."""
-_COMPARED = 100
-"""Characters of names for which a similar one is searched."""
+_LONGEST = 300  # characters of a value or a name that a message shows, at most
+_WORDS = 1200  # characters of what is allowed
+_COMPARED = 100  # characters of names for which a similar one is searched
 
 
 def _shown(value: object) -> str:
@@ -36,17 +33,7 @@ def printable(text: str) -> str:
 
 
 class InputError(ValueError):
-    """Input refused before work begins.
-
-    Parameters
-    ----------
-    field
-        Name of the offending field as the user wrote it, e.g. ``bodies.pad.material.rho``.
-    value
-        The value that was given.
-    allowed
-        What is allowed, in words.
-    """
+    """Input refused: the field as the user wrote it, its value, and what is allowed, in words."""
 
     def __init__(self, field: str, value: object, allowed: str) -> None:
         self.field = field
@@ -65,15 +52,7 @@ class WriteError(OSError):
 
 
 class ConvergenceError(RuntimeError):
-    """An iteration that stopped short.
-
-    Parameters
-    ----------
-    message
-        What did not converge, and by how much.
-    best
-        The best answer so far.
-    """
+    """An iteration that stopped short: what did not converge, and the best answer so far."""
 
     def __init__(self, message: str, best: Any = None) -> None:
         self.best = best

@@ -151,20 +151,9 @@ def evaluate(field: Field, x: Floats) -> Floats:
 class Formula:
     """A coefficient as text, a :class:`cea.eigen.parameters.Dependence`.
 
-    Parameters
-    ----------
-    text
-        Arithmetic in parameters and pi: ``+ - * / **``, brackets, and sin, cos, tan, arctan, sinh,
-        cosh, tanh, exp, log, sqrt, abs.
-    parameters
-        The parameter that each name in it stands for.
-    place
-        What refusals call it.
-
-    Raises
-    ------
-    InputError
-        When the text is something else, or names what is no parameter.
+    The text is arithmetic in parameters, by the names that stand for them, and pi: ``+ - * / **``,
+    brackets, and sin, cos, tan, arctan, sinh, cosh, tanh, exp, log, sqrt, abs. Anything else is
+    refused, naming the place.
     """
 
     text: str

@@ -15,8 +15,7 @@ from pathlib import Path
 
 from cea.errors import InputError, WriteError
 
-_LEVEL = 6
-"""Level of compression: the highest takes three times as long and saves a few per cent."""
+_LEVEL = 6  # level of compression: the highest takes three times as long and saves a few per cent
 
 
 def write_whole(content: bytes, file: Path) -> Path:

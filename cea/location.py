@@ -21,13 +21,10 @@ TOLERANCE = 1e-8
 """Default miss allowed, relative to the local mesh size."""
 
 _MAX_ITERATIONS = 40
-_GRAZING = 1e-10
-"""Sine between line and surface below which Newton's steps are least-squares steps."""
+_GRAZING = 1e-10  # sine between line and surface below which Newton's steps are least-squares steps
 _CHUNK = 50_000
-_SIDE = 4
-"""Parts of a side of a cell between samples."""
-_SAFETY = 1.5
-"""Margin on the sampled distance of a bent cell from the flat one of its corners."""
+_SIDE = 4  # parts of a side of a cell between samples
+_SAFETY = 1.5  # margin on the sampled distance of a bent cell from the flat one of its corners
 _NEAR = 1.05
 """Lines that pass a cell's ball by less than this part of its radius are tried: near misses."""
 

@@ -28,8 +28,7 @@ DIMENSION: dict[Cell, int] = {
 SIMPLICES: tuple[Cell, ...] = ("triangle", "tetrahedron")
 """Cells that are simplices; the others are boxes."""
 
-_SAME = 1e-6
-"""Reference nodes nearer than this are one."""
+_SAME = 1e-6  # reference nodes nearer than this are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,9 +190,8 @@ def facet_nodes(cell: Cell, order: int) -> list[Ints]:
 def node_order(cell: Cell, order: int, nodes: ArrayLike) -> Ints:
     """Order that turns another program's list of the nodes of a cell into that of :class:`Mesh`.
 
-    Of nodes of the reference cell, from 0 to 1, in the order of the other program, (n_nodes, dim),
-    numbers such that ``cells[:, numbers]`` are in that of :class:`Mesh`; refused when they are not
-    those of the cell.
+    Of nodes of the reference cell, from 0 to 1, in the order of the other program, (n_nodes, dim):
+    ``cells[:, numbers]`` are then in that of :class:`Mesh`.
     """
     return matching_nodes(reference_nodes(cell, order), np.asarray(nodes, dtype=float))
 

@@ -35,10 +35,8 @@ TITLES = {
 }
 """Headings of what is shown of each mode, in order."""
 
-_DIGITS = 0.01
-"""Growth rate (1/s) below which three digits after the point show too little."""
-_RATIO = 1e-3
-"""Damping ratio below which four do."""
+_DIGITS = 0.01  # growth rate (1/s) below which three digits after the point show too little
+_RATIO = 1e-3  # damping ratio below which four do
 _FEWEST, _MOST = 3, 9
 """Digits after the point of frequencies (Hz)."""
 _COLOURS = {"unstable": "#c0392b", "grows slowly": "#b3541e", "undecided": "#9a6700"}

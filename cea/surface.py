@@ -52,20 +52,10 @@ class TrueSurface(Protocol):
 
 
 class Surface(ABC):
-    """A named surface (curve in 2D) of a body.
+    """A named surface (curve in 2D) of a body with so many scalar dofs.
 
     A backend gives the members marked abstract; points, normals, location and what corners split
-    are written here, once.
-
-    Parameters
-    ----------
-    name
-        Name of the surface.
-    num_scalar_dofs
-        Scalar dofs of the body: columns of the trace.
-    true
-        The surface of the shape that elements interpolate; None where they are that, or it is not
-        known.
+    are written here, once. Elements may interpolate a true surface of a shape.
     """
 
     abscissa_kinds: ClassVar[tuple[str, ...]]
@@ -81,8 +71,7 @@ class Surface(ABC):
     def domains(self) -> tuple[Floats, Floats]:
         """Least and greatest coordinates xi of each element, (num_elements, dim - 1) each.
 
-        Elements are intervals and rectangles between them, or, where cells are no tensor products,
-        the unit triangle.
+        Elements are rectangles between them, or, where cells are no tensor products, triangles.
         """
 
     @abstractmethod

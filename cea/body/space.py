@@ -66,11 +66,10 @@ class Space(Protocol):
         ...
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
-        """Stiffness that stresses make: int sigma_ij d_i u . d_j v, symmetric, N/m.
+        """Int sigma_ij d_i u . d_j v with the stress sigma of a displacement, symmetric, N/m.
 
-        Sigma is the stress of a displacement of all dofs (m), the same on every rank, shape
-        (dim * num_scalar_dofs,), by the law of the material (Wriggers, Nonlinear Finite Element
-        Methods, 2008, sec. 4.2.3).
+        The displacement of all dofs (m) is the same on every rank, (dim * num_scalar_dofs,)
+        (Wriggers, Nonlinear Finite Element Methods, 2008, sec. 4.2.3).
         """
         ...
 

@@ -22,8 +22,7 @@ from cea.surface_points import SurfaceCoordinates
 _NEWTON = 1e-9
 """Last step of Newton's method, relative to the cell; the error after it is its square."""
 _MAX_ITERATIONS = 60
-_SHORTEST = 2.0**-6
-"""Damping below which a line is taken to have reached its end of trust."""
+_SHORTEST = 2.0**-6  # damping below which a line is taken to have reached its end of trust
 _FOLDED = 1e-8
 """Determinant of the deformation, relative to the power of its trace, that counts as a fold."""
 
@@ -120,8 +119,7 @@ class _Lines:
     def _trusted(self, cell: Ints, position: Floats, tangents: Floats) -> NDArray[np.bool_]:
         """True where tangents are those at the centre, deformed and turned below a right angle.
 
-        The rotation in the polar decomposition of a plane map of positive determinant is below a
-        right angle where the trace is positive; neither depends on the coordinates.
+        The rotation in the polar decomposition of a plane map is where the trace is positive.
         """
         trusted = np.isfinite(position).all(axis=1) & np.isfinite(tangents).all(axis=(1, 2))
         change = self.inverse[cell[trusted], :-1] @ tangents[trusted]

@@ -24,15 +24,12 @@ from cea.petsc import MPI
 
 _DEPENDENT = 1e-12
 """Rows whose pivot is below this part of their column are taken to depend on those before."""
-_NEGLIGIBLE = 1e-12
-"""Entries below this part of their row are rounding."""
+_NEGLIGIBLE = 1e-12  # entries below this part of their row are rounding
 _FADED = 1e-14
 """What is left of a column of T, relative to its length, that is rounding: with uniform friction a
 column is gone from T where G has it no more."""
-_BLOCKED = 64
-"""Columns that LAPACK works on at a time, for which it wants room."""
-_LEAF = 160
-"""Points that are worked on at once."""
+_BLOCKED = 64  # columns that LAPACK works on at a time, for which it wants room
+_LEAF = 160  # points that are worked on at once
 
 
 @dataclass(frozen=True)

@@ -37,64 +37,32 @@ from cea.ranks import agreed
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """A half pass: points of side a on side b, what happens there, and its operators.
-
-    Parameters
-    ----------
-    name, pair
-        Its name, and that of the contact it belongs to: a full pass has two halves.
-    a, b
-        Names of the bodies on its two sides.
-    interface
-        Its points, which lie on a.
-    law
-        What penetrations meet.
-    friction
-        Friction of steady sliding; None without.
-    coupling
-        What becomes of the gaps at the points.
-    form
-        Penalty or saddle form; None leaves the choice to the digits a penalty would cost.
-    added_gap
-        What is added to the distance of the sides (m), at all points, shape (n,), or one number; a
-        linear law takes the sides to touch.
-    sliding
-        What small velocities feel of the sliding; None where they feel none.
-    closure
-        Closures at all points in the state that is linearised about (m), shape (n,); a linear law
-        needs none.
-    gap, slip
-        G and diag(mu) T, PETSc AIJ (points x unknowns); projected, B and B_k (multipliers x
-        unknowns). No slip without friction. They and what follows are None before
-        :func:`assembled`.
-    projection
-        Projection on the traces of side a; None where points stand for themselves.
-    lumped
-        K_n and K_f of lumped contact; None of others.
-    of_unit_friction
-        Whether slip operators are made with a coefficient of 1, as that of the contact is zero.
-    prescribed
-        What displacements that supports prescribe close of the gap at all points (m), shape (n,);
-        None where they close nothing.
-    """
+    """A half pass: points of side a on side b, what happens there, and its operators."""
 
     name: str
-    pair: str
-    a: str
+    pair: str  # name of the contact it belongs to: a full pass has two halves
+    a: str  # names of the bodies on its two sides
     b: str
-    interface: Interface
-    law: NormalLaw
-    friction: Friction | None = None
-    coupling: Coupling = "pointwise"
+    interface: Interface  # its points, which lie on a
+    law: NormalLaw  # what penetrations meet
+    friction: Friction | None = None  # friction of steady sliding; None without
+    coupling: Coupling = "pointwise"  # what becomes of the gaps at the points
+    # penalty or saddle form; None leaves the choice to the digits a penalty would cost
     form: Form | None = None
+    # added to the distance of the sides (m), at all points, (n,); a linear law takes them to touch
     added_gap: Floats | float = 0.0
-    sliding: Sliding | None = None
+    sliding: Sliding | None = None  # what small velocities feel of the sliding; None of nothing
+    # closures at all points in the state that is linearised about (m), (n,); None of a linear law
     closure: Floats | None = None
+    # G and diag(mu) T, PETSc AIJ (points x unknowns); projected, B and B_k (multipliers x
+    # unknowns). No slip without friction. They and what follows are None before :func:`assembled`
     gap: Any = None
     slip: Any | None = None
-    projection: MortarProjection | None = None
-    lumped: tuple[Any, Any | None] | None = None
+    projection: MortarProjection | None = None  # on the traces of side a; None of points
+    lumped: tuple[Any, Any | None] | None = None  # K_n and K_f of lumped contact; None of others
+    # whether slip operators are made with a coefficient of 1, as that of the contact is zero
     of_unit_friction: bool = False
+    # what supports prescribe to close of the gap at all points (m), (n,); None of nothing
     prescribed: Floats | None = None
 
     @cached_property
@@ -220,13 +188,8 @@ class Contact:
     def pressure(self, x: Any) -> Floats:
         """Contact pressure (N/m^2) at every point, on every rank, for unknowns x.
 
-        It is made of gaps, which hold the fewer digits the stiffer the contact. Of a law that is
-        not linear it is the change of pressure that small motions x make.
-
-        Raises
-        ------
-        InputError
-            Where the sides are tied, and no gap tells the pressure, or bonded.
+        It is made of gaps, which hold the fewer digits the stiffer the contact; refused where the
+        sides are tied or bonded. Of a law that is not linear it is the change that x makes.
         """
         if not self.has_pressure:
             raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
@@ -261,14 +224,8 @@ def assembled(
 ) -> Contact:
     """A contact with its operators on the unknowns of all bodies; collective.
 
-    Parameters
-    ----------
-    bodies, contact
-        The bodies, the contact.
-    frictional
-        Whether it has friction, or the other half of the full pass has.
-    leave_out
-        Whether slip operators are left out where it has none.
+    It is frictional where it has friction, or the other half of the full pass has; slip operators
+    of those that are not may be left out.
     """
     if contact.friction is not None and not frictional:
         contact = replace(contact, of_unit_friction=True)

@@ -75,8 +75,7 @@ class Formulation(ABC):
         return ", ".join((name, *self.options))
 
 
-_MOST_POINTS = 200
-"""Points per direction in an element: far more than any rule needs."""
+_MOST_POINTS = 200  # points per direction in an element: far more than any rule needs
 
 
 def _check_points(points: int, least: int = 1) -> None:

@@ -121,17 +121,9 @@ class Reversed:
 
 @dataclass(frozen=True)
 class Friction:
-    """Coulomb friction of steady sliding.
+    """Coulomb friction of steady sliding, along a direction of the traction on side a."""
 
-    Parameters
-    ----------
-    mu
-        Friction coefficient, shape (n,) or one number, zero or positive.
-    direction
-        Direction of the friction traction on side a.
-    """
-
-    mu: Floats | float
+    mu: Floats | float  # coefficient, shape (n,) or one number, zero or positive
     direction: FrictionDirection | Reversed
 
     def __post_init__(self) -> None:

@@ -31,8 +31,7 @@ _SAGITTA = 0.25
 A chord of length h that turns by the angle t from the ends of its arc leaves it by h t / 4; between
 the chords of two sides the normals differ by the sum of both angles.
 """
-_FACING = -0.5
-"""Largest cosine between the normals of two surfaces that face each other."""
+_FACING = -0.5  # largest cosine between the normals of two surfaces that face each other
 
 
 @dataclass(frozen=True)
@@ -99,27 +98,11 @@ def pair(
 ) -> Interface:
     """Locate the points of a rule on side a on the surface of side b, each rank its share.
 
-    Parameters
-    ----------
-    a, b
-        The two surfaces.
-    points
-        Points of the rule on a, the same on every rank; those of weight zero are dropped.
-    field
-        Name of the contact, for messages.
-    reach
-        Largest distance (m) between the surfaces along the normal. By default half the larger mesh
-        size, and the gap must not exceed what curved surfaces leave between straight facets.
-    max_missed
-        Largest fraction of the rule's area that may find nothing on b; such points are dropped.
-    comm
-        Communicator of both bodies (mpi4py).
-
-    Raises
-    ------
-    InputError
-        On every rank, when a weight is negative, too many points are missed, or the surfaces do not
-        face each other or do not touch.
+    Points are the same on every rank; those of weight zero are dropped. They are looked for within
+    a reach (m) along the normal; without one within half the larger mesh size, and the gap must not
+    exceed what curved surfaces leave between straight facets. Points that find nothing are dropped,
+    up to a fraction of the area of a. Refused, naming the field, on every rank when a weight is
+    negative, too many points are missed, or the surfaces do not face each other or do not touch.
     """
     must_touch = reach is None
     if reach is None:
@@ -199,10 +182,7 @@ def along(trace: csr_array, direction: Floats) -> csr_array:
 
 
 def _check_weights(weights: Floats, field: str) -> None:
-    """Refuse area weights of points that are not numbers, zero or positive.
-
-    A negative weight is a negative stiffness: such a rule has no K_n that is positive, no sqrt(D).
-    """
+    """Refuse area weights that are no numbers or negative: such a rule has no sqrt(D)."""
     wrong = ~(np.isfinite(weights) & (weights >= 0))
     if wrong.any() or (len(weights) and not (weights > 0).any()):
         value = float(weights[wrong][0]) if wrong.any() else 0.0
@@ -213,10 +193,7 @@ def _check_weights(weights: Floats, field: str) -> None:
 def _check_gap(
     distances: tuple[float, float], angle: float, allowed: float, field: str, sides: str
 ) -> None:
-    """Refuse surfaces apart, into each other, or tilted by an angle (rad), that nobody said may be.
-
-    Their least and largest distance (m) is below zero inside of each other.
-    """
+    """Refuse surfaces apart, into each other (below zero), or tilted, that nobody said may be."""
     least, largest = distances
     if max(-least, largest) <= allowed:
         return

@@ -16,16 +16,10 @@ from cea.errors import InputError
 
 @dataclass(frozen=True)
 class LinearLaw:
-    """A pressure proportional to the penetration, tension too: contact known where it is closed.
+    """A pressure proportional to the penetration, tension too: contact known where it is closed."""
 
-    Parameters
-    ----------
-    stiffness
-        Contact stiffness p (N/m^3), shape (n,) or one number; zero where the sides have lifted off;
-        infinite everywhere, where the sides are tied along the normal, or nowhere.
-
-    """
-
+    # contact stiffness p (N/m^3), shape (n,) or one number; zero where the sides have lifted off;
+    # infinite everywhere, where the sides are tied along the normal, or nowhere
     stiffness: Floats | float
     linear: ClassVar[bool] = True
     """Its slope is the same at any penetration: no state of steady sliding is sought."""
@@ -90,22 +84,12 @@ NormalLaw = LinearLaw | NormalCompliance
 
 @dataclass(frozen=True)
 class Sliding:
-    """Steady sliding, as far as small velocities feel it (:mod:`cea.system.contact_terms`).
+    """Steady sliding, as far as small velocities feel it (:mod:`cea.system.contact_terms`)."""
 
-    Parameters
-    ----------
-    speed
-        v (m/s) at all points, positive, shape (n,); None where the direction of sliding is taken as
-        if it did not turn.
-    mu_slope
-        mu'(v) (s/m) at all points, shape (n,); None for zero.
-    pressure
-        sigma (N/m^2) at all points, zero or positive, shape (n,); None takes that of the law in the
-        state that is linearised about.
-    """
-
+    # v (m/s) at all points, shape (n,); None where the direction of sliding does not turn
     speed: Floats | None = None
-    mu_slope: Floats | None = None
+    mu_slope: Floats | None = None  # mu'(v) (s/m) at all points, shape (n,); None for zero
+    # sigma (N/m^2) at all points, shape (n,); None takes that of the law in the state
     pressure: Floats | None = None
 
     def __post_init__(self) -> None:

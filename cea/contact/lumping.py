@@ -16,14 +16,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.body.unknowns import system_operator
 from cea.contact.interface import Interface, along
-from cea.matrices import (
-    block_diagonal,
-    destroy,
-    distributed,
-    product,
-    symmetrised,
-    total,
-)
+from cea.matrices import block_diagonal, destroy, distributed, product, symmetrised, total
 from cea.petsc import MPI, PETSc
 
 
@@ -35,64 +28,48 @@ def lumped_matrices(
     pushed: Floats | None,
 ) -> tuple[Any, Any | None]:
     """K_n and K_f of lumped contact in the unknowns of the system; pushed along mu k."""
+    traces = dict(zip(sides, (interface.trace_a, interface.trace_b), strict=True))
     normal = interface.local_points.normal
-    stiffness = _lumped(bodies, sides, interface, weight, normal, normal)
-    symmetrised(stiffness)
+    stiffness = symmetrised(_lumped(bodies, traces, weight, normal, normal))
     stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     if pushed is None:
         return stiffness, None
-    return stiffness, _lumped(bodies, sides, interface, weight, pushed, normal)
+    return stiffness, _lumped(bodies, traces, weight, pushed, normal)
 
 
 def _lumped(
-    bodies: Mapping[str, Body],
-    sides: tuple[str, str],
-    interface: Interface,
-    weight: Floats,
-    left: Floats,
-    right: Floats,
-) -> Any:
-    """Jump along ``left`` against jump along ``right``, each side's own block lumped."""
-    traces = dict(zip(sides, (interface.trace_a, interface.trace_b), strict=True))
-    rows = len(weight)
-    factor = PETSc.Vec().createMPI((rows, PETSc.DETERMINE), comm=interface.comm)
-    factor.array[:] = -weight
-    parts = [_own_blocks(bodies, traces, weight, left, right, interface.comm)]
-    for one, other in (sides, sides[::-1]):
-        test = system_operator(bodies, {one: along(traces[one], left)}, rows)
-        trial = system_operator(bodies, {other: along(traces[other], right)}, rows)
-        parts.append(product(test, trial, factor))
-        destroy(test, trial)
-    result = total(parts)
-    destroy(factor, *parts)
-    return result
-
-
-def _own_blocks(
     bodies: Mapping[str, Body],
     traces: Mapping[str, csr_array],
     weight: Floats,
     left: Floats,
     right: Floats,
-    comm: Any,
 ) -> Any:
-    """Lumped blocks of both sides, block diagonal."""
-    blocks = []
+    """Jump along ``left`` against jump along ``right``, each side's own block lumped."""
+    rows, blocks = len(weight), []
     for name, body in bodies.items():
-        full = (body.dim * body.num_scalar_dofs,) * 2
-        lumped = csr_array(full)
+        whole = csr_array((body.dim * body.num_scalar_dofs,) * 2)
         if name in traces:
-            lumped = comm.allreduce(_lumped_block(traces[name], weight, left, right), MPI.SUM)
-        own = csr_array(lumped[slice(*body.expansion.getOwnershipRange())])
+            whole = body.comm.allreduce(_block(traces[name], weight, left, right), MPI.SUM)
+        own = csr_array(whole[slice(*body.expansion.getOwnershipRange())])
         matrix = distributed(own, body.expansion.getSizes()[0], body.comm)
         blocks.append(matrix.ptap(body.expansion))
         destroy(matrix)
-    result = block_diagonal(blocks).convert("aij")
+    parts = [block_diagonal(blocks).convert("aij")]
     destroy(*blocks)
+    one, other = traces
+    for test_side, trial_side in ((one, other), (other, one)):
+        test = system_operator(bodies, {test_side: along(traces[test_side], left)}, rows)
+        trial = system_operator(bodies, {trial_side: along(traces[trial_side], right)}, rows)
+        factor = test.createVecLeft()
+        factor.array[:] = -weight
+        parts.append(product(test, trial, factor))
+        destroy(test, trial, factor)
+    result = total(parts)
+    destroy(*parts)
     return result
 
 
-def _lumped_block(trace: csr_array, weight: Floats, left: Floats, right: Floats) -> csr_array:
+def _block(trace: csr_array, weight: Floats, left: Floats, right: Floats) -> csr_array:
     """Sum over points of w N_i l r^T on the diagonal block of scalar dof i."""
     dim = left.shape[1]
     outer = np.einsum("q,qc,qd->qcd", weight, left, right).reshape(len(weight), -1)

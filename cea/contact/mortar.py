@@ -69,10 +69,7 @@ class MortarProjection:
         return result
 
     def compliance(self, stiffness: Floats) -> Any:
-        """M, PETSc AIJ (m x m), symmetric to the last bit, of p or a part of it at all points.
-
-        It is zero only at points that are left out.
-        """
+        """M, PETSc AIJ (m x m), symmetric to the last bit, of p or a part of it at all points."""
         own, area = stiffness[self.interface.rows], self.interface.local_points.weight
         share = np.divide(area, own, out=np.zeros(len(own)), where=own > 0)
         weight = self._at_points(share)

@@ -20,8 +20,7 @@ from cea.surface_points import SurfaceCoordinates
 _HELD = 1e-6
 """Part of a trace that rounding, and the small shift below, may leave out of the other's."""
 _SHIFT = 1e-12
-_VANISHES = 1e-10
-"""Value of a trace function that counts as zero."""
+_VANISHES = 1e-10  # value of a trace function that counts as zero
 
 
 @dataclass(frozen=True)
@@ -52,10 +51,7 @@ def _functions(surface: Surface) -> int:
 
 
 def nested(interface: Interface) -> bool:
-    """Whether one side's traces hold those of the other, as on meshes that match; collective.
-
-    A random function of each side is fitted, at the points, by the traces of the other.
-    """
+    """Whether one side has the traces of the other, as on meshes that match; collective."""
     comm = interface.comm
     traces = [
         csr_array(vstack(comm.allgather(csr_array(trace[:, _touched(interface, trace)]))))

@@ -28,12 +28,10 @@ _STRAIGHT = 1e-8
 Traces of b are continuous across its edges: a break off by d costs an integral d^2 inside the
 surfaces, and d at their rims.
 """
-_SLIVER = 1e-14
-"""Segments below this part of their cell's area are dropped."""
+_SLIVER = 1e-14  # segments below this part of their cell's area are dropped
 _POLYLINE = 16
 """Pieces, at most, that stand for an edge of b that is curved in the coordinates of a."""
-_CHUNK = 10_000
-"""Pairs of cells that are worked on at once."""
+_CHUNK = 10_000  # pairs of cells that are worked on at once
 
 
 def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> SurfacePoints:

@@ -104,18 +104,10 @@ class Spring:
 
 @dataclass(frozen=True)
 class Pressure:
-    """Uniform pressure on a surface: traction ``-value * n`` with n the outward normal.
+    """Uniform pressure on a surface: traction ``-value * n`` with n the outward normal."""
 
-    Parameters
-    ----------
-    surface
-        Name of the surface.
-    value
-        Pressure (N/m^2), positive pushes on the body.
-    """
-
-    surface: str
-    value: float
+    surface: str  # name of the surface
+    value: float  # pressure (N/m^2), positive pushes on the body
 
     def __post_init__(self) -> None:
         if not np.isfinite(self.value):
@@ -124,18 +116,11 @@ class Pressure:
 
 @dataclass(frozen=True)
 class Force:
-    """A force on a body: spread evenly over a surface, or for each volume where none is named.
+    """A force on a body: spread evenly over a surface, or for each volume where none is named."""
 
-    Parameters
-    ----------
-    value
-        Its components: the whole of it (N; N/m in the plane), or that of a unit volume (N/m^3).
-    surface
-        Name of the surface; None of a force on every part of the body.
-    """
-
+    # components of the whole of it (N; N/m in the plane), or of that of a unit volume (N/m^3)
     value: tuple[float, ...]
-    surface: str | None = None
+    surface: str | None = None  # its name; None of a force on every part of the body
 
     def __post_init__(self) -> None:
         if not np.isfinite(np.asarray(self.value, dtype=float)).all():

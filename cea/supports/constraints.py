@@ -29,8 +29,7 @@ from cea.matrices import distributed
 from cea.petsc import PETSc
 from cea.supports.directions import Directions, orthonormal
 
-_RANK = 1e-10
-"""Eigenvalue of a sum of projectors, relative to the largest, that is none."""
+_RANK = 1e-10  # eigenvalue of a sum of projectors, relative to the largest, that is none
 
 
 @dataclass(frozen=True)
@@ -198,10 +197,7 @@ class Constraints:
         return self.dofs, self.forces.split(force[self.dofs], supports)
 
     def restrict(self, matrix: Any, expansion: Any) -> Any:
-        """Z^T A Z of a symmetric matrix, symmetric as far as rounding goes.
-
-        Plain components are picked from the matrix; the product is formed only for others.
-        """
+        """Z^T A Z of a symmetric matrix; a product only where Z picks no components."""
         if not self.any:
             return matrix
         if not self.selects:

@@ -95,8 +95,7 @@ def orthonormal(owner: Ints, direction: Floats, count: int) -> tuple[Floats, Int
 def complement(taken: Floats) -> Floats:
     """Orthonormal rows that complete those taken, which come first and are not needed again.
 
-    Where they span coordinate axes the rest is exactly the other axes, in their order, so that
-    plain components stay plain.
+    Where they span coordinate axes the rest is exactly the other axes, in their order.
     """
     dim = taken.shape[1]
     frame = np.linalg.svd(taken)[2]

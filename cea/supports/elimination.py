@@ -21,11 +21,9 @@ from cea.supports.directions import Directions, complement, orthonormal
 _NEGLIGIBLE = 1e-14
 """Coefficients dropped; those of dependent dofs fall exponentially with distance."""
 
-_LARGEST = 1e6
-"""Coefficient of a dependent dof beyond which its constraints contradict each other."""
+_LARGEST = 1e6  # coefficient of a dependent dof beyond which its constraints contradict each other
 
-_SAME = 1e-9
-"""Difference of prescribed values, relative to the largest, that is taken for rounding."""
+_SAME = 1e-9  # difference of prescribed values, relative to the largest, that is taken for rounding
 
 _CHUNK_BYTES = 64 * 2**20
 

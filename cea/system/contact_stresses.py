@@ -15,8 +15,7 @@ from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 
-_TIED = 1e-9
-"""Relative difference of distances that counts as none."""
+_TIED = 1e-9  # relative difference of distances that counts as none
 
 
 @dataclass(frozen=True)
@@ -179,10 +178,7 @@ def _diagonal(contact: Contact, samples: int) -> tuple[Floats, Floats, Floats]:
 
 
 def _farthest(x: Floats, origin: Floats) -> Floats:
-    """Point farthest from an origin; of equally far ones, that of the least coordinates.
-
-    Points come in an order, and with rounding, that depend on how meshes are shared out.
-    """
+    """Point farthest from an origin; of equally far ones, that of the least coordinates."""
     distance = np.linalg.norm(x - origin, axis=1)
     tied = x[distance >= (1 - _TIED) * distance.max()]
     rounded = np.round((tied - origin) / (distance.max() or 1.0), 6)

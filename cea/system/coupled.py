@@ -225,10 +225,7 @@ class CoupledSystem:
         return joined(known, functions, dim) if every else None
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
-        """Full displacement (m) of one body under loads, shape (dim * num_scalar_dofs,).
-
-        With what its supports prescribe.
-        """
+        """Full displacement (m) of a body with what supports prescribe, (dim * scalar dofs,)."""
         part = x.getSubVector(self.index_sets[body])
         full = self.bodies[body].expansion.createVecLeft()
         self.bodies[body].expansion.mult(part, full)
@@ -249,21 +246,11 @@ def couple(
     leave_out: bool = True,
     motions: Mapping[str, Motion] | None = None,
 ) -> CoupledSystem:
-    """Assemble the coupled matrices.
+    """Assemble the coupled matrices of bodies and contacts, the half passes one after another.
 
-    Parameters
-    ----------
-    bodies
-        Bodies by name.
-    contacts
-        Contacts without their operators, the half passes one after another.
-    with_mass, with_load
-        Whether mass and loads are needed.
-    leave_out
-        Whether slip operators and K_f are left out where mu = 0.
-    motions
-        Damping and rotation of bodies that have any, by name. Without mass they act on
-        displacements at rest in space alone.
+    Mass and loads are made where they are needed; slip operators and K_f may be left out where
+    mu = 0. Motions are damping and rotation of bodies that have any, by name: without mass they act
+    on displacements at rest in space alone.
     """
     PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
     nest = block_diagonal([body.stiffness() for body in bodies.values()])

@@ -24,18 +24,13 @@ from cea.eigen.unformed import LowRank, LowRankTerm
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
 
-_SAME = 1e-8
-"""Relative distance up to which frequencies are those of one multiple eigenvalue."""
-_MOST = 2000
-"""Most modes of a body that are damped one by one."""
-_RIGID = 10.0
-"""Frequency relative to its uncertainty up to which a motion is rigid, or lost."""
-_RIGID_MOTIONS = 6
-"""Most rigid motions of a body in one piece."""
+_SAME = 1e-8  # relative distance up to which frequencies are those of one multiple eigenvalue
+_MOST = 2000  # most modes of a body that are damped one by one
+_RIGID = 10.0  # frequency relative to its uncertainty up to which a motion is rigid, or lost
+_RIGID_MOTIONS = 6  # most rigid motions of a body in one piece
 _BELOW = 1e-9
 """Square of a frequency that no elastic mode need be below, relative to :func:`_largest_ratio`."""
-_BEYOND = 1e-6
-"""What is searched beyond the last mode asked for, relative to its frequency."""
+_BEYOND = 1e-6  # what is searched beyond the last mode asked for, relative to its frequency
 
 
 @dataclass(frozen=True)
@@ -203,11 +198,7 @@ def _elastic_modes(body: Body, end: float | None, *, wanted: int, most: int) -> 
 
 
 def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
-    """A frequency (Hz) up to which there are so many elastic modes, and one more if there is one.
-
-    Eigenvalues that are found are some of those that there are: there may be more below the last
-    one, not less.
-    """
+    """A frequency (Hz) up to which there are so many elastic modes, and one more if any."""
     count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
     found, op = nearest(matrices, -least, count, KrylovOptions())
     op.free()
@@ -215,10 +206,7 @@ def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
 
 
 def _window(matrices: Matrices, least: float, end: float, most: int) -> float:
-    """A window (Hz) of the modes up to an end: neither far beyond all of them nor far below.
-
-    Modes would be rounding beside a shift far beyond them, rigid motions alone beside each other.
-    """
+    """A window (Hz) of the modes up to an end: neither far beyond all of them nor far below."""
     end = max(end, float(np.sqrt(least)) / (2 * np.pi))
     count = count_below(matrices, (2 * np.pi * end) ** 2)
     if count > most:

@@ -20,20 +20,14 @@ from cea.system.steady_equations import State, SteadyEquations, free_tangent, so
 from cea.system.steady_state import parity_of
 from cea.timing import StageTimer
 
-_MOST = 60
-"""Steps."""
-_PATIENCE = 16
-"""Steps in which the residual is halved at least."""
-_SOLVED = 1e-14
-"""Residual, relative to the forces, at which there is nothing left to gain."""
+_MOST = 60  # steps
+_PATIENCE = 16  # steps in which the residual is halved at least
+_SOLVED = 1e-14  # residual, relative to the forces, at which there is nothing left to gain
 _ROUNDING = 1e-7
 """Residual, relative to the forces, from which what does not get smaller may be rounding."""
-_NOISE = 10.0
-"""The same in parts of what rounding of the closures makes of it."""
-_STALLS = 0.3
-"""Ratio of residuals that is no convergence of Newton's method."""
-_SHORTEST = 2.0**-12
-"""Shortest part of a step."""
+_NOISE = 10.0  # the same in parts of what rounding of the closures makes of it
+_STALLS = 0.3  # ratio of residuals that is no convergence of Newton's method
+_SHORTEST = 2.0**-12  # shortest part of a step
 _HELP = (0.0, 1e-3, 1e-1, 1.0, 10.0)
 """Parts of the slopes of a closed contact that are added, in turn, where no step helps."""
 

@@ -33,16 +33,12 @@ from cea.system.steady_state import (
 )
 from cea.timing import StageTimer
 
-_SHORTEST = 1 / 64
-"""Least part of a step that was asked for to which it is cut."""
-_FIRST = 1 / 2
-"""The same before any equilibrium was found."""
-_GROWS = 2.0
-"""By how much a step is longer than the one before."""
+_SHORTEST = 1 / 64  # least part of a step that was asked for to which it is cut
+_FIRST = 1 / 2  # the same before any equilibrium was found
+_GROWS = 2.0  # by how much a step is longer than the one before
 _SOFTNESSES = tuple(10.0**power for power in range(12, -1, -2))
 """By what laws are divided in turn where the law itself does not converge."""
-_TOGETHER = 1e-9
-"""Parts of the load, in those of a step, that are taken with the step."""
+_TOGETHER = 1e-9  # parts of the load, in those of a step, that are taken with the step
 _FREE = (
     "a rigid motion is free: supports, and contacts with all their points closed, do not hold the "
     "bodies"
@@ -57,27 +53,12 @@ def steady_sliding(
     steps: int | Sequence[float] = 1,
     history: bool = False,
 ) -> SteadySliding:
-    """Equilibrium of steady sliding.
+    """Equilibrium of steady sliding of a system with loads, a contact of which has a law.
 
-    Parameters
-    ----------
-    system
-        Bodies with their loads, and contacts of which some have a law that is not linear.
-    timer
-        Counts assembly and factorisation.
-    steps
-        Number of equal steps in which the load is put on, or the part of it at the end of each,
-        rising to 1. Steps are cut where no equilibrium is found.
-    history
-        Whether the equilibrium at each of them is kept.
-
-    Raises
-    ------
-    InputError
-        When the system has no load, or no such contact.
-    ConvergenceError
-        When the load opens the contact, a rigid motion is free, or no equilibrium is found; the
-        last state is attached.
+    The load is put on in so many equal steps, or to rising parts of it at the end of each, the last
+    of them 1; steps are cut where no equilibrium is found. With a history the equilibrium at each
+    of them is kept. A ConvergenceError with the last state tells when the load opens the contact, a
+    rigid motion is free, or no equilibrium is found.
     """
     if system.load is None:
         raise InputError("load", None, "forces: the system was coupled without")

@@ -22,8 +22,7 @@ from cea.petsc import Vec
 
 _NEAR = 1e-2
 """Least eigenvalue, of the tangent relative to its symmetric part, that is not nearly zero."""
-_STEPS = 12
-"""Inverse iterations."""
+_STEPS = 12  # inverse iterations
 
 
 @dataclass(frozen=True)

@@ -38,10 +38,8 @@ from cea.petsc import MPI
 from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
-_BALANCED = 1e-8
-"""Sum of forces, relative to the largest of them, that counts as none."""
-_ROUNDING = 10.0
-"""The same in parts of what rounding makes of it."""
+_BALANCED = 1e-8  # sum of forces, relative to the largest of them, that counts as none
+_ROUNDING = 10.0  # the same in parts of what rounding makes of it
 
 
 @dataclass(frozen=True)
@@ -106,22 +104,10 @@ def _left(parts: Floats, largest: float, rounding: float) -> float:
 def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dict[str, Floats]:
     """Resultant (N) of the forces of each support on its body; collective.
 
-    Parameters
-    ----------
-    system
-        The coupled system with its loads, linearised about its state of steady sliding where it
-        has one.
-    x
-        Free displacements under the loads (m), PETSc vector.
-    multipliers
-        Contact forces that are unknowns beside them (N), the rows of this rank.
-
-    Returns
-    -------
-    dict
-        By body, shape (supports, dim), in their order; bodies without supports are left out, and
-        those that rotate with modal damping. A direction that several supports hold at a dof is
-        shared evenly among them.
+    Of a system with its loads, linearised about its state of steady sliding where it has one, at
+    free displacements x (m), PETSc vector, and contact forces that are unknowns (N), the rows of
+    this rank. By body, shape (supports, dim); bodies without supports are left out, and those that
+    rotate with modal damping. A direction that several supports hold at a dof is shared evenly.
 
     Raises
     ------

@@ -66,59 +66,6 @@ def test_a_stretched_box_is_exact(cells, dim, degree):
     assert np.abs(result.reactions["box"].sum(axis=0)).max() <= 1e-12 * force
 
 
-def test_each_component_has_its_own_value(backend):
-    """In the order in which they are named; for x, y, z where none is."""
-    value = [2e-3, -1e-3, 4e-3]
-    bottom, top = {"surface": "z_min"}, {"surface": "z_max", "value": value}
-    _, x, u = solved(box(backend, [bottom, top]))
-    at_top = x[:, 2] > SIZE[2] * (1 - 1e-12)
-    assert at_top.sum() >= 12
-    assert u[at_top] == pytest.approx(np.tile(value, (at_top.sum(), 1)), abs=1e-15 * 4e-3)
-    named = top | {"components": ["z", "x", "y"], "value": [value[2], *value[:2]]}
-    assert solved(box(backend, [bottom, named]))[2] == pytest.approx(u, abs=1e-16)
-
-
-def ring(backend, elements, degree):
-    """A ring in plane strain whose rims are moved along the radius, inwards and outwards."""
-    rims = {"inner": -1e-3, "outer": 2e-3}
-    return {
-        "name": "ring",
-        "bodies": {
-            "ring": {
-                "backend": backend,
-                "geometry": {"shape": "ring", "inner_radius": 0.5, "outer_radius": 1.0},
-                "material": {"E": E, "nu": NU, "rho": 1.0},
-                "supports": [
-                    {"surface": rim, "components": ["radial"], "value": value}
-                    for rim, value in rims.items()
-                ],
-                # What little holds a rotation moves nothing along the radius.
-                "springs": [{"surface": "inner", "stiffness": [1e-9, 1e-9]}],
-                "mesh": {
-                    "fe": {"cell": "quadrilateral", "degree": degree, "elements": elements},
-                    "iga": {"degree": [degree, degree], "elements": elements},
-                },
-            }
-        },
-        "analysis": {"kind": "static"},
-    }
-
-
-def ring_error(backend, elements, degree):
-    _, x, u = solved(ring(backend, elements, degree))
-    radius = np.linalg.norm(x, axis=1)
-    # u_r = A r + B / r with u_r(1/2) = -1e-3 and u_r(1) = 2e-3 (Lame)
-    A, B = np.linalg.solve([[0.5, 2.0], [1.0, 1.0]], [-1e-3, 2e-3])
-    along = np.einsum("ij,ij->i", u, x) / radius
-    return np.abs(along - A * radius - B / radius).max() / 2e-3
-
-
-def test_rims_moved_along_the_radius_converge_to_lame(backend):
-    coarse, fine = (ring_error(backend, [n, 6 * n], 3) for n in (4, 8))
-    assert fine < 1e-4
-    assert coarse / fine > 2**3
-
-
 @pytest.mark.parametrize(
     ("backend", "form"), covering(["fe", "iga"], ["penalty", "saddle"], strength=1)
 )
