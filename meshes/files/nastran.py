@@ -167,7 +167,7 @@ _MIDDLES |= {"hexahedron": [8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15]}
 """Places of the middles of edges: those of upright edges come before those of the top."""
 _PROPERTIES = {"PSOLID": 3, "PLSOLID": 3, "PCOMPS": 3, "PSHELL": 2, "PCOMP": 2, "PCOMPG": 2}
 """Dimension of the elements that have a property."""
-_SYSTEMS = ("CORD2R", "CORD2C", "CORD2S")
+_SYSTEMS = tuple(f"CORD{way}{kind}" for way in "12" for kind in "RCS")
 _OF_THE_SCENE = re.compile(
     r"P\w+|MAT\w+|SPC\w*|SPOINT|EPOINT|SUPORT\d?|SET\d|SEQGP|SNORM|ECHO\w+|EIG\w+|FREQ\d?|TSTEP\w*"
     r"|FORCE\d?|MOMENT\d?|GRAV|ACCEL\d?|RFORCE\d?|[DRST]?LOAD\w*|LSEQ|DAREA|DELAY|DPHASE|DEFORM"
@@ -246,36 +246,54 @@ def _positions(cards: Cards) -> tuple[Ints, Floats]:
     for card in grids:
         if any(card.fields[8:]):
             raise card.refuse("a point of eight fields at most")
-    given: dict[int, Card] = {}
+    given: dict[int, tuple[Card, int]] = {}
     for card in (card for name in _SYSTEMS for card in cards[name]):
-        number = card.whole(0)
-        fits = number > 0 and number not in given
-        require(fits, "file", f"{card.name} {number}", "a number of its own, from 1")
-        given[number] = card
+        # CORD1 cards hold one or two systems.
+        for start in (0, 4) if card.name[4] == "1" and card.text(4) else (0,):
+            number = card.whole(start)
+            fits = number > 0 and number not in given
+            require(fits, "file", f"{card.name} {number}", "a number of its own, from 1")
+            given[number] = card, start
+    numbers = np.array([card.whole(0) for card in grids], dtype=np.int64)
     systems = np.array([card.whole(1, default=default) for card in grids])
     points = np.array([card.reals(2) for card in grids])
+    own = dict(
+        zip(numbers.tolist(), zip(systems.tolist(), points.copy(), strict=True), strict=True)
+    )
     for number in np.unique(systems).tolist():
-        own = systems == number
-        points[own] = _from_system(number, points[own], given, ())
-    return np.array([card.whole(0) for card in grids], dtype=np.int64), points
+        inside = systems == number
+        points[inside] = _from_system(number, points[inside], given, own, ())
+    return numbers, points
 
 
 def _from_system(
-    number: int, given: Floats, cards: Mapping[int, Card], outer: tuple[int, ...]
+    number: int,
+    given: Floats,
+    cards: Mapping[int, tuple[Card, int]],
+    grids: Mapping[int, tuple[int, Floats]],
+    outer: tuple[int, ...],
 ) -> Floats:
     """Positions in the basic system, (n, 3), of coordinates in another; angles are in degrees.
 
+    Of each system its card and where on it it begins, of each point its system and coordinates;
     ``outer`` are the systems that are given in this one.
     """
     if number == 0:
         return given
     require(number in cards, "file", f"CP {number}", "a coordinate system of the file")
-    card = cards[number]
+    card, start = cards[number]
     if number in outer:
         raise card.refuse("a coordinate system that is not defined by itself")
-    corners = np.array([card.reals(2 + 3 * i) for i in range(3)])
-    origin, on_axis, in_plane = _from_system(
-        card.whole(1, default=0), corners, cards, (*outer, number)
+    if card.name[4] == "1":
+        named = [card.whole(start + i) for i in (1, 2, 3)]
+        if unknown := [each for each in named if each not in grids]:
+            raise card.refuse(f"a point of the file, not {unknown[0]}")
+        corners = [grids[each] for each in named]
+    else:
+        outside = card.whole(1, default=0)
+        corners = [(outside, np.array(card.reals(2 + 3 * i))) for i in range(3)]
+    origin, on_axis, in_plane = (
+        _from_system(of, x[None], cards, grids, (*outer, number))[0] for of, x in corners
     )
     up, across = on_axis - origin, in_plane - origin
     side = np.cross(up, across)
@@ -284,9 +302,9 @@ def _from_system(
     z, y = up / np.linalg.norm(up), side / np.linalg.norm(side)
     a, b, c = given[:, 0], np.radians(given[:, 1]), given[:, 2]
     local = given
-    if card.name == "CORD2C":
+    if card.name[5] == "C":
         local = np.stack([a * np.cos(b), a * np.sin(b), c], axis=1)
-    if card.name == "CORD2S":
+    if card.name[5] == "S":
         c, r = np.radians(c), a * np.sin(b)
         local = np.stack([r * np.cos(c), r * np.sin(c), a * np.cos(b)], axis=1)
     return origin + local @ np.stack([np.cross(y, z), y, z])

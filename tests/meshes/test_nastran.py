@@ -182,15 +182,25 @@ def free_line(*fields):
     return ",".join(repr(float(f)) if isinstance(f, float) else str(f) for f in fields) + "\n"
 
 
+def system(way, kind):
+    """Cards that define the system 5."""
+    if way == "2":
+        return free_line(f"CORD2{kind}", 5, 0, *A, *B) + free_line("", *C)
+    points = "".join(free_line("GRID", 91 + i, 0, *x) for i, x in enumerate((A, B, C)))
+    return points + f"CORD1{kind},8,91,92,93,5,91,92,93\n"  # the second of two systems
+
+
 @pytest.mark.parametrize("default", [False, True])
 @pytest.mark.parametrize("kind", "RCS")
-def test_points_in_coordinate_systems_are_where_they_were(tmp_path, kind, default):
-    text = free_line(f"CORD2{kind}", 5, 0, *A, *B) + free_line("", *C)
+@pytest.mark.parametrize("way", "12")
+def test_points_in_coordinate_systems_are_where_they_were(tmp_path, way, kind, default):
+    text = system(way, kind)
     text += "GRDSET,,5\n" if default else ""
     given = enumerate(coordinates(kind, CUBE), 1)
     text += "".join(free_line("GRID", i, "" if default else 5, *x) for i, x in given)
     found = content(tmp_path, text + free(CARDS[-1:]))
-    np.testing.assert_allclose(found.points, CUBE, rtol=0, atol=1e-14)
+    of_cube = found.points[-8:]  # behind those of the system
+    np.testing.assert_allclose(of_cube, CUBE, rtol=0, atol=1e-14)
 
 
 def test_systems_in_systems_and_points_that_leave_the_default(tmp_path):
@@ -289,7 +299,8 @@ GOOD = free(CARDS)
          "not on one line"),
         (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD2R,1,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
          "not defined by itself"),
-        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,4\n", "CP 1'.* a coordinate system"),
+        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,3\n", "not defined by itself"),
+        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,99\n", "of the file, not 99"),
         ("GRID 1 0. 0. 0.\n", "the name of a card at the beginning"),
         (" GRID          10       0" + "0.150001" * 3 + "\n", "begins in the first column"),
         ("GRID,1,,0.,0.,0.\n", "no elements"),
