@@ -11,10 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Self
+from warnings import catch_warnings
 
 import numpy as np
 from scipy.linalg import (
     LinAlgError,
+    LinAlgWarning,
     cholesky,
     lu_factor,
     lu_solve,
@@ -160,16 +162,30 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
             continue  # corrected with their conjugates
         real = mean.imag <= rounding
         shift = (mean.real if real else mean) + 0.1 * rounding
-        factors = lu_factor(matrix - shift * np.eye(len(matrix)))
-        own = np.random.default_rng(0).standard_normal((len(matrix), len(members)))
-        for _ in range(_INVERSE_STEPS):
-            own = np.linalg.qr(lu_solve(factors, own))[0]
+        own = _near(matrix, shift, 0.1 * rounding, len(members))
+        if own is None:
+            continue
         image = matrix @ own
         found = np.einsum("ij,ij->j", own.conj(), image)
         if np.linalg.norm(image - own * found, axis=0).max() <= rounding:
             vectors[:, members], values[members] = own, found
             if not real:
                 vectors[:, members + 1], values[members + 1] = own.conj(), found.conj()
+
+
+def _near(matrix: Floats, shift: complex, least: float, count: int) -> Complexes | None:
+    """Orthonormal vectors by inverse iteration, no pivot below the least; None beyond all range."""
+    with catch_warnings(action="ignore", category=LinAlgWarning):  # of pivots that are zero
+        factors = lu_factor(matrix - shift * np.eye(len(matrix)))
+    pivots = np.einsum("ii->i", factors[0])
+    pivots[np.abs(pivots) < least] = least
+    own: Any = np.random.default_rng(0).standard_normal((len(matrix), count))
+    for _ in range(_INVERSE_STEPS):
+        own = lu_solve(factors, own)
+        if not np.isfinite(own).all():
+            return None
+        own = np.linalg.qr(own)[0]
+    return own
 
 
 def dense_subspace(
