@@ -162,7 +162,7 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
             continue  # corrected with their conjugates
         real = mean.imag <= rounding
         shift = (mean.real if real else mean) + 0.1 * rounding
-        own = _near(matrix, shift, 0.1 * rounding, len(members))
+        own = _near(matrix, shift, rounding / _EQUAL, len(members))
         if own is None:
             continue
         image = matrix @ own
