@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -81,7 +81,7 @@ class IsotropicMaterial(Material):
     E: float
     nu: float
     rho: float | None = None
-    kind: Literal["isotropic"] = "isotropic"
+    kind: ClassVar[str] = "isotropic"
 
     def _faults(self) -> Iterator[InputError]:
         if not (is_number(self.E) and self.E > 0):

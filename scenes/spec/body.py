@@ -5,7 +5,7 @@ from math import pi
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag
+from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from cea.damping import ModalDamping, RayleighDamping
 from cea.errors import InputError
@@ -29,8 +29,13 @@ def kind(given: Any) -> Any:
     return getattr(given, "kind", "isotropic")
 
 
+def _without_kind(given: Any) -> Any:
+    """An isotropic material as scenes have it, without its kind."""
+    return {k: v for k, v in given.items() if k != "kind"} if isinstance(given, dict) else given
+
+
 Material = Annotated[
-    Annotated[IsotropicMaterial, Tag("isotropic")]
+    Annotated[IsotropicMaterial, BeforeValidator(_without_kind), Tag("isotropic")]
     | Annotated[OrthotropicMaterial, Tag("orthotropic")]
     | Annotated[AnisotropicMaterial, Tag("anisotropic")],
     Discriminator(kind),
