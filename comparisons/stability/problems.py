@@ -1,6 +1,6 @@
 """What a run solves, and what its answer says: eigenvalues, and what it claims of them."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,9 +8,11 @@ from tempfile import TemporaryDirectory
 from typing import Any, Protocol
 
 import numpy as np
+from scipy.io import mmwrite, savemat
 from scipy.sparse import csr_array, save_npz
 
 from cea.arrays import Complexes, Floats
+from cea.petsc import PETSc
 from scenes import run_scene
 from scenes.results.record import as_json
 from scenes.running.matrices import run_matrices
@@ -98,23 +100,40 @@ class OfScene:
         return _modes(result, result.system.size)
 
 
+def _write_petsc(file: Path, matrix: csr_array) -> None:
+    viewer = PETSc.Viewer().createBinary(str(file), "w", comm=PETSc.COMM_SELF)
+    rows = matrix.indptr, matrix.indices, matrix.data
+    PETSc.Mat().createAIJ(matrix.shape, csr=rows, comm=PETSc.COMM_SELF).view(viewer)
+    viewer.destroy()
+
+
+WRITERS: Mapping[str, Callable[[Path, csr_array], None]] = {
+    "mat": lambda file, matrix: savemat(file, {"A": matrix}),
+    "mtx": lambda file, matrix: mmwrite(file, matrix, precision=17),
+    "npz": save_npz,
+    "petsc": _write_petsc,
+}
+"""What writes a matrix in each format, by the ending of the file."""
+
+
 @dataclass(frozen=True)
 class OfFiles:
     """Matrices M, K and perhaps C, shape (n, n), that are written to files and read again."""
 
     matrices: Mapping[str, Floats]
+    form: str = "npz"  # of the files
 
     def solve(self, max_frequency: float | None) -> Answer:
         """Write, read, and solve for the modes up to a frequency."""
         used = {name: matrix for name, matrix in self.matrices.items() if matrix.any()}
         with TemporaryDirectory() as folder:
             for name, matrix in used.items():
-                save_npz(Path(folder) / f"{name}.npz", csr_array(matrix))
+                WRITERS[self.form](Path(folder) / f"{name}.{self.form}", csr_array(matrix))
             scene = read_matrix_scene(
                 {
                     "name": "files",
                     "data": folder,
-                    "files": {name: f"{name}.npz" for name in used},
+                    "files": {name: f"{name}.{self.form}" for name in used},
                     "mass": {"M": 1.0},
                     "damping": {"C": 1.0} if "C" in used else {},
                     "stiffness": {"K": 1.0},
