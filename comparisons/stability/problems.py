@@ -1,8 +1,9 @@
 """What a run solves, and what its answer says: eigenvalues, and what it claims of them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Protocol
@@ -12,12 +13,17 @@ from scipy.io import mmwrite, savemat
 from scipy.sparse import csr_array, save_npz
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.classify import classify_run, thresholds
+from cea.eigen.driver import EigenSolver
 from cea.petsc import PETSc
+from cea.reduced.greedy import TOLERANCE, Enrichment
+from cea.reduced.model import ReducedModel
 from scenes import run_scene
 from scenes.results.record import as_json
 from scenes.running.matrices import run_matrices
+from scenes.running.system import coupled
 from scenes.spec.matrices import read_matrix_scene
-from scenes.spec.reading import read_scene
+from scenes.spec.reading import Scene, read_scene
 
 UNDECIDED, NOT_COMPLETE = "undecided", "window-not-complete"
 """Kinds of what an answer leaves open."""
@@ -92,12 +98,53 @@ class OfScene:
 
     def solve(self, max_frequency: float | None) -> Answer:
         """Read the scene and run it; the result can be stored."""
-        data = deepcopy(dict(self.data))
-        if data["analysis"]["kind"] == "cea":
-            data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
-        result = run_scene(read_scene(data))
+        result = run_scene(_read(self.data, max_frequency))
         as_json(result.data)
         return _modes(result, result.system.size)
+
+
+def _read(given: Mapping[str, Any], max_frequency: float | None) -> Scene:
+    """A scene, with the end of its window where it gives none."""
+    data = deepcopy(dict(given))
+    if data["analysis"]["kind"] == "cea":
+        data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
+    return read_scene(data)
+
+
+@dataclass(frozen=True)
+class OfMap:
+    """A scene as one point of a map, by a reduced model of full solves at other points."""
+
+    data: Mapping[str, Any]
+    axes: Mapping[str, Sequence[float]]  # values of each parameter at the full solves
+
+    def solve(self, max_frequency: float | None) -> Answer:
+        """The reduced model at the values of the scene."""
+        scene = _read(self.data, max_frequency)
+        system = coupled(scene, leave_out=False)[0]
+        analysis: Any = scene.analysis
+        pencil, top = system.pencil(leave_out=False), analysis.max_frequency
+        box = {name: (min(values), max(values)) for name, values in self.axes.items()}
+        model = ReducedModel(pencil, box, top, analysis.min_growth)
+        built = Enrichment.of(model, EigenSolver(pencil))
+        points = product(*self.axes.values())
+        built.cover([dict(zip(self.axes, values, strict=True)) for values in points])
+        found = built.at({}).window
+        words = found.words(None)
+        complete = all(each.about["complete"] for each in built.solves)
+        return Answer(
+            eigenvalues=found.eigenvalues,
+            verdicts=tuple(words),
+            verdict=classify_run(words, complete=complete),
+            thresholds=thresholds(found.eigenvalues),
+            uncertainties=found.uncertainties,
+            complete=complete,
+            max_frequency=top,
+            residual=found.bound,
+            condition=float(found.conditions.max(initial=1.0)),
+            warnings=() if found.bound <= TOLERANCE else ("not-certified",),
+            dofs=system.size,
+        )
 
 
 def _write_petsc(file: Path, matrix: csr_array) -> None:
