@@ -54,6 +54,15 @@ class Answer:
         return tuple(dict.fromkeys([*self.warnings, *open_ends]))
 
 
+@dataclass(frozen=True)
+class StressAnswer:
+    """Normal stresses (N/m²) over both sides of the contacts of a static run, shape (n,)."""
+
+    stresses: Floats
+    says: tuple[str, ...]  # kinds of its warnings
+    dofs: int
+
+
 def _modes(result: Any, dofs: int) -> Answer:
     """What the modes of a result say."""
     modes, threshold = result.modes, result.analysis.growth_threshold
@@ -68,16 +77,20 @@ def _modes(result: Any, dofs: int) -> Answer:
         max_frequency=modes.window.max_frequency,
         residual=float(modes.residuals.max(initial=0.0)),
         condition=float(modes.conditions.max(initial=1.0)),
-        warnings=tuple(dict.fromkeys(warning.kind for warning in result.warnings)),
+        warnings=_kinds(result),
         dofs=dofs,
         min_growth=-np.inf if decays is None else decays,
     )
 
 
+def _kinds(result: Any) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(warning.kind for warning in result.warnings))
+
+
 class Problem(Protocol):
     """Something that is solved."""
 
-    def solve(self, max_frequency: float | None) -> Answer:
+    def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
         """Solve it up to a frequency (Hz), where the problem does not say it.
 
         Raises
@@ -96,10 +109,13 @@ class OfScene:
 
     data: Mapping[str, Any]
 
-    def solve(self, max_frequency: float | None) -> Answer:
+    def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
         """Read the scene and run it; the result can be stored."""
         result = run_scene(_read(self.data, max_frequency))
         as_json(result.data)
+        if result.spectrum is None:
+            sides = [side.sigma_n for both in result.stresses.values() for side in both.values()]
+            return StressAnswer(np.concatenate(sides), _kinds(result), result.system.size)
         return _modes(result, result.system.size)
 
 
