@@ -60,17 +60,19 @@ def runs(
     true: Callable[[dict[str, Any]], Reference] | Reference | None = dense,
     *,
     instead: Mapping[str, Any] | None = None,
+    problem: Callable[[dict[str, Any]], Problem] = OfScene,
     **fields: Any,
 ) -> Runs:
     """A scene in every one of some ways.
 
     ``row`` distinguishes it within its case; ``true`` is the reference of every run, or makes it
     from the scene as it is run, or from another one ``instead``; None where only a refusal is
-    right. Other fields are those of :class:`Run`.
+    right. ``problem`` makes what is solved from the scene as it is run. Other fields are those of
+    :class:`Run`.
     """
     for way in ways:
         reference = true(way.of(instead or scene)) if callable(true) else true
-        yield Run(row, way, OfScene(way.of(scene)), reference, **fields)
+        yield Run(row, way, problem(way.of(scene)), reference, **fields)
 
 
 def refused(

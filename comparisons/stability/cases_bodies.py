@@ -1,6 +1,5 @@
 """Bodies: geometry, materials and units far apart, degrees and shapes of elements and splines."""
 
-from math import inf
 from typing import Any
 
 import numpy as np
@@ -79,43 +78,6 @@ def aspect() -> Runs:
 
     yield from runs("flat elements", long(1e3, 1.0), FEW)
     yield from runs("columns", long(1.0, 1e3), FEW, expected=WARNED, tolerance=1e-4)
-
-
-def _corner(p: float, *, together: bool) -> Scene:
-    """A block in the corner of a seat, one contact over both faces or one for each."""
-    block = patch([[0.0, 0.0], [1.0, 0.0]], [[0.0, 1.0], [1.0, 1.0]])
-    below, left = [[0, 1, 0]], [[0, 0, 0]]
-    block["faces"] = {"below": below, "left": left, "corner": below + left}
-    seat = patch([[-0.5, -0.5], [0.0, -0.5]], [[-0.5, 0.0], [0.0, 0.0]])
-    for low, high in (((0.0, -0.5), (1.5, 0.0)), ((-0.5, 0.0), (0.0, 1.5))):
-        part = patch([[low[0], low[1]], [high[0], low[1]]], [[low[0], high[1]], [high[0], high[1]]])
-        seat["patches"] += part["patches"]
-    floor, wall, foot = [[1, 1, 1]], [[2, 0, 1]], [[0, 1, 0], [1, 1, 0]]
-    seat["faces"] = {"base": foot, "floor": floor, "wall": wall, "corner": floor + wall}
-    bodies = {
-        "block": body(block, (4, 4)),
-        "seat": body(seat, (3, 3), supports=[{"surface": "base"}]),
-    }
-
-    def push(a: str, b: str, direction: list[float]) -> Scene:
-        return contact(a, b, p=p, friction_direction_on_a={"vector": direction})
-
-    if together:
-        return scene(bodies, contact=push("block.corner", "seat.corner", [1.0, 1.0]))
-    return scene(
-        bodies,
-        floor=push("block.below", "seat.floor", [1.0, 0.0]),
-        wall=push("block.left", "seat.wall", [0.0, 1.0]),
-    )
-
-
-def contact_corner() -> Runs:
-    """A contact whose surfaces turn a corner."""
-    for row, p, ways in (
-        ("as a contact for each face", 1.0, _IGA),
-        ("tied, as a tie for each face", inf, chosen(_MORTAR, backend="iga")),
-    ):
-        yield from runs(row, _corner(p, together=True), ways, instead=_corner(p, together=False))
 
 
 def contact_edges() -> Runs:

@@ -4,13 +4,18 @@ from functools import partial
 from math import inf
 from typing import Any
 
+import numpy as np
+
 from comparisons.stability.case import (
+    ACCURATE,
+    HONEST,
     MESH,
     NONE,
     Runs,
     refused,
     runs,
 )
+from comparisons.stability.problems import OfMap
 from comparisons.stability.references import dense
 from comparisons.stability.scenes import (
     ABOUT_Z,
@@ -178,6 +183,21 @@ def free_bodies() -> Runs:
             ("space", unequal_boxes(held=False, mu=mu)),
         ):
             yield from runs(f"two blocks, {name}, μ = {mu:g}", data, FEW, tolerance=1e-6, lowest=10)
+
+
+def maps() -> Runs:
+    """Maps of friction and contact stiffness by a reduced model."""
+    for P, mu, ends, ways in (
+        *((P, mu, (1e-3, 1e5), PAIR) for P, mu in ((0.02, 0.3), (7.0, 0.83), (3e3, 0.61))),
+        (2e11, 0.83, (1e6, 1e14), chosen(SADDLE, "GPTS, saddle", "mortar")),
+    ):
+        axes = {
+            "contacts.interface.mu": (0.0, 0.5, 1.0),
+            "contacts.interface.P": np.geomspace(*ends, 9).tolist(),
+        }
+        row, data = f"P = {P:g} N/m, μ = {mu:g}", layers(P=P, mu=mu)
+        fields: dict[str, Any] = {"expected": HONEST if P > 1e6 else ACCURATE}
+        yield from runs(row, data, ways, problem=partial(OfMap, axes=axes), **fields)
 
 
 def whole_spectrum() -> Runs:

@@ -8,9 +8,9 @@ import numpy as np
 from scipy.linalg import block_diag, qr
 
 from cea.arrays import Complexes, Floats
-from comparisons.stability.case import ACCURATE, NONE, REFUSED, WARNED, Run, Runs
+from comparisons.stability.case import ACCURATE, HONEST, NONE, REFUSED, WARNED, Run, Runs
 from comparisons.stability.dense import lambdas
-from comparisons.stability.problems import OfFiles
+from comparisons.stability.problems import WRITERS, OfFiles
 from comparisons.stability.references import formula
 from comparisons.stability.ways import ALONE
 
@@ -89,7 +89,9 @@ def _refused(row: str, matrices: Mapping[str, Floats]) -> Run:
 def _units() -> Runs:
     """Scaling of unknowns and of time changes nothing."""
     mixed = _transformed(_matrices(_DAMPED), _MIXED)
-    yield _run("damped, rotating, with friction: .npz", _DAMPED, mixed)
+    for form in WRITERS:
+        run = _run(f"damped, rotating, with friction: .{form}", _DAMPED, mixed)
+        yield replace(run, problem=OfFiles(mixed, form))
     undamped = _transformed(_matrices(_PLAIN), _MIXED)
     yield _run("neither damped nor rotating", _PLAIN, undamped)
     for digits in (3, 6, 9, 12):
@@ -153,6 +155,28 @@ def matrices_from_files() -> Runs:
     """Matrices from files in all units, and near to what has no answer."""
     for part in (_units, _masses, _clusters, _rounding):
         yield from part()
+
+
+def graded() -> Runs:
+    """Matrices whose unknowns and equations are scaled far apart."""
+    random = np.random.default_rng(11)
+    turn: Floats = qr(random.standard_normal((_N, _N)))[0]
+    steps = [random.permutation(np.linspace(-1.0, 1.0, _N)) for _ in range(2)]
+    for name, blocks in (("undamped", _UNDAMPED), ("damped, rotating", _DAMPED)):
+        plain = _transformed(_matrices(blocks), turn.T) | {"M": np.eye(_N)}
+        for digits in (2, 4, 6, 9, 12):
+            # Scaling rows and columns changes no eigenvalue; powers of two round nothing.
+            one, other = (2.0 ** np.round(digits * np.log2(10.0) * each) for each in steps)
+            for words, right in (("D K D^-1", 1 / one), ("D1 K D2", other)):
+                scaled = {key: one[:, None] * matrix * right for key, matrix in plain.items()}
+                yield _run(f"{words}, {name}, 1e-{digits} to 1e{digits}", blocks, scaled)
+    half, shear = _N // 2, np.zeros((_N, _N))
+    shear[:half, half:] = turn[:half, half:]
+    for size in (1e1, 1e3, 1e5, 1e7):  # a similarity that no scaling undoes
+        there, back = np.eye(_N) + size * shear, np.eye(_N) - size * shear
+        K = turn.T @ (there @ _matrices(_UNDAMPED)["K"] @ back) @ turn
+        sheared = {"M": np.eye(_N), "K": K}
+        yield _run(f"sheared by {size:.0e}, turned", _UNDAMPED, sheared, expected=HONEST)
 
 
 def exceptional_point() -> Runs:

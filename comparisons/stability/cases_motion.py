@@ -16,6 +16,7 @@ from comparisons.stability.case import (
     refused,
     runs,
 )
+from comparisons.stability.problems import OfMap
 from comparisons.stability.references import Reference, carried, dense
 from comparisons.stability.scenes import (
     HELD_BELOW,
@@ -188,6 +189,20 @@ def damping() -> Runs:
         both, upper = _with(layers(p=10.0), fields), _with(layers(p=10.0), fields, "upper")
         yield from runs(f"ζ = {ratio:g}, both", both, PAIR, warnings=may)
         yield from runs(f"ζ = {ratio:g}, upper alone", upper, PAIR, warnings=may)
+
+
+def damped_maps() -> Runs:
+    """Maps of friction and damping by a reduced model."""
+    axes = {
+        "contacts.interface.mu": (0.0, 0.5, 1.0),
+        "bodies.upper.damping.alpha": (0.0, 0.25, 0.5),
+        "bodies.lower.damping.beta": (0.0, 0.05, 0.1),
+    }
+    for alpha, beta, mu in ((1e-9, 1e-12, 0.83), (3e-3, 1e-3, 0.3), (0.4, 0.07, 0.61)):
+        row = f"α = {alpha:g} 1/s, β = {beta:g} s, μ = {mu:g}"
+        data = _with(layers(p=10.0, mu=mu), {"alpha": alpha}, "upper")
+        data = _with(data, {"beta": beta}, "lower")
+        yield from runs(row, data, PAIR, problem=partial(OfMap, axes=axes))
 
 
 _EVERY = 1e3

@@ -10,12 +10,16 @@ from comparisons.stability import (
     cases_contact,
     cases_friction,
     cases_matrices,
+    cases_meshes,
     cases_motion,
 )
 from comparisons.stability.case import Run, Runs
 from comparisons.stability.ways import QUICK
 
-_MODULES = (cases_bodies, cases_contact, cases_friction, cases_matrices, cases_motion)
+_MODULES = (
+    *(cases_bodies, cases_contact, cases_friction),
+    *(cases_matrices, cases_meshes, cases_motion),
+)
 
 
 @cache
