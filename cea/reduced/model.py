@@ -12,9 +12,10 @@ A_j V y. With an orthonormal basis Q of what all A_j V cause its norm is the len
 would halve the digits (A. Buhr, C. Engwer, M. Ohlberger, S. Rave, A numerically stable a posteriori
 error estimator for reduced basis approximations of elliptic equations, 2014).
 
-Forces have the static displacements that they and their friction cause in the basis, and gaps the
-forces that close them: with them the basis can close a gap without bending (supremizers; G. Rozza,
-K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)).
+Gaps have the forces that close them in the basis. Forces of a contact that is stiffer than its bodies
+have the static displacements that they cause: with them the basis can close a gap without bending
+(supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)). A softer contact
+opens in the solves themselves, and needs none.
 """
 
 from collections.abc import Mapping
@@ -80,7 +81,14 @@ class ReducedModel:
         self._pieces = Pieces(pencil, box)
         stiff = {name for each in pencil.forces for name in each.inverse_stiffness.names}
         softest = {name: ends[name in stiff] for name, ends in box.items()}
-        self.norms = Norms(pencil, self._pieces, pencil.values(softest), max_frequency)
+        values = pencil.values(softest)
+        self.norms = Norms(pencil, self._pieces, values, max_frequency)
+        both = zip(self._pieces.contacts, pencil.forces, strict=True)
+        self._stiff = [
+            contact
+            for contact, each in both
+            if each.inverse_stiffness.at(values) * each.body_stiffness[0] < 1
+        ]
         self._basis, self._residuals = Span(self.norms.states), Span(self.norms.residuals)
         self._forces = np.empty(0, dtype=bool)  # which vectors of the basis are forces
         self._widest: dict[ContactPiece, float] = {}
@@ -108,7 +116,7 @@ class ReducedModel:
             own = np.zeros_like(forces)
             own[contact.rows] = forces[contact.rows]
             own = _unit(own, norm.lengths(own))
-            blocks += self._add_forces(contact, own, contact.compliance(own), FORCES)
+            blocks.append(self._add_forces(contact, own, contact.compliance(own), FORCES))
         first = self._add_displacements(blocks)
         blocks = []
         for contact in self._pieces.contacts:
@@ -117,7 +125,8 @@ class ReducedModel:
             # Gaps that vectors close but for rounding tell of no forces.
             longest = float(norm.lengths(caused, gaps).max(initial=0.0))
             self._widest[contact] = max(longest, self._widest.get(contact, 0.0))
-            blocks += self._add_forces(contact, caused, gaps, FORCES * self._widest[contact])
+            floor = FORCES * self._widest[contact]
+            blocks.append(self._add_forces(contact, caused, gaps, floor))
         if blocks:
             self._add_displacements(blocks)
         self._project(before)
@@ -129,17 +138,15 @@ class ReducedModel:
 
     def _add_forces(
         self, contact: ContactPiece, forces: Floats, image: Floats, floor: float
-    ) -> list[Floats]:
-        """Take forces of a contact in; the static displacements, of length one, that they cause."""
+    ) -> Floats:
+        """Take forces of a contact in; the displacements of length one that stiff ones cause."""
         before = self._basis.size
         self._basis.add(forces, image, floor)
         self._forces = np.pad(self._forces, (0, self._basis.size - before), constant_values=True)
-        new, blocks = self._basis.vectors[:, before:], []
-        for piece in contact.pieces:
-            image = piece.times(new)
-            moved = self.norms.solve(image)
-            blocks.append(_unit(moved, self.norms.states.lengths(moved, image)))
-        return blocks
+        new = self._basis.vectors[:, before:] if contact in self._stiff else forces[:, :0]
+        image = contact.closes.times(new)
+        moved = self.norms.solve(image)
+        return _unit(moved, self.norms.states.lengths(moved, image))
 
     def _add_displacements(self, blocks: list[Floats]) -> int:
         """Take displacements in; number of the first vector that is new."""

@@ -49,18 +49,12 @@ class Piece:
 
 @dataclass(frozen=True, eq=False)
 class ContactPiece:
-    """Rows of the forces of a contact among those of a state, C^ and its inverse, J and R."""
+    """Rows of the forces of a contact among those of a state, C^ and its inverse, and J."""
 
     rows: slice
     compliance: Product
     inverse: Product
     closes: Piece
-    slides: Piece | None
-
-    @property
-    def pieces(self) -> tuple[Piece, ...]:
-        """J and, with friction, R."""
-        return (self.closes,) if self.slides is None else (self.closes, self.slides)
 
 
 class Pieces:
@@ -153,18 +147,17 @@ class Pieces:
 
         gaps, reactions = across(forces.closure)
         both: Product = lambda block: gaps(block) + reactions(block)  # noqa: E731
-        closes, slides = Piece("stiffness", CONSTANT, both, both), None
+        closes = Piece("stiffness", CONSTANT, both, both)
         self.all.append(closes)
         if forces.slip is not None:
             slip, friction = across(forces.slip)
-            slides = Piece("stiffness", _negative(forces.friction), friction, slip)
-            self.all.append(slides)
+            self.all.append(Piece("stiffness", _negative(forces.friction), friction, slip))
         compliance = self.acting(partial(times, forces.compliance), rows, rows)
         softness = _negative(forces.inverse_stiffness)
         self.all.append(Piece("stiffness", softness, compliance, compliance))
         factors = self._kept(Mumps(forces.compliance.copy(), symmetric=True))
         inverse = self.acting(factors.solve_block, rows, rows)
-        return ContactPiece(rows, compliance, inverse, closes, slides)
+        return ContactPiece(rows, compliance, inverse, closes)
 
     def _kept[T](self, made: T) -> T:
         self._made.append(made)
