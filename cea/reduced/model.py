@@ -12,7 +12,7 @@ A_j V y. With an orthonormal basis Q of what all A_j V cause its norm is the len
 would halve the digits (A. Buhr, C. Engwer, M. Ohlberger, S. Rave, A numerically stable a posteriori
 error estimator for reduced basis approximations of elliptic equations, 2014).
 
-Gaps have the forces that close them in the basis. Forces of a contact that is stiffer than its bodies
+Gaps have the forces that close them in the basis. Forces of a contact stiffer than its bodies
 have the static displacements that they cause: with them the basis can close a gap without bending
 (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)). A softer contact
 opens in the solves themselves, and needs none.
