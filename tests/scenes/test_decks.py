@@ -151,7 +151,7 @@ ROUND_THE_AXIS = {"cylindrical_about": [0.0, 0.0, 1.0]}
 def test_calculix_finds_the_same_frequencies_of_anisotropic_bodies(material, axes, tmp_path):
     decks.with_calculix()
     scene = alone("tetrahedron", 2).change("bodies.part.material", material | {"axes": axes})
-    found = ccx.run(write_deck(scene, tmp_path, 16)[1]).eigenvalues.imag[:8]
+    found = ccx.run(write_deck(scene, tmp_path, 16)[1]).imag[:8]
     values = ours(scene, MASS["C3D10"], 1.01 * found[-1] / (2 * np.pi)).imag
     assert found == pytest.approx(np.sort(values)[:8], rel=1e-6)
 
