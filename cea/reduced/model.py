@@ -187,13 +187,19 @@ class ReducedModel:
         return SmallPiece(piece.role, piece.coefficient, square, right, left, lost, rounding)
 
     def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
-        """Coordinates of old and new images; the basis of residuals takes the new ones in."""
-        norm, caused = self.norms.residuals, self.norms.caused(image)
+        """Coordinates of old and new images; the basis of residuals takes the new ones in.
+
+        A piece makes residuals of forces alone, or of gaps alone, of displacements, and the other
+        ones of forces: vectors of the basis are of either.
+        """
+        norm, caused, size = self.norms.residuals, self.norms.caused(image), before.shape[1]
         floor = RESIDUAL * float(norm.lengths(caused, image).max(initial=0.0))
-        fresh, lost = self._residuals.add(caused, image, floor)
-        grown = np.zeros((self._residuals.size, before.shape[1] + image.shape[1]))
-        grown[: before.shape[0], : before.shape[1]] = before
-        grown[:, before.shape[1] :] = fresh
+        grown, lost = np.pad(before, ((0, 0), (0, image.shape[1]))), 0.0
+        for own in (~self._forces[size:], self._forces[size:]):
+            fresh, left_out = self._residuals.add(caused[:, own], image[:, own], floor)
+            grown = np.pad(grown, ((0, len(fresh) - len(grown)), (0, 0)))
+            grown[:, size:][:, own] = fresh
+            lost = float(np.hypot(lost, left_out))
         return grown, lost
 
     def free(self) -> None:
