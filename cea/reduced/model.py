@@ -12,10 +12,10 @@ A_j V y. With an orthonormal basis Q of what all A_j V cause its norm is the len
 would halve the digits (A. Buhr, C. Engwer, M. Ohlberger, S. Rave, A numerically stable a posteriori
 error estimator for reduced basis approximations of elliptic equations, 2014).
 
-Gaps have the forces that close them in the basis. Forces of a contact that is stiffer than its bodies
-have the static displacements that they cause: with them the basis can close a gap without bending
-(supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)). A softer contact
-opens in the solves themselves, and needs none.
+Gaps have the forces that close them in the basis. Forces of a contact that is stiffer than its
+bodies have the static displacements that they cause: with them the basis can close a gap without
+bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)). A softer
+contact opens in the full solves themselves, and needs none.
 """
 
 from collections.abc import Mapping
@@ -189,8 +189,8 @@ class ReducedModel:
     def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
         """Coordinates of old and new images; the basis of residuals takes the new ones in.
 
-        A piece makes residuals of forces alone, or of gaps alone, of displacements, and the other
-        ones of forces: vectors of the basis are of either.
+        Images of displacements and those of forces are taken in one after the other: each are loads
+        alone or gaps alone, and only gaps need a solve for their norm.
         """
         norm, caused, size = self.norms.residuals, self.norms.caused(image), before.shape[1]
         floor = RESIDUAL * float(norm.lengths(caused, image).max(initial=0.0))
