@@ -12,10 +12,10 @@ A_j V y. With an orthonormal basis Q of what all A_j V cause its norm is the len
 would halve the digits (A. Buhr, C. Engwer, M. Ohlberger, S. Rave, A numerically stable a posteriori
 error estimator for reduced basis approximations of elliptic equations, 2014).
 
-Gaps have the forces that close them in the basis. Forces of a contact stiffer than its bodies
-have the static displacements that they cause: with them the basis can close a gap without bending
-(supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)). A softer contact
-opens in the solves themselves, and needs none.
+Gaps have the forces that close them in the basis. Forces of a contact that is stiffer than its
+bodies have the static displacements that they cause: with them the basis can close a gap without
+bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196 (2007)). A softer
+contact opens in the full solves themselves, and needs none.
 """
 
 from collections.abc import Mapping
@@ -187,13 +187,19 @@ class ReducedModel:
         return SmallPiece(piece.role, piece.coefficient, square, right, left, lost, rounding)
 
     def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
-        """Coordinates of old and new images; the basis of residuals takes the new ones in."""
-        norm, caused = self.norms.residuals, self.norms.caused(image)
+        """Coordinates of old and new images; the basis of residuals takes the new ones in.
+
+        Images of displacements and those of forces are taken in one after the other: each are loads
+        alone or gaps alone, and only gaps need a solve for their norm.
+        """
+        norm, caused, size = self.norms.residuals, self.norms.caused(image), before.shape[1]
         floor = RESIDUAL * float(norm.lengths(caused, image).max(initial=0.0))
-        fresh, lost = self._residuals.add(caused, image, floor)
-        grown = np.zeros((self._residuals.size, before.shape[1] + image.shape[1]))
-        grown[: before.shape[0], : before.shape[1]] = before
-        grown[:, before.shape[1] :] = fresh
+        grown, lost = np.pad(before, ((0, 0), (0, image.shape[1]))), 0.0
+        for own in (~self._forces[size:], self._forces[size:]):
+            fresh, left_out = self._residuals.add(caused[:, own], image[:, own], floor)
+            grown = np.pad(grown, ((0, len(fresh) - len(grown)), (0, 0)))
+            grown[:, size:][:, own] = fresh
+            lost = float(np.hypot(lost, left_out))
         return grown, lost
 
     def free(self) -> None:

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from reduced_cases import MU, P, blocks_pencil
 
+from cea.eigen.driver import EigenSolver
+from cea.reduced.greedy import full_solve
 from cea.reduced.model import ReducedModel
 from cea.reduced.span import Span
 
@@ -41,3 +43,17 @@ def test_a_span_is_orthonormal_and_leaves_out_what_it_says(model, decades, toler
         rest = norm.lengths(mixed - span.vectors @ coordinates)
         assert rest.max() <= lost + 1e-13 * longest
     assert span.size <= 24
+
+
+@pytest.mark.parametrize("relative", [1e-2, 1e2])
+def test_forces_add_displacements_where_a_contact_is_stiffer_than_its_bodies(relative):
+    pencil = blocks_pencil("fe", form="saddle")
+    (contact,) = pencil.forces
+    stiff = relative * contact.body_stiffness[0]
+    made = ReducedModel(pencil, {MU: (0.0, 1.0), P: (0.1 * stiff, stiff)}, TOP)
+    solved = full_solve(made, EigenSolver(pencil), {MU: 0.5, P: stiff})
+    made.take(solved)
+    vectors = solved.real_vectors(made.norms.states, damped=False).shape[1]
+    forces = made.size - made.small.displacements
+    assert made.small.displacements <= vectors + (forces if relative > 1 else 0)
+    made.free()
