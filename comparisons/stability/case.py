@@ -67,8 +67,7 @@ def runs(
 
     ``row`` distinguishes it within its case; ``true`` is the reference of every run, or makes it
     from the scene as it is run, or from another one ``instead``; None where only a refusal is
-    right. ``problem`` makes what is solved from the scene as it is run. Other fields are those of
-    :class:`Run`.
+    right. ``problem`` makes what is solved of that scene. Other fields are those of :class:`Run`.
     """
     for way in ways:
         reference = true(way.of(instead or scene)) if callable(true) else true

@@ -48,7 +48,7 @@ class OfMeshFile:
 
     def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
         """Write, read, and solve."""
-        data, lines, first = deepcopy(dict(self.data)), [], 1
+        data, text, first = deepcopy(dict(self.data)), "", 1
         places = [pair[side] for pair in data["contacts"].values() for side in ("a", "b")]
         with TemporaryDirectory() as folder:
             deck = Path(folder) / "bodies.inp"
@@ -56,17 +56,15 @@ class OfMeshFile:
                 faces = {place.split(".")[1] for place in places if place.startswith(f"{name}.")}
                 faces |= {support["surface"] for support in each["supports"]}
                 halves = 2 * np.array(each["mesh"]["fe"]["elements"])
-                lines += self._lines(name, each["geometry"], halves, faces, first)
+                text += self._part(name, each["geometry"], halves, faces, first)
                 first += int(np.prod(halves + 1))
                 sets = {"part": name, "faces": {face: f"{name}_{face}" for face in faces}}
                 file = {"shape": "mesh_file", "file": str(deck), "unit": self.unit}
                 each |= {"geometry": {**file, **sets, **self.geometry}, "mesh": {}}
-            deck.write_text("\n".join(lines) + "\n")
+            deck.write_text(text)
             return OfScene(data).solve(max_frequency)
 
-    def _lines(
-        self, name: str, shape: Scene, halves: Ints, faces: set[str], first: int
-    ) -> list[str]:
+    def _part(self, name: str, shape: Scene, halves: Ints, faces: set[str], first: int) -> str:
         """Nodes, elements and sets of nodes of a body, numbered from a first number."""
         counts = tuple(halves + 1)
         places = np.indices(counts).reshape(2, -1).T
@@ -79,18 +77,18 @@ class OfMeshFile:
         cells = np.ravel_multi_index(tuple((corners[:, None] + _CPE8R).T), counts).T
         used, numbers = np.unique(cells), self.step * (first + np.arange(len(points)))
         above, below = METRES[self.unit]
-        nodes = zip(numbers[used], (points[used] * below / above).tolist(), strict=True)
-        lines = ["*NODE", *(f"{number}, {x!r}, {y!r}" for number, (x, y) in nodes)]
-        lines.append(f"*ELEMENT, TYPE=CPE8R, ELSET={name}")
-        for element, own in enumerate(numbers[cells].tolist(), first):
-            lines.append(", ".join(map(str, [element, *own])))
+        at = zip(numbers[used], (points[used] * below / above).tolist(), strict=True)
+        lines = ["*NODE", *(f"{number}, {x!r}, {y!r}" for number, (x, y) in at)]
+        elements = enumerate(numbers[cells].tolist(), first)
+        lines += [f"*ELEMENT, TYPE=CPE8R, ELSET={name}"]
+        lines += [", ".join(map(str, [number, *nodes])) for number, nodes in elements]
         on = {"corner": points.min(axis=1) == 0}
         for axis, letter in enumerate("xy"):
             on[f"{letter}_min"] = places[:, axis] == 0
             on[f"{letter}_max"] = places[:, axis] == halves[axis]
         for face in faces:
             lines += [f"*NSET, NSET={name}_{face}", *map(str, numbers[used[on[face][used]]])]
-        return lines
+        return "\n".join([*lines, ""])
 
 
 def mesh_files() -> Runs:

@@ -1,4 +1,4 @@
-"""What a run solves, and what its answer says: eigenvalues, and what it claims of them."""
+"""What a run solves, and what its answer says: eigenvalues or stresses, and what it claims."""
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
@@ -63,8 +63,12 @@ class StressAnswer:
     dofs: int
 
 
-def _modes(result: Any, dofs: int) -> Answer:
-    """What the modes of a result say."""
+def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
+    """What the modes of a result say, or its stresses."""
+    kinds = tuple(dict.fromkeys(warning.kind for warning in result.warnings))
+    if result.spectrum is None:
+        sides = [side.sigma_n for both in result.stresses.values() for side in both.values()]
+        return StressAnswer(np.concatenate(sides), kinds, dofs)
     modes, threshold = result.modes, result.analysis.growth_threshold
     decays = modes.window.min_growth
     return Answer(
@@ -77,14 +81,10 @@ def _modes(result: Any, dofs: int) -> Answer:
         max_frequency=modes.window.max_frequency,
         residual=float(modes.residuals.max(initial=0.0)),
         condition=float(modes.conditions.max(initial=1.0)),
-        warnings=_kinds(result),
+        warnings=kinds,
         dofs=dofs,
         min_growth=-np.inf if decays is None else decays,
     )
-
-
-def _kinds(result: Any) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(warning.kind for warning in result.warnings))
 
 
 class Problem(Protocol):
@@ -113,10 +113,7 @@ class OfScene:
         """Read the scene and run it; the result can be stored."""
         result = run_scene(_read(self.data, max_frequency))
         as_json(result.data)
-        if result.spectrum is None:
-            sides = [side.sigma_n for both in result.stresses.values() for side in both.values()]
-            return StressAnswer(np.concatenate(sides), _kinds(result), result.system.size)
-        return _modes(result, result.system.size)
+        return _answer(result, result.system.size)
 
 
 def _read(given: Mapping[str, Any], max_frequency: float | None) -> Scene:
@@ -186,7 +183,7 @@ class OfFiles:
     matrices: Mapping[str, Floats]
     form: str = "npz"  # of the files
 
-    def solve(self, max_frequency: float | None) -> Answer:
+    def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
         """Write, read, and solve for the modes up to a frequency."""
         used = {name: matrix for name, matrix in self.matrices.items() if matrix.any()}
         with TemporaryDirectory() as folder:
@@ -204,4 +201,4 @@ class OfFiles:
                 }
             )
             result = run_matrices(scene)
-        return _modes(result, result.dofs)
+        return _answer(result, result.dofs)

@@ -120,6 +120,10 @@ def outside(scene):
         forces += list(reactions.get(name, ()))
         rounding += eps * stiffness.norm() * np.linalg.norm(u) * np.sqrt(len(u))
         destroy(load, stiffness)
+    for contact in system.contacts:
+        if contact.lumped is None and np.isfinite(contact.P) and not contact.has_multipliers:
+            u = max(np.abs(system.displacement(x, name)).max() for name in system.bodies)
+            rounding += eps * contact.P * u  # of a penalty
     return np.array(forces), rounding
 
 
