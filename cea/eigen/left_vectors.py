@@ -1,9 +1,10 @@
 """Left eigenvectors of a pencil: errors that right ones do not tell, and derivatives.
 
 Of the left vectors the invariant subspace of the right ones knows no more than their projection.
-What it leaves out friction between bodies makes about as large as one. Where conditions are bad
-left vectors are searched themselves. With the residual r and rounding u of all entries lambda is
-then in error by
+What it leaves out comes of one step of inverse iteration with the transposed matrix; friction
+between bodies makes it about as large as one. Where it is much larger, or conditions are bad, left
+vectors are searched themselves. With the residual r and rounding u of all entries lambda is then in
+error by
 
     e / abs(y^H (2 lambda M + D) x),    e = abs(y)^T (abs(r) + u abs(P) abs(x)),
 
@@ -36,6 +37,9 @@ SAME = 1e-4
 """Relative distance of left and right eigenvalues beyond which they are not the same."""
 _ILL = 1e2
 """Condition number up to which one residual says enough of an eigenvalue."""
+_PLAIN, _COLUMNS = 30.0, 4
+"""What may be left out of left vectors for the subspace to say enough of them, by so many random
+combinations of it."""
 _ROUGH = 1e-11
 """Residual of a damped eigenpair up to which it is as good as rounding lets it be."""
 _UNKNOWN = 1e300
@@ -65,7 +69,16 @@ def needs_left_vectors(op: ShiftInvert, subspace: InvariantSubspace, pairs: Eige
     if op.symmetric or not len(pairs.values):
         return False
     rough = op.damped and pairs.residuals.max() > _ROUGH
-    return bool(subspace.graded or rough or pairs.conditions.max() > _ILL)
+    if subspace.graded or rough or pairs.conditions.max() > _ILL:
+        return True
+    mixed = np.random.default_rng(3).standard_normal((subspace.size, _COLUMNS))
+    # Of what is far from the shift a step of inverse iteration leaves rounding.
+    far = np.abs(np.diag(subspace.projected) - op.shift) / abs(op.shift)
+    mixed /= np.maximum(1.0, far)[:, None]
+    moved = subspace.projected.T @ mixed - op.shift * mixed
+    rest = np.asfortranarray(op.left_out(subspace.basis, mixed, moved))
+    squares = columns_inner(rest, times(op.matrices.mass, rest), op.matrices.mass.comm)
+    return bool(np.sqrt(squares.sum() / _COLUMNS) > _PLAIN)
 
 
 def left_vectors_of(

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import all_inner, image_of, times
+from cea.eigen.blocks import all_inner, combined, image_of, times
 from cea.eigen.pencil import Matrices
 from cea.eigen.regions import outside_of_window, upper_end
 from cea.eigen.residuals import Damping
@@ -99,6 +99,14 @@ class ShiftInvert:
         inertia = times(self.matrices.mass, x * (values - self.shift))
         return self.factors.solve_with_forces(inertia, transposed=transposed)
 
+    def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
+        """What a subspace leaves out of its left vectors: W = Q - A^-T M Q (R - sigma)^T.
+
+        It is told for combinations ``mixed`` of them, with (R - sigma)^T times these in ``moved``.
+        """
+        load = image_of(self.matrices.mass, combined(basis, moved))
+        return combined(basis, mixed) - self.factors.solve_block(load, transposed=True)
+
     def pairing(
         self, values: Complexes, left: Complexes, right: Complexes
     ) -> tuple[Complexes, Complexes]:
@@ -171,6 +179,14 @@ class Companion(ShiftInvert):
         load = times(self.matrices.mass, x * (values + self.shift))
         load += self.damping.times(x, transposed=transposed)
         return self.factors.solve_with_forces(load * (self.shift - values), transposed=transposed)
+
+    def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
+        """The same of the z of left vectors, which are y, by the adjoint of OP."""
+        rows, scale = len(basis) // 2, self.scale
+        whole = combined(basis, moved)
+        load = times(self.matrices.mass, whole[:rows] + self.shift / scale * whole[rows:])
+        w = self.factors.solve_block(np.asfortranarray(load), transposed=True)
+        return combined(basis[rows:], mixed) + scale * w
 
     def pairing(
         self, values: Complexes, left: Complexes, right: Complexes

@@ -86,6 +86,39 @@ def test_modes_come_by_rising_frequency_with_true_vectors(chain):
         assert np.vdot(x, mass @ x) == pytest.approx(1.0)
 
 
+def test_condition_numbers_match_left_eigenvectors(chain):
+    """With every mode in the window the subspace is the whole space and the estimate exact."""
+    stiffness, mass, friction = (m[:30, :30].tocsr() for m in chain)
+    friction = friction * 20
+    modes = solve_modes(pencil(stiffness, mass, friction), max_frequency=100.0)
+    assert len(modes.eigenvalues) == 30
+    root = np.sqrt(mass.toarray())
+    standard = np.linalg.solve(root, np.linalg.solve(root, (stiffness - friction).toarray()).T).T
+    kappa, left, right = scipy.linalg.eig(standard, left=True, right=True)
+    exact = 1 / np.abs(np.einsum("ij,ij->j", left.conj(), right))
+    nearest = np.abs(kappa[None, :] + modes.eigenvalues[:, None] ** 2).argmin(axis=1)
+    assert modes.conditions == pytest.approx(exact[nearest], rel=1e-6)
+    assert modes.conditions.max() > 1.01
+
+
+@pytest.mark.parametrize("coupling", [1e3, 1e4])
+def test_errors_count_left_vectors_that_reach_out_of_the_window(coupling):
+    """A triangular system, turned: modes beyond the window make its left vectors long."""
+    inside, outside = np.linspace(1, 10, 10), np.linspace(20, 40, 50)
+    for seed in range(12):
+        rng = np.random.default_rng(seed)
+        turn = np.linalg.qr(rng.standard_normal((60, 60)))[0]
+        coupled = np.zeros((60, 60))
+        coupled[:10, 10:] = coupling * rng.standard_normal((10, 50)) / np.sqrt(60)
+        stiffness = turn @ np.diag(np.r_[inside, outside]) @ turn.T
+        matrices = (0.5 * (stiffness + stiffness.T), np.eye(60), -turn @ coupled @ turn.T)
+        modes = solve_modes(pencil(*map(csr_array, matrices)), max_frequency=0.55)
+        assert len(modes) == 10
+        true = 1j * np.sqrt(inside)
+        distance = np.abs(modes.eigenvalues[:, None] - true).min(axis=1)
+        assert (distance <= modes.growth_uncertainties).all()
+
+
 def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones():
     """The symmetric part has one more than there is; a search beside those found finds no other."""
     stiffness = np.diag(np.r_[np.arange(1.0, 30.0), 40.0, np.arange(60.0, 400.0)])
