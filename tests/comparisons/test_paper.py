@@ -25,8 +25,6 @@ SHIPPED = read("paper", STUDY.shipped)
 CASES = [case["labels"] for case in SHIPPED.cases]
 ROUNDING = ("residual", "condition", "seconds", "search_over")
 """Rounding errors and times differ from run to run."""
-RELATIVE = ("shift", "shift_below_13k", "shift_above_13k", "distance", "largest_shift")
-"""Relative differences of eigenvalues of two runs: each bears the errors of both eigenvalues."""
 
 
 def test_every_figure_comes_with_the_project(tmp_path):

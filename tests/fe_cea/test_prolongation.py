@@ -74,7 +74,7 @@ def test_curved_cells_of_one_geometry():
         found = surface.trace(points.at) @ (P @ u).reshape(-1, 3)
         at = coarse.surfaces[name].locate(points.x, points.normal, 1e-3).at
         expected = coarse.surfaces[name].trace(at) @ u.reshape(-1, 3)
-        assert np.abs(found - expected).max() < 1e-9
+        assert np.abs(found - expected).max() < 1e-12
 
 
 @pytest.mark.parametrize("order", [1, 2])

@@ -197,8 +197,8 @@ def test_patches_of_shapes_have_them_exactly(name):
     shape, volume, areas = MEASURES[name]
     dim = len(shape.directions)
     part = body(shape, (4, 16, 5)[:dim], (2, 6, 2)[:dim])
-    assert scipy_of(part.mass()).sum() == pytest.approx(dim * STEEL.rho * volume, rel=1e-12)
-    assert {n: each.area for n, each in part.surfaces.items()} == pytest.approx(areas, rel=1e-12)
+    assert scipy_of(part.mass()).sum() == pytest.approx(dim * STEEL.rho * volume, rel=1e-13)
+    assert {n: each.area for n, each in part.surfaces.items()} == pytest.approx(areas, rel=1e-13)
     assert len(np.unique(np.round(part.space.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 
 
