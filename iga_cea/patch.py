@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, reduce
+from functools import cached_property
 from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, kron
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
@@ -106,17 +105,6 @@ class Patch:
             np.searchsorted(knots, breaks[:-1], side="right") - 1 - degree
             for knots, breaks, degree in zip(self.knots, self.breaks, self.degrees, strict=True)
         )
-
-    def basis_on_grid(self, parameters: Sequence[Floats]) -> csr_array:
-        """Values of the rational basis on a tensor grid, shape (points, functions), C order."""
-        factors = [
-            basis_matrix(knots, degree, x)
-            for knots, degree, x in zip(self.knots, self.degrees, parameters, strict=True)
-        ]
-        weighted = reduce(lambda a, b: kron(a, b, format="csr"), factors) @ diags_array(
-            self.weights.ravel()
-        )
-        return csr_array(diags_array(1 / weighted.sum(axis=1)) @ weighted)
 
 
 def check_geometry(geometry: PatchGeometry, field: str) -> None:

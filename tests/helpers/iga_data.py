@@ -6,10 +6,11 @@ from itertools import pairwise, product
 import numpy as np
 from bodies import nurbs_body
 from scipy.interpolate import BSpline
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array, kron
 
 from cea.body import Body
 from cea.material import IsotropicMaterial
+from iga_cea.splines import basis_matrix
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
@@ -107,3 +108,14 @@ def _points(patch, order):
             grad = np.linalg.solve(J.T, dR)
             dV = np.prod([p[2] for p in point]) * abs(np.linalg.det(J))
             yield order[near], R, grad, dV, X[near].T @ R
+
+
+def basis_on_grid(patch, parameters):
+    """Values of the rational basis on a tensor grid, (points, functions), C order."""
+    factors = [
+        basis_matrix(knots, degree, x)
+        for knots, degree, x in zip(patch.knots, patch.degrees, parameters, strict=True)
+    ]
+    weighted = reduce(lambda a, b: kron(a, b, format="csr"), factors)
+    weighted = weighted @ diags_array(patch.weights.ravel())
+    return csr_array(diags_array(1 / weighted.sum(axis=1)) @ weighted)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import TURNED, body, scipy_of, turned
+from iga_data import TURNED, basis_on_grid, body, scipy_of, turned
 
 from cea.errors import InputError
 from cea.nested.prolongation import of_body as prolongation
@@ -20,7 +20,7 @@ HUB = Hub(0.3, 0.8, 1.7, -0.1, 0.1, -0.1, 0.3)
 
 def values(part, u, patch, parameters):
     """Displacement at the points of a random grid in one patch, (points, dim)."""
-    basis = part.space.multipatch.patches[patch].basis_on_grid(parameters)
+    basis = basis_on_grid(part.space.multipatch.patches[patch], parameters)
     return basis @ u.reshape(-1, part.dim)[part.space.multipatch.dofs[patch].ravel()]
 
 
@@ -90,7 +90,7 @@ def test_a_higher_continuity_is_met_at_full_order():
         assert step.defect > 1e-10
         at = [np.linspace(0, 1, 201), np.array([0.0, 0.3, 0.7, 1.0])]
         x = values(coarse, coarse.space.dof_positions, 0, at)
-        basis = coarse.space.multipatch.patches[0].basis_on_grid(at).toarray()
+        basis = basis_on_grid(coarse.space.multipatch.patches[0], at).toarray()
         u = np.zeros_like(coarse.space.dof_positions)
         u[coarse.space.multipatch.dofs[0].ravel()] = np.linalg.lstsq(basis, np.sin(3 * x))[0]
         apart = values(fine, scipy_of(step.matrix) @ u.ravel(), 0, at) - values(coarse, u, 0, at)

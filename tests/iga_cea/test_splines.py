@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from iga_data import basis_on_grid
 from scipy.interpolate import BSpline
 
 from iga_cea.patch import refine
@@ -56,8 +57,8 @@ def test_refinement_keeps_the_geometry(shape, degree: tuple[int, int, int]) -> N
     for geometry in coarse.patches:
         before = refine(geometry, geometry.degrees, tuple(p - 1 for p in geometry.degrees))
         after = refine(geometry, np.maximum(degree, geometry.degrees), (0, 1, 0))
-        x = before.basis_on_grid(grid) @ before.control_points.reshape(-1, 3)
-        y = after.basis_on_grid(grid) @ after.control_points.reshape(-1, 3)
+        x = basis_on_grid(before, grid) @ before.control_points.reshape(-1, 3)
+        y = basis_on_grid(after, grid) @ after.control_points.reshape(-1, 3)
         assert np.abs(x - y).max() < 1e-14
         assert after.spans == tuple(len(b) - 1 for b in geometry.breaks)
 
@@ -69,12 +70,12 @@ def test_arcs_are_exact_and_breaks_lie_at_their_angles(shape) -> None:
     for geometry in nurbs_shape(shape, breaks).patches:
         patch = refine(geometry, (1, 2, 1), (0, 1, 0))
         grid = [np.array([0.0, 1.0]), np.linspace(0, 1, 101), np.array([0.0])]
-        x = patch.basis_on_grid(grid) @ patch.control_points.reshape(-1, 3)
+        x = basis_on_grid(patch, grid) @ patch.control_points.reshape(-1, 3)
         radius = np.linalg.norm(x[:, :2], axis=1).reshape(2, -1)
         assert np.abs(radius / [[shape.inner_radius], [shape.outer_radius]] - 1).max() < 1e-15
 
         grid[1] = patch.breaks[1]
-        x = patch.basis_on_grid(grid) @ patch.control_points.reshape(-1, 3)
+        x = basis_on_grid(patch, grid) @ patch.control_points.reshape(-1, 3)
         angle = np.rad2deg(np.arctan2(x[:, 1], x[:, 0])) % 360
         angles.append(angle[: len(patch.breaks[1])])
     difference = np.unique(np.round(np.concatenate(angles), 9) % 360)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import STEEL, body, scipy_of, slow_matrices, turned
+from iga_data import STEEL, basis_on_grid, body, scipy_of, slow_matrices, turned
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
@@ -25,7 +25,7 @@ def test_circles_of_the_plane(shape) -> None:
         assert np.abs(np.linalg.norm(x, axis=1) / radius - 1).max() < 3e-15
     angles = []
     for patch in part.space.multipatch.patches:
-        x = patch.basis_on_grid([np.array([1.0]), patch.breaks[1]]) @ patch.control_points.reshape(
+        x = basis_on_grid(patch, [np.array([1.0]), patch.breaks[1]]) @ patch.control_points.reshape(
             -1, 2
         )
         angles.append(np.rad2deg(np.arctan2(x[:, 1], x[:, 0])))
