@@ -28,6 +28,7 @@ from cea.arrays import Floats
 from cea.elasticity import Elasticity
 from cea.matrices import destroy, distributed, local_part
 from cea.petsc import PETSc
+from cea.ranks import agreed
 from cea.rotation import Rotation
 
 _JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
@@ -69,7 +70,8 @@ class LagrangeMatrices:
             for q in every:
                 gradient = np.zeros((self.dim, *x.shape))
                 gradient[j, q] = 1.0
-                tensor[:, :, q] = elasticity.stress(gradient, x)
+                with agreed(self.comm):
+                    tensor[:, :, q] = elasticity.stress(gradient, x)
             for i in range(j + 1):
                 put(tensor[i])
                 rows, transposed = _integrated(integral, matrix)
@@ -90,7 +92,8 @@ class LagrangeMatrices:
         """Stiffness int sigma_ij d_i u . d_j v that stresses of a displacement make (N/m)."""
         integral, x, put = self._gradients(3, varies=True)
         slopes = [self._at_points(ufl.grad(u), 3) for u in self._functions(displacement)]
-        put(elasticity.stress(np.stack(slopes), x))
+        with agreed(self.comm):
+            put(elasticity.stress(np.stack(slopes), x))
         rows, transposed = _scalar(integral)
         return self._of_each_component(rows, 0.5 * (rows.data + transposed))
 

@@ -69,7 +69,7 @@ def _material_turns(law: Elasticity, rotation: Rotation, dim: int) -> bool:
     """Whether stresses turn with the strains, where both are turned about the axis by a radian."""
     spin, origin = rotation.spin(dim), np.asarray(rotation.origin[:dim], dtype=float)[:, None]
     turn = np.eye(dim) + np.sin(1.0) * spin + (1 - np.cos(1.0)) * spin @ spin
-    arm = np.arange(1.0, dim + 1)[:, None]
+    arm = np.sqrt([[2.0], [3.0], [5.0]])[:dim]  # along no axis
     gradient = np.square(np.arange(1.0, dim**2 + 1)).reshape(dim, dim)
     here = law.stress(gradient[..., None], origin + arm)[..., 0]
     there = law.stress((turn @ gradient @ turn.T)[..., None], origin + turn @ arm)[..., 0]

@@ -239,6 +239,11 @@ def test_in_the_plane_and_in_rotation_symmetry_is_asked_for():
     scene.change("bodies.disc.material", WOOD | {"axes": ROUND})
 
 
+def test_cylindrical_axes_may_lie_anywhere(backend):
+    for origin in ([0.5, 0.5, 0.0], [-1.0, 2.0, 0.0]):
+        block(backend, WOOD | {"axes": ROUND | {"origin": origin}})
+
+
 def test_axes_by_expressions_are_those_of_the_cylinder():
     x = np.random.default_rng(3).normal(size=(3, 20))
     given = Axes(("x/r", "y/r", 0.0), ("-y/r", "x/r", 0.0)).at(x)
