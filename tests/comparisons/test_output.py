@@ -92,6 +92,15 @@ OWN = {str(i): Column(f"number {i}", "N/m³", shown(7)) for i in range(6)}
 CAPTION = "A table whose caption is longer than most terminals are wide, as many of them are."
 
 
+def test_what_was_left_out_is_named_or_explained(result):
+    for explain, told in ((False, "newton"), (True, "newton: known stiffness")):
+        console = terminal(100)
+        print_result(result, console, explain=explain)
+        lines = [line for line in lines_of(console) if "left out" in line]
+        assert [told in line for line in lines] == [True]
+        assert ("known stiffness" in lines[0]) == explain
+
+
 @pytest.mark.parametrize("width", WIDTHS)
 def test_tables_of_reports_keep_their_digits(width):
     console = terminal(width)
