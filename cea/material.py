@@ -130,7 +130,7 @@ class SolidOfConstants(Material):
         if (least := float(np.linalg.eigvalsh(scaled)[0])) <= 0:
             allowed = "constants that are positive definite (abs(nu_ij) < sqrt(E_i / E_j) and more)"
             told = f"{allowed}: the least eigenvalue of their scaled matrix is {least:.2g}"
-            yield InputError("material", self.constants, told)
+            yield InputError("material.constants", self.constants, told)
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ class OrthotropicMaterial(SolidOfConstants):
             yield from super()._faults()
         else:
             allowed = "nine constants, or E_1, E_3, nu_12, nu_13 and G_13"
-            yield InputError("material", sorted(self.constants), allowed)
+            yield InputError("material.constants", sorted(self.constants), allowed)
 
 
 @dataclass(frozen=True)
