@@ -197,7 +197,9 @@ class OrthotropicMaterial(SolidOfConstants):
         if len(self.constants) in (5, 9):
             yield from super()._faults()
         else:
-            allowed = "nine constants; E_1, E_3, nu_12, nu_13, G_13 alone are isotropic about axis 3"
+            allowed = (
+                "nine constants; E_1, E_3, nu_12, nu_13, G_13 alone are isotropic about axis 3"
+            )
             yield InputError("material.constants", sorted(self.constants), allowed)
 
 
