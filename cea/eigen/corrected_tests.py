@@ -27,6 +27,7 @@ omega^2 + r = tau^2 omega^2: no eigenvalue of the window lies left of Re kappa =
 """
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Self
 
 import numpy as np
@@ -182,23 +183,17 @@ class CorrectedTests:
         def solve(load: Floats) -> Floats:
             return factors.solve_block(load)[:rows]
 
-        def both(x: Floats) -> tuple[Floats, Floats]:
-            """(1 + N Z)^T M x and its transpose, z = Z x."""
+        def half(x: Floats, sign: float) -> Floats:
+            """Half of (1 + N Z)^T M x, z = Z x, and of plus or minus its transpose."""
             moved = image_of(mass, x)
             along = transposed_times(normals, moved)
             forward = moved + transposed_times(outer, inner.solve_block(along))
-            z = inner.solve_block(np.asfortranarray(times(outer, x)))[: len(along)]
-            return forward, image_of(mass, np.asfortranarray(x + times(normals, z)))
+            z = inner.solve_block(times(outer, x))[: len(along)]
+            back = image_of(mass, np.asfortranarray(x + times(normals, z)))
+            return np.asfortranarray(0.5 * (forward + sign * back))
 
-        def image(x: Floats) -> Floats:
-            forward, back = both(x)
-            return np.asfortranarray(0.5 * (forward + back))
-
-        def skew(x: Floats) -> Floats:
-            forward, back = both(x)
-            return np.asfortranarray(0.5 * (forward - back))
-
-        largest = largest_quotient(solve, image, skew, rows, mass.comm, _STEPS)
+        skew, image = partial(half, sign=-1.0), partial(half, sign=1.0)
+        largest = largest_quotient(solve, skew, rows, mass.comm, _STEPS, image)
         inner.free()
         factors.free()
         return SAFETY * largest if np.isfinite(largest) else None

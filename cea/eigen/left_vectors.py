@@ -23,10 +23,10 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
-from cea.eigen.errors import Eigenpairs
+from cea.eigen.errors import Eigenpairs, residual
 from cea.eigen.matching import DEGENERATE, assign, connected, group
 from cea.eigen.pencil import Pencil, Role
-from cea.eigen.residuals import Sizes, internal_forces
+from cea.eigen.residuals import Sizes
 from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.spectrum import SLOW
 from cea.eigen.subspace import InvariantSubspace
@@ -158,12 +158,7 @@ def _two_sided_errors(
     for block in column_blocks(n):
         value, x, y = pairs.values[block], pairs.vectors[:, block], left.vectors[:, block]
         f, square = pairs.forces[:, block], op.square(pairs.values[block])
-        inertia = times(matrices.mass, x)
-        derivative, defect = inertia, internal_forces(matrices, x, f) + square * inertia
-        if op.damping is not None:
-            drag = op.damping.times(x)
-            defect += value * drag
-            derivative = 2 * value * inertia + drag
+        defect, derivative, inertia = residual(op, value, x, f)
         entries = sizes.forces(x, 2 * np.abs(f), np.sqrt(np.abs(square)))
         parts = np.abs(defect) + np.finfo(float).eps * entries
         work = op.comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(y), parts))

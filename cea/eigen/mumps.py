@@ -16,8 +16,8 @@ from time import time
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cea.arrays import Floats
 from cea.errors import ConvergenceError
 from cea.matrices import dense, destroy
 from cea.petsc import PETSc
@@ -111,11 +111,14 @@ class Mumps:
             factor.setMumpsIcntl(33, 1)  # its determinant
         return pc
 
-    def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
+    def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Solve for every column of b, the first rows of this rank: those that follow are zero.
 
-        The result has all rows of this rank, shape (n_local, columns).
+        The result has all rows of this rank, shape (n_local, columns), real or complex.
         """
+        if np.iscomplexobj(b):
+            both = self.solve_block(np.hstack([b.real, b.imag]), transposed=transposed)
+            return both[:, : b.shape[1]] + 1j * both[:, b.shape[1] :]
         layout, comm = self.matrix.getSizes()[0], self.matrix.comm
         solution = np.zeros((layout[0], b.shape[1]), order="F")
         if not b.shape[1]:  # which MUMPS refuses: an empty window has no eigenvectors

@@ -16,12 +16,11 @@ from typing import Any, Literal
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.unformed import (
+    Circulatory,
     CirculatorySum,
-    CirculatoryTerm,
-    LowRankSum,
-    LowRankTerm,
-    circulatory_sum,
-    sum_of,
+    LowRank,
+    UnformedTerm,
+    low_rank_sum,
 )
 from cea.errors import InputError
 from cea.matrices import destroy, scaled_total
@@ -70,7 +69,7 @@ class Matrices:
     damping: Mat | None = None  # symmetric part of C (N s/m)
     gyroscopic: Mat | None = None  # the rest of C, which rotation makes (N s/m)
     # pieces of C of low rank (N s/m) and circulatory ones of K (N/m), which are not in these
-    low_rank: LowRankSum | None = None
+    low_rank: LowRank | None = None
     circulatory: CirculatorySum | None = None
     contacts: tuple[tuple[float, Mat], ...] = ()  # pieces K_n with their coefficients (N/m)
     nodes: Nodes | None = None  # which unknowns belong together; None where that is not known
@@ -148,8 +147,8 @@ class Pencil:
         terms: Iterable[Term],
         parameters: Iterable[Parameter] = (),
         forces: Sequence[ForcesOfContact] = (),
-        low_rank: Iterable[LowRankTerm] = (),
-        circulatory: Iterable[CirculatoryTerm] = (),
+        low_rank: Iterable[UnformedTerm[LowRank]] = (),
+        circulatory: Iterable[UnformedTerm[Circulatory]] = (),
         *,
         leave_out: bool = True,
         nodes: Nodes | None = None,
@@ -273,12 +272,14 @@ class Pencil:
 
     def circulatory_at(self, values: Mapping[str, float]) -> CirculatorySum | None:
         """Circulatory pieces at given values of all parameters; None where all vanish."""
-        return circulatory_sum((t.coefficient.at(values), t.piece) for t in self.circulatory)
+        parts = [(term.coefficient.at(values), term.piece) for term in self.circulatory]
+        kept = tuple(part for part in parts if part[0])
+        return CirculatorySum(kept) if kept else None
 
-    def low_rank_at(self, values: Mapping[str, float]) -> LowRankSum | None:
-        """Pieces of low rank at given values of all parameters; None where all vanish."""
+    def low_rank_at(self, values: Mapping[str, float]) -> LowRank | None:
+        """Sum B B^T of pieces of low rank at values of all parameters; None where all vanish."""
         parts = [(term.coefficient.at(values), term.piece) for term in self.low_rank]
-        return sum_of(parts, self.terms[0].matrix.getLocalSize()[0], self.comm)
+        return low_rank_sum(parts, self.terms[0].matrix.getLocalSize()[0])
 
     def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Mat | None:
         # What is damped by nothing is linear in kappa: that is never kept.

@@ -30,7 +30,7 @@ class Damping:
 
     def __init__(self, matrices: Matrices) -> None:
         pieces = [m for m in (matrices.damping, matrices.gyroscopic) if m is not None]
-        self._low_rank = matrices.low_rank
+        self._low_rank, self._comm = matrices.low_rank, matrices.mass.comm
         self._matrix = scaled_total([(1.0, piece) for piece in pieces]) if pieces else None
         self._absolute: Any | None = None
 
@@ -39,7 +39,7 @@ class Damping:
         product = transposed_times if transposed else times
         force = np.zeros_like(x) if self._matrix is None else product(self._matrix, x)
         if self._low_rank is not None:
-            force += self._low_rank.times(x)
+            force += self._low_rank.times(x, self._comm)
         return force
 
     def sizes(self, x: Floats) -> Floats:
@@ -48,7 +48,7 @@ class Damping:
             self._absolute = absolute(self._matrix)
         force = np.zeros_like(x) if self._absolute is None else image_of(self._absolute, x)
         if self._low_rank is not None:
-            force += self._low_rank.sizes(x)
+            force += self._low_rank.sizes(x, self._comm)
         return force
 
     def free(self) -> None:

@@ -67,7 +67,7 @@ class Shifted:
         low_rank = self.matrices.low_rank if self.rate else None
         if low_rank is None and rest is None:
             return
-        root = np.zeros((self._local, 0)) if low_rank is None else low_rank.root()
+        root = np.zeros((self._local, 0)) if low_rank is None else low_rank.vectors
         try:
             self._update = UpdatedFactors(
                 self._factors, root, self.rate, rest, symmetric=self._symmetric
@@ -97,11 +97,6 @@ class Shifted:
 
         They are real or complex; the matrix may be the transposed one.
         """
-        if np.iscomplexobj(b):
-            n, parts = b.shape[1], np.hstack([b.real, b.imag])
-            both = self.solve_with_forces(parts, transposed=transposed)
-            x, f = (part[:, :n] + 1j * part[:, n:] for part in both)
-            return x, f
         solver = self._update or self._factors
         assert solver is not None
         solution = solver.solve_block(b, transposed=transposed)

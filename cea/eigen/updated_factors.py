@@ -13,10 +13,11 @@ from typing import Any
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 
 from cea.arrays import Floats
-from cea.eigen.blocks import column_blocks, image_of, norms, transposed_times
+from cea.eigen.blocks import column_blocks, norms, times, transposed_times
 from cea.eigen.mumps import Mumps, SingularError
 from cea.eigen.unformed import CirculatorySum
 
@@ -53,7 +54,7 @@ class UpdatedFactors:
         for transposed in (False,) if rest is None else (False, True):
             self._prepare(transposed)
 
-    def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
+    def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Solutions for every column of b, the first rows of this rank, as of :class:`Mumps`."""
         b = np.vstack([b, np.zeros((self._rows - len(b), b.shape[1]))])
         transposed = transposed and not self._symmetric
@@ -102,7 +103,7 @@ class UpdatedFactors:
             raise SingularError("a series that converges slowly")
         return steps
 
-    def _once(self, b: Floats, transposed: bool) -> Floats:
+    def _once(self, b: NDArray[Any], transposed: bool) -> NDArray[Any]:
         """Solutions without E and refinement."""
         x = self._matrix.solve_block(b, transposed=transposed)
         if not self._root.shape[1]:
@@ -110,15 +111,15 @@ class UpdatedFactors:
         image, small = self._small[transposed]
         return x - image @ (self._shift * lu_solve(small, self._inner(x), check_finite=False))
 
-    def _times(self, x: Floats, transposed: bool) -> Floats:
+    def _times(self, x: NDArray[Any], transposed: bool) -> NDArray[Any]:
         """(A + s B B^T + E) x, or its transpose."""
         own = slice(len(self._root))
-        result: Floats = (transposed_times if transposed else image_of)(self._matrix.matrix, x)
+        result = (transposed_times if transposed else times)(self._matrix.matrix, x)
         result[own] += self._shift * (self._root @ self._inner(x))
         if self._rest is not None:
             result[own] += self._rest.times(x[own], transposed=transposed)
         return result
 
-    def _inner(self, x: Floats) -> Floats:
+    def _inner(self, x: NDArray[Any]) -> NDArray[Any]:
         """B^T x, the same on every rank."""
         return np.asarray(self._comm.tompi4py().allreduce(self._root.T @ x[: len(self._root)]))

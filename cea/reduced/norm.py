@@ -98,7 +98,7 @@ class Norms:
         parts = [scaled_total([(c, each.compliance)]) for c, each in softness]
         closure = one_below_the_other([each.closure for each in pencil.forces])
         compliance = block_diagonal(parts).convert("aij")
-        forces = Multipliers(closure, closure, compliance, None, 0, stacked=True)
+        forces = Multipliers(closure, closure, compliance, None, 0)
         destroy(*parts)
         factors = self._kept(Mumps(bordered(matrix, forces, symmetric=True), symmetric=True))
         n = pieces.displacements

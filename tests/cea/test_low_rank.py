@@ -13,7 +13,7 @@ from cea.eigen.mumps import Mumps
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.eigen.shifted import Shifted
-from cea.eigen.unformed import LowRank, LowRankTerm
+from cea.eigen.unformed import LowRank, UnformedTerm
 from cea.eigen.updated_factors import UpdatedFactors
 from cea.errors import ConvergenceError
 
@@ -23,7 +23,7 @@ RNG = np.random.default_rng(4)
 
 def with_piece(pencil, piece):
     """A pencil with one piece of low rank more, by the parameter d."""
-    term = LowRankTerm(piece, Coefficient.of({"d": (1.0, 1.0)}))
+    term = UnformedTerm(piece, Coefficient.of({"d": (1.0, 1.0)}))
     parameters = [*pencil.parameters.values(), Parameter("d", 1.0)]
     return Pencil(pencil.terms, parameters, pencil.forces, [term])
 

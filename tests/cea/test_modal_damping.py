@@ -37,7 +37,7 @@ def one_block(backend, modal=None, *, held=True, size=(1.0, 0.6), elements=(4, 3
 
 def piece_of(system):
     """W diag(d) W^T of a system as a full matrix."""
-    root = system.pencil().at().low_rank.root()
+    root = system.pencil().at().low_rank.vectors
     return root @ root.T
 
 
@@ -113,7 +113,7 @@ def test_modes_that_are_counted_follow_the_material(backend, change):
     modal = KINDS["a list"]
     values = {f"bodies.block.material.{name}": value}
     system = assemble(one_block(backend, modal))
-    changed = system.pencil().at(values).low_rank.root()
+    changed = system.pencil().at(values).low_rank.vectors
     expected = piece_of(assemble(one_block(backend, modal, **change)))
     assert changed @ changed.T == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
 

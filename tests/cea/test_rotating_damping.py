@@ -75,7 +75,7 @@ def sums(made, **changes):
         if part is not None:
             D += to_numpy(part)
     if matrices.low_rank is not None:
-        root = matrices.low_rank.root()
+        root = matrices.low_rank.vectors
         D += root @ root.T
     return to_numpy(matrices.mass), D, to_numpy(matrices.stiffness) + circulatory, circulatory
 

@@ -7,7 +7,7 @@ from petsc_matrices import to_petsc
 from scipy.linalg import eigh
 
 from cea.eigen.pencil import Pencil, Term
-from cea.eigen.unformed import LowRank, LowRankTerm
+from cea.eigen.unformed import LowRank, UnformedTerm
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def pencil_of(mass, damping, stiffness, low_rank=None) -> Pencil:
         terms.append(Term("damping", to_petsc(turn), symmetric=False))
     if low_rank is None:
         return Pencil(terms)
-    return Pencil(terms, low_rank=[LowRankTerm(LowRank(*low_rank))])
+    return Pencil(terms, low_rank=[UnformedTerm(LowRank(*low_rank))])
 
 
 def random_quadratic(seed: int) -> RandomQuadratic:
