@@ -148,13 +148,8 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
 
 def _symmetric_damping(matrices: Matrices) -> Mat | None:
     """Symmetric part of C + Y, a new matrix; None without."""
-    parts = [] if matrices.damping is None else [(1.0, matrices.damping)]
-    if matrices.gyroscopic is not None:
-        parts.append((1.0, symmetrised(matrices.gyroscopic.copy())))
-    total = scaled_total(parts) if parts else None
-    if matrices.gyroscopic is not None:
-        destroy(parts[-1][1])
-    return total
+    parts = [(1.0, each) for each in (matrices.damping, matrices.gyroscopic) if each is not None]
+    return symmetrised(scaled_total(parts)) if parts else None
 
 
 def _positive(matrices: Matrices, damping: Mat, rate: float) -> bool:

@@ -60,17 +60,12 @@ class Mumps:
         self._symmetric, self._inertia = symmetric, inertia
         if symmetric:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self._pc = self._prepared(_ROOM[0])
-        self._factorise()
-
-    def _factorise(self) -> None:
-        self._set_up()
-        for room in _ROOM[1:]:
-            if self._pc.getFailedReason() != _NO_ROOM:
-                break
-            destroy(self._pc)
+        for room in _ROOM:
             self._pc = self._prepared(room)
             self._set_up()
+            if room == _ROOM[-1] or self._pc.getFailedReason() != _NO_ROOM:
+                break
+            destroy(self._pc)
         if self._pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
             rows = matrix_size(self.matrix)
             code = self._pc.getFactorMatrix().getMumpsInfog(1)

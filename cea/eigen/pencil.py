@@ -35,27 +35,13 @@ FRICTION = "friction"
 
 @dataclass(frozen=True)
 class Term:
-    """One piece of a pencil: c(t) A.
+    """One piece of a pencil: c(t) A."""
 
-    Parameters
-    ----------
-    role
-        The sum it belongs to.
-    matrix
-        A, PETSc AIJ (n x n).
-    coefficient
-        c.
-    symmetric
-        Whether A is symmetric, to the last bit.
-    contact
-        Whether A is the stiffness K_n of a contact, or what friction makes.
-    """
-
-    role: Role
-    matrix: Mat
-    coefficient: Dependence = CONSTANT
-    symmetric: bool = True
-    contact: bool = False
+    role: Role  # the sum it belongs to
+    matrix: Mat  # A, PETSc AIJ (n x n)
+    coefficient: Dependence = CONSTANT  # c
+    symmetric: bool = True  # whether A is symmetric, to the last bit
+    contact: bool = False  # whether A is the stiffness K_n of a contact, or what friction makes
 
 
 @dataclass(frozen=True)

@@ -82,10 +82,6 @@ class Shifted:
         forces = self.matrices.multipliers
         return 0 if forces is None else int(forces.compliance.getLocalSize()[0])
 
-    def solve(self, b: Any, x: Any) -> None:
-        """Displacements x for forces b on the bodies, PETSc vectors."""
-        x.array[:] = self.solve_block(np.array(b.array_r)[:, None])[:, 0]
-
     def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Displacements for every column of forces, the rows of this rank."""
         return self.solve_with_forces(b, transposed=transposed)[0]
