@@ -9,7 +9,7 @@ parametric pencil, not bodies.
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.linalg import LinAlgError
@@ -104,16 +104,17 @@ class EigenSolver:
         if min_growth is not None and not -np.inf < min_growth <= 0:
             raise InputError("min_growth", min_growth, "zero or a negative number (1/s), or none")
         end, timer = 2 * np.pi * max_frequency, timer or StageTimer()
-        values, matrices = self._assembled(changes, timer)
+        with timer("assembly"):
+            matrices = self.matrices(changes)
         search: WindowSearch
         if matrices.quadratic:
             decay = None if min_growth is None else -min_growth
             search = DampedSearch(matrices, end, self.options, timer, decay)
         else:
             search = UndampedSearch(matrices, end, self.options, timer)
-        with self._counted(search, values):
+        with self._counted(search):
             search.run()
-            modes = self._modes(search, values, left=left)
+            modes = self._modes(search, left=left)
         window = modes.window
         if window.symmetric_count is not None and not window.complete:
             raise ConvergenceError(
@@ -124,7 +125,7 @@ class EigenSolver:
         return modes
 
     @contextmanager
-    def _counted(self, search: Search, values: dict[str, float]) -> Iterator[None]:
+    def _counted(self, search: Search) -> Iterator[None]:
         """Count what a search takes, free it, and attach the modes so far where it fails."""
         try:
             yield
@@ -135,17 +136,18 @@ class EigenSolver:
         except ConvergenceError as error:
             if isinstance(error.best, InvariantSubspace) and error.best.size:
                 search.found = error.best
-                error.best = self._modes(search, values, left=None)
+                error.best = self._modes(search, left=None)
             raise
         finally:
             self.solves += 1
             self.factorisations += search.factorisations
             search.free()
 
-    def _modes(self, search: Search, values: dict[str, float], *, left: bool | None) -> Modes:
+    def _modes(self, search: Search, *, left: bool | None) -> Modes:
         """Modes of what was found, with errors; where ``left`` is None without left vectors."""
         subspace, op, timer = search.found, search.near, search.timer
         assert subspace is not None
+        assert self._summed is not None
         with timer("post-processing"):  # those around the window show too what rounding does
             pairs = error_estimates(op, subspace)
             unsure = left is not None and needs_left_vectors(op, subspace, pairs)
@@ -167,7 +169,7 @@ class EigenSolver:
                 pairs = two_sided(op, subspace, pairs, both)
             wanted = both[1] if left and both is not None else None
             window = search.window(pairs.values)
-            return modes_of(self.pencil, values, op.matrices, pairs, wanted, window)
+            return modes_of(self.pencil, *self._summed, pairs, wanted, window)
 
     def nearest(
         self,
@@ -182,28 +184,15 @@ class EigenSolver:
         With damping or rotation they are nearest in lambda, to the root with Im lambda > 0, or the
         positive one.
 
-        Parameters
-        ----------
-        kappa
-            Where (1/s^2). Without damping and rotation a real number, with them any but zero.
-        wanted
-            Number of eigenvalues; a few more may come.
-        changes
-            Parameters of the pencil that differ from their own values.
-        timer
-            Counts assembly, factorisation, krylov and post-processing.
-
-        Raises
-        ------
-        InputError
-            When there is no such place, or too few are wanted.
-        ConvergenceError
-            When fewer converge.
+        ``kappa`` is any real number (1/s^2), with damping or rotation any but zero. A few more than
+        ``wanted`` may come. Other parameters are those of :meth:`solve`; InputError when there is
+        no such place, or too few are wanted, ConvergenceError when fewer converge.
         """
         if wanted < 1:
             raise InputError("wanted", wanted, "1 or more")
         timer = timer or StageTimer()
-        values, matrices = self._assembled(changes, timer)
+        with timer("assembly"):
+            matrices = self.matrices(changes)
         place: complex = kappa
         if matrices.quadratic:
             if not (kappa and np.isfinite(kappa)):
@@ -213,9 +202,9 @@ class EigenSolver:
         elif isinstance(kappa, complex):
             raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
         search = NearestSearch(matrices, place, wanted, self.options, timer)
-        with self._counted(search, values):
+        with self._counted(search):
             search.run()
-            modes = self._modes(search, values, left=None)
+            modes = self._modes(search, left=None)
         if matrices.quadratic:
             order = np.argsort(np.abs(modes.eigenvalues - place), kind="stable")[:wanted]
             modes = modes[np.sort(order)]
@@ -223,16 +212,9 @@ class EigenSolver:
             modes = replace(modes, window=replace(modes.window, found=len(modes), radius=radius))
         return modes
 
-    def _assembled(
-        self, changes: Mapping[str, float] | None, timer: StageTimer
-    ) -> tuple[dict[str, float], Matrices]:
-        """Values of all parameters, and the pencil there."""
+    def matrices(self, changes: Mapping[str, float] | None = None) -> Matrices:
+        """The pencil at given parameters, freed when it is asked for at others."""
         values = self.pencil.values(changes)
-        with timer("assembly"):
-            return values, self._matrices(values)
-
-    def _matrices(self, values: dict[str, float]) -> Matrices:
-        """The pencil at given values of all parameters."""
         if self._summed is not None and self._summed[0] == values:
             return self._summed[1]
         before, self._summed = self._summed, None  # an interruption leaves nothing that was freed
@@ -240,18 +222,6 @@ class EigenSolver:
             release(before[1])
         self._summed = (values, self.pencil.at(values))
         return self._summed[1]
-
-    def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
-        """Whether the pencil is damped or rotates at given parameters."""
-        return self._matrices(self.pencil.values(changes)).quadratic
-
-    def conservative(self, changes: Mapping[str, float] | None = None) -> bool:
-        """Whether there is neither friction nor damping at given parameters."""
-        return self._matrices(self.pencil.values(changes)).conservative
-
-    def mass(self, values: Mapping[str, float]) -> Any:
-        """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
-        return self._matrices(self.pencil.values(values)).mass
 
 
 def solve_modes(
@@ -286,7 +256,7 @@ def run_window(
     Where it is empty it names the lowest mode above. Where nothing can grow for the structure of
     the problem, nothing is searched above. Parameters are those of :meth:`EigenSolver.solve`.
     """
-    above = 1.0 if driver.conservative(changes) else ABOVE
+    above = 1.0 if driver.matrices(changes).conservative else ABOVE
     try:
         wider = driver.solve(
             above * max_frequency, changes, min_growth=min_growth, left=left, timer=timer

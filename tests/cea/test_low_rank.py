@@ -12,9 +12,8 @@ from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.mumps import Mumps
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
-from cea.eigen.shifted import Shifted
+from cea.eigen.shifted import Shifted, UpdatedFactors
 from cea.eigen.unformed import LowRank, UnformedTerm
-from cea.eigen.updated_factors import UpdatedFactors
 from cea.errors import ConvergenceError
 
 GPTS = {"method": "gpts", "points": 3}

@@ -131,5 +131,5 @@ def test_damping_and_rotation_are_sums_too():
     assert to_numpy(matrices.damping) == pytest.approx(C)
     assert to_numpy(matrices.gyroscopic) == pytest.approx(2 * Y)
     with EigenSolver(pencil) as driver:
-        assert driver.quadratic()
+        assert driver.matrices().quadratic
         assert driver.solve(1.0).residuals.max() < 1e-13
