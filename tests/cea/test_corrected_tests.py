@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import scipy.linalg
 from blocks import assemble, coarse, two_blocks
-from corrected_numbers import corrected_numbers
 from covering import covering
+from eigen_numbers import wedges
 from mpi import on_ranks
 from petsc_matrices import to_numpy, to_petsc
 from same_numbers import assert_same
@@ -131,5 +131,5 @@ def test_windows_of_stiff_contact_are_complete(backend, changes):
     [("iga", 2), *(pytest.param("fe", ranks, marks=pytest.mark.slow) for ranks in (2, 3))],
 )
 def test_ranks_agree(backend, ranks):
-    found = on_ranks(ranks, "corrected_numbers.corrected_numbers", backend)
-    assert_same(found, corrected_numbers(backend), rel=1e-6)
+    found = on_ranks(ranks, "eigen_numbers.wedges", backend)
+    assert_same(found, wedges(backend), rel=1e-6)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from blocks import assemble, two_blocks
 from covering import covering
+from eigen_numbers import damped
 from petsc_matrices import to_numpy, to_petsc
-from quadratic_cases import damped
 from scipy.linalg import eig
 
 from cea.eigen.driver import EigenSolver, solve_modes

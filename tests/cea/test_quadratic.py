@@ -5,10 +5,10 @@ import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
 from dense_reference import dense_quadratic
+from eigen_numbers import damped, damped_blocks
 from mpi import on_ranks
 from petsc_matrices import to_petsc
-from quadratic_cases import damped, lumped_modes, numbers
-from random_quadratic import pencil_of, random_quadratic
+from random_pencils import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
 from scipy.sparse import diags_array, eye_array
 
@@ -33,7 +33,8 @@ DAMPED = [entry for entry in stored("lumped") if np.any(entry["C"])]
 
 @pytest.mark.parametrize("entry", DAMPED, ids=lambda entry: entry["name"])
 def test_lumped_systems_to_twelve_digits(entry):
-    modes = lumped_modes(entry)
+    M, C, K = (np.array(entry[name], dtype=float) for name in ("M", "C", "K"))
+    modes = solve_modes(pencil_of(M, C, K), 0.4, min_growth=-1.0)
     exact = np.array([value for value in eigenvalues(entry) if value.imag >= 0])
     found = modes.eigenvalues
     assert len(found) == len(exact)
@@ -193,7 +194,7 @@ def test_lower_ends_of_windows_are_checked(growth):
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_numbers_do_not_depend_on_the_ranks(ranks):
-    alone, together = numbers(), on_ranks(ranks, "quadratic_cases.numbers")
+    alone, together = damped_blocks(), on_ranks(ranks, "eigen_numbers.damped_blocks")
     assert len(alone["re"]) > 3
     for name, values in alone.items():
         assert together[name] == pytest.approx(values, rel=1e-8, abs=1e-9)
