@@ -32,7 +32,7 @@ H and C are symmetric parts, Y the skew one. Pieces of C of low rank are positiv
 hold for the sum where they hold without them.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,7 +42,7 @@ from scipy.sparse import csr_array
 from cea.arrays import Floats
 from cea.eigen.blocks import all_inner, combined, image_of, subtract, times, transposed_times
 from cea.eigen.multipliers import Multipliers, with_circulatory
-from cea.eigen.mumps import Mumps
+from cea.eigen.mumps import Mumps, inertia
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, count_below
 from cea.errors import ConvergenceError
@@ -56,7 +56,7 @@ from cea.matrices import (
     scaled_total,
     symmetrised,
 )
-from cea.petsc import MPI, Mat, PETSc
+from cea.petsc import MPI, Mat
 
 type Operation = Callable[[Floats], Floats]
 """What takes the rows of this rank of a block of vectors to those of another."""
@@ -71,7 +71,6 @@ _DEPTH = 0.02
 """X of the cone of damped pencils relative to omega^2."""
 _NEGATIVE = (1e-6, 1e-2, 0.1)
 """Negative damping d relative to omega that is tried: none but for rounding, and some."""
-_DIFFERENT: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 
 @dataclass(frozen=True)
@@ -91,22 +90,18 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     """
     if matrices.symmetric:
         return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
-    factors, bounded = _factorised(hermitian_part(matrices, depth), matrices.multipliers)
+    factors, bounded = _factorised(_hermitian_part(matrices, depth), matrices.multipliers)
     if factors is None:
         return FieldOfValues(depth, bounded=False)
     slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
-    if cone and bounded and has_cone(matrices) and not factors.null_pivots():
+    forces = matrices.multipliers
+    loose = forces is None or not (forces.tied or forces.dependent)
+    if cone and bounded and loose and not factors.inertia()[1]:
         slope, share = (SAFETY * each for each in _quotients(factors, matrices))
     factors.free()
     if not share < 1:
         return FieldOfValues(depth, bounded=False)
     return FieldOfValues(depth, bounded, slope / (1 - share))
-
-
-def has_cone(matrices: Matrices) -> bool:
-    """Whether the slope of its cone can be told: no contact force is tied or depends on others."""
-    forces = matrices.multipliers
-    return forces is None or not (forces.tied or forces.border is not None)
 
 
 def largest_growth(matrices: Matrices, end: float) -> float:
@@ -124,22 +119,21 @@ def largest_growth(matrices: Matrices, end: float) -> float:
 
 def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
     """Whether no eigenvalue with abs(Im lambda) <= end (1/s) can grow at a rate (1/s) or faster."""
-    damping = _symmetric_damping(matrices)
-    if damping is not None and not _positive(matrices, damping, 2 * growth):
-        destroy(damping)
-        return False
-    hermitian, forces = hermitian_part(matrices, growth**2 - end**2), matrices.multipliers
+    damping, parts = _symmetric_damping(matrices), []
     if damping is not None:
-        hermitian.axpy(growth, damping, structure=_DIFFERENT)
-        destroy(damping)
+        if not _positive(matrices, damping, 2 * growth):
+            destroy(damping)
+            return False
+        parts.append((growth, damping))
     if matrices.gyroscopic is not None:
-        sums = _skew_row_sums(matrices.gyroscopic)
-        hermitian.axpy(-end, sums, structure=_DIFFERENT)
-        destroy(sums)
-    if matrices.circulatory is not None:
+        parts.append((-end, _skew_row_sums(matrices.gyroscopic)))
+    hermitian = _hermitian_part(matrices, growth**2 - end**2, parts)
+    destroy(*(matrix for _, matrix in parts))
+    if matrices.circulatory is None:
+        factors, bounded = _factorised(hermitian, matrices.multipliers)
+    else:
         forces = with_circulatory(matrices.multipliers, matrices.circulatory)
-    factors, bounded = _factorised(hermitian, forces)
-    if forces is not None and forces is not matrices.multipliers:
+        factors, bounded = _factorised(hermitian, forces)
         forces.free()
     if factors is not None:
         factors.free()
@@ -154,11 +148,7 @@ def _symmetric_damping(matrices: Matrices) -> Mat | None:
 
 def _positive(matrices: Matrices, damping: Mat, rate: float) -> bool:
     """Whether C + rate M has no negative eigenvalue."""
-    total = scaled_total([(rate, matrices.mass), (1.0, damping)])
-    factors = Mumps(total, symmetric=True, inertia=True)
-    negative = factors.negative_eigenvalues()
-    factors.free()
-    return negative == 0
+    return inertia(scaled_total([(rate, matrices.mass), (1.0, damping)]))[0] == 0
 
 
 def _skew_row_sums(matrix: Mat) -> Mat:
@@ -186,7 +176,7 @@ def _factorised(hermitian: Mat, forces: Multipliers | None) -> tuple[Mumps | Non
             return None, False
         hermitian = bordered
     factors = Mumps(hermitian, symmetric=True, inertia=True)
-    return factors, factors.negative_eigenvalues() == expected
+    return factors, factors.inertia()[0] == expected
 
 
 def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
@@ -277,9 +267,11 @@ def largest_quotient(
     return float(np.linalg.norm(projected, 2)) if size else 0.0
 
 
-def hermitian_part(matrices: Matrices, depth: float) -> Mat:
-    """H + depth M on the displacements, H = (K + K^T) / 2, a new PETSc AIJ matrix."""
-    parts = [(1.0, matrices.stiffness), (depth, matrices.mass)]
+def _hermitian_part(
+    matrices: Matrices, depth: float, more: Sequence[tuple[float, Mat]] = ()
+) -> Mat:
+    """H + depth M, H = (K + K^T) / 2, and other pieces on the displacements, PETSc AIJ."""
+    parts = [(1.0, matrices.stiffness), (depth, matrices.mass), *more]
     if matrices.unsymmetric is None:
         return scaled_total(parts)
     friction = symmetrised(matrices.unsymmetric.copy())

@@ -127,15 +127,10 @@ class Mumps:
         destroy(right, left)
         return solution
 
-    def negative_eigenvalues(self) -> int:
-        """Number of negative eigenvalues of a symmetric A, by its inertia."""
-        negative, _, _ = self._pc.getFactorMatrix().getInertia()
-        return int(negative)
-
-    def null_pivots(self) -> int:
-        """Number of pivots that count as zero, where inertia was asked for."""
-        _, zero, _ = self._pc.getFactorMatrix().getInertia()
-        return int(zero)
+    def inertia(self) -> tuple[int, int]:
+        """Numbers of negative eigenvalues of a symmetric A, and of pivots that count as zero."""
+        negative, null, _ = self._pc.getFactorMatrix().getInertia()
+        return int(negative), int(null)
 
     def sign(self) -> int:
         """Sign of the determinant of an unsymmetric A."""
@@ -144,6 +139,14 @@ class Mumps:
     def free(self) -> None:
         """Free the factors and the matrix."""
         destroy(self._pc, self.matrix)
+
+
+def inertia(matrix: Any) -> tuple[int, int]:
+    """The inertia of a symmetric matrix, as of its factors; the matrix is destroyed."""
+    factors = Mumps(matrix, symmetric=True, inertia=True)
+    found = factors.inertia()
+    factors.free()
+    return found
 
 
 def matrix_size(matrix: Any) -> int:

@@ -73,7 +73,7 @@ class Norms:
         own, self._forces = slice(0, pieces.displacements), slice(pieces.displacements, pieces.rows)
         self._stiffness = pieces.acting(lambda block: times(matrix, block), own, own)
         factors = self._kept(Mumps(matrix.copy(), symmetric=True, inertia=True))
-        if negative := factors.negative_eigenvalues():
+        if negative := factors.inertia()[0]:
             self.free()
             told = f"{negative} negative eigenvalues of its symmetric part"
             raise InputError("stiffness", told, "none, for a map, where parameters are least")

@@ -5,8 +5,8 @@ from functools import cache
 import numpy as np
 import pytest
 from covering import covering
-from petsc_matrices import to_numpy
-from scipy.linalg import eigh, eigvals
+from petsc_matrices import quadratic_eigenvalues, to_numpy
+from scipy.linalg import eigh
 
 from cea.errors import InputError
 from cea.rotation import Rotation
@@ -90,13 +90,6 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
 def positions(part):
     """Nodes, or control points, of the scalar dofs: where linear fields are taken."""
     return part.space.dof_positions
-
-
-def quadratic_eigenvalues(M, D, K):
-    """Every lambda of lambda^2 M + lambda D + K."""
-    n = len(M)
-    right = np.linalg.solve(M, np.hstack([-K, -D]))
-    return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))
 
 
 @cache
