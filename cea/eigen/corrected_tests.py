@@ -84,12 +84,8 @@ class CorrectedTests:
         """Those of a pencil at given parameters; collective.
 
         None without friction, where it is not known which unknowns belong together, where closures
-        depend on each other, or where the mass has no positive definite symmetric part.
-
-        Raises
-        ------
-        ConvergenceError
-            When a factorisation fails.
+        depend on each other, or where the mass has no positive definite symmetric part;
+        ConvergenceError when a factorisation fails.
         """
         forces, nodes = matrices.multipliers, matrices.nodes
         if nodes is None or matrices.symmetric or (forces is not None and forces.dependent):

@@ -35,7 +35,6 @@ from cea.eigen.residuals import Sizes, internal_forces
 from cea.eigen.shift_invert import MARGIN, ShiftInvert
 from cea.eigen.subspace import InvariantSubspace
 from cea.matrices import destroy
-from cea.petsc import Mat
 
 _SMALL = 1e-8
 """Part of an eigenvalue up to which it does not matter how large a residual is exactly."""
@@ -93,7 +92,9 @@ def _checked(
     values, slopes, n = values.copy(), slopes.copy(), len(values)
     forces = np.empty((op.factors.multipliers, n), dtype=complex)
     lengths, residuals, errors, least = np.empty((4, n))
-    sizes, root = Sizes(matrices, op.damping), np.sqrt(diagonal(matrices.mass))
+    sizes, diagonal = Sizes(matrices, op.damping), matrices.mass.getDiagonal()
+    root = np.sqrt(diagonal.array_r)[:, None]
+    destroy(diagonal)
     for block, x in _blocks(values, vectors):
         value = values[block] if np.iscomplexobj(x) else values[block].real
         f = np.empty((0, x.shape[1]), dtype=x.dtype)
@@ -160,14 +161,6 @@ def _slopes(op: ShiftInvert, subspace: InvariantSubspace, duals: Complexes) -> F
         gram[:, block] = all_inner(second, image_of(op.matrices.mass, second[:, block]), comm)
     squares = np.einsum("ij,ij->j", duals.conj(), gram @ duals).real
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / op.scale)
-
-
-def diagonal(mass: Mat) -> Floats:
-    """Diagonal of M, the rows of this rank, a column."""
-    vector = mass.getDiagonal()
-    entries = np.array(vector.array_r, dtype=float)[:, None]
-    destroy(vector)
-    return entries
 
 
 def _blocks(values: Complexes, vectors: Complexes) -> Iterator[tuple[Ints, NDArray[np.inexact]]]:

@@ -87,11 +87,7 @@ def left_vectors_of(
     """Left vectors of eigenpairs, in their order; where eigenvalues touch, a dual basis.
 
     They are of eigenvalues of the transposed pencil and their vectors, conjugates of left ones.
-
-    Raises
-    ------
-    ConvergenceError
-        When an eigenvalue has no left vector.
+    ConvergenceError when an eigenvalue has no left vector.
     """
     values, x = pairs.values, pairs.vectors
     slow = SLOW * op.scale if op.damped else (SLOW * op.scale) ** 2  # rigid motions have no speed

@@ -103,10 +103,7 @@ def modes_of(
 ) -> Modes:
     """Modes with Im lambda >= 0 of eigenpairs, up to the end of the window and down to its decay.
 
-    Raises
-    ------
-    ConvergenceError
-        When modes are nothing but rounding.
+    ConvergenceError when modes are nothing but rounding.
     """
     end = 2 * np.pi * window.max_frequency
     if matrices.quadratic:

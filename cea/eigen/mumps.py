@@ -45,14 +45,8 @@ class Mumps:
     """LU, or LDL^T of a symmetric matrix, PETSc AIJ, by MUMPS; the matrix is destroyed with it.
 
     With ``inertia`` its negative eigenvalues may be asked for: null pivots are counted rather than
-    failed on, and with any of them systems should not be solved.
-
-    Raises
-    ------
-    SingularError
-        When the matrix is singular, or the factorisation fails.
-    MemoryError
-        When there is no memory for the factors.
+    failed on, and with any of them systems should not be solved. SingularError when the matrix is
+    singular, or the factorisation fails, MemoryError when there is no memory for the factors.
     """
 
     def __init__(self, matrix: Any, *, symmetric: bool, inertia: bool = False) -> None:

@@ -195,13 +195,7 @@ class Pencil:
         return self.terms[0].matrix.comm
 
     def values(self, changes: Mapping[str, float] | None = None) -> dict[str, float]:
-        """Value of every parameter, some of them changed.
-
-        Raises
-        ------
-        InputError
-            When there is no such parameter, or it may not have the value.
-        """
+        """Value of every parameter, some of them changed; InputError when they cannot be."""
         values = {name: parameter.value for name, parameter in self.parameters.items()}
         for name, value in (changes or {}).items():
             values[name] = self.parameter(name).check(value)
@@ -220,13 +214,7 @@ class Pencil:
         return self.at_rest().names
 
     def check(self, changes: Mapping[str, float]) -> None:
-        """Refuse parameters at which a piece is not known, as modal damping of modes that move.
-
-        Raises
-        ------
-        InputError
-            When that is so, or there is no such parameter, or it may not have the value.
-        """
+        """Refuse parameters at which a piece is not known, as modal damping of modes that move."""
         values = self.values(changes)
         for piece in self.low_rank:
             piece.coefficient.at(values)

@@ -91,10 +91,7 @@ class Search(ABC):
     def run(self) -> InvariantSubspace:
         """Every eigenvalue that is asked for.
 
-        Raises
-        ------
-        ConvergenceError
-            When a disc cannot be searched; ``best`` is the invariant subspace so far.
+        ConvergenceError when a disc cannot be searched; ``best`` is the invariant subspace so far.
         """
         for centre, radius in self._plan():
             for attempt in range(_ATTEMPTS):  # a shift steps aside where it is an eigenvalue
