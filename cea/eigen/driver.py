@@ -20,8 +20,9 @@ from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.left_vectors import LeftVectors, left_vectors_of, needs_left_vectors, two_sided
 from cea.eigen.modes import Modes, modes_of, warnings_of
 from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.search import NearestSearch, Search
 from cea.eigen.subspace import InvariantSubspace
-from cea.eigen.window import DampedSearch, NearestSearch, Search, UndampedSearch, WindowSearch
+from cea.eigen.window import DampedSearch, UndampedSearch, WindowSearch
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import give_back
 from cea.timing import StageTimer

@@ -19,9 +19,9 @@ from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.parameters import Coefficient, Dependence, Parameter
 from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.search import NearestSearch
 from cea.eigen.shifted import count_below
 from cea.eigen.unformed import LowRank, UnformedTerm
-from cea.eigen.window import NearestSearch
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
 from cea.timing import StageTimer
