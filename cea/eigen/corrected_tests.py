@@ -26,7 +26,7 @@ omega^2 + r = tau^2 omega^2: no eigenvalue of the window lies left of Re kappa =
     X = Y - 2 tau omega sqrt(omega^2 + Y),     tau^2 omega^2 <= omega^2 + Y.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Self
 
@@ -105,7 +105,7 @@ class CorrectedTests:
                 destroy(*made)
             tests = cls(matrices, normals, inner, outer, closure, compliance, np.inf)
             if (slope := tests._skewness()) is not None:
-                return cls(matrices, normals, inner, outer, closure, compliance, slope)
+                return replace(tests, slope=slope)
             destroy(inner, outer, *(each for each in (closure, compliance) if each is not None))
         destroy(normals)
         return None

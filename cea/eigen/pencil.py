@@ -9,10 +9,12 @@ of K are never formed (:mod:`cea.eigen.unformed`). One object serves a single ru
 threshold, a derivative.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
+from cea.eigen.blocks import times
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.unformed import (
@@ -28,6 +30,8 @@ from cea.nodes import Nodes
 from cea.petsc import Mat
 
 Role = Literal["mass", "damping", "stiffness"]
+POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
+"""Powers of lambda that go with the pieces of a pencil."""
 
 FRICTION = "friction"
 """Name of the factor on the friction of a pencil made of given matrices."""
@@ -243,6 +247,15 @@ class Pencil:
             ),
             nodes=self.nodes,
         )
+
+    def products(self) -> Iterator[tuple[Role, Dependence, Callable[[Any], Any]]]:
+        """Roles, coefficients and products with blocks of vectors of all pieces but forces."""
+        for term in self.terms:
+            yield term.role, term.coefficient, partial(times, term.matrix)
+        for piece in self.circulatory:
+            yield "stiffness", piece.coefficient, piece.piece.times
+        for of_modes in self.low_rank:
+            yield "damping", of_modes.coefficient, partial(of_modes.piece.times, comm=self.comm)
 
     def circulatory_at(self, values: Mapping[str, float]) -> CirculatorySum | None:
         """Circulatory pieces at given values of all parameters; None where all vanish."""

@@ -192,7 +192,7 @@ class NearestSearch(Search):
 
     def window(self, values: Complexes) -> Window:
         """No window: the eigenvalues that were found."""
-        shift = self.discs[0].centre
+        shift = self.near.shift
         largest = float(np.abs(values).max(initial=abs(shift)))
         return Window(
             max_frequency=largest / (2 * np.pi) if self._matrices.quadratic else np.inf,

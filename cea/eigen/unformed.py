@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Floats
 from cea.eigen.blocks import times, transposed_times
 from cea.eigen.mumps import Mumps
 from cea.eigen.parameters import CONSTANT, Dependence
@@ -46,21 +46,15 @@ class LowRank:
         return slice(self.first, self.first + len(self.vectors))
 
     def times(self, x: NDArray[Any], comm: Any) -> NDArray[Any]:
-        """The rows of it that are not zero, times a block of vectors, the rows of this rank."""
-        return _product(self.vectors, self.weights[:, None] * self._inner(x, comm))
+        """It times a block of vectors, the rows of this rank."""
+        image, inner = np.zeros_like(x), _product(self.vectors.T, x[self.rows])
+        inner = comm.tompi4py().allreduce(inner)
+        image[self.rows] = _product(self.vectors, self.weights[:, None] * inner)
+        return image
 
     def sizes(self, x: Floats, comm: Any) -> Floats:
         """abs(W) diag(d) abs(W)^T x: what rounding the entries of W is relative to."""
         return LowRank(np.abs(self.vectors), self.weights, self.first).times(x, comm)
-
-    def projected(self, left: Complexes, right: Complexes, comm: Any) -> Complexes:
-        """Y^H W diag(d) W^T X, shape (columns of Y, columns of X)."""
-        weighted = self.weights[:, None] * self._inner(right, comm)
-        return self._inner(left, comm).conj().T @ weighted
-
-    def _inner(self, x: NDArray[Any], comm: Any) -> NDArray[Any]:
-        """W^T x, shape (r, columns)."""
-        return np.asarray(comm.tompi4py().allreduce(_product(self.vectors.T, x[self.rows])))
 
 
 def low_rank_sum(parts: Sequence[tuple[float, LowRank]], rows: int) -> LowRank | None:
