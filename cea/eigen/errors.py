@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, image_of, norms, times
-from cea.eigen.residuals import Sizes, internal_forces
+from cea.eigen.pencil import Sizes, internal_forces
 from cea.eigen.shift_invert import MARGIN, ShiftInvert
 from cea.eigen.subspace import InvariantSubspace
 from cea.matrices import destroy

@@ -24,7 +24,7 @@ from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import column_blocks, columns_inner, times
 from cea.eigen.errors import Eigenpairs, residual
 from cea.eigen.matching import DEGENERATE, assign, connected, group
-from cea.eigen.residuals import Sizes
+from cea.eigen.pencil import Sizes
 from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.spectrum import SLOW
 from cea.eigen.subspace import InvariantSubspace

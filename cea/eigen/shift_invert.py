@@ -26,9 +26,8 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, combined, image_of, times
-from cea.eigen.pencil import Matrices
+from cea.eigen.pencil import Damping, Matrices
 from cea.eigen.regions import outside_of_window, upper_end
-from cea.eigen.residuals import Damping
 from cea.eigen.shifted import Shifted
 
 MARGIN = 0.005

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.residuals import Sizes
+from cea.eigen.pencil import Matrices, Pencil, Sizes, release
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import Vec

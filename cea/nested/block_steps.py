@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, beside, column_blocks, columns_inner, combined, times
-from cea.eigen.pencil import Matrices
-from cea.eigen.residuals import Damping
+from cea.eigen.pencil import Damping, Matrices
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 from cea.nested.ritz import (
