@@ -33,7 +33,6 @@ hold for the sum where they hold without them.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -73,48 +72,39 @@ _NEGATIVE = (1e-6, 1e-2, 0.1)
 """Negative damping d relative to omega that is tried: none but for rounding, and some."""
 
 
-@dataclass(frozen=True)
-class FieldOfValues:
-    """Where x^H K x / x^H M x lies, for all x, and with it every eigenvalue."""
+def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> float | None:
+    """A slope with abs(Im kappa) <= slope (Re kappa + X) where Re kappa >= -X, else None.
 
-    depth: float  # X (1/s^2)
-    bounded: bool  # whether Re kappa >= -X
-    slope: float = np.inf  # then abs(Im kappa) <= slope (Re kappa + X); infinite where not known
-
-
-def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> FieldOfValues:
-    """What one factorisation at a depth X (1/s^2) says of it; ConvergenceError when it fails.
-
-    The slope is told where a cone is asked for, and needed for a bound with circulatory pieces; it
-    stays infinite where forces are tied, or depend on each other.
+    One factorisation at the depth X (1/s^2) says so; ConvergenceError when it fails. The slope is
+    told where a cone is asked for, and needed for a bound with circulatory pieces; it stays
+    infinite where forces are tied, or depend on each other.
     """
     if matrices.symmetric:
-        return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
+        return None if count_below(matrices, -depth) else 0.0
     factors, bounded = _factorised(_hermitian_part(matrices, depth), matrices.multipliers)
     if factors is None:
-        return FieldOfValues(depth, bounded=False)
+        return None
     slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
     forces = matrices.multipliers
     loose = forces is None or not (forces.tied or forces.dependent)
     if cone and bounded and loose and not factors.inertia()[1]:
         slope, share = (SAFETY * each for each in _quotients(factors, matrices))
     factors.free()
-    if not share < 1:
-        return FieldOfValues(depth, bounded=False)
-    return FieldOfValues(depth, bounded, slope / (1 - share))
+    return slope / (1 - share) if bounded and share < 1 else None
 
 
 def largest_growth(matrices: Matrices, end: float) -> float:
     """Rate (1/s) that no eigenvalue with abs(Im lambda) <= end exceeds by the cone, or infinity."""
-    field = field_of_values(matrices, _DEPTH * end**2, cone=True)
-    if not field.bounded or not np.isfinite(field.slope):
+    depth = _DEPTH * end**2
+    slope = field_of_values(matrices, depth, cone=True)
+    if slope is None or not np.isfinite(slope):
         return np.inf
     damping, least = _symmetric_damping(matrices), 0.0
     if damping is not None:
         tried = (part * end for part in _NEGATIVE)
         least = next((d for d in tried if _positive(matrices, damping, d)), np.inf)
         destroy(damping)
-    return max(field.slope * end + 2 * least, float(np.sqrt(2 * field.depth)))
+    return max(slope * end + 2 * least, float(np.sqrt(2 * depth)))
 
 
 def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
