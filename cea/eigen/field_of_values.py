@@ -159,12 +159,13 @@ def _factorised(hermitian: Mat, forces: Multipliers | None) -> tuple[Mumps | Non
     """
     expected = 0
     if forces is not None:
-        bordered = _with_forces(hermitian, forces)
-        destroy(hermitian)
-        expected = forces.size + forces.dependent
-        if bordered is None:
+        sets = _two_sets(forces)
+        if sets is None:
+            destroy(hermitian)
             return None, False
-        hermitian = bordered
+        hermitian = bordered(hermitian, sets, symmetric=True)
+        sets.free()
+        expected = forces.size + forces.dependent
     factors = Mumps(hermitian, symmetric=True, inertia=True)
     return factors, factors.inertia()[0] == expected
 
@@ -270,8 +271,8 @@ def _hermitian_part(
     return total
 
 
-def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
-    """H with the forces of contacts as two sets of unknowns; None where there is no bound."""
+def _two_sets(forces: Multipliers) -> Multipliers | None:
+    """Forces of contacts as two sets of unknowns, of M and of D; None where there is no bound."""
     mean, half = (
         scaled_total([(0.5, forces.closure), (sign, forces.reaction)]) for sign in (0.5, -0.5)
     )
@@ -280,8 +281,8 @@ def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
     friction = local_part(half)
     friction.eliminate_zeros()
     both = bool(((np.diff(friction.indptr) > 0) & tied).any())
-    bordered_matrix = None
-    if not hermitian.comm.tompi4py().allreduce(both, MPI.LOR):
+    sets = None
+    if not forces.closure.comm.tompi4py().allreduce(both, MPI.LOR):
         other = forces.compliance.copy()
         diagonal.array[:] = np.where(tied, 1.0, diagonal.array_r)
         other.setDiagonal(diagonal)
@@ -292,8 +293,6 @@ def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
         if forces.border is not None:
             border = block_diagonal([forces.border, forces.border]).convert("aij")
         sets = Multipliers(closure, closure, compliance, border, 0)
-        bordered_matrix = bordered(hermitian, sets, symmetric=True)
-        sets.free()
         destroy(other)
     destroy(mean, half, diagonal)
-    return bordered_matrix
+    return sets
