@@ -102,7 +102,9 @@ def _json(data: Any) -> bytes:
 
 def _plain(value: Any) -> Any:
     """What JSON has no form for: sections of scenes, and numbers and arrays of numpy."""
-    return asdict(value) if is_dataclass(value) else value.tolist()
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
+    return value.tolist()
 
 
 def leaves(data: Any, place: str = "scene") -> Iterator[tuple[str, Any]]:
