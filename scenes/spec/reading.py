@@ -157,6 +157,13 @@ class Scene:
         return "+".join(sorted({body.backend for body in self.bodies.values()}))
 
     @property
+    def window(self) -> ComplexEigenvalueAnalysis:
+        """The modes that are wanted; an InputError where the analysis gives none."""
+        if not isinstance(self.analysis, ComplexEigenvalueAnalysis):
+            raise InputError("analysis.kind", self.analysis.kind, "'cea', which gives modes")
+        return self.analysis
+
+    @property
     def damped(self) -> bool:
         """Whether anything damps, or feeds, small velocities."""
         damping = [body.damping for body in self.bodies.values() if body.damping is not None]
