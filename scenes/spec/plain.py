@@ -12,9 +12,9 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from cea.errors import InputError, did_you_mean
+from cea.errors import InputError, did_you_mean, require
 from cea.files import regular
-from scenes.spec.problems import SceneError, problems
+from scenes.spec.problems import SceneError, fault_of, problems, refuse
 
 SCENES = Path(__file__).parents[1] / "catalogue"
 """Folder of the scenes that come with the project."""
@@ -119,22 +119,10 @@ def leaves(data: Any, place: str = "scene") -> Iterator[tuple[str, Any]]:
 
 
 def set_at(data: dict[str, Any], path: str, value: Any) -> None:
-    """Set a field of plain data through tables and lists; tables that are not there are made.
+    """Set a field through tables, which are made where they are not there, and lists.
 
-    Parameters
-    ----------
-    data
-        Nested tables and lists.
-    path
-        Names with dots between; entries of lists by numbers from 0, ``loads[0].pressure`` or
-        ``loads.0.pressure``.
-    value
-        The new value.
-
-    Raises
-    ------
-    InputError
-        Naming the place where the path ends too early, and what is there.
+    Names in a path have dots between; entries of lists are numbers from 0, ``loads[0].pressure`` or
+    ``loads.0.pressure``. An InputError names the place where a path ends too early.
     """
     parts = _parts(path)
     table: Any = data
@@ -168,13 +156,10 @@ def _text(parts: Iterable[Part]) -> str:
 
 def _check_new(table: dict[str, Any], place: list[Part], below: Part) -> None:
     """Refuse to make what nobody can have meant: a list, or a part of a body that is not there."""
-    allowed = ""
-    if isinstance(below, int):
-        allowed = "a list that is there to be counted in"
-    elif len(place) == 2 and place[0] in _BY_NAME:
-        allowed = "one that is there, or given whole"
-    if allowed:
+    of_name = len(place) == 2 and place[0] in _BY_NAME
+    if isinstance(below, int) or of_name:
         there = f"{', '.join(map(str, table)) or 'none'}{did_you_mean(place[-1], table)}"
+        allowed = "one that is there, or given whole" if of_name else "a list that is there"
         raise InputError(_text(place), None, f"{allowed}; there are {there}")
 
 
@@ -205,9 +190,8 @@ def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any
         meant = did_you_mean(file.stem, names)
         if file.stem in names:
             meant = f"; did you mean {file.stem!r}?"
-        raise _refused(
-            scene, f"a TOML file, or one of {', '.join(names)}{reason}{meant}"
-        ) from error
+        allowed = f"a TOML file, or one of {', '.join(names)}{reason}{meant}"
+        raise SceneError([InputError("scene", str(scene), allowed)]) from error
     try:
         if len(content) > _LARGEST_FILE:
             raise ValueError(f"more than {_LARGEST_FILE} bytes")
@@ -216,13 +200,18 @@ def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any
             raise ValueError("names of more than 100 parts")
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise _refused(scene, f"valid TOML in UTF-8: {error}") from error
+        allowed = f"valid TOML in UTF-8: {error}"
+        raise SceneError([InputError("scene", str(scene), allowed)]) from error
     set_fields(data, overrides)
     return data
 
 
-def _refused(scene: str | Path, allowed: str) -> SceneError:
-    return SceneError([InputError("scene", str(scene), allowed)])
+def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> dict[str, Any]:
+    """Plain data of a scene with fields changed, as its ``change`` takes them."""
+    data = plain_data(scene)
+    for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
+        refuse(fault_of(set_at, data, path, plain_data(new)))
+    return data
 
 
 def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
@@ -235,12 +224,8 @@ def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
             value = table["value"] if len(table) == 1 else text
         except (ValueError, RecursionError):
             pass
-        try:
-            if not equals:
-                raise InputError("--set", override, "path.to.field=value")
-            set_at(data, path.strip(), value)
-        except InputError as error:
-            raise SceneError([error]) from None
+        refuse(fault_of(require, bool(equals), "--set", override, "path.to.field=value"))
+        refuse(fault_of(set_at, data, path.strip(), value))
 
 
 def scene_names() -> list[str]:
@@ -262,7 +247,11 @@ def scene_file(scene: str | Path) -> Path:
     return of_matrices if text in matrix_scene_names() else SCENES / f"{text}.toml"
 
 
+def names_matrices(tables: Mapping[str, Any]) -> bool:
+    """Whether what a scene file says names matrices and no bodies."""
+    return "files" in tables and "bodies" not in tables
+
+
 def is_of_matrices(scene: str | Path) -> bool:
     """Whether a scene file names matrices and no bodies."""
-    tables = tables_of(scene)
-    return "files" in tables and "bodies" not in tables
+    return names_matrices(tables_of(scene))
