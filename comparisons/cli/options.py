@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
+from typer import Argument, Option
 from typer.core import TyperGroup
 from typer.main import get_command
 
@@ -14,19 +15,13 @@ from cea.errors import InputError
 
 Backend = Literal["fe", "iga"]
 
-SceneName = Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")]
-Settings = Annotated[
-    list[str] | None, typer.Option("--set", help="Override, e.g. contacts.pad_disc.mu=0.3")
-]
-OnBackend = Annotated[Backend | None, typer.Option(help="Backend for every body.")]
-Data = Annotated[
-    str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
-]
-Out = Annotated[Path, typer.Option(help="Folder of the result.")]
-Redraw = Annotated[
-    bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
-]
-Anew = Annotated[bool, typer.Option("--anew", help="Run every case, also those that are stored.")]
+SceneName = Annotated[str, Argument(help="TOML file, or the name of a scene.")]
+Settings = Annotated[list[str] | None, Option("--set", help="E.g. contacts.pad_disc.mu=0.3")]
+OnBackend = Annotated[Backend | None, Option(help="Backend for every body.")]
+Data = Annotated[str | None, Option(help="Folder of the files that a scene of matrices names.")]
+Out = Annotated[Path, Option(help="Folder of the result.")]
+Redraw = Annotated[bool, Option("--redraw", help="Draw the result in --out anew, run nothing.")]
+Anew = Annotated[bool, Option("--anew", help="Run every case, also those that are stored.")]
 
 PLAIN: Mapping[str, Any] = {"add_completion": False, "rich_markup_mode": None}
 """Options of every group: help in colours takes as long as all else that `cea --help` does."""
@@ -98,7 +93,7 @@ def command_with(
     """A command with an option for each name: its type, default and help."""
     one, parameters = typer.Typer(**PLAIN), []
     for option, (kind, default, text) in options.items():
-        given = typer.Option(default, f"--{option.replace('_', '-')}", help=text)
+        given = Option(default, f"--{option.replace('_', '-')}", help=text)
         parameters.append(
             inspect.Parameter(
                 option, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=given

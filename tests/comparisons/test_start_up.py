@@ -76,7 +76,7 @@ def test_help_takes_a_moment(arguments):
     [
         (["exact", "drum", "--m", "2"], "flint", "exact"),
         (["study", "agreement"], "pyvista", "pictures"),
-        (["figure", "3"], "matplotlib", "pictures"),
+        (["paper", "3"], "matplotlib", "pictures"),
         (["study", "accuracy"], "flint", "exact"),
         (["run", "disc", "--set", "output.pictures=1"], "pyvista", "pictures"),
     ],
