@@ -42,10 +42,8 @@ _LATER = {
 """Fields that came later than stored numbers, which are found by fingerprints of their scenes: they
 do not stand there where they have their defaults."""
 
-Part = str | int
-_STEP = re.compile(r"(?P<name>[^\[\]]+)(?P<numbers>(\[\d{1,9}\])*)")
-"""A part of a path: a name, and numbers of entries in brackets behind it."""
-_NUMBER = re.compile(r"\d{1,9}")
+_PATH = re.compile(r"([^.\[\]]+(\[\d+\])*)(\.[^.\[\]]+(\[\d+\])*)*")
+"""Names with dots between, and numbers of entries in brackets behind them."""
 _HALF = re.compile(r"[\ud800-\udfff]")
 """Half of a character, which no file can hold."""
 _BY_NAME = ("bodies", "contacts")
@@ -124,58 +122,36 @@ def set_at(data: dict[str, Any], path: str, value: Any) -> None:
     Names in a path have dots between; entries of lists are numbers from 0, ``loads[0].pressure`` or
     ``loads.0.pressure``. An InputError names the place where a path ends too early.
     """
-    parts = _parts(path)
-    table: Any = data
-    for i, part in enumerate(parts[:-1]):
-        place, key = parts[: i + 1], _key(table, part, parts[: i + 1])
-        if isinstance(table, dict) and table.get(key) is None:
-            _check_new(table, place, parts[i + 1])
-            table[key] = {}
+    path = "".join(path.split())
+    allowed = "names with dots between, and whole numbers in brackets: loads[0].pressure"
+    require(_PATH.fullmatch(path) is not None, "--set", path, allowed)
+    parts, table = re.findall(r"[^.\[\]]+", path), data
+    for i, part in enumerate(parts):
+        place = ".".join(parts[: i + 1])
+        below = parts[i + 1] if i + 1 < len(parts) else None
+        key: Any = part
+        if isinstance(table, list):
+            there = f"from 0 to {len(table) - 1}" if table else "none: the list is empty"
+            numbers = [str(number) for number in range(len(table))]
+            require(part in numbers, place, part, f"number of an entry: {there}")
+            key = int(part)
+        elif table.get(part) is None and below is not None:
+            _check_new(table, parts[: i + 1], below)
+            table[part] = {}
+        if below is None:
+            table[key] = value
+            return
         table = table[key]
-        if not isinstance(table, dict | list):
-            allowed = f"a table or a list, for {_text(parts)} to be set in it"
-            raise InputError(_text(place), table, allowed)
-    table[_key(table, parts[-1], parts)] = value
+        allowed = f"a table or a list, for {'.'.join(parts)} to be set in it"
+        require(isinstance(table, dict | list), place, table, allowed)
 
 
-def _parts(path: str) -> list[Part]:
-    parts: list[Part] = []
-    for step in path.split("."):
-        match = _STEP.fullmatch(step.strip())
-        if match is None:
-            allowed = "names with dots between, and whole numbers in brackets: loads[0].pressure"
-            raise InputError("--set", path, allowed)
-        parts += [match["name"], *map(int, _NUMBER.findall(match["numbers"]))]
-    return parts
-
-
-def _text(parts: Iterable[Part]) -> str:
-    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts)
-    return text.removeprefix(".")
-
-
-def _check_new(table: dict[str, Any], place: list[Part], below: Part) -> None:
+def _check_new(table: dict[str, Any], place: list[str], below: str) -> None:
     """Refuse to make what nobody can have meant: a list, or a part of a body that is not there."""
     of_name = len(place) == 2 and place[0] in _BY_NAME
-    if isinstance(below, int) or of_name:
-        there = f"{', '.join(map(str, table)) or 'none'}{did_you_mean(place[-1], table)}"
-        allowed = "one that is there, or given whole" if of_name else "a list that is there"
-        raise InputError(_text(place), None, f"{allowed}; there are {there}")
-
-
-def _key(table: Any, part: Part, place: list[Part]) -> Any:
-    """What an entry is found by: a name in a table, the number of one that is there in a list."""
-    if isinstance(table, list):
-        number = int(part) if isinstance(part, int) or _NUMBER.fullmatch(part) else -1
-        if not 0 <= number < len(table):
-            there = f"from 0 to {len(table) - 1}" if table else "none: the list is empty"
-            allowed = f"number of an entry of {_text(place[:-1])}: {there}"
-            raise InputError(_text(place), part, allowed)
-        return number
-    if isinstance(part, int):
-        allowed = f"a name: {_text(place[:-1])} is a table of {', '.join(map(str, table))}"
-        raise InputError(_text(place), part, allowed)
-    return part
+    there = f"{', '.join(table) or 'none'}{did_you_mean(place[-1], table)}"
+    allowed = f"{'one' if of_name else 'a list'} that is there, or given whole; there are {there}"
+    require(not (of_name or below.isdecimal()), ".".join(place), None, allowed)
 
 
 def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any]:
