@@ -4,7 +4,7 @@ import shlex
 import sys
 
 import pytest
-from wrong_scenes import TABLE
+from bad_inputs import TABLE
 
 from comparisons.cli.app import main
 
