@@ -58,9 +58,7 @@ class _Commands(LazyGroup):
     Typer brings it to find what an option means that is not given; ``--help`` then means no.
     """
 
-    def helps(self) -> dict[str, str]:
-        """Help of each command."""
-        return {name: help for name, (_, help) in COMMANDS.items()}
+    table = COMMANDS
 
     def get_help_option(self, ctx: Any) -> Any:
         """The option ``--help``, no by default."""
@@ -86,7 +84,7 @@ class _Commands(LazyGroup):
 
     def make(self, name: str) -> Any:
         """A command, imported now."""
-        module, _, attribute = COMMANDS[name][0].partition(":")
+        module, _, attribute = self.table[name][0].partition(":")
         return getattr(import_module(f"comparisons.cli.{module}"), attribute)
 
 

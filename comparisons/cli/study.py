@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type
 import typer
 from typer import Argument, Option
 
-from cea.errors import InputError
+from cea.errors import require
 from comparisons.cli.options import PLAIN, Anew, LazyGroup, Out, command_with, need
 
 if TYPE_CHECKING:
@@ -61,10 +61,6 @@ class Studies(LazyGroup):
     """Commands by name of the study; the module of one is imported when it is called."""
 
     table = STUDIES
-
-    def helps(self) -> dict[str, str]:
-        """Help of each study."""
-        return {name: help for name, (_, help) in self.table.items()}
 
     def make(self, name: str) -> Any:
         """Command with the options of a study and those that all have."""
@@ -136,7 +132,7 @@ def run_study(
         result = read(study.name, out)
     else:
         check_out(out)
-        result = _run(study, given, out, quick, _labels(only or []), anew)
+        result = _run(study, given, out, quick, only or [], anew)
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
         page = write_study(study, result, new.part) if MPI.COMM_WORLD.rank == 0 else None
     if page is None:
@@ -151,17 +147,20 @@ def run_study(
 
 
 def _run(
-    study: "Study", given: dict[str, Any], out: Path, quick: bool, only: dict[str, str], anew: bool
+    study: "Study", given: dict[str, Any], out: Path, quick: bool, only: list[str], anew: bool
 ) -> "StudyResult":
     from comparisons.cli.output import working
     from comparisons.study.progress import Progress
     from comparisons.study.run import run, selected
 
+    for each in only:
+        require("=" in each, "only", each, "LABEL=VALUE")
+    labels = dict(each.split("=", 1) for each in only)
     values = {name: tuple(v) if isinstance(v, list) else v for name, v in given.items()}
     options = study.options(**{**(study.quick if quick else {}), **values})
-    with working(study.name, steps=len(selected(study, options, only))) as work:
+    with working(study.name, steps=len(selected(study, options, labels))) as work:
         progress = Progress(step=work.step, stage=work.stage)
-        return run(study, options, out, anew=anew, only=only, progress=progress)
+        return run(study, options, out, anew=anew, only=labels, progress=progress)
 
 
 def _print(study: "Study", result: "StudyResult") -> None:
@@ -179,13 +178,6 @@ def _print(study: "Study", result: "StudyResult") -> None:
     failed = len(result.failed())
     if failed:
         typer.echo(f"{failed} of {len(result.cases)} cases failed: see the report")
-
-
-def _labels(only: list[str]) -> dict[str, str]:
-    for each in only:
-        if "=" not in each:
-            raise InputError("only", each, "LABEL=VALUE")
-    return dict(each.split("=", 1) for each in only)
 
 
 app = typer.Typer(cls=Studies, no_args_is_help=True, **PLAIN)
