@@ -82,7 +82,8 @@ def _blocks(o: Any) -> "list[Entry]":
 
     if o.mu is not None and (o.mu0 is not None or o.thresholds):
         raise InputError("mu", o.mu, "not together with mu0 or thresholds")
-    friction = o.mu or o.mu0 or ("1" if o.thresholds else "0.3")
+    default = "1" if o.thresholds else "0.3"
+    friction = next(each for each in (o.mu, o.mu0, default) if each is not None)
     problem = Blocks.of(o.p, friction, o.kz, *_materials(o), o.height_a, o.height_b, o.length)
     if o.thresholds:
         if o.max_frequency is None or o.count is not None:
