@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats, Ints
+from cea.arrays import Complexes, Ints
 from cea.eigen.matching import connected
 
 NEAR = 2.0
@@ -65,16 +65,12 @@ class Cluster:
         return self.corrected_splitting.real < 0
 
 
-def clusters_of(coarse: Complexes, corrected: Complexes, errors: Floats) -> tuple[Cluster, ...]:
+def clusters_of(coarse: Complexes, corrected: Complexes) -> tuple[Cluster, ...]:
     """Sets of eigenvalues nearer to each other than their errors allow to tell apart.
 
-    Parameters
-    ----------
-    coarse, corrected
-        kappa without damping, lambda with, in the same order, shape (n,).
-    errors
-        Errors of the coarse ones, shape (n,).
+    The eigenvalues, kappa without damping, lambda with, are in the same order, shape (n,).
     """
+    errors = np.abs(corrected - coarse)
     reach = NEAR * (errors[:, None] + errors)
     linked = np.zeros(reach.shape, dtype=bool)
     for values in (coarse, corrected):

@@ -8,21 +8,9 @@ from scenes.results.result import Result
 
 
 def write_modes(result: Result, count: int, out: Path) -> list[Path]:
-    """Draw the most unstable modes, or the first ones where none is unstable; collective.
+    """Draw so many modes, the most unstable first, or the first ones where none is; collective.
 
-    Parameters
-    ----------
-    result
-        A complex eigenvalue analysis.
-    count
-        Number of modes at most.
-    out
-        Folder for the PNG files ``mode_<backend>_<number of the mode>.png``.
-
-    Returns
-    -------
-    list of Path
-        The files, the most unstable mode first; rank 0 writes them.
+    Rank 0 writes the files ``mode_<backend>_<number of the mode>.png``.
     """
     modes = result.most_unstable(count)
     files = [out / f"mode_{result.scene.backends}_{mode + 1}.png" for mode in modes]

@@ -41,14 +41,9 @@ def match_runs(
 def match_unstable(first: Result, second: Result) -> dict[str, Any]:
     """Pair the unstable modes of two runs of one scene.
 
-    Modes are paired so that shape and eigenvalue agree best over all pairs together; nothing is
-    left out of the answer.
-
-    Returns
-    -------
-    dict
-        ``pairs``: each with frequency and growth of both, and modal assurance; ``only_first``,
-        ``only_second``: modes without a partner.
+    They are paired so that shape and eigenvalue agree best over all ``pairs`` together, each with
+    frequency and growth of both, and modal assurance; ``only_first`` and ``only_second`` hold the
+    modes without a partner.
     """
     unstable = (np.flatnonzero(result.unstable) for result in (first, second))
     sets = _mode_sets(first, second, *unstable)

@@ -21,7 +21,7 @@ from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.results.data import described
-from scenes.results.shapes import displacements, summed_matrices, system_matrices
+from scenes.results.shapes import displacements, given_matrices, system_matrices
 from scenes.spec.body import backend_name
 
 if TYPE_CHECKING:
@@ -232,7 +232,7 @@ class Result:
             back.
         """
         if self.pieces:
-            return summed_matrices(self.modes.pencil, self.modes.values, self.modes.template)
+            return given_matrices(self.modes.pencil, self.modes.values, self.modes.template)
         values = self.system.pencil().values() if self.spectrum is None else self.modes.values
         return system_matrices(self.system, values)
 
@@ -248,8 +248,15 @@ class Result:
 
         Parameters
         ----------
-        place, at, everywhere
-            As :func:`scenes.results.shapes.displacements` has them.
+        place
+            A body; or a surface, "body.surface".
+        at
+            On a surface, coordinates of the points, as locating gives them. On a body, the values
+            of its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes the
+            scalar dofs themselves.
+        everywhere
+            Whether every rank gives the points and gets the answer; otherwise rank 0 does, and
+            others get an empty array.
         modes
             Indices of the modes, from 0, as in :attr:`eigenvalues`; None takes all.
 

@@ -57,7 +57,7 @@ def test_damped_gyroscopic_circulatory_modes_are_all_those_of_lapack(result):
     np.testing.assert_allclose(result.eigenvalues, true, rtol=1e-9)
     assert result.verdict == "unstable"
     assert (true.real > 1e-3).any()
-    kinds = {name: piece.symmetry.kind for name, piece in result.pieces.items()}
+    kinds = {name: piece.symmetry for name, piece in result.pieces.items()}
     assert kinds == dict.fromkeys("MDKQ", "symmetric") | {"G": "skew", "F": "general"}
 
 

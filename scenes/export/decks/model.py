@@ -67,7 +67,7 @@ def model_lines(scene: Scene, bodies: Mapping[str, DeckBody]) -> Iterator[str]:
 
 
 def _body_lines(body: DeckBody) -> Iterator[str]:
-    x, material = body.mesh.points, body.spec.material
+    x, material = body.points, body.spec.material
     nodes = np.arange(body.first_node, body.first_node + len(x))
     yield keyword("NODE", NSET=body.name)
     yield from table(np.column_stack([nodes, x]), "%d" + ",%.13E" * 3)
@@ -78,7 +78,7 @@ def _body_lines(body: DeckBody) -> Iterator[str]:
         yield keyword("NSET", NSET=name)
         yield from set_lines(body.nodes_of(surface) + body.first_node)
         yield keyword("SURFACE", NAME=name, TYPE="ELEMENT")
-        elements, faces = body.faces_of(surface)
+        elements, faces = body.faces[surface]
         yield from table(np.column_stack([elements + body.first_element, faces]), "%d,S%d")
     section = {"ELSET": body.name, "MATERIAL": f"{body.name}-material"}
     if material.axes is not None:
