@@ -21,22 +21,13 @@ class Cluster:
     """Eigenvalues that are judged together; most stand alone.
 
     Means and splittings are those of kappa = -lambda^2 (1/s^2) without damping, with damping or
-    rotation those of lambda (1/s).
-
-    Parameters
-    ----------
-    members
-        Modes, shape (n,).
-    mean, corrected_mean
-        Mean on the coarse mesh, and in the richer space.
-    splitting, corrected_splitting
-        Of pairs, ((a - b) / 2)^2; not a number for other sizes.
+    rotation those of lambda (1/s), on the coarse mesh and in the richer space.
     """
 
-    members: Ints
+    members: Ints  # modes, (n,)
     mean: complex
     corrected_mean: complex
-    splitting: complex
+    splitting: complex  # of pairs, ((a - b) / 2)^2; not a number for other sizes
     corrected_splitting: complex
 
     @property

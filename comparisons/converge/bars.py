@@ -39,20 +39,13 @@ def bar_of(
 ) -> Bar:
     """Error bar of the last of the numbers on some meshes, coarsest first.
 
-    Parameters
-    ----------
-    numbers
-        The numbers; Richardson's error takes the last three, of meshes of the same ratio.
-    corrected
-        The last one corrected in a richer space; without that there is no bar.
-    degree
-        Degree p of the elements: differences fall by the ratio to 2 p at most.
-    rounding
-        Error of each number by rounding.
+    Richardson's error takes the last three, of meshes of the same ratio; differences fall by it to
+    twice the degree at most. Without a correction in a richer space there is no bar. Each number
+    has an error by rounding.
     """
-    change = None if corrected is None else abs(corrected - numbers[-1])
-    if change is None:
+    if corrected is None:
         return Bar(inf, estimates=0)
+    change = abs(corrected - numbers[-1])
     if len(numbers) < MESHES:
         return Bar(FACTOR * change + rounding, estimates=1)
     first, second = np.abs(np.diff(numbers[-MESHES:])).tolist()

@@ -49,7 +49,10 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
     sets = _mode_sets(first, second, *unstable)
     match = match_modes(*sets, near=0.0, limit=None)
     assurance = modal_assurance(sets[0].shapes, sets[1].shapes)
-    told = [[_told(value) for value in s.eigenvalues] for s in sets]
+    told = [
+        [{"frequency": z.imag / (2 * np.pi), "growth": z.real} for z in each.eigenvalues.tolist()]
+        for each in sets
+    ]
     pairs = []
     # A group of one run is one mode here: groups are pairs, but for exact copies.
     for i, j in ((i, j) for g in match.groups for i, j in zip(g.first, g.second, strict=True)):
@@ -60,10 +63,6 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
         "only_first": [told[0][i] for i in match.only_first],
         "only_second": [told[1][j] for j in match.only_second],
     }
-
-
-def _told(value: complex) -> dict[str, float]:
-    return {"frequency": float(value.imag / (2 * np.pi)), "growth": float(value.real)}
 
 
 def circumferential_orders(result: Result) -> CircumferentialContent:

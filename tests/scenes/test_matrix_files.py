@@ -5,6 +5,7 @@ import struct
 
 import numpy as np
 import pytest
+from matrix_files import undamped
 from scipy.io import mmwrite, savemat
 from scipy.sparse import csr_array, diags_array, random_array, save_npz, tril, triu
 
@@ -154,14 +155,8 @@ NODES = [40, 3, -2, 7, 5, 100]
 
 
 def frequencies(mass, stiffness, **fields):
-    data = {
-        "name": "chain",
-        "files": {"M": str(mass), "K": str(stiffness)},
-        "mass": {"M": 1.0},
-        "stiffness": {"K": 1.0},
-        "analysis": {"kind": "cea", "max_frequency": 400.0},
-    }
-    modes = run_matrices(read_matrix_scene(data | fields)).modes
+    scene = read_matrix_scene(undamped(mass, stiffness, 400.0, **fields))
+    modes = run_matrices(scene).modes
     return np.sort(modes.eigenvalues.imag) / (2 * np.pi)
 
 
