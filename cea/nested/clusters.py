@@ -6,6 +6,7 @@ numbers where d > 0, and the pair flutters where d < 0.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -71,14 +72,15 @@ def clusters_of(coarse: Complexes, corrected: Complexes) -> tuple[Cluster, ...]:
             members,
             complex(coarse[members].mean()),
             complex(corrected[members].mean()),
-            _splitting(coarse[members]),
-            _splitting(corrected[members]),
+            complex(splitting(coarse[members])),
+            complex(splitting(corrected[members])),
         )
         for members in connected(linked)
     )
 
 
-def _splitting(values: Complexes) -> complex:
-    if len(values) != 2:
-        return complex(np.nan, np.nan)
-    return complex(((values[0] - values[1]) / 2) ** 2)
+def splitting(values: Complexes) -> Any:
+    """((a - b) / 2)^2 of pairs along the last axis; not a number for other sizes."""
+    if values.shape[-1] != 2:
+        return np.nan * values[..., 0]
+    return ((values[..., 0] - values[..., 1]) / 2) ** 2

@@ -10,8 +10,8 @@ from cea.petsc import MPI
 from comparisons.converge.combine import combine
 from comparisons.converge.follow import Followed, estimated
 from comparisons.converge.ladder import Ladder, Mesh, window_of
+from comparisons.converge.record import data_of
 from comparisons.converge.request import Request
-from comparisons.converge.told import data_of
 from comparisons.study.progress import Progress
 from scenes.refinement.meshes import from_file
 from scenes.results.record import record
