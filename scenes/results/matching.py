@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes
 from cea.eigen.matching import (
     NEAR,
     CircumferentialContent,
@@ -90,7 +91,8 @@ def _on_circles(result: Result, surface: str) -> Complexes:
     chosen = distinct[np.unique(even)]
     start = -np.arctan2(points.x[chosen, 1], points.x[chosen, 0])
     to_zero, turns = (
-        _turns(angle, side.dim) for angle in (start, 2 * np.pi * np.arange(_ANGLES) / _ANGLES)
+        Rotation.from_euler("z", angles[:, None]).as_matrix()[:, : side.dim, : side.dim]
+        for angles in (start, 2 * np.pi * np.arange(_ANGLES) / _ANGLES)
     )
     x, normal = (
         np.einsum("aij,cjk,ck->cai", turns, to_zero, vectors[chosen]).reshape(-1, side.dim)
@@ -102,15 +104,6 @@ def _on_circles(result: Result, surface: str) -> Complexes:
     u = result.mode_shapes(surface, found.at)
     # Turned back by its angle, each point's components are radial and circumferential.
     return np.einsum("aji,cajm->caim", turns, u.reshape(-1, _ANGLES, *u.shape[1:]))
-
-
-def _turns(theta: Floats, dim: int) -> Floats:
-    """Rotations about the z axis, shape (n, dim, dim)."""
-    turns = np.broadcast_to(np.eye(dim), (len(theta), dim, dim)).copy()
-    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(theta)
-    turns[:, 1, 0] = np.sin(theta)
-    turns[:, 0, 1] = -turns[:, 1, 0]
-    return turns
 
 
 def _mode_sets(

@@ -10,7 +10,7 @@ from meshes.breaks import breaks_of
 from meshes.edge_layers import RATIO
 from meshes.shapes import Hub
 from scenes.refinement.meshes import Resolution, has_singular_edges, moved_to_mortar, refined
-from scenes.refinement.singular_edges import crowding
+from scenes.refinement.singular_edges import singular_edges
 from scenes.spec.body import SupportSpec
 from scenes.spec.plain import scene_names
 from scenes.spec.problems import SceneError
@@ -61,34 +61,34 @@ def test_contacts_become_mortar_and_that_is_told():
     assert moved_to_mortar(load_scene("blocks")) == {}
 
 
-def test_elements_crowd_towards_clamped_edges_and_boundaries_of_stiff_contacts():
-    disc, pad = (crowding(load_scene("disc_pad"), name) for name in ("disc", "pad"))
+def test_singular_edges_are_clamped_edges_and_boundaries_of_stiff_contacts():
+    disc, pad = (singular_edges(load_scene("disc_pad"), name) for name in ("disc", "pad"))
     sides = {"r": (0.09, 0.14), "theta": (25.0, 65.0)}
     assert disc.towards == {"r": (0.06,), "z": (0.0, 0.012)}
     assert pad.towards == {"z": (0.027,)} | sides
     assert disc.through == sides
     stiff = load_scene("disc_pad", ["contacts.pad_disc.P=1e13"])
-    assert crowding(stiff, "disc").towards["r"] == (0.06, 0.09, 0.14)
-    assert crowding(stiff, "pad").towards["z"] == (0.012, 0.027)
+    assert singular_edges(stiff, "disc").towards["r"] == (0.06, 0.09, 0.14)
+    assert singular_edges(stiff, "pad").towards["z"] == (0.012, 0.027)
 
 
 @pytest.mark.parametrize("name", ["blocks", "drum", "ring", "drum_3d", "blocks_3d"])
 def test_rollers_and_closed_bodies_have_no_singular_edges(name):
     scene = load_scene(name)
     assert not has_singular_edges(scene)
-    assert not any(crowding(scene, body) for body in scene.bodies)
+    assert not any(singular_edges(scene, body) for body in scene.bodies)
 
 
 def test_the_edge_of_a_hub_is_re_entrant():
     hub = Hub(0.02, 0.04, 0.1, 0.0, 0.01, -0.02, 0.01)
     scene = load_scene("disc")
     body = replace(scene.bodies["disc"], geometry=hub, supports=(SupportSpec("bore"),))
-    found = crowding(replace(scene, bodies={"disc": body}), "disc")
+    found = singular_edges(replace(scene, bodies={"disc": body}), "disc")
     assert 0.04 in found.towards["r"]
     assert 0.0 in found.towards["z"]
 
 
-def test_layers_of_splines_lie_where_elements_crowd():
+def test_layers_of_splines_lie_towards_singular_edges():
     scene = refined(load_scene("disc_pad"), "iga", Resolution(2, 0.5, 2))
     through = mesh(scene, "disc").through
     r, _, z = breaks_of(scene.bodies["disc"].geometry, elements(scene, "disc"), through)
