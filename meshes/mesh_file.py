@@ -85,8 +85,9 @@ class MeshFile:
         of a part, or ``PSOLID 3``, ``material 1`` and the like; all solid elements by default.
     faces
         Named surfaces: a set of the file or several, physical groups, surfaces, sets of elements or
-        of nodes; ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose
-        names are fit for surfaces need not be listed here.
+        of nodes; ``SET:S3`` for the third faces of the elements of a set, as Abaqus counts them;
+        ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose names are fit
+        for surfaces need not be listed here.
     merge_nodes
         Distance, in the unit of the file, within which nodes are made one; by default none are.
 

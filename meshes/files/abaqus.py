@@ -5,7 +5,7 @@ use may be of a kind that is not known here.
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -26,7 +26,7 @@ from meshes.files.content import (
     rows_of,
     without_nodes,
 )
-from meshes.files.elements import FACES, KINDS
+from meshes.files.elements import KINDS
 
 Type = Literal["node", "element", "surface"]
 
@@ -37,10 +37,7 @@ _OTHER_SOLIDS = ("C3D15V", "C3D27")
 """Wedges and hexahedra that may have nodes in the middles of some faces, not of others."""
 _NAMES = {(kind.reference.shape[1], len(kind.groups)): name for name, kind in KINDS.items()}
 """Names in the table of kinds by dimension and number of nodes."""
-_NOT_READ = (
-    *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"),
-    *("PARAMETER", "IMPORT", "IMPERFECTION"),
-)
+_NOT_READ = re.compile("NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM|PARAMETER|IMPORT|IMPERFECTION")
 """Keywords that make, move or bring along nodes and elements."""
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")
 _DEEPEST = 20
@@ -65,6 +62,12 @@ class Scope:
     first_node: int = 0
     first_element: int = 0
 
+    def placed(self, name: str, placing: list[list[str]]) -> "Scope":
+        """An instance of the part, to which its own nodes, elements and sets are added."""
+        nodes, elements, sets = [*self.nodes], [*self.elements], [*self.sets]
+        own = replace(self, nodes=nodes, elements=elements, sets=sets)
+        return replace(own, name=name, placing=placing)
+
     def take(self, keyword: Keyword) -> None:
         """Take in what a keyword holds; keywords that say nothing of the mesh are passed over."""
         match keyword.name:
@@ -86,7 +89,7 @@ class Scope:
                 self.sets.append(("element", keyword.needed("ELSET"), keyword))
             case "SURFACE":
                 self._take_surface(keyword)
-            case name if name in _NOT_READ:
+            case name if _NOT_READ.fullmatch(name):
                 allowed = "a deck that lists nodes and elements: write it out without this keyword"
                 raise InputError("file", f"*{name}", allowed)
 
@@ -126,21 +129,19 @@ class Scope:
     def _moved(self, points: Floats) -> Floats:
         """Points of a part where its instance stands: shifted, then turned about an axis."""
         try:
-            lines = [[float(each) for each in line if each] for line in self.placing]
+            lines = [np.array([float(each) for each in line if each]) for line in self.placing]
         except ValueError:
-            lines = [[]]
-        told, allowed = (
-            f"*INSTANCE, NAME={self.name}",
-            ("a line of a translation, and one of two points of an axis and an angle"),
-        )
+            lines = [np.empty(0)]
+        told = f"*INSTANCE, NAME={self.name}"
+        allowed = "a line of a translation, and one of two points of an axis and an angle"
         require([*map(len, lines)] in ([], [3], [3, 7]), "file", told, allowed)
         if lines:
             points = points + lines[0]
         if len(lines) > 1:
-            start, end, angle = np.array(lines[1][:3]), np.array(lines[1][3:6]), lines[1][6]
-            axis = end - start
+            start, axis = lines[1][:3], lines[1][3:6] - lines[1][:3]
             require(bool(np.any(axis)), "file", told, allowed)
-            turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis), degrees=True)
+            vector = lines[1][6] * axis / np.linalg.norm(axis)
+            turn = Rotation.from_rotvec(vector, degrees=True)
             points = start + turn.apply(points - start)
         return points
 
@@ -204,17 +205,13 @@ def _scopes(file: Path) -> list[Scope]:
             case "INSTANCE":
                 keyword.check("NAME", "PART", "NSET", "ELSET", "INTERNAL")
                 name, part = keyword.needed("NAME"), keyword.needed("PART")
-                known = ", ".join(parts) or "none"
-                told = f"*INSTANCE, PART={part}"
+                told, known = f"*INSTANCE, PART={part}", ", ".join(parts) or "none"
                 require(part.upper() in parts, "file", told, f"one of {known}")
-                inside = replace(parts[part.upper()], name=name, placing=keyword.lines)
-                for each in ("nodes", "elements", "sets"):  # to which its own are added
-                    setattr(inside, each, [*getattr(inside, each)])
+                inside = parts[part.upper()].placed(name, keyword.lines)
                 instances.append(inside)
                 for kind in ("NSET", "ELSET"):  # all that the instance has
                     if kind in keyword.parameters:
-                        whole = keyword.needed(kind)
-                        flat.take(Keyword(kind, {str(kind): whole}, name))
+                        flat.take(Keyword(kind, {str(kind): keyword.needed(kind)}, name))
             case "END PART" | "END INSTANCE" | "ASSEMBLY" | "END ASSEMBLY":
                 inside = flat
             case "STEP":
@@ -300,7 +297,7 @@ class _Resolver:
         inside = self._inside(key, listed)
         if kind == "node" and "ELSET" in listed.parameters:
             elements = self.members("element", inside, listed.parameters["ELSET"])
-            return _joined(b.nodes[rows].ravel() for b, rows in self._by_block(elements))
+            return _joined(b.nodes[rows].ravel() for b, rows in self.content.by_block(elements))
         return self._listed(kind, inside, *listed.members())
 
     def _listed(self, kind: Type, key: str, numbers: Ints, names: Iterable[str]) -> Ints:
@@ -323,11 +320,6 @@ class _Resolver:
                 if not known and not self.scopes[inside].of(kind, name):
                     raise InputError("file", name, f"a set of {kind}s that the deck has")
 
-    def _by_block(self, elements: Ints) -> Iterator[tuple[ElementBlock, Ints]]:
-        """Elements of each kind among given ones, as rows of its block."""
-        for each, start in zip(self.content.blocks, self.content.starts, strict=False):
-            yield each, elements[(elements >= start) & (elements < start + len(each))] - start
-
     def _faces(self, key: str, keyword: Keyword) -> Ints:
         """Elements and their faces that a surface has, -1 for all free ones, (n, 2)."""
         keyword.check("NAME", "TYPE", "COMBINE", "INTERNAL")
@@ -349,10 +341,5 @@ class _Resolver:
         for label, names in of_sides.items():
             named = Keyword("SURFACE", {}, "\n".join(names))
             elements = self._listed("element", key, *named.members())
-            side = int(label[1:]) - 1 if re.fullmatch("S[1-9]", label) else -1
-            for each, rows in self._by_block(elements):
-                count = len(FACES.get(each.cell, ()))
-                fits = not label or 0 <= side < count or not len(rows)
-                require(fits, "file", label, f"faces S1 to S{count} of {each.kind}")
-            found.append(np.stack([elements, np.full(len(elements), side)], axis=1))
+            found.append(self.content.sided(elements, label))
         return np.concatenate(found)

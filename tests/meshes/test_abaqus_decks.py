@@ -88,6 +88,7 @@ def test_parts_of_a_deck_are_put_where_their_instances_stand(tmp_path, instance)
     ("sets", "middles"),
     [
         ("Top", [[9.5, 0.5, 2.0]]),
+        ("First:S1", [[9.5, 0.5, 0.0]]),
         ("Side", [[10.0, 0.5, 0.5], [10.0, 0.5, 1.5]]),
         ("Held", [[9.5, 0.5, 0.0]]),
         ("Cube-2.Bottom", [[9.5, 0.5, 0.0]]),
