@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import BeforeValidator
@@ -104,8 +104,6 @@ class MeshFile:
     merge_nodes: float | None = None
     shape: Literal["mesh_file"] = "mesh_file"
 
-    names: ClassVar[tuple[str, ...]] = ("x", "y", "z")
-
     def __post_init__(self) -> None:
         check_unit(self.unit)
         fits = self.merge_nodes is None or 0 < self.merge_nodes < np.inf
@@ -144,7 +142,7 @@ class MeshFile:
     @cached_property
     def directions(self) -> tuple[str, ...]:
         """Names of the coordinates."""
-        return self.names[: self.elements.dim]
+        return ("x", "y", "z")[: self.elements.dim]
 
     @cached_property
     def surfaces(self) -> tuple[str, ...]:

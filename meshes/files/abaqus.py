@@ -7,6 +7,7 @@ use may be of a kind that is not known here.
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import Literal
 
@@ -40,8 +41,6 @@ _NAMES = {(kind.reference.shape[1], len(kind.groups)): name for name, kind in KI
 _NOT_READ = re.compile("NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM|PARAMETER|IMPORT|IMPERFECTION")
 """Keywords that make, move or bring along nodes and elements."""
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")
-_DEEPEST = 20
-"""Sets that are members of one another."""
 
 
 @dataclass(eq=False)
@@ -230,8 +229,7 @@ class _Resolver:
 
     def __init__(self, content: FileContent, scopes: dict[str, Scope]) -> None:
         self.content, self.scopes = content, scopes
-        self._open: list[tuple[Type, str, str]] = []
-        self._made: dict[tuple[Type, str, str], Ints] = {}
+        self.members = cache(self._members)
 
     def with_sets(self) -> FileContent:
         """The content with its sets, after a look at the names in them."""
@@ -252,17 +250,20 @@ class _Resolver:
         for key, scope in self.scopes.items():
             own = [name for of, name, _ in scope.sets if of == kind]
             names += [*own, *(f"{scope.name}.{name}" for name in own if key)]
-        if kind == "element":
-            names += [scope.name for key, scope in self.scopes.items() if key]
+            if kind == "element" and key:
+                names.append(scope.name)
         return Sets(names, lambda name: self._of_all(kind, name), any_case=True)
 
     def _of_all(self, kind: Type, name: str) -> Ints:
         """Members of the sets of a name in all instances, or of one inside an instance."""
         keys = [key for key, scope in self.scopes.items() if scope.of(kind, name)] or [""]
-        parts = [self.members(kind, key, name) for key in keys]
+        try:
+            parts = [self.members(kind, key, name) for key in keys]
+        except RecursionError:
+            raise InputError("file", name, "sets that are not inside each other") from None
         return np.unique(np.concatenate(parts), axis=0)
 
-    def members(self, kind: Type, key: str, name: str) -> Ints:
+    def _members(self, kind: Type, key: str, name: str) -> Ints:
         """Rows of nodes, elements, or faces (n, 2) of a set that a scope has or names."""
         listed = self.scopes[key].of(kind, name)
         if not listed:
@@ -275,17 +276,8 @@ class _Resolver:
             if kind == "surface" or whole is None:
                 raise InputError("file", name, f"a set of {kind}s that the deck has")
             return whole.rows(kind)
-        mark = kind, key, name.upper()
-        if mark not in self._made:
-            allowed = f"sets that are not inside each other, and at most {_DEEPEST} deep"
-            require(mark not in self._open and len(self._open) < _DEEPEST, "file", name, allowed)
-            self._open.append(mark)
-            try:
-                parts = [self._of_listed(kind, key, each) for each in listed]
-                self._made[mark] = np.unique(np.concatenate(parts), axis=0)
-            finally:
-                self._open.pop()
-        return self._made[mark]
+        parts = [self._of_listed(kind, key, each) for each in listed]
+        return np.unique(np.concatenate(parts), axis=0)
 
     def _of_listed(self, kind: Type, key: str, listed: Keyword | Ints) -> Ints:
         """Rows, or faces, that a keyword lists."""
@@ -298,10 +290,11 @@ class _Resolver:
         if kind == "node" and "ELSET" in listed.parameters:
             elements = self.members("element", inside, listed.parameters["ELSET"])
             return _joined(b.nodes[rows].ravel() for b, rows in self.content.by_block(elements))
-        return self._listed(kind, inside, *listed.members())
+        return self._listed(kind, inside, listed)
 
-    def _listed(self, kind: Type, key: str, numbers: Ints, names: Iterable[str]) -> Ints:
-        """Rows of nodes or elements by their numbers, and of sets by their names."""
+    def _listed(self, kind: Type, key: str, keyword: Keyword) -> Ints:
+        """Rows of nodes or elements that a keyword lists by numbers and by names of sets."""
+        numbers, names = keyword.members()
         of_sets = (self.members(kind, key, name) for name in names)
         return _joined([self.scopes[key].rows(kind, numbers), *of_sets])
 
@@ -339,7 +332,6 @@ class _Resolver:
         for line in keyword.lines:
             of_sides.setdefault("".join(line[1:2]).upper(), []).append(line[0])
         for label, names in of_sides.items():
-            named = Keyword("SURFACE", {}, "\n".join(names))
-            elements = self._listed("element", key, *named.members())
+            elements = self._listed("element", key, Keyword("SURFACE", {}, "\n".join(names)))
             found.append(self.content.sided(elements, label))
         return np.concatenate(found)

@@ -151,11 +151,6 @@ class FileContent:
             require(fits, "file", label, f"faces S1 to S{count} of {block.kind}")
         return np.stack([elements, np.full(len(elements), side)], axis=1)
 
-    def with_others(self, kinds: Sequence[str]) -> "FileContent":
-        """The content with a structural element of each kind that was not read."""
-        others = [without_nodes(kind, np.zeros(1, dtype=np.int64), "structural") for kind in kinds]
-        return replace(self, blocks=[*self.blocks, *others])
-
 
 def without_copies(content: FileContent) -> FileContent:
     """The content with elements that are there again, for another set, made one with the first."""

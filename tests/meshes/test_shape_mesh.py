@@ -14,6 +14,7 @@ from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
 from meshes.structured import divided
+from meshes.ventilated_disc import VentilatedDisc
 
 BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
 ANNULUS = Annulus(0.06, 0.15, -0.002, 0.01)
@@ -24,6 +25,7 @@ FLUSH_HUB = Hub(0.2, 0.5, 1.0, 0.0, 0.2, 0.0, 0.4)
 DISC = Disc(1.0, 0.1, 0.3)
 RING = Ring(0.5, 1.0)
 RING_SECTOR = RingSector(0.5, 1.0, -25.0, 60.0)
+VENTILATED = VentilatedDisc()
 SHAPES = {shape.shape: shape for shape in (BOX, ANNULUS, SECTOR)}
 ELEMENTS = {"box": (3, 2, 2), "annulus": (2, 14, 1), "sector": (2, 5, 2)}
 THROUGH = {"box": {"x": [0.17]}, "annulus": {"r": [0.07]}, "sector": {"theta": [-20.0]}}
@@ -63,6 +65,7 @@ def test_hexahedra_lie_between_breaks(kind, order):
 
 
 BREAKS = breaks_of(BOX, (1, 1, 1))
+HALVES = [0.06, 0.15], [0.0, 180.0, 360.0], [-0.002, 0.01]
 
 
 @pytest.mark.parametrize(
@@ -82,11 +85,11 @@ BREAKS = breaks_of(BOX, (1, 1, 1))
         ("breaks", (BOX, "hexahedron", 1), {}),
         ("breaks of x", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0][::-1], *BREAKS[1:])}),
         ("breaks of y", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0], 2 * BREAKS[1], BREAKS[2])}),
-        (
-            "breaks of theta",
-            (ANNULUS, "hexahedron", 1),
-            {"breaks": ([0.06, 0.15], [0.0, 180.0, 360.0], [-0.002, 0.01])},
-        ),
+        ("breaks of theta", (ANNULUS, "hexahedron", 1), {"breaks": HALVES}),
+        ("cell", (VENTILATED, "hexahedron", 2), {"size": 0.03}),
+        ("order", (VENTILATED, "tetrahedron", 3), {"size": 0.03}),
+        ("size", (VENTILATED, "tetrahedron", 2), {}),
+        ("breaks", (VENTILATED, "tetrahedron", 2), {"breaks": BREAKS}),
     ],
 )
 def test_wrong_input_is_refused_by_name(field, arguments, keywords):
