@@ -190,7 +190,9 @@ SECTIONS = [
             Table(
                 "agreement",
                 "Unstable modes: those compared with, those compared, and the change.",
-                *("agreement", PAIRED, "compared"),
+                "agreement",
+                PAIRED,
+                "compared",
                 printed=True,
             ),
             Table("unstable_modes", "Unstable modes of every run.", unstable, OWN),
@@ -199,8 +201,13 @@ SECTIONS = [
         ],
         [
             Plot(
-                *("stability", "Every mode of every run.", "modes", "frequency", "growth"),
-                *(("run",), "formulation"),
+                "stability",
+                "Every mode of every run.",
+                "modes",
+                "frequency",
+                "growth",
+                ("run",),
+                ("formulation",),
                 style="markers",
             )
         ],

@@ -169,7 +169,10 @@ TABLE = Table("damping", "Friction at which flutter begins.", "runs", COLUMNS, p
 PLOT = Plot(
     "damping",
     "Lines: exact, two degrees of freedom. Markers: elastic bodies.",
-    *("runs", "ratio", "threshold", ("share", "backend")),
+    "runs",
+    "ratio",
+    "threshold",
+    ("share", "backend"),
     log="x",
     own=COLUMNS,
     lines=curves,

@@ -146,14 +146,21 @@ COLUMNS = {
 DIAGRAM = Plot(
     "stability",
     "What lies above zero grows. Marks tell verdicts apart as colours do.",
-    *(by_verdict, "frequency", "growth", ("verdict",)),
+    by_verdict,
+    "frequency",
+    "growth",
+    ("verdict",),
     own=COLUMNS,
     style="markers",
 )
 STRESSES = Plot(
     "stress",
     "Normal stress along a line over the contact, both sides.",
-    *(stresses, "arc", "stress", ("side",), "contact"),
+    stresses,
+    "arc",
+    "stress",
+    ("side",),
+    ("contact",),
     own=COLUMNS,
 )
 SECTIONS = [
@@ -169,7 +176,8 @@ SECTIONS = [
                 "Every mode of the window. Damping ratio: minus the growth rate over abs(λ). "
                 "Algebraic error: what residual and rounding, times the condition, can make of the "
                 "growth rate; errors of the mesh are told by cea converge.",
-                *(signed_modes, COLUMNS),
+                signed_modes,
+                COLUMNS,
             )
         ],
         [DIAGRAM],

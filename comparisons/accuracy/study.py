@@ -163,7 +163,7 @@ def lost(result: StudyResult) -> pd.DataFrame:
 
 
 def _plot(name: str, caption: str, frame: Any, x: str, series: tuple[str, ...]) -> Plot:
-    return Plot(name, caption, frame, x, "lambda_worst", series, "problem", "xy", COLUMNS)
+    return Plot(name, caption, frame, x, "lambda_worst", series, ("problem",), "xy", COLUMNS)
 
 
 _TWO = shown(2)

@@ -181,12 +181,20 @@ TIMES = Table(
     "times",
     "Processor time of stiffness and mass on one thread, medians; an element over one of plain "
     "dolfinx Q2, assembled in the same round.",
-    *(times, COLUMNS),
+    times,
+    COLUMNS,
     printed=True,
 )
 PLOT = Plot(
-    *("ratio", "Time of an element against degree.", times, "degree", "ratio"),
-    *(("program",), "family", "y", COLUMNS),
+    "ratio",
+    "Time of an element against degree.",
+    times,
+    "degree",
+    "ratio",
+    ("program",),
+    ("family",),
+    "y",
+    COLUMNS,
 )
 STUDY = Study(
     name="bench assembly",

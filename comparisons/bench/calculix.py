@@ -208,7 +208,8 @@ STUDY = Study(
                     "differences",
                     "Worst relative difference of the first frequencies, with the mass of CalculiX "
                     "and with the exact one in this program.",
-                    *(differences, COLUMNS),
+                    differences,
+                    COLUMNS,
                     printed=True,
                 ),
                 Table("modes", "Modes by rising frequency.", lambda r: beside(r, "modes"), COLUMNS),
@@ -225,7 +226,8 @@ STUDY = Study(
                 Table(
                     "unstable",
                     "Unstable modes of each program.",
-                    *(lambda result: beside(result, "unstable"), COLUMNS),
+                    lambda result: beside(result, "unstable"),
+                    COLUMNS,
                     printed=True,
                 )
             ],

@@ -159,7 +159,8 @@ STUDY = Study(
                     "runs",
                     "Whole runs, stages in processor time of all ranks (s); peak memory of all "
                     "ranks above that of the program.",
-                    *(runs, COLUMNS),
+                    runs,
+                    COLUMNS,
                     group="row",
                     printed=True,
                 ),
@@ -167,14 +168,19 @@ STUDY = Study(
                     "ranks",
                     "Processor time of the rank that works longest; what it waits for others is "
                     "work too. The ratio is the number of ranks at best.",
-                    *(speed_up, COLUMNS),
+                    speed_up,
+                    COLUMNS,
                 ),
             ],
             plots=[
                 Plot(
                     "unknowns",
                     "Stages over unknowns.",
-                    *(by_size, "unknowns", "processor", ("stage",), "", "xy"),
+                    by_size,
+                    "unknowns",
+                    "processor",
+                    ("stage",),
+                    log="xy",
                 ),
             ],
         )

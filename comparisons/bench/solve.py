@@ -179,7 +179,8 @@ TABLE = Table(
     "Processor time of all ranks, medians, also in numeric factorisations (LU) at the shift; peak "
     "memory of all ranks above that of the matrices; errors of the eigenvalues (λ², relative) "
     "against the answer with the smallest backward error.",
-    *(methods, COLUMNS),
+    methods,
+    COLUMNS,
     printed=True,
 )
 STUDY = Study(
@@ -200,7 +201,12 @@ STUDY = Study(
                 Plot(
                     "error_against_time",
                     "Worst error of each method over its processor time.",
-                    *(methods, "processor", "worst", ("method",), "", "xy", COLUMNS),
+                    methods,
+                    "processor",
+                    "worst",
+                    ("method",),
+                    log="xy",
+                    own=COLUMNS,
                     style="markers",
                 )
             ],

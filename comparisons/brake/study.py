@@ -201,8 +201,13 @@ STUDY = Study(
             ],
             [
                 Plot(
-                    *("brake", "Every mode of every mesh.", "modes", "frequency", "growth"),
-                    *(("size",), "", "", OWN),
+                    "brake",
+                    "Every mode of every mesh.",
+                    "modes",
+                    "frequency",
+                    "growth",
+                    ("size",),
+                    own=OWN,
                     style="markers",
                 )
             ],

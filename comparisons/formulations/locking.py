@@ -153,8 +153,15 @@ SECTION = Section(
     [Table("locking", "Error at each p.", by_stiffness, OWN)],
     [
         Plot(
-            *("locking", "A line ends where an eigenvalue is lost.", finite, "p", "error"),
-            *(("formulation",), "backend", "xy", OWN),
+            "locking",
+            "A line ends where an eigenvalue is lost.",
+            finite,
+            "p",
+            "error",
+            ("formulation",),
+            ("backend",),
+            "xy",
+            OWN,
         )
     ],
     of="locking",

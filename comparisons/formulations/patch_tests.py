@@ -236,12 +236,6 @@ def headline(result: StudyResult) -> str:
     return f"Pass on flat interfaces at every P: {', '.join(flat[flat].index) or 'none'}."
 
 
-def lines(result: StudyResult) -> pd.DataFrame:
-    """Errors over P, a panel for each two kinds of meshes."""
-    frame = runs(result)
-    return frame.assign(panel=frame["interface"] + ", " + frame["meshes"])
-
-
 OWN: Mapping[str, Column] = {
     "meshes": Column("a on b"),
     "own_error": Column("own", show=shown(1)),
@@ -259,8 +253,15 @@ SECTIONS = [
         ],
         [
             Plot(
-                *("patch_errors", "Error of every formulation over P.", lines, "P", "error"),
-                *(("formulation",), "panel", "xy", OWN),
+                "patch_errors",
+                "Error of every formulation over P.",
+                runs,
+                "P",
+                "error",
+                ("formulation",),
+                ("interface", "meshes"),
+                "xy",
+                OWN,
             )
         ],
         of="patch_tests",
