@@ -21,12 +21,9 @@ from cea.contact.formulations import (
     Mortar,
     NodeToSurface,
 )
-from comparisons.study.columns import Column
 from comparisons.study.numbers import decimals, number, per_cent, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Study
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Session, Study, StudyResult
 from scenes import Result
 from scenes.results.matching import match_unstable
 from scenes.spec.body import Backend, backend_name

@@ -7,12 +7,11 @@ import pandas as pd
 
 from cea.petsc import MPI
 from comparisons.study.closing import PARAMETERS, machine, parameters, warned
-from comparisons.study.columns import Column
 from comparisons.study.numbers import growth, number, shown
 from comparisons.study.page import REPORT, write
 from comparisons.study.plots import VERDICT_MARKS, sign
 from comparisons.study.result import Data
-from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.sections import Column, Plot, Section, Table
 from comparisons.study.shapes import Shapes, by_importance
 from scenes import Result
 from scenes.results.record import read_record

@@ -13,8 +13,7 @@ from cea.errors import ConvergenceError, InputError
 from comparisons.accuracy.cases import methods, refinements, scene_of
 from comparisons.accuracy.problems import PROBLEMS, exact
 from comparisons.study.measure import measured
-from comparisons.study.session import Session
-from comparisons.study.study import Case
+from comparisons.study.study import Case, Session
 from scenes import run_modes
 from scenes.results.matching import circumferential_orders
 

@@ -10,12 +10,10 @@ import pandas as pd
 from comparisons.accuracy import errors
 from comparisons.accuracy.cases import INTEGRATING, YARDSTICKS, Options, lines
 from comparisons.accuracy.problems import PROBLEMS
-from comparisons.study.columns import Column, wide
+from comparisons.study.columns import wide
 from comparisons.study.numbers import counted, number, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Process, Session, Study, StudyResult
 from scenes.spec.body import backend_name
 
 TOLERABLE = 0.01

@@ -19,12 +19,10 @@ from cea.body import Body
 from cea.contact.formulations import Segments
 from cea.eigen.classify import classify, thresholds
 from comparisons.bench import ccx
-from comparisons.study.columns import Column, wide
+from comparisons.study.columns import wide
 from comparisons.study.numbers import counted, decimals, number, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Study
+from comparisons.study.sections import Column, Section, Table
+from comparisons.study.study import Case, Session, Study, StudyResult
 from fe_cea import LagrangeSpace
 from scenes import run_modes
 from scenes.building.build import body_mesh

@@ -19,13 +19,11 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
 from cea.arrays import Complexes
 from cea.errors import InputError
-from comparisons.study.columns import Column, medians
+from comparisons.study.columns import medians
 from comparisons.study.measure import measured
 from comparisons.study.numbers import shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study, at_least_one
+from comparisons.study.sections import Column, Section, Table
+from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
 from scenes import Result
 from scenes.running.matrices import AssembledMatrices
 from scenes.spec.matrices import MatrixScene, load_matrices

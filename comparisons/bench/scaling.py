@@ -9,13 +9,11 @@ import pandas as pd
 
 from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.study.columns import Column, medians, wide
+from comparisons.study.columns import medians, wide
 from comparisons.study.measure import measured
 from comparisons.study.numbers import shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study, at_least_one
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
 from scenes import run_modes
 from scenes.spec.reading import Scene, load_scene
 

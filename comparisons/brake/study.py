@@ -19,13 +19,10 @@ import pandas as pd
 
 from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.study.columns import Column
 from comparisons.study.numbers import decimals, number, per_cent, plain
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
+from comparisons.study.sections import Column, Plot, Section, Table
 from comparisons.study.shapes import mode_rows
-from comparisons.study.study import Case, Study
+from comparisons.study.study import Case, Session, Study, StudyResult
 from scenes.checking.memory import estimated_memory
 from scenes.results.matching import match_runs
 from scenes.spec.reading import Scene, load_scene

@@ -16,13 +16,11 @@ import pandas as pd
 
 from cea.arrays import Complexes
 from cea.eigen.matching import match_spectrum
-from comparisons.study.columns import Column, wide
+from comparisons.study.columns import wide
 from comparisons.study.formulations import Variant, variants
 from comparisons.study.numbers import shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Session, StudyResult
 from exact_cea.reference import exact_eigenvalues
 from scenes.spec.body import backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene

@@ -16,13 +16,11 @@ import pandas as pd
 from cea.errors import ConvergenceError
 from cea.system.contact_stresses import normal_stress
 from comparisons.formulations.momentum import momentum_defects, rigid_motions
-from comparisons.study.columns import Column, wide
+from comparisons.study.columns import wide
 from comparisons.study.formulations import Variant, variants
 from comparisons.study.numbers import number, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Session, StudyResult
 from scenes import Result
 from scenes.running.system import coupled
 from scenes.spec.body import Backend, LoadSpec

@@ -13,12 +13,9 @@ from comparisons.paper import lumping, patch_test
 from comparisons.paper.claims import judged
 from comparisons.paper.figure import Figure, Tables
 from comparisons.paper.figures import DIAGRAMS, FIGURES, PATCH_TESTS, chosen
-from comparisons.study.columns import Column
 from comparisons.study.numbers import number, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Drawing, Frame, Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import CHOOSES, Case, Study
+from comparisons.study.sections import Column, Drawing, Frame, Plot, Section, Table
+from comparisons.study.study import CHOOSES, Case, Session, Study, StudyResult
 
 
 @dataclass(frozen=True)

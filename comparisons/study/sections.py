@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from comparisons.study.columns import Column
+from comparisons.study.columns import Column as Column
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
