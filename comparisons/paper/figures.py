@@ -157,8 +157,14 @@ DIAGRAMS = (
 FIGURES: dict[str, Figure] = {
     figure.name: figure
     for figure in (
-        *(NORMAL_COMPLIANCE, *SETTINGS, *PATCH_TESTS, QUADRATURE),
-        *(SHAPES, LUMPING, *DIAGRAMS, CROWNED_PAD),
+        NORMAL_COMPLIANCE,
+        *SETTINGS,
+        *PATCH_TESTS,
+        QUADRATURE,
+        SHAPES,
+        LUMPING,
+        *DIAGRAMS,
+        CROWNED_PAD,
     )
 }
 """Every figure by its number or name."""

@@ -67,7 +67,7 @@ class ModeShapes(Figure):
         label = case_row(P, 1, RUNS["lumped"].on(mesh))
         measured = label | measures(lumped, plain, match) | {"paper": "much below 1"}
         modes = common_mode(match, plain)[::-1]
-        motions = [run.motion[mode] for run, mode in zip((plain, lumped), modes, strict=True)]
+        motion = lumped.motion[modes[1]] / plain.motion[modes[0]]
         lines, numbers, slopes = [], [], []
         curves: list[Floats] = []
         for (name, result), mode in zip(results.items(), modes, strict=True):
@@ -87,10 +87,7 @@ class ModeShapes(Figure):
         slope = "slope of the disc at the boundary of the pad"
         far = np.abs(curves[1] - curves[0]).max()
         numbers += [
-            quoted(
-                *(f"motion of the disc in the contact, {over}", "much below 1"),
-                motions[1] / motions[0],
-            ),
+            quoted(f"motion of the disc in the contact, {over}", "much below 1", motion),
             quoted(f"{slope}, {over}", "above 1", slopes[1] / slopes[0]),
             quoted("largest difference of the disc's lines, of 1", None, far),
         ]
