@@ -5,12 +5,12 @@ from dataclasses import replace
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, Mortar, Segments
 from cea.errors import InputError
 from comparisons.paper.crowned_pad import CROWNED_PAD
-from comparisons.paper.diagram import Diagram
 from comparisons.paper.disc_pad import COLLOCATION, GPTS, GRID, HIGH, LOW, LUMPED, MIDDLE, DiscPad
 from comparisons.paper.figure import Figure
 from comparisons.paper.lumping import LUMPING, SHAPES
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
 from comparisons.paper.patch_test import QUADRATURE, SETTINGS, PatchTest, PatchTests
+from comparisons.paper.spectra import Diagram
 
 
 def _gpts(points: int, *, lumped: bool = False) -> GaussPointToSurface:

@@ -37,7 +37,7 @@ from comparisons.study.session import Session
 from scenes import Result
 from scenes.building.build import build_bodies, build_interfaces
 from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, StaticAnalysis, load_scene, on_backend, with_contact
+from scenes.spec.reading import Scene, StaticAnalysis, load_scene, with_contact
 
 EXACT = -1000.0
 """Normal stress on the interface (N/m^2)."""
@@ -83,17 +83,17 @@ class PatchTest:
 
     def scene(self, mesh: Mesh) -> Scene:
         """The scene of the case on a kind of mesh."""
-        bodies, degree = {}, min(self.degree, MOST_LAGRANGE)
-        scene = on_backend(load_scene("patch_test"), BACKENDS[mesh])
+        changes: dict[str, Any] = {"contacts.interface.form": "penalty"}
+        changes |= {f"contacts.interface.{f}": getattr(self, f) for f in ("formulation", "P")}
+        degree = min(self.degree, MOST_LAGRANGE)
         for name, n in zip(("upper", "lower"), self.elements, strict=True):
             elements = (n, n, 1)
             fe = FeMesh("hexahedron", degree, elements=elements)
             if mesh == "tetrahedra":
                 fe = FeMesh("tetrahedron", degree, size=_WIDTH / n)
             iga = IgaMesh((self.degree,) * 3, elements, (self.continuity,) * 3)
-            bodies[name] = replace(scene.bodies[name], mesh=MeshSpec(fe=fe, iga=iga))
-        scene = replace(scene, bodies=bodies)
-        return with_contact(scene, formulation=self.formulation, P=self.P, form="penalty")
+            changes[f"bodies.{name}.mesh"] = MeshSpec(fe=fe, iga=iga)
+        return load_scene("patch_test", backend=BACKENDS[mesh]).change(changes)
 
 
 @dataclass(frozen=True)
