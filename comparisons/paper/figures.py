@@ -171,13 +171,7 @@ FIGURES: dict[str, Figure] = {
 
 
 def chosen(names: tuple[str, ...]) -> list[Figure]:
-    """Figures of some names, all by default.
-
-    Raises
-    ------
-    InputError
-        When there is no such figure.
-    """
+    """Figures of some names, all by default; refused where there is no such figure."""
     known = {part: name for name in FIGURES for part in name.split(" and ")}
     for name in names:
         if name not in known:

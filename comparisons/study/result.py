@@ -47,13 +47,7 @@ class StudyResult:
         return self._frames[key].copy()
 
     def array(self, case: Mapping[str, Any], name: str) -> np.ndarray:
-        """Array that the case with these labels kept.
-
-        Raises
-        ------
-        InputError
-            When there is none.
-        """
+        """Array that the case with these labels kept; an InputError where there is none."""
         for found in self.cases:
             own = self.arrays.get(found["key"], {})
             if case.items() <= found["labels"].items() and name in own:
