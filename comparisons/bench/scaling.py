@@ -111,11 +111,6 @@ def stages(result: StudyResult) -> pd.DataFrame:
     return medians(result.frame(), "stage")
 
 
-def by_size(result: StudyResult) -> pd.DataFrame:
-    """Stages of the runs that differ in size."""
-    return stages(result).query("row == 'size' and processor > 0")
-
-
 def runs(result: StudyResult) -> pd.DataFrame:
     """A row for each run, its stages beside each other."""
     found = stages(result)
@@ -174,7 +169,7 @@ STUDY = Study(
                 Plot(
                     "unknowns",
                     "Stages over unknowns.",
-                    by_size,
+                    lambda result: stages(result).query("row == 'size' and processor > 0"),
                     "unknowns",
                     "processor",
                     ("stage",),

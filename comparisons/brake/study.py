@@ -7,7 +7,7 @@ stiffness (``cea study accuracy``), and mortar does not lock where p is larger s
 """
 
 import resource
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isclose
@@ -67,14 +67,9 @@ def cases(options: Options) -> Iterator[Case]:
 
 
 def scene(case: Case, options: Options) -> Scene:
-    """The scene of a case."""
-    return scene_of_size(case["size"], options.overrides)
-
-
-def scene_of_size(size: float, overrides: Iterable[str] = ()) -> Scene:
-    """``ventilated_brake`` with tetrahedra of one target edge length (m) in disc and pads."""
-    brake = load_scene(Path(SCENE), list(overrides))
-    return brake.change({f"bodies.{name}.mesh.fe.size": size for name in brake.bodies})
+    """``ventilated_brake`` with tetrahedra of one target edge length in disc and pads."""
+    brake = load_scene(Path(SCENE), options.overrides)
+    return brake.change({f"bodies.{name}.mesh.fe.size": case["size"] for name in brake.bodies})
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:

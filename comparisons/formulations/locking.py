@@ -114,12 +114,6 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     return {"locking": [row]}
 
 
-def by_stiffness(result: StudyResult) -> pd.DataFrame:
-    """A row for each formulation, a column for each p."""
-    index = ["backend", "formulation", "points", "traces"]
-    return wide(result.frame("locking"), index, "p", "error")
-
-
 def finite(result: StudyResult) -> pd.DataFrame:
     """Runs with contacts that are not tied."""
     return result.frame("locking").query("p < inf")
@@ -141,6 +135,7 @@ def headline(result: StudyResult) -> str:
     return f"The error grows with p, or an eigenvalue is lost: {'. '.join(names) or 'none'}."
 
 
+_LABELS = ["backend", "formulation", "points", "traces"]
 OWN = {"error": Column("worst relative error of λ", show=shown(2))}
 SECTION = Section(
     "Locking",
@@ -148,7 +143,14 @@ SECTION = Section(
     "formulation locks where it grows with p; a dash stands where an eigenvalue was lost, or where "
     "p = ∞ cannot be run.",
     headline,
-    [Table("locking", "Error at each p.", by_stiffness, OWN)],
+    [
+        Table(
+            "locking",
+            "Error at each p.",
+            lambda result: wide(result.frame("locking"), _LABELS, "p", "error"),
+            OWN,
+        )
+    ],
     [
         Plot(
             "locking",

@@ -106,15 +106,24 @@ def _curved(P: float) -> list[str]:
     return [f"bodies.upper.material={{E={volumetric / compliance!r}, nu=0.3}}"]
 
 
-_BLOCKS = "patch_test", ("hexahedra", "tetrahedra")
-_OBLIQUE = "{vector=[1.0, 0.5, 0.3]}"
-_AROUND = "{circumferential_about=[0.0, 0.0, 1.0]}"
+_FLAT = PatchTestProblem(
+    "flat",
+    "patch_test",
+    ("hexahedra", "tetrahedra"),
+    lambda P: [_ROLLERS],
+    (3.0, 1.8),
+    "{vector=[1.0, 0.5, 0.3]}",
+)
 PROBLEMS = (
-    PatchTestProblem("flat", *_BLOCKS, lambda P: [_ROLLERS], (3.0, 1.8), _OBLIQUE),
-    PatchTestProblem("rotated", *_BLOCKS, _rotated, (3.0, 1.8), _OBLIQUE),
+    _FLAT,
+    replace(_FLAT, name="rotated", overrides=_rotated),
     PatchTestProblem(
-        *("curved", "patch_test_curved", ("quadrilaterals", "triangles")),
-        *(_curved, (2.4, 1.4), _AROUND),
+        "curved",
+        "patch_test_curved",
+        ("quadrilaterals", "triangles"),
+        _curved,
+        (2.4, 1.4),
+        "{circumferential_about=[0.0, 0.0, 1.0]}",
         held=True,
     ),
 )
