@@ -240,6 +240,7 @@ class Setting(Figure):
         """Mesh both bodies; numbers of what is meshed, and the points of side a."""
         scene: Scene = session.scene["scene"]
         bodies = build_bodies(scene, StageTimer())
+        upper, lower = bodies["upper"].surfaces["z_min"], bodies["lower"].surfaces["z_max"]
         shapes: Any = [scene.bodies[name].geometry for name in ("upper", "lower")]
         material, paper = scene.bodies["upper"].material, {**_PAPER, **self.paper}
         rows: list[tuple[str, Any, str]] = [
@@ -250,8 +251,8 @@ class Setting(Figure):
             ("E", material.means[0], "N/m²"),
             ("nu", material.means[2], ""),
             ("pressure", scene.loads[0].pressure, "N/m²"),
-            ("elements of a", bodies["upper"].surfaces["z_min"].num_elements, ""),
-            ("elements of b", bodies["lower"].surfaces["z_max"].num_elements, ""),
+            ("elements of a", len(upper.cells().element), ""),
+            ("elements of b", len(lower.cells().element), ""),
         ]
         numbers = [quoted(what, paper.get(what), value, unit) for what, value, unit in rows]
         for what, rule in _POINTS.items():
