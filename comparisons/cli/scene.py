@@ -50,7 +50,6 @@ def _check_bodies(scene: "Scene", file: Path | None) -> None:
     from cea.files import check_writable
     from comparisons.cli.output import print_skipped, print_warnings, working
     from scenes.checking.check import inspect_scene, told
-    from scenes.spec.problems import refuse
 
     if file is not None:
         need("pictures")
@@ -65,7 +64,7 @@ def _check_bodies(scene: "Scene", file: Path | None) -> None:
         from scenes.pictures.scene import draw_scene
 
         typer.echo(f"The picture to open: {draw_scene(inspection, file)}")
-    refuse(inspection.faults)
+    inspection.faults.refuse()
 
 
 @app.command(name="list")

@@ -79,7 +79,7 @@ def estimated_memory(scene: Scene) -> MemoryEstimate:
     """
     dofs = nonzeros = entries = 0.0
     for body in scene.bodies.values():
-        dim, (near, width) = len(body.geometry.directions), _couplings(body)
+        dim, (near, width) = body.dim, _couplings(body)
         dofs += dofs_of(body)
         nonzeros += dim * dofs_of(body) * near**dim
         entries += dim**2 * sum(_dissected(counts, width) for counts in _node_counts(body))
@@ -97,7 +97,7 @@ def estimated_memory(scene: Scene) -> MemoryEstimate:
 
 def dofs_of(body: BodySpec) -> float:
     """Estimate of the unknowns of a body, supports not taken out."""
-    return len(body.geometry.directions) * sum(map(prod, _node_counts(body)))
+    return body.dim * sum(map(prod, _node_counts(body)))
 
 
 def _node_counts(body: BodySpec) -> list[tuple[float, ...]]:

@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from cea.errors import InputError, did_you_mean, require
 from cea.files import regular
-from scenes.spec.problems import SceneError, fault_of, problems, refuse
+from scenes.spec.problems import Faults, SceneError, problems
 
 SCENES = Path(__file__).parents[1] / "catalogue"
 """Folder of the scenes that come with the project."""
@@ -186,8 +186,14 @@ def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> di
     """Plain data of a scene with fields changed, as its ``change`` takes them."""
     data = plain_data(scene)
     for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
-        refuse(fault_of(set_at, data, path, plain_data(new)))
+        _set(data, path, plain_data(new))
     return data
+
+
+def _set(data: dict[str, Any], path: str, value: Any) -> None:
+    faults = Faults()
+    faults.of(set_at, data, path, value)
+    faults.refuse()
 
 
 def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
@@ -200,8 +206,9 @@ def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
             value = table["value"] if len(table) == 1 else text
         except (ValueError, RecursionError):
             pass
-        refuse(fault_of(require, bool(equals), "--set", override, "path.to.field=value"))
-        refuse(fault_of(set_at, data, path.strip(), value))
+        if not equals:
+            raise SceneError([InputError("--set", override, "path.to.field=value")])
+        _set(data, path, value)
 
 
 def scene_names() -> list[str]:

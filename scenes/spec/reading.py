@@ -18,7 +18,7 @@ from scenes.spec.body import Backend, BodySpec, LoadSpec
 from scenes.spec.consistency import cross_checks
 from scenes.spec.contact import ContactSpec
 from scenes.spec.plain import changed, checked, names_matrices, scene_file, tables_of
-from scenes.spec.problems import SceneError, refuse
+from scenes.spec.problems import SceneError
 
 if TYPE_CHECKING:
     from scenes.spec.matrices import MatrixScene
@@ -223,7 +223,7 @@ class Scene:
             When a body has no mesh there, or a formulation does not suit it.
         """
         scene = on_backend(self, backend)
-        refuse(cross_checks(scene))
+        cross_checks(scene).refuse()
         return scene
 
 
@@ -282,7 +282,7 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
         between fields.
     """
     scene = checked(_adapter(tuple(registered().values())), data)
-    refuse(cross_checks(scene))
+    cross_checks(scene).refuse()
     return scene
 
 
