@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 from typer import Option
 
-from comparisons.cli.options import PLAIN, Data, OnBackend, Out, SceneName, Settings, need
+from comparisons.cli.options import PLAIN, Data, OnBackend, Out, SceneName, Settings, load, need
 
 if TYPE_CHECKING:
     from scenes.spec.reading import Scene
@@ -31,9 +31,9 @@ def check(
     out: Out = Path("results/check"),
 ) -> None:
     """Tell every fault of a scene, else what it would take; nothing is solved."""
-    from scenes.spec.reading import Scene, load_any
+    from scenes.spec.reading import Scene
 
-    chosen = load_any(scene, set_ or [], backend, data)
+    chosen = load(scene, set_, backend, data)
     if isinstance(chosen, Scene):
         _check_bodies(chosen, out / f"{Path(scene).stem}.png" if picture else None)
     else:

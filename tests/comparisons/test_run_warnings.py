@@ -13,8 +13,8 @@ from comparisons.sweep.scene import mapped
 from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import values
 from scenes import load_scene, run_modes
+from scenes.spec.plain import scene_text
 from scenes.spec.reading import read_scene
-from scenes.spec.toml import scene_text
 
 NU, STIFFNESS = "bodies.pad.material.nu", "contacts.sliding.p"
 

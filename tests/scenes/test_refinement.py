@@ -17,10 +17,9 @@ from scenes.refinement.meshes import (
 )
 from scenes.refinement.singular_edges import crowding
 from scenes.spec.body import SupportSpec
-from scenes.spec.plain import scene_names
+from scenes.spec.plain import scene_names, scene_text
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
-from scenes.spec.toml import scene_text
 
 
 def elements(scene, name):
