@@ -25,8 +25,7 @@ from scipy.linalg import eig
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, beside, column_blocks, columns_inner, combined, times
 from cea.eigen.matching import DEGENERATE, assign
-from cea.eigen.pencil import Matrices
-from cea.eigen.residuals import Damping
+from cea.eigen.pencil import Damping, Matrices
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 

@@ -85,7 +85,7 @@ def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[
     sums = _sums(pencil.terms, values, system.template, _name, names)
     low_rank, circulatory = pencil.low_rank_at(values), pencil.circulatory_at(values)
     if low_rank is not None:
-        sums |= _whole("W", csr_array(low_rank.root()), comm)
+        sums |= _whole("W", csr_array(low_rank.vectors), comm)
     if circulatory is not None:
         full = with_circulatory(None, circulatory)
         left = full.reaction.transpose(PETSc.Mat())

@@ -115,7 +115,7 @@ def with_(value, *path):
         (with_("v0", "parameters", "v"), "parameters.v", "without v0"),
         (with_(1.0, "parameters", "pi"), "parameters.pi", "a name"),
         (with_("K.npz", "files", "ｘ"), "files.ｘ", "a name"),
-        (with_(3, "files", "K"), "files.K", "text"),
+        (with_(3, "files", "K"), "files.K", "a valid string"),
         (with_({"pictures": 1}, "output"), "output", "no such field"),
     ],
 )
