@@ -62,15 +62,13 @@ def face_constraints(
         for number, face in enumerate(surface.faces):
             here = points.at.element == number
             dofs = face.dofs[..., 0].ravel()
-            own = np.full(len(dofs), order)
             for k, direction in enumerate(fields[:, here]):
-                value = np.full(len(dofs), support.values(dim)[k]) if support.prescribes else None
+                value = support.values(dim)[k]
                 if np.abs(direction - direction[0]).max() <= _SAME:
-                    along_face = np.broadcast_to(direction[0], (len(dofs), dim))
-                    held.append(Directions(dofs, along_face, value, own))
+                    held.append(Directions.of(dofs, direction[0], value, order))
                     continue
                 at_greville = _at_greville(surface, number, support)[k]
-                anchor = Directions(dofs, at_greville, value, own)
+                anchor = Directions.of(dofs, at_greville, value, order)
                 trace = surface.trace(points.at[here])
                 turning.append(_TurningFace(anchor, trace, points.weight[here], direction))
     projected = _projected(turning, dim) if turning else None
@@ -118,13 +116,12 @@ def _projected(faces: Sequence[_TurningFace], dim: int) -> ProjectedConstraints:
     ends = np.cumsum([len(face.anchor) for face in faces])
     for face, labels in zip(faces, np.split(label, ends[:-1]), strict=True):
         test = _tests(face, labels, count)
-        support = int(face.anchor.supports[0])
+        support = int(face.anchor.support[0])
         before = shares.get(support, nothing)
         shares[support] = csr_array(before + test @ along(face.trace, face.direction))
-        right += face.anchor.values[0] * test.sum(axis=1)
+        right += face.anchor.value[0] * test.sum(axis=1)
     first = np.unique(label, return_index=True)[1]
-    values = None if anchors.value is None else anchors.value[first]
-    anchor = Directions(anchors.dof[first], anchors.direction[first], values)
+    anchor = Directions.of(anchors.dof[first], anchors.direction[first], anchors.value[first])
     return ProjectedConstraints(anchor, shares, right)
 
 

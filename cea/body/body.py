@@ -137,9 +137,10 @@ class Body:
         A is symmetric or skew to the last bit, and ``exactly`` makes the product so again where Z
         is more than a selection of dofs.
         """
+        if not len(self.constraints.dofs):
+            return matrix
         free = self.constraints.restrict(matrix, self.expansion)
-        if free is not matrix:
-            destroy(matrix)
+        destroy(matrix)
         return free if self.constraints.selects else exactly(free)
 
     def stiffness(self) -> Any:
@@ -212,7 +213,8 @@ class Body:
         The scalar dofs that supports hold, shape (m,), and the forces there, (supports, m, dim),
         along the directions that each holds and no other.
         """
-        return self.constraints.support_forces(force, len(self.supports))
+        held = self.constraints
+        return held.dofs, held.forces.split(force[held.dofs], len(self.supports))
 
     def load(self) -> Any:
         """Z^T (F - K u_D): forces of loads and of prescribed displacements, PETSc (free), N."""

@@ -22,19 +22,21 @@ def test_free_space_is_the_null_space_of_all_constraints():
     d = rng.normal(size=(5, 3))
     d /= np.linalg.norm(d, axis=1, keepdims=True)
     y, z = np.eye(3)[1:]
-    points = Directions(
+    points = Directions.of(
         np.array([0, 0, 0, 4, 4, 7, 8, 8]),
         np.array([d[0], d[1], d[0], d[2], d[3], d[4], z, y]),
     )
     # Dof 5 anchors two rows, dof 3 has a direction held as well, dof 7 the very one of its row.
-    points = Directions.joined([points, Directions(np.array([3]), d[4:])], 3)
-    anchors = Directions(np.array([1, 2, 3, 5, 5, 7]), np.array([*d[:4], d[0], d[4]]))
+    points = Directions.joined([points, Directions.of(np.array([3]), d[4:])], 3)
+    anchors = Directions.of(np.array([1, 2, 3, 5, 5, 7]), np.array([*d[:4], d[0], d[4]]))
     rows = np.zeros((6, n, 3))
     for k, (dof, direction) in enumerate(zip(anchors.dof, anchors.direction, strict=True)):
         rows[k, [1, 2, 3, 5, 7]] = 0.1 * rng.random((5, 3))
         rows[k, dof] += direction
     rows = rows.reshape(6, -1)
-    constraints = constrain(n, points, ProjectedConstraints(anchors, {0: csr_array(rows)}))
+    constraints = constrain(
+        n, points, ProjectedConstraints(anchors, {0: csr_array(rows)}, np.zeros(6))
+    )
 
     dense = np.zeros((len(points), n, 3))
     dense[np.arange(len(points)), points.dof] = points.direction
@@ -59,8 +61,8 @@ def test_prescribed_values_are_met_by_all_constraints(size):
     dofs = np.array([0, 0, 0, 3, 5])
     directions = np.array([d[0], d[1], d[0], d[2], d[3]])
     values = np.einsum("ij,ij->i", directions, wanted[dofs])
-    held = Directions(dofs, directions, values)
-    anchors = Directions(np.array([1, 3, 4]), d[[0, 0, 1]], np.full(3, size))
+    held = Directions.of(dofs, directions, values)
+    anchors = Directions.of(np.array([1, 3, 4]), d[[0, 0, 1]], np.full(3, size))
     rows = np.zeros((3, n, 3))
     for k, (dof, direction) in enumerate(zip(anchors.dof, anchors.direction, strict=True)):
         rows[k, [1, 3, 4]] = 0.1 * rng.random((3, 3))
@@ -74,18 +76,21 @@ def test_prescribed_values_are_met_by_all_constraints(size):
     assert np.abs(matrix @ csr(Z)).max() < 1e-12
     values[2] += 1e-3 * size
     with pytest.raises(InputError, match=r"supports\.value"):
-        constrain(n, Directions(dofs, directions, values))
+        constrain(n, Directions.of(dofs, directions, values))
 
 
 def test_rows_that_cannot_be_solved_for_their_anchors_are_refused():
     x = np.eye(3)[0]
-    anchors = Directions(np.array([0, 1]), np.array([x, x]))
+    anchors = Directions.of(np.array([0, 1]), np.array([x, x]))
     nothing = Directions.joined([], 3)
     for last in ([1.0, 0, 0, 1.0, 0, 0], [1.0, 0, 0, 1.0 + 1e-9, 0.5, 0]):
         rows = csr_array(np.array([[1.0, 0, 0, 1.0, 0, 0], last]))
         with pytest.raises(InputError, match="supports of the pad"):
             constrain(
-                2, nothing, ProjectedConstraints(anchors, {0: rows}), field="supports of the pad"
+                2,
+                nothing,
+                ProjectedConstraints(anchors, {0: rows}, np.zeros(2)),
+                field="supports of the pad",
             )
 
 
