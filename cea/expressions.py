@@ -211,8 +211,7 @@ class Formula:
     def _finite(self, what: str, values: Mapping[str, float], name: str = "") -> float:
         here = {short: np.float64(values[self.parameters[short]]) for short in self._used}
         with np.errstate(all="ignore"):
-            value, slope = _with_slope(self._tree, here, name)
-        result = float(slope if name else value)
+            result = float(_slope(self._tree, here, name) if name else _value(self._tree, here))
         if not np.isfinite(result):
             told = ", ".join(f"{short} = {value:g}" for short, value in sorted(here.items()))
             raise self._refused(f"of finite {what}{f', not so at {told}' if told else ''}")
@@ -289,33 +288,24 @@ def _value(node: ast.AST, names: Mapping[str, Any]) -> Any:
     raise ValueError(f"{type(node).__name__} is no arithmetic")
 
 
-def _with_slope(node: ast.AST, names: Mapping[str, Any], name: str) -> tuple[Any, Any]:
-    """Value of a tree of a coefficient, and its derivative in a name."""
+def _slope(node: ast.AST, names: Mapping[str, Any], name: str) -> Any:
+    """Derivative of a tree of a coefficient in a name: rules of sums, products and the like."""
     match node:
         case ast.UnaryOp(op=op, operand=inner):
-            a, da = _with_slope(inner, names, name)
-            return _OPERATORS[type(op)](a), _OPERATORS[type(op)](da)
+            return _OPERATORS[type(op)](_slope(inner, names, name))
         case ast.Call(func=ast.Name(id=function), args=[inner]):
-            a, da = _with_slope(inner, names, name)
-            return getattr(np, function)(a), da * _DERIVATIVES[function](a) if da else 0.0
+            da = _slope(inner, names, name)
+            return da * _DERIVATIVES[function](_value(inner, names)) if da else 0.0
         case ast.BinOp(left=left, op=op, right=right):
-            a, da = _with_slope(left, names, name)
-            b, db = _with_slope(right, names, name)
-            return _OPERATORS[type(op)](a, b), _slope_of_two(op, a, b, da, db)
-    return _value(node, names), float(isinstance(node, ast.Name) and node.id == name)
-
-
-def _slope_of_two(op: ast.operator, a: Any, b: Any, da: Any, db: Any) -> Any:
-    """Derivative of an operation by the rules of sums, products, quotients and powers."""
-    match op:
-        case ast.Add():
-            return da + db
-        case ast.Sub():
-            return da - db
-        case ast.Mult():
-            return da * b + a * db
-        case ast.Div():
-            return da / b - a / b * (db / b)
-        case _:
+            a, b = _value(left, names), _value(right, names)
+            da, db = _slope(left, names, name), _slope(right, names, name)
+            match op:
+                case ast.Add() | ast.Sub():
+                    return _OPERATORS[type(op)](da, db)
+                case ast.Mult():
+                    return da * b + a * db
+                case ast.Div():
+                    return da / b - a / b * (db / b)
             base = da * b * a ** (b - 1) if da and b else 0.0
             return base + (db * np.log(a) * a**b if db else 0.0)
+    return float(isinstance(node, ast.Name) and node.id == name)

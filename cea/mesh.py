@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cea.arrays import finite_numbers, numbers
+from cea.arrays import Floats, Ints, finite_numbers, numbers
 from cea.errors import InputError, require
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Cell = Literal["triangle", "quadrilateral", "tetrahedron", "hexahedron"]
 
 MAX_ORDER = 4

@@ -10,8 +10,9 @@ from dolfinx.graph import adjacencylist
 from dolfinx.io.utils import distribute_entity_data
 from dolfinx.mesh import create_mesh, meshtags_from_entities
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
-from cea.mesh import DIMENSION, SIMPLICES, Cell, Floats, Ints, Mesh, lattice, matching_nodes
+from cea.mesh import DIMENSION, SIMPLICES, Cell, Mesh, lattice, matching_nodes
 from cea.petsc import MPI
 
 

@@ -1,6 +1,5 @@
 """One layer of cells along a surface: geometry and dofs of its facets, replicated on every rank."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,16 +8,8 @@ import basix
 import numpy as np
 from dolfinx.fem import IntegralType, compute_integration_domains
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.location import cross
-
-_CHUNK_BYTES = 64 * 2**20
-
-
-def slices(n: int, bytes_each: int) -> Iterator[slice]:
-    """Slices of ``n`` rows whose temporaries stay near 64 MB."""
-    step = max(1, _CHUNK_BYTES // bytes_each)
-    return (slice(i, min(i + step, n)) for i in range(0, n, step))
 
 
 @dataclass(frozen=True)
@@ -111,7 +102,7 @@ class FacetLayer:
         """Positions (m), (n, dim), and their derivatives along xi, (n, dim, dim - 1)."""
         n, dim = len(element), self.dim
         x, dx = np.empty((n, dim)), np.empty((n, dim, dim - 1))
-        for rows in slices(n, 16 * dim * self.facet_nodes.shape[1]):
+        for rows in chunks(n, 16 * dim * self.facet_nodes.shape[1]):
             table = self.geometry.facet.tabulate(1, xi[rows])[..., 0]
             both = table.transpose(1, 0, 2) @ self.facet_nodes[element[rows]]
             x[rows], dx[rows] = both[:, 0], both[:, 1:].swapaxes(1, 2)
@@ -126,7 +117,7 @@ class FacetLayer:
         n, dim = len(element), self.dim
         out = np.empty((dim, n, self.dofs.shape[1]))
         per_point = 16 * (1 + dim) * (self.nodes.shape[1] + self.dofs.shape[1])
-        for rows in slices(n, per_point):
+        for rows in chunks(n, per_point):
             reference = self._reference_points(element[rows], xi[rows])
             jacobian = self._cell_jacobian(element[rows], reference)
             table = self.trace.cell.tabulate(1, reference)[1:, :, :, 0]

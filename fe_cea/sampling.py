@@ -9,9 +9,9 @@ from dolfinx.fem import functionspace
 from dolfinx.fem.petsc import interpolation_matrix
 from scipy.sparse import csr_array, vstack
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.volume import VolumeCells
-from fe_cea.facets import geometry_element, slices
+from fe_cea.facets import geometry_element
 
 
 def lagrange_cells(V: Any) -> VolumeCells:
@@ -84,7 +84,7 @@ def cell_jacobians(mesh: Any) -> Floats:
     slopes = element.tabulate(1, points)[1:, :, :, 0]
     owned = mesh.topology.index_map(mesh.topology.dim).size_local
     out = np.empty((owned, len(points)))
-    for rows in slices(owned, 16 * mesh.geometry.dim**2 * len(points)):
+    for rows in chunks(owned, 16 * mesh.geometry.dim**2 * len(points)):
         nodes = mesh.geometry.x[mesh.geometry.dofmaps[0][rows], : mesh.geometry.dim]
         out[rows] = np.linalg.det(np.einsum("jqk,cki->cqij", slopes, nodes, optimize=True))
     return out

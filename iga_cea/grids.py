@@ -1,14 +1,9 @@
-"""Grids of parameters, rational functions from those with weights, work cut into chunks."""
-
-from collections.abc import Iterator
+"""Grids of parameters, and rational functions from those with weights."""
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-
-BUDGET = 64_000_000
-"""Bytes that the temporaries of one chunk may take."""
 
 
 def grid_points(parameters: tuple[Floats, ...]) -> Floats:
@@ -34,10 +29,3 @@ def projected(homogeneous: Floats) -> tuple[Floats, Floats]:
     x = homogeneous[:, 0, :-1] / weight[:, None]
     turned = homogeneous[:, 1:, :-1] - homogeneous[:, 1:, -1:] * x[:, None]
     return x, (turned / weight[:, None, None]).swapaxes(1, 2)
-
-
-def chunks(count: int, bytes_each: float) -> Iterator[slice]:
-    """Slices that cover ``range(count)``, each within the budget."""
-    step = max(1, int(BUDGET / bytes_each))
-    for start in range(0, count, step):
-        yield slice(start, min(start + step, count))

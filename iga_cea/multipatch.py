@@ -15,10 +15,9 @@ from functools import reduce
 from itertools import product
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from cea.arrays import Floats, Ints
+from cea.surface_points import connected
 from iga_cea.collapse import coinciding, face_is_collapsed
 from iga_cea.face import PatchFace
 from iga_cea.joints import joined_dofs
@@ -106,8 +105,7 @@ def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: 
         coinciding(patch.collapsed, copy) for patch, copy in zip(patches, copies, strict=True)
     ]
     pairs = np.concatenate([joined_dofs(faces, field), *points])
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    label = connected_components(graph, directed=False)[1]
+    label = connected(pairs, count)
     # Number components by their first copy, so that joining changes the order as little as it can.
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     rank_of_label = np.empty(len(first), dtype=np.int64)

@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.matrices import from_blocks
 from cea.petsc import PETSc
-from iga_cea.grids import chunks
 from iga_cea.pattern import Pattern
 
 _CACHED = 2**10

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.arrays import Floats
-from iga_cea.grids import chunks
+from cea.arrays import Floats, chunks
 from iga_cea.lines import Line
 from iga_cea.metric import Map, Metric
 from iga_cea.separation import Coefficients, Kind, Separation, holds, kind_of, separate

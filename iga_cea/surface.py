@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.surface import Surface
 from cea.surface_points import TANGENT, SurfaceCells, SurfaceCoordinates
 from iga_cea.face import PatchFace
-from iga_cea.grids import chunks, grid_points
+from iga_cea.grids import grid_points
 from iga_cea.kinks import smooth_pieces
 from iga_cea.splines import gauss_rule
 

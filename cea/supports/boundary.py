@@ -1,12 +1,12 @@
 """Supports, springs, pressures and forces on named surfaces of a body, and through all of it."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from cea.arrays import Floats
-from cea.errors import InputError, did_you_mean
+from cea.errors import InputError, did_you_mean, require
 from cea.supports.frames import Cartesian, Cylindrical, Frame
 
 _CARTESIAN = Cartesian()
@@ -101,6 +101,11 @@ class Spring:
         if not np.isfinite(values).all() or (values < 0).any():
             raise InputError("spring.stiffness", self.stiffness, "finite and not negative (N/m^3)")
 
+    def check(self, dim: int, field: str) -> None:
+        """Refuse a spring of another dimension."""
+        allowed = f"{dim} values (N/m^3), one for each component"
+        require(len(self.stiffness) == dim, f"{field}.stiffness", self.stiffness, allowed)
+
 
 @dataclass(frozen=True)
 class Pressure:
@@ -112,6 +117,9 @@ class Pressure:
     def __post_init__(self) -> None:
         if not np.isfinite(self.value):
             raise InputError("pressure.value", self.value, "a finite number (N/m^2)")
+
+    def check(self, dim: int, field: str) -> None:
+        """Accept any dimension."""
 
 
 @dataclass(frozen=True)
@@ -126,48 +134,9 @@ class Force:
         if not np.isfinite(np.asarray(self.value, dtype=float)).all():
             raise InputError("force.value", self.value, "finite numbers (N, or N/m^3)")
 
-
-def on_surfaces(forces: Iterable[Force]) -> list[tuple[str, Floats]]:
-    """Surface and components (N) of those forces that are spread over one."""
-    return [(f.surface, np.array(f.value, dtype=float)) for f in forces if f.surface is not None]
-
-
-def through_body(forces: Iterable[Force]) -> Floats | None:
-    """Sum of those forces that act on every part of a body (N/m^3), shape (dim,); None without."""
-    values = [force.value for force in forces if force.surface is None]
-    return np.sum(values, axis=0) if values else None
-
-
-def check_boundary(
-    supports: Sequence[Support],
-    springs: Sequence[Spring],
-    pressures: Sequence[Pressure],
-    forces: Sequence[Force],
-    surfaces: Iterable[str],
-    dim: int,
-    field: str,
-) -> None:
-    """Refuse supports, springs and loads on unknown surfaces, or of another dimension."""
-    known = list(surfaces)
-    conditions: dict[str, Sequence[Support | Spring | Pressure | Force]] = {
-        "supports": supports,
-        "springs": springs,
-        "pressures": pressures,
-        "forces": forces,
-    }
-    for kind, items in conditions.items():
-        for number, item in enumerate(items):
-            if item.surface is not None:
-                check_surface(item.surface, known, f"{field}.{kind}[{number}].surface")
-    for number, support in enumerate(supports):
-        support.check(dim, f"{field}.supports[{number}]")
-    for number, spring in enumerate(springs):
-        if len(spring.stiffness) != dim:
-            allowed = f"{dim} values (N/m^3), one for each component"
-            raise InputError(f"{field}.springs[{number}].stiffness", spring.stiffness, allowed)
-    for number, force in enumerate(forces):
-        if len(force.value) != dim:
-            raise InputError(f"{field}.forces[{number}].value", force.value, f"{dim} components")
+    def check(self, dim: int, field: str) -> None:
+        """Refuse a force of another dimension."""
+        require(len(self.value) == dim, f"{field}.value", self.value, f"{dim} components")
 
 
 def check_surface(name: str, known: Iterable[str], field: str) -> None:

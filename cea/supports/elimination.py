@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, hstack
 from scipy.sparse.linalg import splu
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.errors import InputError
 from cea.supports.constraints import (
     ConstraintForces,
@@ -24,8 +24,6 @@ _NEGLIGIBLE = 1e-14
 _LARGEST = 1e6  # coefficient of a dependent dof beyond which its constraints contradict each other
 
 _SAME = 1e-9  # difference of prescribed values, relative to the largest, that is taken for rounding
-
-_CHUNK_BYTES = 64 * 2**20
 
 
 @dataclass(frozen=True)
@@ -111,10 +109,9 @@ def _elimination(solved: csr_array, free: csr_array, field: str) -> csr_array:
         factors = splu(solved.tocsc())
     except RuntimeError:
         raise _contradiction(field) from None
-    step = max(1, _CHUNK_BYTES // (8 * solved.shape[0]))
     parts = []
-    for start in range(0, len(used), step):
-        part = -factors.solve(right[:, start : start + step].toarray())
+    for chunk in chunks(len(used), 8 * solved.shape[0]):
+        part = -factors.solve(right[:, chunk].toarray())
         if not np.abs(part).max(initial=0.0) < _LARGEST:
             raise _contradiction(field)
         part[np.abs(part) < _NEGLIGIBLE] = 0.0  # before the dense part becomes sparse

@@ -11,7 +11,7 @@ from cea.errors import InputError
 from exact_cea import galerkin_problems
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
-from exact_cea.galerkin import lowest, lowest_below
+from exact_cea.galerkin import lowest, lowest_in
 from exact_cea.reference import exact_eigenvalues, whole_spectrum
 from exact_cea.thresholds import mu_critical
 
@@ -75,7 +75,7 @@ def test_the_whole_drum_has_every_order_of_both_signs_that_galerkin_finds():
     found = whole_spectrum("drum", max_frequency=2.4, mu=0.7)
     for m in range(8):
         problem = Drum.of(m, mu="0.7")
-        galerkin = lowest_below(galerkin_problems.drum(problem), 2.4, problem.scale())
+        galerkin = lowest_in(galerkin_problems.drum(problem), problem.scale(), 2.4)
         assert_same(found.values[found.orders == m], galerkin, 1e-9)
         assert_same(found.values[found.orders == -m], -galerkin.conj(), 1e-9)
     assert abs(found.orders).max() == 4
@@ -88,8 +88,8 @@ def test_blocks_with_depth_are_the_union_of_families_with_the_modes_that_contact
     kzs = [None, "pi/2", "pi", "3*pi/2"]
     for j, kz in enumerate(kzs):
         blocks = Blocks.of("1", "0.7", kz)
-        galerkin = lowest_below(
-            galerkin_problems.blocks(blocks, 14, 0, constant=False), 1.8, blocks.scale()
+        galerkin = lowest_in(
+            galerkin_problems.blocks(blocks, 14, 0, constant=False), blocks.scale(), 1.8
         )
         assert_same(found.values[found.families == j], galerkin, 1e-8)
     assert set(found.families) == {0, 1, 2}

@@ -7,8 +7,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Ints
 from cea.errors import InputError
-from cea.mesh import Cell, Ints, Mesh, lattice, matching_nodes, reference_nodes
+from cea.mesh import Cell, Mesh, lattice, matching_nodes, reference_nodes
 from meshes.files.content import named_sides
 from meshes.files.elements import facet_sides, full_kind
 from scenes.building.build import body_mesh, used_surfaces

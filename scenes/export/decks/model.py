@@ -6,9 +6,9 @@ from io import StringIO
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cea.arrays import Ints
 from cea.elasticity import Axes
 from cea.material import IsotropicMaterial, Material, OrthotropicMaterial
-from cea.mesh import Ints
 from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.spec.reading import Scene
 
