@@ -9,7 +9,7 @@ import numpy as np
 
 from cea.arrays import Floats, Ints, chunks
 from cea.location import Boxes
-from fe_cea.facets import geometry_element
+from fe_cea.facets import geometry_element, nodes_and_dofs
 
 _MAX_ITERATIONS = 40
 _STANDS = 1e-14
@@ -136,9 +136,5 @@ class Cells:
 
 def own_cells(V: Any) -> tuple[Floats, Ints]:
     """Geometry nodes (m) and global scalar dofs of the cells of this rank."""
-    mesh = V.mesh
-    count = mesh.topology.index_map(mesh.topology.dim).size_local
-    nodes = mesh.geometry.x[mesh.geometry.dofmaps[0][:count], : mesh.geometry.dim]
-    blocks = V.dofmap.list[:count]
-    dofs = V.dofmap.index_map.local_to_global(blocks.ravel()).reshape(blocks.shape)
-    return nodes, dofs.astype(np.int64)
+    count = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
+    return nodes_and_dofs(V, np.arange(count))

@@ -148,6 +148,13 @@ def geometry_element(mesh: Any) -> Any:
     )
 
 
+def nodes_and_dofs(V: Any, cells: Ints) -> tuple[Floats, Ints]:
+    """Geometry nodes (m) and global scalar dofs of some cells of this rank, by cell."""
+    geometry, blocks = V.mesh.geometry, V.dofmap.list[cells]
+    dofs = V.dofmap.index_map.local_to_global(blocks.ravel()).reshape(blocks.shape)
+    return geometry.x[geometry.dofmaps[0][cells], : geometry.dim], dofs.astype(np.int64)
+
+
 def gather_facets(V: Any, facets: Ints) -> FacetLayer:
     """Collect the layer of cells behind boundary facets on every rank.
 
@@ -161,17 +168,13 @@ def gather_facets(V: Any, facets: Ints) -> FacetLayer:
         IntegralType.exterior_facet, mesh.topology, np.asarray(facets, dtype=np.int32)
     )
     cells, local = np.reshape(pairs, (-1, 2)).T
-    element = geometry_element(mesh)
-    nodes = mesh.geometry.x[mesh.geometry.dofmaps[0][cells], : mesh.geometry.dim]
-    blocks = V.dofmap.list[cells]
-    dofs = V.dofmap.index_map.local_to_global(blocks.ravel()).reshape(blocks.shape)
-
     nodes, dofs, local = (
-        np.concatenate(mesh.comm.allgather(part)) for part in (nodes, dofs, local.astype(np.int64))
+        np.concatenate(mesh.comm.allgather(part))
+        for part in (*nodes_and_dofs(V, cells), local.astype(np.int64))
     )
-    geometry = FacetBasis(element)
+    geometry = FacetBasis(geometry_element(mesh))
     trace = FacetBasis(V.ufl_element().basix_element)
-    layer = FacetLayer(geometry, trace, nodes, dofs.astype(np.int64), local)
+    layer = FacetLayer(geometry, trace, nodes, dofs, local)
     midpoint = layer.facet_nodes.mean(axis=1)
     extent = np.ptp(midpoint, axis=0).max(initial=0) or 1.0
     order = np.lexsort(np.round(midpoint / extent, 9).T[::-1])

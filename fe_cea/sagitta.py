@@ -16,10 +16,8 @@ import numpy as np
 
 from cea.arrays import Floats, Ints
 from cea.location import cross
+from fe_cea.corners import CREASE, angles
 from fe_cea.facets import FacetLayer
-
-_EDGE = np.radians(50.0)
-"""Angle from which facets meet at an edge of the body; of eight round a circle it is 45 degrees."""
 
 _ACROSS = {
     basix.CellType.interval: ((0, 1),),
@@ -41,10 +39,10 @@ def sagittas(layer: FacetLayer) -> Floats:
         for own, others in ((k, k), (k, -1 - k)):  # neighbours may list them the other way round
             mine, its = corners[edge, own], corners[its_edge, others]
             same = layer.facet_dofs[facet, mine] == layer.facet_dofs[other, its]
-            turned = _angle(normals[facet, mine], normals[other, its])
+            turned = angles(normals[facet, mine], normals[other, its])
             angle = np.maximum(angle, np.where(same, turned, 0.0))
     length, beyond = reach[facet, edge], reach[other, its_edge]
-    smooth = angle < _EDGE
+    smooth = angle < np.arccos(CREASE)
     found[facet, edge] = np.where(smooth, angle * length**2 / (4 * (length + beyond)), 0.0)
     along = [found[:, list(edges)].max(axis=1) for edges in _ACROSS[kind]]
     return np.sum(along, axis=0)
@@ -80,8 +78,3 @@ def _neighbours(layer: FacetLayer, corners: Ints) -> tuple[tuple[Ints, Ints], tu
     count = len(corners)
     one = np.divmod(np.concatenate([first, second]), count)
     return one, np.divmod(np.concatenate([second, first]), count)
-
-
-def _angle(a: Floats, b: Floats) -> Floats:
-    """Angles between unit vectors (rad), exact where they are small, (n,)."""
-    return 2 * np.arcsin(np.minimum(np.linalg.norm(a - b, axis=1) / 2, 1.0))

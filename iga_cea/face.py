@@ -33,34 +33,18 @@ class PatchFace:
     The outward parameter eta is the patch parameter across the face, turned and scaled so that the
     outermost spline has derivative 1 there; the next one then has -1. Physical derivatives and
     normals do not depend on its scale.
-
-    Parameters
-    ----------
-    patch, axis, side
-        Which face it is.
-    degrees
-        Degree along each of the remaining parameters, in axis order.
-    knots
-        Open knot vectors along them.
-    control_points
-        Control points (m) on the face and behind it, shape (n1, ..., 2, dim).
-    weights
-        Their weights, shape (n1, ..., 2).
-    dofs
-        Their scalar dofs, shape (n1, ..., 2).
-    shape
-        Its map before knots were inserted, which goes on beyond its edges.
     """
 
+    # which face it is
     patch: int
     axis: int
     side: int
-    degrees: tuple[int, ...]
-    knots: tuple[Floats, ...]
-    control_points: Floats
-    weights: Floats
-    dofs: Ints
-    shape: FaceShape
+    degrees: tuple[int, ...]  # degree along each of the remaining parameters, in axis order
+    knots: tuple[Floats, ...]  # open knot vectors along them
+    control_points: Floats  # control points (m) on the face and behind it, shape (n1, ..., 2, dim)
+    weights: Floats  # their weights, shape (n1, ..., 2)
+    dofs: Ints  # their scalar dofs, shape (n1, ..., 2)
+    shape: FaceShape  # its map before knots were inserted, which goes on beyond its edges
 
     @classmethod
     def of(cls, patch: Patch, dofs: Ints, end: tuple[int, int, int]) -> "PatchFace":

@@ -28,21 +28,12 @@ End = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Multipatch:
-    """Joined patches with their numbering.
+    """Joined patches with their numbering."""
 
-    Parameters
-    ----------
-    patches
-        The refined patches.
-    dofs
-        Scalar dof of each control point of each patch, in the shape of its net.
-    dof_ranges
-        First scalar dof of each rank, and their number last, shape (ranks + 1,).
-    """
-
-    patches: tuple[Patch, ...]
+    patches: tuple[Patch, ...]  # the refined patches
+    # scalar dof of each control point of each patch, in the shape of its net
     dofs: tuple[Ints, ...]
-    dof_ranges: Ints
+    dof_ranges: Ints  # first scalar dof of each rank, and their number last, shape (ranks + 1,)
 
     @property
     def dim(self) -> int:

@@ -51,26 +51,13 @@ class PatchGeometry(Protocol):
 
 @dataclass(frozen=True)
 class Patch:
-    """A patch refined to the trial space: rational with the weights of the geometry.
+    """A patch refined to the trial space: rational with the weights of the geometry."""
 
-    Parameters
-    ----------
-    degrees
-        Degree along each parameter.
-    knots
-        Open knot vector along each parameter.
-    control_points
-        Control points (m), shape (n1, ..., dim).
-    weights
-        Weights, shape (n1, ...).
-    geometry
-        The patch before it was refined: the same map on fewer and larger knot spans.
-    """
-
-    degrees: tuple[int, ...]
-    knots: tuple[Floats, ...]
-    control_points: Floats
-    weights: Floats
+    degrees: tuple[int, ...]  # degree along each parameter
+    knots: tuple[Floats, ...]  # open knot vector along each parameter
+    control_points: Floats  # control points (m), shape (n1, ..., dim)
+    weights: Floats  # weights, shape (n1, ...)
+    # the patch before it was refined: the same map on fewer and larger knot spans
     geometry: PatchGeometry
 
     @property

@@ -77,25 +77,14 @@ def face_constraints(
 
 @dataclass(frozen=True)
 class _TurningFace:
-    """A face with a held direction that turns along it.
+    """A face with a held direction that turns along it."""
 
-    Parameters
-    ----------
-    anchor
-        Its scalar dofs, each once, with the direction at its Greville abscissa and the
-        displacement along it, the same all over the face.
-    trace
-        Values of the functions at Gauss points, (n, num_scalar_dofs).
-    weight
-        Area weights of these points (m^2; m in 2D), (n,).
-    direction
-        Unit directions there, (n, dim).
-    """
-
+    # its scalar dofs, each once, with the direction at its Greville abscissa and the displacement
+    # along it, the same all over the face
     anchor: Directions
-    trace: csr_array
-    weight: Floats
-    direction: Floats
+    trace: csr_array  # values of the functions at Gauss points, (n, num_scalar_dofs)
+    weight: Floats  # area weights of these points (m^2; m in 2D), (n,)
+    direction: Floats  # unit directions there, (n, dim)
 
 
 def _at_greville(surface: NurbsSurface, number: int, support: Support) -> Floats:

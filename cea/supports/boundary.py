@@ -37,12 +37,11 @@ class Support:
     value: tuple[float, ...] | float | None = None
 
     def __post_init__(self) -> None:
-        if self.components is not None and (
-            not self.components or not set(self.components) <= {0, 1, 2}
-        ):
-            raise InputError("support.components", self.components, "one or more of 0, 1, 2")
-        if self.value is not None and not np.isfinite(self.value).all():
-            raise InputError("support.value", self.value, "finite numbers (m)")
+        if self.components is not None:
+            known = bool(self.components) and set(self.components) <= {0, 1, 2}
+            require(known, "support.components", self.components, "one or more of 0, 1, 2")
+        finite = self.value is None or bool(np.isfinite(self.value).all())
+        require(finite, "support.value", self.value, "finite numbers (m)")
 
     @property
     def prescribes(self) -> bool:
@@ -52,13 +51,11 @@ class Support:
     def check(self, dim: int, field: str) -> None:
         """Refuse components, frames and values that do not suit the dimension of space."""
         self.frame.check(dim, field)
-        size = self.frame.size(dim)
-        if self.components is not None and max(self.components) >= size:
-            raise InputError(f"{field}.components", self.components, f"below {size}")
-        held = self._held(dim)
-        if isinstance(self.value, tuple) and len(self.value) != len(held):
-            allowed = f"a number (m) for each of the {len(held)} components held"
-            raise InputError(f"{field}.value", self.value, allowed)
+        size, held = self.frame.size(dim), self._held(dim)
+        require(max(held) < size, f"{field}.components", self.components, f"below {size}")
+        fits = not isinstance(self.value, tuple) or len(self.value) == len(held)
+        allowed = f"a number (m) for each of the {len(held)} components held"
+        require(fits, f"{field}.value", self.value, allowed)
         if self.prescribes and isinstance(self.frame, Cylindrical) and {0, 1} <= set(held):
             allowed = "zero where both radial and circumferential are held"
             raise InputError(f"{field}.value", self.value, allowed)
@@ -98,8 +95,8 @@ class Spring:
 
     def __post_init__(self) -> None:
         values = np.asarray(self.stiffness, dtype=float)
-        if not np.isfinite(values).all() or (values < 0).any():
-            raise InputError("spring.stiffness", self.stiffness, "finite and not negative (N/m^3)")
+        valid = bool(np.isfinite(values).all() and (values >= 0).all())
+        require(valid, "spring.stiffness", self.stiffness, "finite and not negative (N/m^3)")
 
     def check(self, dim: int, field: str) -> None:
         """Refuse a spring of another dimension."""
@@ -115,8 +112,8 @@ class Pressure:
     value: float  # pressure (N/m^2), positive pushes on the body
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.value):
-            raise InputError("pressure.value", self.value, "a finite number (N/m^2)")
+        finite = bool(np.isfinite(self.value))
+        require(finite, "pressure.value", self.value, "a finite number (N/m^2)")
 
     def check(self, dim: int, field: str) -> None:
         """Accept any dimension."""
@@ -131,8 +128,8 @@ class Force:
     surface: str | None = None  # its name; None of a force on every part of the body
 
     def __post_init__(self) -> None:
-        if not np.isfinite(np.asarray(self.value, dtype=float)).all():
-            raise InputError("force.value", self.value, "finite numbers (N, or N/m^3)")
+        finite = bool(np.isfinite(np.asarray(self.value, dtype=float)).all())
+        require(finite, "force.value", self.value, "finite numbers (N, or N/m^3)")
 
     def check(self, dim: int, field: str) -> None:
         """Refuse a force of another dimension."""
