@@ -12,9 +12,9 @@ import numpy as np
 from cea.arrays import Floats, Ints
 from cea.location import cross
 from iga_cea.face_shape import FaceShape, tensor_splines
-from iga_cea.grids import applied_along, grid_points, projected
+from iga_cea.grids import grid_points, projected
 from iga_cea.patch import Patch
-from iga_cea.splines import basis_matrix, botella, greville
+from iga_cea.splines import botella, greville
 
 _SINGULAR = 1e-12
 """Jacobian taken for zero, relative to the power of its longest tangent."""
@@ -138,13 +138,6 @@ class PatchFace:
         return (corner, edges) if off <= _ROUNDING * np.abs(net).max() else None
 
     @property
-    def flat_area(self) -> float:
-        """Area (m^2; length in 2D) of a face that is affine."""
-        assert self.affine is not None
-        extent = np.prod([knots[-1] - knots[0] for knots in self.knots])
-        return float(extent * np.linalg.norm(cross(self.affine[1][None])))
-
-    @property
     def _axes(self) -> range:
         return range(self.dim - 1)
 
@@ -173,33 +166,13 @@ class PatchFace:
         at, splines, slopes = self._splines(xi, derivatives=True)
         return projected(np.stack([splines, *slopes], axis=1) @ self._homogeneous[at])
 
-    def tangents_on(self, parameters: tuple[Floats, ...]) -> tuple[Floats, Floats]:
-        """The same on a tensor grid of parameters, points in C order: one direction at a time."""
-        if self.affine is not None:
-            return self.tangents(grid_points(parameters))
-        net = self._homogeneous.reshape(*self.weights.shape[:-1], self.dim + 1)
-        parts = [net] * self.dim
-        for k, (knots, p) in enumerate(zip(self.knots, self.degrees, strict=True)):
-            values, slopes = (basis_matrix(knots, p, parameters[k], d) for d in (0, 1))
-            parts = [
-                applied_along(slopes if number == k + 1 else values, part, k)
-                for number, part in enumerate(parts)
-            ]
-        return projected(np.stack(parts, axis=-2).reshape(-1, self.dim, self.dim + 1))
-
     def normals(self, xi: Floats) -> tuple[Floats, Floats, Floats]:
         """Positions (n, dim), outward unit normals (n, dim), area per reference area (n,).
 
         By Nanson's formula det J J^-T maps the outward reference normal to the cross product of
         the tangents. On collapsed edges, where that vanishes, limits are taken from close by.
         """
-        return self._normals(xi, *self.tangents(xi))
-
-    def normals_on(self, parameters: tuple[Floats, ...]) -> tuple[Floats, Floats, Floats]:
-        """The same on a tensor grid of parameters, points in C order."""
-        return self._normals(grid_points(parameters), *self.tangents_on(parameters))
-
-    def _normals(self, xi: Floats, x: Floats, tangents: Floats) -> tuple[Floats, Floats, Floats]:
+        x, tangents = self.tangents(xi)
         if self.affine is not None:
             flat = cross(self.affine[1][None])
             size = np.linalg.norm(flat)

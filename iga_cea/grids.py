@@ -1,7 +1,6 @@
 """Grids of parameters, and rational functions from those with weights."""
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 
@@ -14,13 +13,6 @@ def grid_points(parameters: tuple[Floats, ...]) -> Floats:
 def outer_products(a: Floats, b: Floats) -> Floats:
     """Products of all columns of a with all of b, row by row, (n, columns of a and b)."""
     return (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)
-
-
-def applied_along(matrix: csr_array, net: Floats, axis: int) -> Floats:
-    """A matrix applied to one axis of a net."""
-    turned = np.moveaxis(net, axis, 0)
-    product = matrix @ turned.reshape(len(turned), -1)
-    return np.moveaxis(product.reshape(-1, *turned.shape[1:]), 0, axis)
 
 
 def projected(homogeneous: Floats) -> tuple[Floats, Floats]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from blocks import ROTATED
 from covering import covering
-from lagrange_bodies import csr
+from petsc_matrices import to_scipy
 from supported import ABOUT_PLACED, ABOUT_Z, MATERIAL, PLACED, QUARTER, RING, build, eigenvalues, on
 
 from cea.eigen.pencil import Pencil
@@ -31,7 +31,7 @@ def test_ring_between_rollers_turns_and_slides_freely(backend, held):
     assert np.abs(kappa[:2]).max() < 1e-12
     assert kappa[2] == pytest.approx(5.55e-3, rel=0.01)  # the ring tilts between its rims
 
-    Z, K = csr(part.expansion).toarray(), csr(part.stiffness())
+    Z, K = to_scipy(part.expansion).toarray(), to_scipy(part.stiffness())
     place = PLACED if placement else Placement()
     axis, origin = place.rotation[:, 2], np.asarray(place.translation)
     sample = part.space.volume_cells()

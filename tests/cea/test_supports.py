@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from blocks import ROTATED
-from lagrange_bodies import csr
 from mpi4py import MPI
+from petsc_matrices import to_scipy
 from scipy.linalg import null_space, subspace_angles
 from scipy.sparse import csr_array
 from supported import ABOUT_PLACED, ABOUT_Z, BOX, QUARTER, RING, build, eigenvalues, on
@@ -41,7 +41,7 @@ def test_free_space_is_the_null_space_of_all_constraints():
     dense = np.zeros((len(points), n, 3))
     dense[np.arange(len(points)), points.dof] = points.direction
     expected = null_space(np.vstack([dense.reshape(len(points), -1), rows[:5]]))
-    Z = csr(constraints.expansion(0, n, MPI.COMM_SELF)).toarray()
+    Z = to_scipy(constraints.expansion(0, n, MPI.COMM_SELF)).toarray()
     assert Z.shape == expected.shape
     assert np.abs(subspace_angles(Z, expected)).max() < 1e-12
     assert not constraints.selects
@@ -73,7 +73,7 @@ def test_prescribed_values_are_met_by_all_constraints(size):
     u = constraints.prescribed_displacement(0, n, Z).array.reshape(n, 3)
     assert np.einsum("ij,ij->i", directions, u[dofs]) == pytest.approx(values, abs=1e-13 * size)
     assert matrix @ u.ravel() == pytest.approx(right, abs=1e-12 * size)
-    assert np.abs(matrix @ csr(Z)).max() < 1e-12
+    assert np.abs(matrix @ to_scipy(Z)).max() < 1e-12
     values[2] += 1e-3 * size
     with pytest.raises(InputError, match=r"supports\.value"):
         constrain(n, Directions.of(dofs, directions, values))
@@ -101,7 +101,7 @@ def test_rollers_on_a_turned_box_leave_its_frequencies(backend):
     upright = build(backend, BOX, plain, [4, 3, 2])
     turned = build(backend, BOX, on(names), [4, 3, 2], placement=ROTATED)
     assert turned.expansion.getSize() == upright.expansion.getSize()
-    Z = csr(turned.expansion)
+    Z = to_scipy(turned.expansion)
     assert np.diff(Z.indptr).max() <= 3
     assert abs(Z.T @ Z - np.eye(Z.shape[1])).max() < 1e-14
     expected = eigenvalues(upright, 0.9)
@@ -121,7 +121,7 @@ def test_straight_sides_of_a_turned_sector(backend, component):
     upright = build(backend, QUARTER, plain, [3, 5, 1])
     sides = on(("start", "end"), component, **frame) + on(["bottom"])
     turned = build(backend, QUARTER, sides, [3, 5, 1], placement=ROTATED)
-    assert np.diff(csr(turned.expansion).indptr).max() <= 3
+    assert np.diff(to_scipy(turned.expansion).indptr).max() <= 3
     expected = eigenvalues(upright, 0.6)
     assert len(expected) > 5
     assert eigenvalues(turned, 0.6) == pytest.approx(expected, rel=1e-9)

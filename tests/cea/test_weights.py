@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from bodies import lagrange_body, nurbs_body
+from bodies import shape_body
 from covering import covering
 from scipy.interpolate import BSpline
 from scipy.optimize import minimize_scalar
@@ -10,10 +10,7 @@ from scipy.optimize import minimize_scalar
 from cea.body import Body
 from cea.material import IsotropicMaterial
 from iga_cea.splines import botella, knots_with_breaks
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
-from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Rectangle, Ring, Shape
 
 MATERIAL = IsotropicMaterial(1.0, 0.3)
@@ -29,24 +26,15 @@ PLANE = [(RECTANGLE, (3, 2)), (RING, (2, 16))]
 
 def nurbs(shape: Shape, elements, degree: int, continuity: int | None = None) -> Body:
     dim = len(shape.directions)
-    data = nurbs_shape(shape, breaks_of(shape, elements), TILTED if dim == 3 else Placement())
     smoothness = None if continuity is None else dim * (continuity,)
-    return nurbs_body(
-        "part",
-        data.patches,
-        data.faces,
-        dim * (degree,),
-        continuity=smoothness,
-        material=MATERIAL,
-    )
+    placement = TILTED if dim == 3 else Placement()
+    return shape_body(shape, None, degree, elements, continuity=smoothness, placement=placement)
 
 
 def lagrange(shape: Shape, cell: str, elements, degree: int) -> Body:
-    structured = cell in ("hexahedron", "quadrilateral")
-    mesh = {"breaks": breaks_of(shape, elements)} if structured else {"size": 0.4}
+    mesh = elements if cell in ("hexahedron", "quadrilateral") else 0.4
     placement = TILTED if len(shape.directions) == 3 else Placement()
-    made = shape_mesh(shape, cell, degree, placement=placement, **mesh)
-    return lagrange_body("part", made, degree=degree, material=MATERIAL)
+    return shape_body(shape, cell, degree, mesh, placement=placement)
 
 
 KNOTS = [

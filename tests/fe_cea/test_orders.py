@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from bodies import dolfinx_body
 from covering import covering
-from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body_of, csr
+from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body_of
 from mpi4py import MPI
+from petsc_matrices import to_scipy
 from scipy.sparse.linalg import spsolve
 
 from cea.location import locate_along
@@ -62,9 +63,9 @@ def test_polynomials_of_the_degree_are_exact(cell, degree):
     slope = np.array([0.7, -0.4, 0.5])[: body.dim]
     density = ((lam + mu) * slope[0] ** 2 + mu * slope @ slope) / (slope @ slope)
     gradient_squared = integral(body, lambda x: (gradient(x) ** 2).sum(axis=1), 2 * degree)
-    energy = moved.ravel() @ (csr(body.stiffness()) @ moved.ravel())
+    energy = moved.ravel() @ (to_scipy(body.stiffness()) @ moved.ravel())
     assert energy == pytest.approx(density * gradient_squared, rel=1e-11)
-    kinetic = moved.ravel() @ (csr(body.mass()) @ moved.ravel())
+    kinetic = moved.ravel() @ (to_scipy(body.mass()) @ moved.ravel())
     squared = integral(body, lambda x: value(x) ** 2, 2 * degree)
     assert kinetic == pytest.approx(MATERIAL.rho * squared, rel=1e-11)
 

@@ -20,7 +20,12 @@ def to_petsc(matrix):
     )
 
 
+def to_scipy(matrix):
+    """CSR array of a PETSc AIJ matrix on one rank."""
+    starts, columns, values = matrix.getValuesCSR()
+    return csr_array((values, columns, starts), shape=matrix.getSize())
+
+
 def to_numpy(matrix):
     """Dense array of a PETSc AIJ matrix on one rank."""
-    starts, columns, values = matrix.getValuesCSR()
-    return np.asarray(csr_array((values, columns, starts), shape=matrix.getSize()).toarray())
+    return np.asarray(to_scipy(matrix).toarray())

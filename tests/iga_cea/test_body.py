@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from bodies import nurbs_body
 from covering import covering
-from iga_data import STEEL, body, scipy_of, slow_matrices, turned
+from iga_data import STEEL, body, slow_matrices, turned
+from petsc_matrices import to_scipy
 from scipy.linalg import eigh
 
 from cea.errors import InputError
@@ -36,7 +37,7 @@ def test_joints_are_found_whatever_the_parameters(axes: tuple[int, ...], flip: i
     mixed = nurbs_body("part", [halves[0], other], {}, (2, 2, 2), material=STEEL)
     assert mixed.num_scalar_dofs == straight.num_scalar_dofs == 7 * 4 * 3
     spectra = [
-        eigh(scipy_of(b.stiffness()).toarray(), eigvals_only=True) for b in (straight, mixed)
+        eigh(to_scipy(b.stiffness()).toarray(), eigvals_only=True) for b in (straight, mixed)
     ]
     np.testing.assert_allclose(spectra[0], spectra[1], atol=1e-13 * spectra[0][-1])
 
@@ -135,8 +136,8 @@ def test_a_collapsed_edge_is_one_dof(edge: tuple) -> None:
     counts = (3, 4, 2)
     assert part.num_scalar_dofs == np.prod(counts) - counts[along] + 1
     for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
-        assert np.abs(scipy_of(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
-    values = eigh(scipy_of(part.stiffness()).toarray(), eigvals_only=True)
+        assert np.abs(to_scipy(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
+    values = eigh(to_scipy(part.stiffness()).toarray(), eigvals_only=True)
     assert values[5] < 1e-12 * values[-1] < values[6]
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import STEEL, TILTED, body, scipy_of
+from iga_data import STEEL, TILTED, body
+from petsc_matrices import to_scipy
 from scipy.sparse.linalg import eigsh, spsolve
 
 from cea.material import IsotropicMaterial
@@ -55,7 +56,7 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     held = [Support("outer", (0, 1, 2))]
     part = nurbs_body("disc", data.patches, {"outer": data.faces["outer"]}, (4, 4, 3),
                      material=material, supports=held)  # fmt: skip
-    K, M = scipy_of(part.stiffness()).tocsc(), scipy_of(part.mass()).tocsc()
+    K, M = to_scipy(part.stiffness()).tocsc(), to_scipy(part.mass()).tocsc()
     kappa = np.sort(eigsh(K, 6, M, sigma=0, return_eigenvectors=False))
     rigidity = 2.0 * h**3 / (12 * (1 - 0.3**2))
     numbers = np.sqrt(kappa * 1.5 * h / rigidity)
@@ -76,8 +77,8 @@ def test_ring_under_pressure_against_lame() -> None:
         pressures=[Pressure("inner", 0.7)],
     )
     points = part.surfaces["inner"].gauss_points(3)
-    x = spsolve(scipy_of(part.stiffness()).tocsc(), part.load().getArray())
-    moved = part.surfaces["inner"].trace(points.at) @ (scipy_of(part.expansion) @ x).reshape(-1, 2)
+    x = spsolve(to_scipy(part.stiffness()).tocsc(), part.load().getArray())
+    moved = part.surfaces["inner"].trace(points.at) @ (to_scipy(part.expansion) @ x).reshape(-1, 2)
     E, nu, ratio = STEEL.E, STEEL.nu, (outer / inner) ** 2
     radial = 0.7 * inner * (1 + nu) / E * ((1 - 2 * nu) + ratio) / (ratio - 1)
     drift = moved.mean(axis=0)  # what rounding leaves of the resultant moves the foundation
