@@ -89,11 +89,6 @@ class NurbsSurface(Surface):
         faces = range(len(self.faces))
         return np.array([points.weight[points.at.element == number].sum() for number in faces])
 
-    @cached_property
-    def dofs(self) -> Ints:
-        """Scalar dofs with a value on the surface, rising."""
-        return np.unique(np.concatenate([face.dofs[..., 0].ravel() for face in self.faces]))
-
     def size(self, element: Ints) -> Floats:
         """Diameter (m) of the largest knot span of each face."""
         return np.array([face.size for face in self.faces])[element]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import assemble
+from blocks import assemble, scene_body
 from covering import covering
 
 from cea.damping import ModalDamping
@@ -15,16 +15,10 @@ TOP = 1.2
 
 def one_block(backend, modal=None, *, held=True, size=(1.0, 0.6), elements=(4, 3), **material):
     """A block alone, in plane strain."""
-    body = {
-        "backend": backend,
-        "geometry": {"shape": "rectangle", "size": list(size), "origin": [0.0, 0.0]},
-        "material": {"E": 2.0, "nu": 0.3, "rho": 1.5} | material,
-        "supports": [{"surface": "y_min"}] if held else [],
-        "mesh": {
-            "fe": {"cell": "quadrilateral", "degree": 2, "elements": list(elements)},
-            "iga": {"degree": [2, 2], "elements": list(elements)},
-        },
-    }
+    geometry = {"shape": "rectangle", "size": list(size), "origin": [0.0, 0.0]}
+    supports = [{"surface": "y_min"}] if held else []
+    body = scene_body(backend, geometry, list(elements), supports=supports)
+    body["material"] |= material
     if modal is not None:
         body["damping"] = {"modal": modal}
     return {

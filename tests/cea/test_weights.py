@@ -76,16 +76,15 @@ def test_area_weights_are_integrals_of_the_traces(meshed, kind, order):
     (shape, elements), (degree, continuity) = meshed, order
     for surface in nurbs(shape, elements, degree, continuity).surfaces.values():
         even, points = surface.abscissae(kind), surface.abscissae(kind, "area")
-        assert len(points) == len(surface.dofs)
+        dofs = np.unique(surface.function_dofs)
+        assert len(points) == len(dofs)
         np.testing.assert_array_equal(points.x, even.x)
         np.testing.assert_allclose(even.weight, surface.area / len(even), rtol=1e-15)
         assert points.weight.min() > 0
         assert points.weight.sum() == pytest.approx(surface.area, rel=1e-13)
         fine = surface.gauss_points(16)
         integrals = fine.weight @ surface.trace(fine.at).toarray()
-        np.testing.assert_allclose(
-            np.sort(points.weight), np.sort(integrals[surface.dofs]), rtol=1e-11
-        )
+        np.testing.assert_allclose(np.sort(points.weight), np.sort(integrals[dofs]), rtol=1e-11)
         if kind == "botella":
             # The largest function at a maximum is its own, whose integral the point bears.
             own = surface.trace(points.at).toarray().argmax(axis=1)

@@ -1,6 +1,6 @@
 """Bodies of simple shapes under supports in local frames."""
 
-from blocks import ROTATED
+from blocks import ROTATED, scene_body
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
@@ -23,17 +23,8 @@ ABOUT_PLACED = {"axis": PLACED.rotation[:, 2].tolist(), "origin": ROTATED["trans
 
 def build(backend, geometry, supports, elements, *, degree=2, placement=None, pressures=()):
     """A body as scenes say it."""
-    part = {
-        "backend": backend,
-        "geometry": geometry,
-        "material": {"E": MATERIAL.E, "nu": MATERIAL.nu, "rho": MATERIAL.rho},
-        "supports": supports,
-        "placement": placement or {},
-        "mesh": {
-            "fe": {"degree": degree, "elements": elements},
-            "iga": {"degree": [degree] * 3, "elements": elements},
-        },
-    }
+    sections = {"supports": supports, "placement": placement or {}}
+    part = scene_body(backend, geometry, elements, degree, **sections)
     scene = {
         "name": "supports",
         "bodies": {"part": part},
