@@ -71,7 +71,13 @@ MAX_LENGTH, MAX_DEPTH = 2000, 100
 
 _COORDINATES = ("x", "y", "z", "r", "theta")
 _GRAMMAR = (
-    *(ast.Name, ast.Load, ast.Constant, ast.Call, ast.UnaryOp, ast.BinOp, ast.Compare),
+    ast.Name,
+    ast.Load,
+    ast.Constant,
+    ast.Call,
+    ast.UnaryOp,
+    ast.BinOp,
+    ast.Compare,
     *_OPERATORS,
 )
 """What an expression is made of: no attributes, items, comprehensions, keywords, statements."""

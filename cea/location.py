@@ -48,21 +48,17 @@ def locate_along(
     """
     x = np.ascontiguousarray(x, dtype=float)
     direction = np.ascontiguousarray(direction, dtype=float)
-    out = _nothing(len(x), chart.dim, tolerance)
-    for start in range(0, len(x), _CHUNK):
-        _locate(chart, x, direction, np.arange(start, min(start + _CHUNK, len(x))), reach, out)
-    return out
-
-
-def _nothing(n: int, dim: int, tolerance: float) -> Location:
-    """Every point missed, and nothing near any."""
-    return Location(
-        at=SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, dim - 1))),
+    n = len(x)
+    out = Location(
+        at=SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, chart.dim - 1))),
         distance=np.full(n, np.nan),
         miss=np.full(n, np.inf),
         status=np.full(n, Status.MISSED, dtype=np.int8),
         tolerance=tolerance,
     )
+    for start in range(0, n, _CHUNK):
+        _locate(chart, x, direction, np.arange(start, min(start + _CHUNK, n)), reach, out)
+    return out
 
 
 def _locate(

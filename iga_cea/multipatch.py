@@ -104,14 +104,6 @@ def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: 
     return rank_of_label[inverse]
 
 
-def _slowest_first(spans: Sequence[int]) -> list[int]:
-    """Parameters by falling number of spans, the first one last of equal ones.
-
-    What ranks share along the first parameter each of them computes (:mod:`iga_cea.separation`).
-    """
-    return sorted(range(len(spans)), key=lambda axis: (-spans[axis], -axis))
-
-
 def _middle_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
     """Element in the middle of the support of each control point, and the number of elements.
 
@@ -129,7 +121,8 @@ def _middle_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
             along.append((lowest + highest) // 2)
         spans = patch.spans
         numbers = np.meshgrid(*along, indexing="ij")
-        order = _slowest_first(spans)
+        # The first one last of equal ones: what ranks share along it each of them computes.
+        order = sorted(range(len(spans)), key=lambda axis: (-spans[axis], -axis))
         number = np.ravel_multi_index(
             [numbers[axis] for axis in order], [spans[axis] for axis in order]
         )

@@ -141,14 +141,7 @@ def _held_displacement(
         new = np.flatnonzero(slot == k)
         before = np.einsum("nj,nj->n", along[new, :k], amount[owner[new], :k])
         amount[owner[new], k] = (held.value[new] - before) / along[new, k]
-    _check_values(held, owner, taken, along, amount, field)
-    return np.einsum("nk,nki->ni", amount, taken)
-
-
-def _check_values(
-    held: Directions, owner: Ints, taken: Floats, along: Floats, amount: Floats, field: str
-) -> None:
-    """Refuse values that contradict each other, as far as their directions are the same."""
+    # Values may not contradict each other, as far as their directions are the same.
     spanned = np.einsum("nk,nki->ni", along, taken[owner])
     sine = np.linalg.norm(held.direction - spanned, axis=1)
     wrong = np.abs(held.value - np.einsum("nk,nk->n", along, amount[owner]))
@@ -157,3 +150,4 @@ def _check_values(
         value = float(held.value[np.argmax(wrong)])
         allowed = "the value of the other supports that hold the same component at an edge"
         raise InputError(f"{field}.value", value, allowed)
+    return np.einsum("nk,nki->ni", amount, taken)

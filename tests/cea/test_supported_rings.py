@@ -54,9 +54,13 @@ def test_ring_under_pressure_is_lame_s(backend, held):
     geometry, turned = held
     p, a, b = 0.3, RING["inner_radius"], RING["outer_radius"]
     part = build(
-        backend, geometry, PLANE + on(turned, "circumferential", **ABOUT_Z),
-        [4, 24 if geometry is RING else 6, 1], degree=3, pressures=[("inner", p)],
-    )  # fmt: skip
+        backend,
+        geometry,
+        PLANE + on(turned, "circumferential", **ABOUT_Z),
+        [4, 24 if geometry is RING else 6, 1],
+        degree=3,
+        pressures=[("inner", p)],
+    )
     x = solve_static(Pencil.of(part.stiffness()), part.load()).displacement
     full = part.expansion.createVecLeft()
     part.expansion.mult(x, full)

@@ -82,8 +82,8 @@ def _points(patch, order):
         spans = []
         for a, b in pairwise(np.unique(knots)):
             x = (a + b) / 2 + (b - a) / 2 * nodes
-            spans.append([(*ts, (b - a) / 2 * w) for *ts, w in
-                          zip(spline(x), spline(x, nu=1), weights, strict=True)])  # fmt: skip
+            values = zip(spline(x), spline(x, nu=1), (b - a) / 2 * weights, strict=True)
+            spans.append(list(values))
         tables.append(spans)
     X, w = patch.control_points.reshape(-1, dim), patch.weights.ravel()
     for element in product(*tables):

@@ -13,8 +13,12 @@ from scenes.spec.reading import read_scene
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 BOX = {"shape": "box", "size": [1.0, 0.7, 0.4]}
 RING = {
-    "shape": "annulus", "inner_radius": 0.8, "outer_radius": 1.6, "bottom": 0.0, "top": 0.2,
-}  # fmt: skip
+    "shape": "annulus",
+    "inner_radius": 0.8,
+    "outer_radius": 1.6,
+    "bottom": 0.0,
+    "top": 0.2,
+}
 QUARTER = {**RING, "shape": "sector", "start": 0.0, "end": 90.0}
 PLACED = Placement(tuple(ROTATED["axis"]), ROTATED["angle"], tuple(ROTATED["translation"]))
 ABOUT_Z = {"axis": [0.0, 0.0, 1.0]}

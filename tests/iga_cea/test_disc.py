@@ -54,8 +54,14 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     shape = Disc(1.0, -h / 2, h / 2)
     data = nurbs_shape(shape, breaks_of(shape, (12, 16, 1), {"r": [0.95, 0.97, 0.985, 0.995]}))
     held = [Support("outer", (0, 1, 2))]
-    part = nurbs_body("disc", data.patches, {"outer": data.faces["outer"]}, (4, 4, 3),
-                     material=material, supports=held)  # fmt: skip
+    part = nurbs_body(
+        "disc",
+        data.patches,
+        {"outer": data.faces["outer"]},
+        (4, 4, 3),
+        material=material,
+        supports=held,
+    )
     K, M = to_scipy(part.stiffness()).tocsc(), to_scipy(part.mass()).tocsc()
     kappa = np.sort(eigsh(K, 6, M, sigma=0, return_eigenvectors=False))
     rigidity = 2.0 * h**3 / (12 * (1 - 0.3**2))
