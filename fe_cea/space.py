@@ -19,7 +19,6 @@ from cea.supports.constraints import Constraints
 from cea.surface import TrueSurface
 from cea.volume import VolumeCells
 from fe_cea.distribution import distribute, lasting_communicator
-from fe_cea.facets import gather_facets
 from fe_cea.matrices import LagrangeMatrices
 from fe_cea.prolongation import prolongation
 from fe_cea.sampling import check_jacobians, lagrange_cells
@@ -130,9 +129,8 @@ class LagrangeSpace(LagrangeMatrices):
     @cached_property
     def surfaces(self) -> Mapping[str, FESurface]:
         """Named surfaces."""
-        count, known = self.scalar.dofmap.index_map.size_global, self._true_surfaces
         return {
-            name: FESurface(name, gather_facets(self.scalar, facets), count, known.get(name))
+            name: FESurface(name, self.scalar, facets, self._true_surfaces.get(name))
             for name, facets in self._facets.items()
         }
 

@@ -1,18 +1,65 @@
-"""Supports in local frames: against plain components and dense null spaces; what is refused."""
+"""Supports in local frames: dense null spaces, rings between rollers; what is refused."""
 
 import numpy as np
 import pytest
-from blocks import ROTATED
+from blocks import ROTATED, scene_body
+from covering import covering
 from mpi4py import MPI
 from petsc_matrices import to_scipy
 from scipy.linalg import null_space, subspace_angles
 from scipy.sparse import csr_array
-from supported import ABOUT_PLACED, ABOUT_Z, BOX, QUARTER, RING, build, eigenvalues, on
 
+from cea.eigen.driver import solve_modes
+from cea.eigen.pencil import Pencil
+from cea.eigen.static import solve_static
 from cea.errors import InputError
+from cea.material import IsotropicMaterial
+from cea.matrices import gather
 from cea.supports.directions import Directions
 from cea.supports.elimination import ProjectedConstraints, constrain
+from cea.timing import StageTimer
+from meshes.placement import Placement
+from scenes.building.build import build_bodies
 from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
+
+MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
+BOX = {"shape": "box", "size": [1.0, 0.7, 0.4]}
+RING = {
+    "shape": "annulus",
+    "inner_radius": 0.8,
+    "outer_radius": 1.6,
+    "bottom": 0.0,
+    "top": 0.2,
+}
+QUARTER = {**RING, "shape": "sector", "start": 0.0, "end": 90.0}
+PLACED = Placement(tuple(ROTATED["axis"]), ROTATED["angle"], tuple(ROTATED["translation"]))
+ABOUT_Z = {"axis": [0.0, 0.0, 1.0]}
+ABOUT_PLACED = {"axis": PLACED.rotation[:, 2].tolist(), "origin": ROTATED["translation"]}
+
+
+def build(backend, geometry, supports, elements, *, degree=2, placement=None, pressures=()):
+    """A body as scenes say it."""
+    sections = {"supports": supports, "placement": placement or {}}
+    part = scene_body(backend, geometry, elements, degree, **sections)
+    scene = {
+        "name": "supports",
+        "bodies": {"part": part},
+        "loads": [{"surface": f"part.{name}", "pressure": p} for name, p in pressures],
+        "analysis": {"kind": "cea", "max_frequency": 1.0},
+    }
+    return build_bodies(read_scene(scene), StageTimer())["part"]
+
+
+def on(names, component="normal", **frame):
+    """One component held on each of several surfaces."""
+    return [{"surface": name, "components": [component], **frame} for name in names]
+
+
+def eigenvalues(body, max_frequency):
+    """Squares of the angular frequencies."""
+    modes = solve_modes(Pencil.of(body.stiffness(), body.mass()), max_frequency)
+    return modes.eigenvalues.imag**2
 
 
 def test_free_space_is_the_null_space_of_all_constraints():
@@ -160,3 +207,65 @@ def test_frames_that_do_not_fit_the_body_are_refused(backend, supports, field, a
     (fault,) = getattr(caught.value, "faults", [caught.value])
     assert fault.field.endswith(field)
     assert allowed in fault.allowed
+
+
+@pytest.mark.parametrize(
+    ("backend", "held"),
+    covering(
+        ["iga", "fe"],
+        [("radial", None), ("radial", ROTATED), ("normal", ROTATED)],
+        strength=1,
+    ),
+)
+def test_ring_between_rollers_turns_and_slides_freely(backend, held):
+    """Two zero eigenvalues and no more; the rotation satisfies every constraint exactly."""
+    component, placement = held
+    frame = (ABOUT_PLACED if placement else ABOUT_Z) if component == "radial" else {}
+    rims = on(("inner", "outer"), component, **frame)
+    part = build(backend, RING, rims, [2, 12, 1], placement=placement)
+    kappa = eigenvalues(part, 0.25)
+    assert np.abs(kappa[:2]).max() < 1e-12
+    assert kappa[2] == pytest.approx(5.55e-3, rel=0.01)  # the ring tilts between its rims
+
+    Z, K = to_scipy(part.expansion).toarray(), to_scipy(part.stiffness())
+    place = PLACED if placement else Placement()
+    axis, origin = place.rotation[:, 2], np.asarray(place.translation)
+    sample = part.space.volume_cells()
+    control = np.linalg.lstsq(sample.values.toarray(), sample.points, rcond=None)[0]
+    for motion in (np.cross(axis, control - origin), np.broadcast_to(axis, control.shape)):
+        v, *_ = np.linalg.lstsq(Z, motion.ravel(), rcond=None)
+        assert np.abs(Z @ v - motion.ravel()).max() < 1e-12
+        assert np.abs(K @ v).max() < 1e-12 * abs(K).max()
+
+
+PLANE = on(("bottom", "top"), "axial", **ABOUT_Z)
+
+
+@pytest.mark.parametrize(
+    ("backend", "held"),
+    covering(["iga", "fe"], [(RING, ("inner", "outer")), (QUARTER, ("start", "end"))], strength=1),
+)
+def test_ring_under_pressure_is_lame_s(backend, held):
+    """Plane strain, u_theta held: u_r = A r + B / r, in all of the body."""
+    geometry, turned = held
+    p, a, b = 0.3, RING["inner_radius"], RING["outer_radius"]
+    part = build(
+        backend,
+        geometry,
+        PLANE + on(turned, "circumferential", **ABOUT_Z),
+        [4, 24 if geometry is RING else 6, 1],
+        degree=3,
+        pressures=[("inner", p)],
+    )
+    x = solve_static(Pencil.of(part.stiffness()), part.load()).displacement
+    full = part.expansion.createVecLeft()
+    part.expansion.mult(x, full)
+    sample = part.space.volume_cells().straight()
+    u = sample.values @ gather(full).reshape(-1, 3)
+    lam, mu = MATERIAL.lame
+    scale = p * a**2 / (b**2 - a**2)
+    r = np.linalg.norm(sample.points[:, :2], axis=1)
+    radial = scale * (r / (2 * (lam + mu)) + b**2 / (2 * mu * r))
+    expected = np.zeros_like(u)
+    expected[:, :2] = sample.points[:, :2] * (radial / r)[:, None]
+    assert np.abs(u - expected).max() < 1e-4 * radial.max()
