@@ -18,12 +18,7 @@ D holds all inertia, Coriolis forces too. Without Coriolis forces the displaceme
 with its directions, R u = (a x r) . grad u - a x u: R then commutes with the elasticity of the
 body, and a free body has exactly the eigenvalues lambda_0 +- i m Omega, m the number of nodal
 diameters, as far as Z is there (Genta, Dynamics of Rotating Systems, 2005). The geometric stiffness
-of the centrifugal forces, of the order of Z too, is not part of either. With the scalar functions
-N_a, t_a = (a x r) . grad N_a, m_ab = int rho N_a N_b, A_ab = int rho (N_a t_b - t_a N_b),
-B_ab = int rho t_a t_b, and W v = a x v they are
-
-    Y = A (x) 1                 Z = B (x) 1                                 with Coriolis forces
-    Y = A (x) 1 - 2 m (x) W     Z = B (x) 1 + A (x) W + m (x) W^T W         without
+of the centrifugal forces, of the order of Z too, is not part of either.
 
 Damping of the material acts on the velocity that the material sees, d u / d t + Omega R u with the
 R that carries directions along, whatever the Coriolis forces. Beside C u_t stands the circulatory

@@ -85,8 +85,7 @@ class LagrangeMatrices:
 
     def mass(self, rho: float) -> Any:
         """Consistent mass (kg), symmetric; components are not coupled."""
-        degree = 2 * self._order if self._mass_quadrature is None else self._mass_quadrature
-        rows, transposed = _scalar(self._form(self._trial * self._test, degree))
+        rows, transposed = self._products(self._mass_quadrature)
         return self._of_each_component(rows, 0.5 * rho * (rows.data + transposed))
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
@@ -99,17 +98,34 @@ class LagrangeMatrices:
         return self._of_each_component(rows, 0.5 * (rows.data + transposed))
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Int rho (v . R u - R v . u) with R u = (a x r) . grad u of a rotation, kg, skew."""
-        along = ufl.dot(self._velocity(rotation), ufl.grad(self._trial))
-        rows, transposed = _scalar(self._form(along * self._test, 2 * self._order + 1))
-        return self._of_each_component(rows, rho * (rows.data - transposed))
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""
+        degree = 2 * self._order + 1
+        rows, transposed = self._transport(rotation, degree)
+        skew = rho * (rows.data - transposed)
+        if rotation.coriolis:
+            return self._of_each_component(rows, skew)
+        products, mirrored = self._products(degree)
+        mass = rho * (products.data + mirrored)
+        return self._matrix(
+            _coupled(rows, _times(skew, np.eye(self.dim)) - _times(mass, rotation.spin(self.dim)))
+        )
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Int rho R v . R u with R u = (a x r) . grad u of a rotation, kg, symmetric."""
-        v = self._velocity(rotation)
+        """Z of a rotation (:mod:`cea.rotation`), kg, symmetric."""
+        v, degree = self._velocity(rotation), 2 * self._order + 2
         along = [ufl.dot(v, ufl.grad(each)) for each in (self._trial, self._test)]
-        rows, transposed = _scalar(self._form(along[0] * along[1], 2 * self._order + 2))
-        return self._of_each_component(rows, 0.5 * rho * (rows.data + transposed))
+        rows, transposed = _scalar(self._form(along[0] * along[1], degree))
+        squares = 0.5 * rho * (rows.data + transposed)
+        if rotation.coriolis:
+            return self._of_each_component(rows, squares)
+        spin, eye = rotation.spin(self.dim), np.eye(self.dim)
+        of_trial, of_test = self._transport(rotation, degree)
+        skew = rho * (of_trial.data - of_test)
+        products, mirrored = self._products(degree)
+        mass = 0.5 * rho * (products.data + mirrored)
+        # R u = v . grad u - W u with the skew matrix W.
+        blocks = _times(squares, eye) + _times(skew, spin) + _times(mass, spin.T @ spin)
+        return self._matrix(_coupled(rows, blocks))
 
     def _gradients(
         self, factors: int, varies: bool
@@ -152,6 +168,16 @@ class LagrangeMatrices:
         every = np.arange(cells.size_local + cells.num_ghosts, dtype=np.int32)
         found = Expression(expression, points).eval(self._mesh, every)
         return found.reshape(-1, self.dim).T
+
+    def _products(self, degree: int | None = None) -> tuple[csr_array, Floats]:
+        """Int phi_m phi_n, exact on affine cells by default."""
+        degree = 2 * self._order if degree is None else degree
+        return _scalar(self._form(self._trial * self._test, degree))
+
+    def _transport(self, rotation: Rotation, degree: int) -> tuple[csr_array, Floats]:
+        """Int phi_m v . grad phi_n with the velocity v of a rotation."""
+        along = ufl.dot(self._velocity(rotation), ufl.grad(self._trial))
+        return _scalar(self._form(along * self._test, degree))
 
     def _form(self, integrand: Any, degree: int) -> Form:
         measure = ufl.dx(self._mesh, metadata={"quadrature_degree": degree})
@@ -206,6 +232,11 @@ def _integrated(integral: Form, matrix: Any) -> tuple[csr_array, Floats]:
     found = local_part(matrix), local_part(transpose).data
     destroy(transpose)
     return found
+
+
+def _times(values: Floats, block: Floats) -> Floats:
+    """Block (dim, dim) times each value, (n, dim, dim)."""
+    return values[:, None, None] * block
 
 
 def _coupled(pattern: csr_array, blocks: Floats) -> csr_array:

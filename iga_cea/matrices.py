@@ -10,7 +10,12 @@ With the gradients grad N_a = sum_k D_k N_a grad xi_k, elasticity
 
 With the derivative t_a of function a along a rotation (:mod:`cea.rotation`),
 
-    m_ab = int rho N_a N_b,    A_ab = int rho (N_a t_b - t_a N_b),    B_ab = int rho t_a t_b.
+    m_ab = int rho N_a N_b,    A_ab = int rho (N_a t_b - t_a N_b),    B_ab = int rho t_a t_b,
+
+A skew, and W v = a x v, the components of Y and Z are
+
+    Y = A (x) 1                 Z = B (x) 1                                 with Coriolis forces
+    Y = A (x) 1 - 2 m (x) W     Z = B (x) 1 + A (x) W + m (x) W^T W         without
 """
 
 from collections.abc import Callable
@@ -28,7 +33,7 @@ from iga_cea.metric import VALUE, Metric
 from iga_cea.multipatch import Multipatch
 from iga_cea.pattern import Pattern
 from iga_cea.separation import Coefficients
-from iga_cea.storage import block_matrix, component_matrix
+from iga_cea.storage import block_matrix, combined, component_matrix
 from iga_cea.sum_factorisation import Form
 
 
@@ -77,8 +82,7 @@ class NurbsMatrices:
 
     def mass(self, rho: float) -> Any:
         """Consistent mass (kg) of a density (kg/m^3), symmetric."""
-        products = self._scalar(lambda metric: {(VALUE, VALUE): rho * metric.measure[None]})
-        return self._of_each_component(products)
+        return self._of_each_component(self._products(rho))
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Stiffness int sigma_ij d_i N_a d_j N_b that stresses of a displacement make (N/m)."""
@@ -101,7 +105,39 @@ class NurbsMatrices:
         return self._of_each_component(data)
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """A (x) 1 of a rotation, kg, skew."""
+        """Y of a rotation at 1 rad/s, kg, skew."""
+        transport = self._transport(rho, rotation)
+        if rotation.coriolis:
+            return self._of_each_component(transport)
+        spin = rotation.spin(self.dim)
+        return self._sum((transport, np.eye(self.dim)), (self._products(rho), -2 * spin))
+
+    def convective(self, rho: float, rotation: Rotation) -> Any:
+        """Z of a rotation, kg, symmetric."""
+        speeds = self._speeds(rotation)
+
+        def coefficients(metric: Metric) -> Coefficients:
+            along, weight = speeds(metric), rho * metric.measure
+            return {
+                (k, m): (weight * (along[k] * along[m]))[None] for k, m in product(along, repeat=2)
+            }
+
+        squares = self._scalar(coefficients)
+        if rotation.coriolis:
+            return self._of_each_component(squares)
+        spin = rotation.spin(self.dim)
+        return self._sum(
+            (squares, np.eye(self.dim)),
+            (self._transport(rho, rotation), spin),
+            (self._products(rho), spin.T @ spin),
+        )
+
+    def _products(self, rho: float) -> Floats:
+        """Entries of m."""
+        return self._scalar(lambda metric: {(VALUE, VALUE): rho * metric.measure[None]})
+
+    def _transport(self, rho: float, rotation: Rotation) -> Floats:
+        """Entries of A."""
         speeds = self._speeds(rotation)
 
         def coefficients(metric: Metric) -> Coefficients:
@@ -112,19 +148,7 @@ class NurbsMatrices:
                     found[k, VALUE] = -found[VALUE, k]
             return found
 
-        return self._of_each_component(self._scalar(coefficients, sign=-1))
-
-    def convective(self, rho: float, rotation: Rotation) -> Any:
-        """B (x) 1 of a rotation, kg, symmetric."""
-        speeds = self._speeds(rotation)
-
-        def coefficients(metric: Metric) -> Coefficients:
-            along, weight = speeds(metric), rho * metric.measure
-            return {
-                (k, m): (weight * (along[k] * along[m]))[None] for k, m in product(along, repeat=2)
-            }
-
-        return self._of_each_component(self._scalar(coefficients))
+        return self._scalar(coefficients, sign=-1)
 
     def _speeds(self, rotation: Rotation) -> Callable[[Metric], dict[int, Floats]]:
         """Gives the velocity along each parameter at 1 rad/s."""
@@ -143,3 +167,8 @@ class NurbsMatrices:
 
     def _of_each_component(self, scalar: Floats) -> Any:
         return component_matrix(self._pattern, scalar, self.dim, self.comm)
+
+    def _sum(self, *parts: tuple[Floats, Floats]) -> Any:
+        """Sum of Kronecker products of scalar matrices with small ones."""
+        data = combined(self._pattern, parts, self.dim)
+        return block_matrix(self._pattern, data, self.dim, self.comm)

@@ -6,7 +6,7 @@ components of a scalar row too. Those in columns of this rank come ahead of thos
 others.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,6 +43,16 @@ def component_matrix(pattern: Pattern, data: Floats, dim: int, comm: Any) -> Any
         part += stretch.component
         np.take(data, stretch.source, out=values[stretch.part], mode="clip")
     return _matrix(pattern, values, indices, dim, comm)
+
+
+def combined(pattern: Pattern, parts: Sequence[tuple[Floats, Floats]], dim: int) -> Floats:
+    """Entries of a sum of Kronecker products, as :func:`block_matrix` takes them."""
+    data = np.zeros((dim * len(pattern.columns), dim))
+    for stretch in _stretches(pattern, dim):
+        for scalar, factor in parts:
+            values = scalar[stretch.source][:, None] * factor[stretch.component]
+            data[stretch.part] += values
+    return data.reshape(-1)
 
 
 @dataclass(frozen=True)

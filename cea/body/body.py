@@ -11,13 +11,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, diags_array, eye_array, kron
+from scipy.sparse import csr_array, diags_array, kron
 
 from cea.arrays import Floats, Ints
 from cea.body.space import Space
 from cea.elasticity import Elasticity
 from cea.material import Material
-from cea.matrices import antisymmetrised, destroy, distributed, symmetrised, times, total
+from cea.matrices import antisymmetrised, destroy, distributed, symmetrised, total
 from cea.petsc import PETSc
 from cea.rotation import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support, check_surface
@@ -187,27 +187,11 @@ class Body:
 
     def gyroscopic(self, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
-        return self.reduced(self.full_gyroscopic(rotation), antisymmetrised)
-
-    def full_gyroscopic(self, rotation: Rotation) -> Any:
-        """The same of all dofs, PETSc AIJ (full x full); made anew."""
-        whole, rho = self.space.gyroscopic(self.density, rotation), self.density
-        if not rotation.coriolis:
-            _add_blocks(whole, self.space.mass(rho), -2.0 * rotation.spin(self.dim))
-        return whole
+        return self.reduced(self.space.gyroscopic(self.density, rotation), antisymmetrised)
 
     def convective_stiffness(self, rotation: Rotation) -> Any:
         """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
-        return self.reduced(self.full_convective_stiffness(rotation))
-
-    def full_convective_stiffness(self, rotation: Rotation) -> Any:
-        """The same of all dofs, PETSc AIJ (full x full); made anew."""
-        whole, rho = self.space.convective(self.density, rotation), self.density
-        if not rotation.coriolis:
-            spin = rotation.spin(self.dim)
-            _add_blocks(whole, self.space.gyroscopic(rho, rotation), spin)
-            _add_blocks(whole, self.space.mass(rho), spin.T @ spin)
-        return whole
+        return self.reduced(self.space.convective(self.density, rotation))
 
     def geometric_stiffness(self, displacement: Floats) -> Any:
         """Stiffness that stresses of a displacement make, PETSc AIJ (free x free), N/m."""
@@ -256,17 +240,6 @@ class Body:
             volumes.multAdd(uniform, full, full)
             destroy(volumes, uniform)
         return full
-
-
-def _add_blocks(whole: Any, scalar: Any, block: Floats) -> None:
-    """Add A (x) B to a matrix, of A (x) 1, which is freed, and B (dim, dim)."""
-    (first, last), size = scalar.getOwnershipRange(), scalar.getSizes()[1]
-    blocks = csr_array(kron(eye_array((last - first) // len(block)), csr_array(block)))
-    rows = csr_array((blocks.data, blocks.indices + first, blocks.indptr), (last - first, size[1]))
-    turned = distributed(rows, size, scalar.comm)
-    product = times(scalar, turned)
-    whole.axpy(1.0, product, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    destroy(scalar, turned, product)
 
 
 def _foundation(surface: Surface, spring: Spring, own: slice, comm: Any) -> Any:

@@ -58,14 +58,11 @@ class Space(Protocol):
         ...
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Int rho (v . R u - R v . u) at a density (kg/m^3), skew, kg; not coupled either.
-
-        R u = (a x r) . grad u of a rotation (:mod:`cea.rotation`), as with Coriolis forces.
-        """
+        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`) at a density (kg/m^3), skew, kg."""
         ...
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Int rho R v . R u at a density (kg/m^3), symmetric, kg; not coupled either."""
+        """Z of a rotation (:mod:`cea.rotation`) at a density (kg/m^3), symmetric, kg."""
         ...
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:

@@ -189,10 +189,10 @@ def _of_rotation(pieces: BodyTerms) -> Iterator[tuple[str, float, Any]]:
     if rotation is None:
         return
     if rotation.convective_stiffness:
-        matrix = body.full_convective_stiffness(rotation)
+        matrix = body.space.convective(body.density, rotation)
         yield "convective stiffness", rotation.rate**2, matrix
     if damping is not None and damping.alpha:
-        matrix = body.full_gyroscopic(rotation.of_material)
+        matrix = body.space.gyroscopic(body.density, rotation.of_material)
         yield "damping", -0.5 * damping.alpha * rotation.rate, matrix
 
 
