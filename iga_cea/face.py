@@ -85,32 +85,23 @@ class PatchFace:
         """Ends of the non-empty knot spans along each parameter."""
         return tuple(np.unique(knots) for knots in self.knots)
 
-    @cached_property
-    def greville(self) -> tuple[Floats, ...]:
-        """Greville abscissae along each parameter."""
-        return tuple(greville(k, p) for k, p in zip(self.knots, self.degrees, strict=True))
-
-    @cached_property
-    def botella(self) -> tuple[Floats, ...]:
-        """Parameters of the maxima of the B-splines along each parameter."""
-        return tuple(botella(k, p) for k, p in zip(self.knots, self.degrees, strict=True))
-
-    @cached_property
-    def span_diameters(self) -> Floats:
-        """Longest diagonal of each knot span (m), flat."""
-        corners = grid_points(self.breaks)
-        counts = [len(b) for b in self.breaks]
-        x = self.tangents(corners)[0].reshape(*counts, self.dim)
-        if self.dim == 2:
-            return np.linalg.norm(np.diff(x, axis=0), axis=-1)
-        rising = np.linalg.norm(x[1:, 1:] - x[:-1, :-1], axis=-1)
-        falling = np.linalg.norm(x[1:, :-1] - x[:-1, 1:], axis=-1)
-        return np.maximum(rising, falling).ravel()
+    def abscissae(self, kind: str) -> Floats:
+        """Tensor grid of ``greville`` abscissae, or of maxima of the B-splines (``botella``)."""
+        along = {"greville": greville, "botella": botella}[kind]
+        return grid_points(
+            tuple(along(k, p) for k, p in zip(self.knots, self.degrees, strict=True))
+        )
 
     @cached_property
     def size(self) -> float:
-        """Diameter of its largest knot span (m)."""
-        return float(self.span_diameters.max())
+        """Longest diagonal of a knot span (m)."""
+        counts = [len(b) for b in self.breaks]
+        x = self.tangents(grid_points(self.breaks))[0].reshape(*counts, self.dim)
+        if self.dim == 2:
+            return float(np.linalg.norm(np.diff(x, axis=0), axis=-1).max())
+        rising = np.linalg.norm(x[1:, 1:] - x[:-1, :-1], axis=-1)
+        falling = np.linalg.norm(x[1:, :-1] - x[:-1, 1:], axis=-1)
+        return float(np.maximum(rising, falling).max())
 
     def trace(self, xi: Floats) -> tuple[Ints, Floats]:
         """Functions with a value on the face: flat numbers and values, both (n, functions)."""
@@ -133,7 +124,7 @@ class PatchFace:
         ends = [net[tuple(-int(k == axis) for k in self._axes)] for axis in self._axes]
         length = np.array([knots[-1] - knots[0] for knots in self.knots])
         edges = (np.array(ends) - corner).T / length
-        flat = corner + self._from_first_corner(grid_points(self.greville)) @ edges.T
+        flat = corner + self._from_first_corner(self.abscissae("greville")) @ edges.T
         off = np.abs(flat - self._points[:, 0]).max()
         return (corner, edges) if off <= _ROUNDING * np.abs(net).max() else None
 

@@ -33,8 +33,6 @@ from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.supports.directions import Directions, merged
 from cea.supports.elimination import ProjectedConstraints, constrain
-from cea.surface_points import SurfaceCoordinates
-from iga_cea.grids import grid_points
 from iga_cea.surface import NurbsSurface
 
 _SAME = 1e-10
@@ -89,8 +87,8 @@ class _TurningFace:
 
 def _at_greville(surface: NurbsSurface, number: int, support: Support) -> Floats:
     """Directions of a support at the Greville abscissae of a face, (directions, n, dim)."""
-    xi = grid_points(surface.faces[number].greville)
-    at = SurfaceCoordinates(np.full(len(xi), number), xi)
+    at = surface.function_points("greville")
+    at = at[at.element == number]
     return support.directions(surface.position(at), surface.normal(at))
 
 

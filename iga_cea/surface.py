@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +11,6 @@ from cea.arrays import Floats, Ints, chunks
 from cea.surface import Surface
 from cea.surface_points import TANGENT, SurfaceCells, SurfaceCoordinates
 from iga_cea.face import PatchFace
-from iga_cea.grids import grid_points
 from iga_cea.kinks import smooth_pieces
 
 _AREA_POINTS = 12
@@ -23,9 +21,6 @@ _TRIED_POINTS = (4, 5)
 
 _SAME_AREA = 1e-14
 """Difference of areas, relative to them, that is rounding."""
-
-_ABSCISSAE = {"greville": attrgetter("greville"), "botella": attrgetter("botella")}
-"""Abscissae of a face by kind: Greville's, or the maxima of the B-splines."""
 
 
 class NurbsSurface(Surface):
@@ -43,7 +38,7 @@ class NurbsSurface(Surface):
         Scalar dofs of the body.
     """
 
-    abscissa_kinds = tuple(_ABSCISSAE)
+    abscissa_kinds = ("greville", "botella")
     abscissa_weights = ("equal", "area")
 
     def __init__(self, name: str, faces: Sequence[PatchFace], num_scalar_dofs: int) -> None:
@@ -126,7 +121,7 @@ class NurbsSurface(Surface):
 
         Of the rational functions the latter are not quite the maxima.
         """
-        grids = [grid_points(_ABSCISSAE[kind](face)) for face in self.faces]
+        grids = [face.abscissae(kind) for face in self.faces]
         element = np.repeat(np.arange(len(grids)), [len(grid) for grid in grids])
         return SurfaceCoordinates(element, np.concatenate(grids))
 
