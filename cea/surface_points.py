@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array, triu
 from scipy.sparse.csgraph import connected_components
 from scipy.special import roots_jacobi, roots_legendre
 
@@ -123,15 +123,10 @@ def gauss_rule(n: int, dim: int, *, simplex: bool) -> tuple[Floats, Floats]:
 
 def pairs_of_equal(numbers: Ints) -> Ints:
     """All pairs of entries that have the same number, shape (pairs, 2)."""
-    order = np.argsort(numbers, kind="stable")
-    rising = numbers[order]
-    pairs = [np.empty((0, 2), dtype=np.int64)]
-    for apart in range(1, len(rising)):
-        same = np.flatnonzero(rising[apart:] == rising[:-apart])
-        if not same.size:
-            break
-        pairs.append(np.column_stack([order[same], order[same + apart]]))
-    return np.concatenate(pairs)
+    n = len(numbers)
+    shape = (n, int(numbers.max(initial=0)) + 1)
+    has = csr_array((np.ones(n, dtype=np.int8), numbers, np.arange(n + 1)), shape=shape)
+    return np.column_stack(triu(has @ has.T, k=1).coords).astype(np.int64)
 
 
 def connected(pairs: Ints, count: int) -> Ints:
