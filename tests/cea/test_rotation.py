@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from bodies import shape_body
 from covering import covering
-from petsc_matrices import to_numpy
-from scipy.linalg import eigh, eigvals
+from petsc_matrices import quadratic_eigenvalues, to_numpy
+from scipy.linalg import eigh
 
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
@@ -66,13 +66,6 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
     size = np.abs(moments).max()
     assert v @ Y @ u == pytest.approx(2 * np.trace(B.T @ RA @ moments), abs=tolerance * size)
     assert v @ Z @ u == pytest.approx(np.trace(RB.T @ RA @ moments), abs=tolerance * size)
-
-
-def quadratic_eigenvalues(M, D, K):
-    """Every lambda of lambda^2 M + lambda D + K."""
-    n = len(M)
-    right = np.linalg.solve(M, np.hstack([-K, -D]))
-    return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))
 
 
 @cache
