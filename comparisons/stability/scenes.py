@@ -48,11 +48,6 @@ def rectangle(size: Sequence[float], origin: Sequence[float] = (0.0, 0.0)) -> Sc
     return {"shape": "rectangle", "size": list(size), "origin": list(origin)}
 
 
-def box(size: Sequence[float], origin: Sequence[float]) -> Scene:
-    """A box as geometry."""
-    return {"shape": "box", "size": list(size), "origin": list(origin)}
-
-
 def ring(inner: float, outer: float) -> Scene:
     """A ring as geometry."""
     return {"shape": "ring", "inner_radius": inner, "outer_radius": outer}
@@ -164,9 +159,11 @@ def boxes(
 ) -> Scene:
     """Two boxes on each other by size and elements, the upper one at x, y and of modulus E."""
     top, bottom = ([{"surface": side}] if held else [] for side in ("z_max", "z_min"))
+    above = {"shape": "box", "size": list(upper[0]), "origin": [*at, 0.0]}
+    below = {"shape": "box", "size": list(lower[0]), "origin": [0.0, 0.0, -lower[0][2]]}
     parts = {
-        "upper": body(box(upper[0], (*at, 0.0)), upper[1], E=E, supports=top),
-        "lower": body(box(lower[0], (0.0, 0.0, -lower[0][2])), lower[1], supports=bottom),
+        "upper": body(above, upper[1], E=E, supports=top),
+        "lower": body(below, lower[1], supports=bottom),
     }
     along = {"friction_direction_on_a": ALONG_X_IN_SPACE}
     return scene(parts, contact=contact("upper.z_min", "lower.z_max", **(along | fields)))
