@@ -206,13 +206,12 @@ def pressed_layers(pressure: float, *, degree: int = 2, **law: Any) -> Scene:
 
 
 def uniform(data: Mapping[str, Any], p: float) -> Scene:
-    """Pressed layers where p is known."""
-    interface = dict(data["contacts"]["interface"])
-    for name in ("c_n", "m_n"):
-        interface.pop(name, None)
-    known = changed(data, {"contacts.interface": interface | {"p": p}}) | {"loads": []}
-    for name in ("load_steps", "geometric_stiffness"):
-        known["analysis"].pop(name, None)
+    """Pressed layers where p is known, without what presses them."""
+    known = changed(data, {"contacts.interface.p": p, "loads": []})
+    interface, back = known["contacts"]["interface"], known["bodies"]["upper"]["supports"][0]
+    for table in (interface, back, known["analysis"]):
+        for name in ("c_n", "m_n", "value", "load_steps", "geometric_stiffness"):
+            table.pop(name, None)
     return known
 
 
