@@ -15,7 +15,8 @@ from scipy.optimize import brentq, minimize_scalar
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import assign
 from cea.eigen.spectrum import SLOW
-from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, Window, error_of_half
+from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, error_of_half
+from cea.reduced.window import Window
 
 _NEGLIGIBLE = 1e-6
 """Error of lambda, relative, up to which it does not matter whether a mode grows."""

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import assign
-from cea.reduced.spectrum import upper_root
+from cea.reduced.window import Window
 
 GRID = 17
 """Points of an interpolant in each half of an interval at which its sign is looked at."""
@@ -50,45 +50,6 @@ class UnresolvedError(Exception):
     def __init__(self, at: float | None = None, noise: float = 0.0) -> None:
         super().__init__()
         self.at, self.noise = at, noise
-
-
-@dataclass(frozen=True)
-class Window:
-    """What is looked at.
-
-    Frequencies up to ``end`` (rad/s); z is lambda if ``damped``, else kappa; growth above ``level``
-    (1/s) counts; modes are known down to ``decay`` (1/s).
-    """
-
-    end: float
-    damped: bool
-    level: float = 0.0
-    decay: float = np.inf
-
-    @property
-    def by_growth(self) -> bool:
-        """Whether growth rates are compared with a level rather than pairs with a coalescence."""
-        return self.damped or self.level != 0.0
-
-    def roots(self, z: Complexes) -> Complexes:
-        """The lambda of z; of kappa those with Im lambda >= 0."""
-        return np.asarray(z, complex) if self.damped else upper_root(np.asarray(z, complex))
-
-    def growth(self, z: Complexes) -> Floats:
-        """Growth (1/s) above the level: of kappa that of the root that grows."""
-        growth = self.roots(z).real
-        return (growth if self.damped else np.abs(growth)) - self.level
-
-    def doubts(self, z: Complexes, errors: Floats) -> Floats:
-        """Errors of lambda (1/s) that errors of z make."""
-        if self.damped:
-            return errors
-        return errors / np.maximum(2 * np.sqrt(np.abs(z)), np.sqrt(errors) + np.finfo(float).tiny)
-
-    def far(self, z: Complexes, part: float) -> NDArray[np.bool_]:
-        """Which lie beyond a part of the window, or decay too fast to be known."""
-        roots = self.roots(z)
-        return (np.abs(roots.imag) > part * self.end) | (roots.real < -self.decay)
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,12 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.crossings import Threshold
-from cea.reduced.following import Sample, Window
+from cea.reduced.following import Sample
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
 from cea.reduced.small import ModelLine
-from cea.reduced.spectrum import MARGIN
 from cea.reduced.thresholds import Line, thresholds_along
+from cea.reduced.window import MARGIN, Window
 
 _ASIDE = 1e-3
 """Relative distance from a pair at which it is looked for: a pencil is singular on it."""

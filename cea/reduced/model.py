@@ -31,6 +31,7 @@ from cea.reduced.small import SmallPencil, SmallPiece
 from cea.reduced.snapshots import Snapshot
 from cea.reduced.span import Span
 from cea.reduced.spectrum import Settings
+from cea.reduced.window import Window
 
 BASIS = 1e-6
 """Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
@@ -92,10 +93,11 @@ class ReducedModel:
         self._basis, self._residuals = Span(self.norms.states), Span(self.norms.residuals)
         self._forces = np.empty(0, dtype=bool)  # which vectors of the basis are forces
         self._widest: dict[ContactPiece, float] = {}
-        settings = Settings(max_frequency, self.norms.shift)
-        if any(piece.role == "damping" for piece in self._pieces.all):
-            decay = _DECAY * settings.end if min_growth is None else -min_growth
-            settings = replace(settings, decay=decay)
+        end, decay = 2 * np.pi * max_frequency, np.inf
+        damped = any(piece.role == "damping" for piece in self._pieces.all)
+        if damped:
+            decay = _DECAY * end if min_growth is None else -min_growth
+        settings = Settings(Window(end, damped, decay=decay), self.norms.shift)
         nothing = np.empty((0, 0))
         self._projected = [
             SmallPiece(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0)
@@ -111,7 +113,7 @@ class ReducedModel:
     def take(self, taken: Snapshot) -> None:
         """Take the right and left vectors of a full solve, up to the margin of the window, in."""
         norm, before, forces = self.norms.states, self._basis.size, taken.real_forces()
-        blocks = [taken.real_vectors(norm, damped=self.small.settings.damped)]
+        blocks = [taken.real_vectors(norm, damped=self.small.settings.window.damped)]
         for contact in self._pieces.contacts:
             own = np.zeros_like(forces)
             own[contact.rows] = forces[contact.rows]

@@ -6,13 +6,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.left_vectors import POWERS
 from cea.eigen.parameters import Dependence
 from cea.eigen.pencil import Role
-from cea.reduced.certificate import Residuals, Rounding, real_times
-from cea.reduced.following import Sample, Window
+from cea.reduced.certificate import Polynomial, Term, real_times
+from cea.reduced.following import Sample
 from cea.reduced.pieces import Values
 from cea.reduced.spectrum import ReducedSpectrum, Settings, reduced_spectrum
+from cea.reduced.window import Window
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,6 @@ class SmallPiece:
     lost: float
     rounding: float = 0.0
 
-    @property
-    def symmetric(self) -> bool:
-        """Whether A is symmetric."""
-        return self.left is self.right
-
     def ordered(self, order: Ints, rows: int) -> "SmallPiece":
         """With its vectors in another order, and zeros for vectors of Q that came later."""
 
@@ -43,7 +38,7 @@ class SmallPiece:
             return np.pad(coordinates, ((0, rows - len(coordinates)), (0, 0)))[:, order]
 
         right = padded(self.right)
-        left = right if self.symmetric else padded(self.left)
+        left = right if self.left is self.right else padded(self.left)
         return replace(self, square=self.square[np.ix_(order, order)], right=right, left=left)
 
 
@@ -59,17 +54,15 @@ class SmallPencil:
         """Eigenvalues of the window and its margin at values of all parameters."""
         if not self.displacements:
             return ReducedSpectrum.empty(self.settings)
-        K, M = (self._sum(role, values) for role in ("stiffness", "mass"))
-        D = self._sum("damping", values) if self.settings.damped else None
-        rounding = Rounding({role: self._rounding(role, values) for role in POWERS})
-        return reduced_spectrum(K, D, M, self.displacements, self.settings, rounding)
+        terms = tuple(self._term(role, values) for role in self._powers)
+        return reduced_spectrum(Polynomial(terms), self.displacements, self.settings)
 
     def derivatives(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:
         """Derivatives of eigenvalues lambda, as :meth:`slopes`; infinite at a coalescence."""
         slopes = self.slopes(found, values, rates)
-        if self.settings.damped:
+        if self.settings.window.damped:
             return slopes
         with np.errstate(divide="ignore", invalid="ignore"):
             return -slopes / (2 * found.eigenvalues)
@@ -77,66 +70,49 @@ class SmallPencil:
     def slopes(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:
-        """Derivatives of kappa, with damping of lambda, where parameters change at given rates.
+        """Derivatives of z where parameters change at given rates.
 
-        y^H (dK - kappa dM) x / y^H M x, with damping - y^H (lambda^2 dM + lambda dD + dK) x / y^H
-        (2 lambda M + D) x; infinite at a coalescence.
+        - y^H dP(z) x / y^H P'(z) x; infinite at a coalescence.
         """
-        y, eigenvalues, damped = found.left.conj(), found.eigenvalues, self.settings.damped
-        one: Complexes = np.ones(len(found), dtype=complex)
-        speeds: dict[str, Complexes] = (
-            {"mass": -2 * eigenvalues, "damping": -one} if damped else {"mass": one}
-        )
         change: Complexes = np.zeros(len(found), dtype=complex)
-        turned: Complexes = np.zeros(len(found), dtype=complex)
         for piece in self.pieces:
             slope = sum(
                 rate * piece.coefficient.derivative(name, values) for name, rate in rates.items()
             )
-            factor = piece.coefficient.at(values) if piece.role in speeds else 0.0
-            if not (slope or factor):
-                continue
-            projected = np.einsum("ij,ij->j", y, real_times(piece.square, found.right))
-            if damped or piece.role == "stiffness":
-                change += slope * eigenvalues ** POWERS[piece.role] * projected
-            else:
-                change -= slope * found.z * projected
-            if factor:
-                turned += factor * speeds[piece.role] * projected
+            if slope:
+                factor, power = self._powers[piece.role]
+                image = real_times(piece.square, found.right)
+                projected = np.einsum("ij,ij->j", found.left.conj(), image)
+                change -= slope * factor * found.z**power * projected
         with np.errstate(divide="ignore", invalid="ignore"):
-            moved: Complexes = change / turned
+            moved: Complexes = change / found.overlaps
         return moved
 
-    def _parts(self, role: Role, values: Values) -> list[tuple[float, SmallPiece]]:
-        own = [piece for piece in self.pieces if piece.role == role]
-        return [(c, piece) for piece in own if (c := piece.coefficient.at(values))]
+    @property
+    def _powers(self) -> dict[Role, tuple[float, int]]:
+        """Factor and power of z of the terms of P(z)."""
+        if self.settings.window.damped:
+            return {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": (1.0, 2)}
+        return {"stiffness": (1.0, 0), "mass": (-1.0, 1)}
 
-    def _rounding(self, role: Role, values: Values) -> Floats:
-        """Errors of entries of the reduced matrices, relative to their parts or those of these."""
-        eps = np.finfo(float).eps
-        parts = [
-            (abs(c), eps * np.abs(piece.square) + piece.rounding * (piece.square != 0))
-            for c, piece in self._parts(role, values)
-        ]
-        return _weighted(parts, self.pieces[0].square.shape)
+    def _term(self, role: Role, values: Values) -> Term:
+        """The sum of all pieces of a role.
 
-    def _sum(self, role: Role, values: Values) -> Residuals:
-        parts, shape = self._parts(role, values), self.pieces[0].right.shape
-        square = _weighted([(c, piece.square) for c, piece in parts], self.pieces[0].square.shape)
-        left = right = _weighted([(c, piece.right) for c, piece in parts if piece.symmetric], shape)
-        one_sided = [(c, piece) for c, piece in parts if not piece.symmetric]
-        if one_sided:
-            left = right + _weighted([(c, piece.left) for c, piece in one_sided], shape)
-            right = right + _weighted([(c, piece.right) for c, piece in one_sided], shape)
-        return Residuals(square, right, left, sum(abs(c) * piece.lost for c, piece in parts))
-
-
-def _weighted(parts: list[tuple[float, Floats]], shape: tuple[int, ...]) -> Floats:
-    """Sum of factors times matrices of one shape."""
-    total = np.zeros(shape)
-    for factor, matrix in parts:
-        total += factor * matrix
-    return total
+        Its entries are off relative to their parts, and by what was seen of these.
+        """
+        square, rounding = np.zeros((2, *self.pieces[0].square.shape))
+        right, left = np.zeros((2, *self.pieces[0].right.shape))
+        lost, eps = 0.0, np.finfo(float).eps
+        for piece in self.pieces:
+            c = piece.coefficient.at(values) if piece.role == role else 0.0
+            if not c:
+                continue
+            square += c * piece.square
+            right += c * piece.right
+            left += c * piece.left
+            lost += abs(c) * piece.lost
+            rounding += abs(c) * (eps * np.abs(piece.square) + piece.rounding * (piece.square != 0))
+        return Term(*self._powers[role], square, right, left, lost, rounding)
 
 
 @dataclass(frozen=True)
@@ -158,8 +134,7 @@ class ModelLine:
     @property
     def window(self) -> Window:
         """What is looked at."""
-        settings = self.small.settings
-        return Window(settings.end, settings.damped, self.level, settings.decay)
+        return replace(self.small.settings.window, level=self.level)
 
     def place(self, value: float) -> float:
         """Where a value is on the line."""
@@ -181,4 +156,4 @@ class ModelLine:
         vectors = found.shapes / np.linalg.norm(found.shapes, axis=0)
         bounds = found.errors, found.means, found.clusters
         sample = Sample(value, found.z, slopes, *bounds, vectors)
-        return sample.with_mirror_image() if self.small.settings.damped else sample
+        return sample.with_mirror_image() if self.window.damped else sample

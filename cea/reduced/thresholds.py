@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.reduced.crossings import REAL, Threshold, crossings_of
-from cea.reduced.following import Sample, UnresolvedError, Window, units_of
+from cea.reduced.following import Sample, UnresolvedError, units_of
+from cea.reduced.window import Window
 
 RESOLUTION = 1e-7
 """Width of an interval, relative to the axis, below which it is not halved again."""

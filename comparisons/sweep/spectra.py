@@ -90,7 +90,7 @@ class Spectra:
         """Of a reduced model at points, derivatives of shape (modes, fields) in the window."""
         rows = []
         for found, slope, number in zip(spectra, slopes, numbers, strict=True):
-            words, window, end = found.words(threshold), found.window, found.settings.end
+            words, window, end = found.words(threshold), found.window, found.settings.window.end
             above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
             above &= np.isin(words, GROWING)
             inside = np.flatnonzero(found.inside)

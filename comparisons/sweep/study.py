@@ -14,7 +14,6 @@ from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.reduced.crossings import Threshold
-from cea.reduced.following import Window
 from cea.reduced.full_solves import confirm
 from cea.reduced.greedy import TOLERANCE, Enrichment, full_solve
 from cea.reduced.model import ReducedModel
@@ -22,6 +21,7 @@ from cea.reduced.small import ModelLine, SmallPencil
 from cea.reduced.snapshots import Snapshot
 from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.thresholds import Unresolved, thresholds_along
+from cea.reduced.window import Window
 from comparisons.sweep.boxes import Box, boxes_of
 from comparisons.sweep.points import Axis, Field, Points, plain_fields
 from comparisons.sweep.probabilities import continued, probabilities

@@ -14,8 +14,8 @@ from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil, release
 from cea.eigen.residuals import Damping, internal_forces
 from cea.errors import ConvergenceError, InputError, ResultWarning
-from cea.reduced.following import Window
 from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
+from cea.reduced.window import Window
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.results.result import Result

@@ -22,7 +22,7 @@ from cea.eigen.pencil import FRICTION
 from cea.errors import InputError
 from cea.reduced.greedy import largest_ratio
 from cea.reduced.snapshots import Snapshot
-from cea.reduced.spectrum import MARGIN
+from cea.reduced.window import MARGIN
 
 TOP = 0.6
 ON_NURBS = pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])

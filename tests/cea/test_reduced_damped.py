@@ -22,8 +22,8 @@ from cea.eigen.pencil import FRICTION
 from cea.reduced.greedy import largest_ratio
 from cea.reduced.pieces import Pieces
 from cea.reduced.snapshots import Snapshot
-from cea.reduced.spectrum import MARGIN
 from cea.reduced.thresholds import thresholds_along
+from cea.reduced.window import MARGIN
 
 TOP = 0.6
 RNG = np.random.default_rng(13)

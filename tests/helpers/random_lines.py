@@ -7,8 +7,9 @@ import numpy as np
 from scipy.linalg import eig, eigvals, qr
 
 from cea.arrays import Floats, Ints
-from cea.reduced.following import Sample, Window
+from cea.reduced.following import Sample
 from cea.reduced.thresholds import Found
+from cea.reduced.window import Window
 
 MARGIN = 1.15
 EPS = np.finfo(float).eps

@@ -14,7 +14,7 @@ from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
 from cea.reduced.small import ModelLine
-from cea.reduced.spectrum import upper_root
+from cea.reduced.window import upper_root
 
 MU, P = "contacts.interface.mu", "contacts.interface.P"
 ALPHA, RATIO = "bodies.upper.damping.alpha", "bodies.lower.damping.modal.ratio"
@@ -27,7 +27,7 @@ def enrichment(pencil, box, top, **options):
 
 def kappa_of(found):
     """Kappa of a spectrum."""
-    return -(found.eigenvalues**2) if found.settings.damped else found.z
+    return -(found.eigenvalues**2) if found.settings.window.damped else found.z
 
 
 def errors_of_means(found, kappa):
