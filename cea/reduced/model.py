@@ -25,11 +25,10 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.pencil import Pencil
-from cea.reduced.norm import Norms
+from cea.reduced.basis import Norms, Span
 from cea.reduced.pieces import ContactPiece, Piece, Pieces
 from cea.reduced.small import SmallPencil, SmallPiece
 from cea.reduced.snapshots import Snapshot
-from cea.reduced.span import Span
 from cea.reduced.spectrum import Settings
 from cea.reduced.window import Window
 

@@ -9,7 +9,7 @@ import numpy as np
 from cea.arrays import Complexes, Floats
 from cea.eigen.modes import Modes
 from cea.errors import ResultWarning
-from cea.reduced.norm import InnerProduct
+from cea.reduced.basis import InnerProduct
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.reduced.crossings import REAL, Threshold, crossings_of
+from cea.reduced.crossings import REAL, Crossings, Threshold
 from cea.reduced.following import Sample, UnresolvedError, units_of
 from cea.reduced.window import Window
 
@@ -294,7 +294,8 @@ class _Search:
         """Thresholds of an interval."""
         samples = [self._at(each) for each in (low, middle, high)]
         units = units_of(self._window, samples)
-        found = crossings_of(self._window, self._at, units, (low, middle, high))
+        at, places = self._at, (low, middle, high)
+        found = [t for u in units for t in Crossings(self._window, at, u, places).thresholds()]
         sure = [each for each in (low, middle, high) if not self._undecided(each)]
         for one, other in pairwise(sure):
             change = sum(each.change for each in found if one < each.value <= other)

@@ -296,20 +296,19 @@ class _FollowedState:
     solves: int = field(default=0, init=False)
     factorisations: int = field(default=0, init=False)
 
-    def modes(self, value: float, max_frequency: float) -> Modes:
-        """All modes up to a frequency (Hz), with left vectors."""
+    def __call__(self, value: float, max_frequency: float) -> tuple[Modes, Complexes]:
+        """All modes up to a frequency (Hz), with left vectors, and derivatives of their lambda.
+
+        Derivatives are made of difference quotients of the matrices, shape (n,).
+        """
         with EigenSolver(self.pencil_at(value)) as driver:
             modes = driver.solve(max_frequency, left=True)
             self.solves += driver.solves
             self.factorisations += driver.factorisations
-        return modes
-
-    def derivatives(self, value: float, modes: Modes) -> Complexes:
-        """Derivatives of their lambda by difference quotients of the matrices, shape (n,)."""
         step = _STEP * self.scale
         low, high = (_works(self.pencil_at(value + way * step), modes) for way in (-1.0, 1.0))
         with np.errstate(divide="ignore", invalid="ignore"):
-            return (low - high) / (2 * step) / (2 * modes.eigenvalues)
+            return modes, (low - high) / (2 * step) / (2 * modes.eigenvalues)
 
 
 def _works(pencil: Pencil, modes: Modes) -> Complexes:

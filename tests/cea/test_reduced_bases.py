@@ -5,9 +5,9 @@ import pytest
 from reduced_cases import MU, P, blocks_pencil
 
 from cea.eigen.driver import EigenSolver
+from cea.reduced.basis import Span
 from cea.reduced.greedy import full_solve
 from cea.reduced.model import ReducedModel
-from cea.reduced.span import Span
 
 TOP = 0.6
 RNG = np.random.default_rng(11)
