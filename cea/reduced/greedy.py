@@ -14,8 +14,7 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError, ResultWarning
-from cea.reduced.model import ReducedModel
-from cea.reduced.snapshots import Snapshot
+from cea.reduced.model import ReducedModel, Snapshot
 from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.window import MARGIN
 

@@ -94,18 +94,11 @@ class Spectra:
             above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
             above &= np.isin(words, GROWING)
             inside = np.flatnonzero(found.inside)
-            rows.append(
-                _row(
-                    values=window.eigenvalues,
-                    uncertainty=window.uncertainties,
-                    mean_error=window.mean_errors,
-                    words=[words[i] for i in inside],
-                    slopes=slope,
-                    worst=found.worst,
-                    above=found.eigenvalues[above],
-                    number=number[inside],
-                )
-            )
+            own = [words[i] for i in inside]
+            row = _row(window.eigenvalues, window.uncertainties, own, found.eigenvalues[above])
+            row |= {"mean_error": window.mean_errors, "worst": found.worst}
+            row |= {"growth_slope": slope.real, "frequency_slope": slope.imag / (2 * np.pi)}
+            rows.append(row | {"number": number[inside]})
         return cls._stacked(rows)
 
     @classmethod
@@ -113,25 +106,20 @@ class Spectra:
         """Of full solves, None where one gave no answer, over so many fields."""
         rows = []
         for result in results:
-            values, errors = np.empty(0, dtype=complex), np.empty(0)
-            words, above, worst = list[Word](), np.empty((0, 2)), np.nan
-            if result is not None:
-                values, errors, worst = result.eigenvalues, result.modes.growth_uncertainties, 0.0
-                words = list(result.modes.verdicts(result.analysis.growth_threshold))
+            if result is None:
+                nothing: Complexes = np.empty(0, dtype=complex)
+                row = _row(nothing, nothing.real, [], nothing) | {"worst": np.nan}
+            else:
+                errors = result.modes.growth_uncertainties
+                words = result.modes.verdicts(result.analysis.growth_threshold)
                 above = np.reshape(result.modes.window.growing_above, (-1, 2))
-            n = len(values)
-            rows.append(
-                _row(
-                    values=values,
-                    uncertainty=errors,
-                    mean_error=np.full(n, np.nan),
-                    words=words,
-                    slopes=np.full((n, count), np.nan + 0j),
-                    worst=worst,
-                    above=above[:, 1] + 2j * np.pi * above[:, 0],
-                    number=np.full(n, -1, dtype=np.int64),
-                )
-            )
+                growing = above[:, 1] + 2j * np.pi * above[:, 0]
+                row = _row(result.eigenvalues, errors, words, growing) | {"worst": 0.0}
+            n = len(row["growth"])
+            unknown = np.full((n, count), np.nan)
+            row |= {"growth_slope": unknown, "frequency_slope": unknown}
+            row |= {"mean_error": np.full(n, np.nan), "number": np.full(n, -1, dtype=np.int64)}
+            rows.append(row)
         return cls._stacked(rows)
 
     @classmethod
@@ -162,30 +150,17 @@ class Spectra:
 
 
 def _row(
-    *,
-    values: Complexes,
-    uncertainty: Floats,
-    mean_error: Floats,
-    words: Sequence[Word],
-    slopes: Complexes,
-    worst: float,
-    above: Complexes,
-    number: Ints,
+    values: Complexes, uncertainty: Floats, words: Sequence[Word], above: Complexes
 ) -> dict[str, Any]:
-    """What is known at one point: its modes, the worst bound, what grows above the window."""
+    """What is known at one point: its modes, and what grows above the window."""
     fastest = above[above.real.argmax()] if len(above) else np.nan + 1j * np.nan
     return {
         "growth": values.real,
         "frequency": values.imag / (2 * np.pi),
         "uncertainty": uncertainty,
-        "mean_error": mean_error,
         "verdict": np.array([WORDS.index(word) for word in words], dtype=np.int8),
-        "growth_slope": slopes.real,
-        "frequency_slope": slopes.imag / (2 * np.pi),
-        "worst": worst,
         "above_growth": fastest.real,
         "above_frequency": fastest.imag / (2 * np.pi),
-        "number": number,
     }
 
 

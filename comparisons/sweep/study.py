@@ -16,9 +16,8 @@ from cea.ranks import agreed
 from cea.reduced.crossings import Threshold
 from cea.reduced.full_solves import confirm
 from cea.reduced.greedy import TOLERANCE, Enrichment, full_solve
-from cea.reduced.model import ReducedModel
+from cea.reduced.model import ReducedModel, Snapshot
 from cea.reduced.small import ModelLine, SmallPencil
-from cea.reduced.snapshots import Snapshot
 from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.thresholds import Unresolved, thresholds_along
 from cea.reduced.window import Window

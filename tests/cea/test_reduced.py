@@ -21,7 +21,7 @@ from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.errors import InputError
 from cea.reduced.greedy import largest_ratio
-from cea.reduced.snapshots import Snapshot
+from cea.reduced.model import Snapshot
 from cea.reduced.window import MARGIN
 
 TOP = 0.6

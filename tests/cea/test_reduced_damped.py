@@ -20,8 +20,8 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.reduced.greedy import largest_ratio
+from cea.reduced.model import Snapshot
 from cea.reduced.pieces import Pieces
-from cea.reduced.snapshots import Snapshot
 from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import MARGIN
 
