@@ -8,7 +8,7 @@ then by Newton's method on the pencil itself.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -16,7 +16,7 @@ from scipy.optimize import brentq, minimize_scalar
 from cea.arrays import Complexes, Floats
 from cea.eigen.matching import assign
 from cea.eigen.spectrum import SLOW
-from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, error_of_half
+from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, error_of_half, grid_of
 from cea.reduced.window import Window
 
 _NEGLIGIBLE = 1e-6
@@ -37,7 +37,8 @@ _STRAY = 0.1
 """Part of an interval by which Newton's steps may leave it."""
 _TINY = float(np.finfo(float).tiny)
 
-Function = Callable[[Floats], Floats]
+Function = Callable[[Any], Any]
+"""Of one place or of several."""
 Quantity = Literal["growth", "coalescence", "zero", "end"]
 """What passes zero: growth above the level, s of a pair, kappa, frequency less the window's end."""
 
@@ -93,8 +94,7 @@ class Crossings:
 
     @property
     def _grid(self) -> Floats:
-        low, middle, high = self.places
-        return np.concatenate([np.linspace(low, middle, GRID), np.linspace(middle, high, GRID)[1:]])
+        return grid_of(self.places)
 
     @property
     def _width(self) -> float:
@@ -111,7 +111,7 @@ class Crossings:
                 return chosen
 
             for place, sign in self._roots(growth, self.unit.doubts, negligible):
-                z = self.unit.members(np.array([place]))[:, 0]
+                z = self.unit.members(place)
                 mode = int(np.argmin(np.abs(self.window.growth(z))))
                 root = complex(self.window.roots(z)[mode])
                 real = abs(root.imag) <= REAL * end
@@ -137,7 +137,7 @@ class Crossings:
             return -half(at).real
 
         for place, sign in self._roots(apart, half.error, negligible**2):
-            if 0 < mean(np.array([place]))[0].real <= self.window.end**2:
+            if 0 < mean(place).real <= self.window.end**2:
                 yield self._threshold(place, apart, half.error, "coalescence", "flutter", 2 * sign)
         for branch in (1.0, -1.0):
 
@@ -148,8 +148,7 @@ class Crossings:
                 return mean.error(at) + half.error(at) / (2 * np.sqrt(np.abs(half(at)) + _TINY))
 
             for place, sign in _signs(through, self._grid):
-                at = np.array([place])
-                if half(at)[0].real > half.error(at)[0]:
+                if half(place).real > half.error(place):
                     yield self._threshold(place, through, error, "zero", "divergence", sign)
 
     def _through_the_end(self, members: int) -> Iterator[Threshold]:
@@ -161,15 +160,15 @@ class Crossings:
                 return self.window.end - self.window.roots(self.unit.members(at))[branch].imag
 
             for place, sign in _signs(within, self._grid):
-                if self._grows(np.array([place]), branch):
+                if self._grows(place, branch):
                     yield self._threshold(place, within, None, "end", "window", 2 * sign, branch)
 
-    def _grows(self, at: Floats, branch: int) -> bool:
+    def _grows(self, at: float, branch: int) -> bool:
         half = self.unit.half
         if self.window.by_growth:
             growth = self.window.growth(self.unit.members(at))[branch]
-            return bool((growth > self.unit.doubts(at))[0])
-        return half is not None and bool((half(at).real < -half.error(at))[0])
+            return bool(growth > self.unit.doubts(at))
+        return half is not None and bool(half(at).real < -half.error(at))
 
     def _threshold(
         self,
@@ -185,10 +184,8 @@ class Crossings:
         found = self._newton(place, of, branch)
         if error is not None:
             step = 1e-4 * self._width
-            low, high = function(np.array([place - step, place + step]))
-            slope = max(abs(high - low) / (2 * step), _TINY)
-            doubt = float(error(np.array([place]))[0])
-            if abs(found.value - place) > 2 * doubt / slope + REAL * self._width:
+            slope = abs(function(place + step) - function(place - step)) / (2 * step)
+            if abs(found.value - place) > 2 * error(place) / max(slope, _TINY) + REAL * self._width:
                 raise UnresolvedError(place)
         return replace(found, change=change * self.unit.copies, kind=kind)
 
@@ -198,7 +195,7 @@ class Crossings:
         stray = _STRAY * self._width
         for _ in range(_STEPS):
             sample = self.at(place)
-            foreseen = self.unit.members(np.array([place]))[:, 0]
+            foreseen = self.unit.members(place)
             rows, columns = assign(np.abs(sample.z[:, None] - foreseen))
             if len(rows) < len(foreseen):
                 raise UnresolvedError(place)
@@ -231,24 +228,20 @@ class Crossings:
         window, z = self.window, modes.z
         if of == "coalescence":
             value, root = passing(window, of, z)
-            half = (z[:1] - z[1:]) / 2
-            slope = float((half * (modes.slopes[:1] - modes.slopes[1:])).real[0])
-            together = modes.clusters[:1] == modes.clusters[1:]
-            error = modes.errors.max(keepdims=True)
-            doubt = error_of_half(np.abs(half), error, together=together)
-            return value, slope, float(doubt[0]), root
+            half, together = (z[0] - z[1]) / 2, modes.clusters[0] == modes.clusters[1]
+            slope = (half * (modes.slopes[0] - modes.slopes[1])).real
+            doubt = error_of_half(abs(half), modes.errors.max(), together=together)
+            return value, float(slope), float(doubt), root
         if of == "end":
             chosen = np.abs(window.roots(z) - window.roots(np.array([foreseen])))
         else:
             chosen = np.abs(z) if of == "zero" else np.abs(window.growth(z))
-        mode = modes[[int(np.argmin(chosen))]]
+        mode = modes[np.argsort(chosen)[:1]]
         value, root = passing(window, of, mode.z)
         if of == "zero":
             return value, float(mode.slopes[0].real), float(mode.errors[0]), root
-        doubt, upper = (
-            float(window.doubts(mode.z, mode.errors)[0]),
-            complex(window.roots(mode.z)[0]),
-        )
+        doubt = float(window.doubts(mode.z, mode.errors)[0])
+        upper = complex(window.roots(mode.z)[0])
         speed = complex(mode.slopes[0] if window.damped else -mode.slopes[0] / (2 * upper))
         if of == "end":
             return value, speed.imag, doubt, root
@@ -287,9 +280,13 @@ class Crossings:
             if j == i + 1 and nearest > 2 * abs(values[j] - values[i]) + errors[i] + errors[j]:
                 continue
             self._check_apart(grid[i + 1 : j], noise, by_bounds)
-            sign = int(signs[i])
-            place, least = _least(lambda t, sign=sign: sign * function(t), grid[i], grid[j])
-            doubt = float(error(np.array([place]))[0])
+            sign, bounds = int(signs[i]), (grid[i], grid[j])
+            options = {"xatol": 1e-12 * (grid[j] - grid[i])}
+            approach = minimize_scalar(
+                lambda t, sign=sign: sign * function(t), bounds=bounds, options=options
+            )
+            place, least = float(approach.x), float(approach.fun)
+            doubt = float(error(place))
             if least < -doubt:
                 yield _root(function, grid[i], place), -sign
                 yield _root(function, place, grid[j]), sign
@@ -316,29 +313,16 @@ def _signs(function: Function, grid: Floats) -> Iterator[tuple[float, int]]:
 
 
 def _root(function: Function, low: float, high: float) -> float:
-    if function(np.array([low]))[0] * function(np.array([high]))[0] >= 0:
+    if function(low) * function(high) >= 0:
         return (low + high) / 2
-    scale = 1e-15 * max(abs(low), abs(high)) + _TINY
-    return float(brentq(lambda t: float(function(np.array([t]))[0]), low, high, xtol=scale))
-
-
-def _least(function: Callable[..., Floats], low: float, high: float) -> tuple[float, float]:
-    """Least value of a function in an interval, and where it is."""
-    options = {"xatol": 1e-12 * (high - low)}
-    found = minimize_scalar(
-        lambda t: float(function(np.array([t]))[0]),
-        bounds=(low, high),
-        method="bounded",
-        options=options,
-    )
-    return float(found.x), float(found.fun)
+    return float(brentq(function, low, high, xtol=1e-15 * max(abs(low), abs(high)) + _TINY))
 
 
 def passing(window: Window, of: Quantity, z: Complexes) -> tuple[float, complex]:
     """What passes zero of a mode, or of both of a pair, and lambda: that which grows."""
     if of == "coalescence":
         square = ((z[0] - z[1]) / 2) ** 2
-        return float(square.real), complex(window.roots(z.mean(keepdims=True).real)[0])
+        return float(square.real), complex(window.roots(np.array([z.mean().real + 0j]))[0])
     if of == "zero":
         return float(z[0].real), 0j
     root = complex(window.roots(z)[0])

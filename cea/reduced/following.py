@@ -12,6 +12,7 @@ described by m and s, each a cubic Hermite interpolant through values and slopes
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,17 +108,15 @@ class Hermite:
         u = (middle - low) / (high - low)
         self.misfit = float(off / (4 * u * (1 - u)) ** 2)
 
-    def __call__(self, at: Floats) -> Floats | Complexes:
-        """Values at places, shape (n,)."""
-        values: Floats | Complexes = self._spline(at)
-        return values
+    def __call__(self, at: Any) -> Any:
+        """Values at a place or at several, shape (n,)."""
+        return self._spline(at)
 
-    def error(self, at: Floats) -> Floats:
-        """Bounds on the errors there, shape (n,)."""
+    def error(self, at: Any) -> Any:
+        """Bounds on the errors there."""
         low, middle, high = self._places
         u = np.where(at <= middle, (at - low) / (middle - low), (at - middle) / (high - middle))
-        bubble: Floats = self.misfit * (4 * u * (1 - u)) ** 2 + self._noise
-        return bubble
+        return self.misfit * (4 * u * (1 - u)) ** 2 + self._noise
 
 
 @dataclass(frozen=True)
@@ -129,16 +128,16 @@ class Unit:
     half: Hermite | None
     copies: int
 
-    def members(self, at: Floats) -> Complexes:
-        """The z of its modes at places, shape (1 or 2, n)."""
+    def members(self, at: Any) -> Complexes:
+        """The z of its modes at a place, shape (1 or 2,), or at several, shape (1 or 2, n)."""
         mean = np.asarray(self.mean(at), complex)
         if self.half is None:
             return mean[None]
         root = np.sqrt(np.asarray(self.half(at), complex))
         return np.stack([mean + root, mean - root])
 
-    def doubts(self, at: Floats) -> Floats:
-        """Bounds on the errors of lambda of its modes (1/s), shape (n,)."""
+    def doubts(self, at: Any) -> Any:
+        """Bounds on the errors of lambda of its modes (1/s)."""
         error = self.mean.error(at)
         if self.half is not None:
             root, own = np.sqrt(np.abs(self.half(at))), self.half.error(at)
@@ -212,8 +211,7 @@ def _partners(window: Window, samples: Sequence[Sample]) -> Ints:
         slope = half * (slopes[:, :, None] - slopes[:, None])
     slope[~np.isfinite(slope)] = 0.0  # of modes that have no interpolant
     square = CubicHermiteSpline(places, half**2, slope)
-    grid = np.concatenate([np.linspace(*ends, GRID) for ends in (places[:2], places[1:])])
-    distances = np.abs(square(grid))
+    distances = np.abs(square(grid_of(places)))
     near = distances.min(axis=0) <= _PARTNERS**2 * distances.max(axis=0)
     if not window.damped:
         mirrored = np.abs(z[:, :, None] - z[:, None].conj()) <= _CONJUGATES * np.abs(z)[:, :, None]
@@ -249,7 +247,13 @@ def _unit(window: Window, samples: Sequence[Sample], copies: int) -> Unit:
     return Unit(window, mean, Hermite(places, told[2], told[3], float(of_half)), copies)
 
 
-def error_of_half(distance: Floats, error: Floats, *, together: NDArray[np.bool_]) -> Floats:
+def grid_of(places: Sequence[float] | Floats) -> Floats:
+    """Points between three places at which signs are looked at."""
+    low, middle, high = places
+    return np.concatenate([np.linspace(low, middle, GRID), np.linspace(middle, high, GRID)[1:]])
+
+
+def error_of_half(distance: Any, error: Any, *, together: Any) -> Any:
     """Error of s of a pair from half the distance and the larger error of its members.
 
     Where both are judged together Elsner's bound of a member is the root of that of s.

@@ -123,26 +123,25 @@ def probability_table(made: "Swept") -> Table:
 
 def thresholds(made: "Swept") -> pd.DataFrame:
     """A row for each threshold, and one for each interval that is unresolved."""
-    names, rows = made.points.names, list[dict[str, Any]]()
+    first, *others = made.points.names
+    rows = []
     for each in made.record["thresholds"]:
-        rows.append(
-            {name: each[name] for name in names[1:]}
-            | {"value": each["value"], "bound": each["error"]}
-            | {"frequency": each["im"] / (2 * np.pi)}
-            | {"what": _WHAT[each["kind"]][each["change"] < 0]}
-            | {"full": each.get("full_solve_differs")}
-        )
+        what, full = _WHAT[each["kind"]][each["change"] < 0], each.get("full_solve_differs")
+        rows.append((each, each["value"], each["error"], what, full))
     for each in made.record["unresolved"]:
-        told = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
-        rows.append(
-            {name: each[name] for name in names[1:]}
-            | {"value": (each["low"] + each["high"]) / 2}
-            | {"bound": (each["high"] - each["low"]) / 2}
+        what = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
+        middle, half = (each["high"] + each["low"]) / 2, (each["high"] - each["low"]) / 2
+        rows.append((each, middle, half, what, None))
+    return pd.DataFrame(
+        [
+            {name: each[name] for name in others}
+            | {first: value, "bound": bound}
             | {"frequency": None if each["im"] is None else each["im"] / (2 * np.pi)}
-            | {"what": told, "full": None}
-        )
-    columns = [*names[1:], "value", "bound", "frequency", "what", "full"]
-    return pd.DataFrame(rows, columns=columns).rename(columns={"value": names[0]})
+            | {"what": what, "full": full}
+            for each, value, bound, what, full in rows
+        ],
+        columns=[*others, first, "bound", "frequency", "what", "full"],
+    )
 
 
 def full_solves(made: "Swept") -> pd.DataFrame:
