@@ -20,8 +20,7 @@ from cea.reduced.small import ModelLine, SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import Window
-from comparisons.sweep.boxes import Box, boxes_of
-from comparisons.sweep.points import Axis, Field, Points, plain_fields
+from comparisons.sweep.points import Axis, Box, Field, Points, boxes_of, plain_fields
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
 from comparisons.sweep.scene import InFull, Mapped, mapped, no_map

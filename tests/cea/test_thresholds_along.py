@@ -13,7 +13,6 @@ from random_lines import (
     random_line,
     scan,
 )
-from scipy.linalg import qr
 
 from cea.reduced.thresholds import thresholds_along
 
@@ -29,9 +28,9 @@ def check(line, values, dense=UNIT):
     return found
 
 
-def near(found, value, slack=1e-7):
+def near(found, value):
     """Thresholds at a value."""
-    return [each for each in found.thresholds if abs(each.value - value) <= slack]
+    return [each for each in found.thresholds if abs(each.value - value) <= 1e-7]
 
 
 SYSTEMS = {
@@ -65,11 +64,6 @@ def test_a_thousand_random_systems_have_the_thresholds_of_a_scan(first):
         unresolved += len(found.unresolved)
         intervals += len(values) - 1
     assert unresolved <= 0.01 * intervals
-
-
-def pairs(**options):
-    """A pair w +- c sqrt((t - t0) (t - t1)) flutters between t0 and t1."""
-    return lambda where: coupled_pairs(where, end=3.0, **options)
 
 
 DAMPINGS = [None, 1e-6, 1e-3]
@@ -169,22 +163,12 @@ def test_what_is_not_resolved_for_its_price_is_told():
 
 def test_a_brief_flutter_between_far_samples_is_found():
     """A hardly damped pair grows from 0.012 to 0.018 only: beside that its growth is flat."""
-    generator = np.random.default_rng(695)
-    n = int(generator.choice([4, 6, 10]))
-    Q = generator.standard_normal((n, n))
-    M = Q @ Q.T / n + np.eye(n)
-    w = np.sort(generator.uniform(1, 6, n))
-    V, L = qr(generator.standard_normal((n, n)))[0], np.linalg.cholesky(M)
-    K = L @ ((V * w**2) @ V.T) @ L.T
-    X = generator.standard_normal((n, n))
-    A = L @ (X - generator.choice([0.2, 1.0]) * X.T) @ L.T * generator.choice([1.0, 3.0])
-    Y = generator.standard_normal((n, n))
-    C = 1e-6 * L @ (0.02 * np.eye(n) + 0.02 * Y @ Y.T / n) @ L.T
-    end = float(w[-1] * generator.choice([0.75, 1.3]))
-    B = 0.7 * L @ generator.standard_normal((n, n)) @ L.T
-    stiffness = [*linear(K, A), (lambda t: np.sin(5 * t), lambda t: 5 * np.cos(5 * t), B)]
-    damping = [*constant(C), (lambda t: t**2 - t, lambda t: 2 * t - 1, 2 * C)]
-    found = check(DenseLine(stiffness, constant(M), damping, end), [0.0, 0.5, 1.0])
+    line = random_line(695, damping=1e-6, nonlinear=True)
+    (*linear_terms, (wave, slope, matrix)), (constant_mass, _) = line.stiffness, line.mass
+    line.stiffness, line.mass = [*linear_terms, (wave, slope, 1.4 * matrix)], [constant_mass]
+    ((*_, C),) = line.damping
+    line.damping = [*line.damping, (lambda t: t**2 - t, lambda t: 2 * t - 1, 2 * C)]
+    found = check(line, [0.0, 0.5, 1.0])
     assert not found.unresolved
     brief = [each for each in found.thresholds if 0.01 < each.value < 0.02]
     assert [each.begins for each in brief] == [True, False]

@@ -11,44 +11,28 @@ from time import monotonic, sleep
 import numpy as np
 import pytest
 import xarray
+from mpi import command
 from reference_data import plane_meshes
+from sweep_cases import COARSE_DISC, MESHES, MU, P, assert_within_bounds, sine_blocks
 
 from cea.eigen.driver import EigenSolver
-from cea.eigen.matching import assign
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
-from comparisons.cli.app import main
-from comparisons.sweep.boxes import boxes_of
 from comparisons.sweep.page import read_sweep, write_sweep
-from comparisons.sweep.points import Axis, read_axis, read_fields, table_of
+from comparisons.sweep.points import Axis, boxes_of, read_axis, read_fields, table_of
 from comparisons.sweep.scene import NoMapError, mapped
 from comparisons.sweep.store import fingerprint
 from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import modes, sensitivities, thresholds, values
 
-MESHES = {
-    "fe": {"upper": [8, 2], "lower": [5, 3]},
-    "iga": {"upper": [10, 2], "lower": [7, 3]},
-}
-MU, P = "contacts.interface.mu", "contacts.interface.P"
 WAY = "contacts.interface.friction_direction_on_a"
+TOP = ("analysis.max_frequency=0.4", "analysis.growth_threshold=0.0")
 RNG = np.random.default_rng(5)
 
 
-def overrides(backend):
-    """The blocks with friction that flutters at mu0 below one, on coarse meshes."""
-    return (
-        "contacts.interface.mu='sin(pi*x/2)'",
-        "analysis.max_frequency=0.4",
-        "analysis.growth_threshold=0.0",
-        *(f"bodies.{name}.backend='{backend}'" for name in ("upper", "lower")),
-        *plane_meshes(backend, 2, MESHES[backend]),
-    )
-
-
 def asked(backend, *axes, **options):
-    return Asked("blocks", read_fields(axes), overrides(backend), **options)
+    return Asked("blocks", read_fields(axes), sine_blocks(backend, *TOP), **options)
 
 
 @pytest.fixture(scope="module")
@@ -83,12 +67,8 @@ def test_values_and_slopes_are_those_of_full_solves(made, backend):
         np.testing.assert_array_equal(at, spectra.growth[3 * 4 + 2])
     for i in (13 * 4 + 1, *RNG.integers(0, 84, 4)):
         there = spectra.there[i]
-        found = spectra.growth[i][there] + 2j * np.pi * spectra.frequency[i][there]
         modes = scene.driver.solve(0.42, scene.point(points.values[i]), left=True)
-        rows, columns = assign(np.abs(found[:, None] - modes.eigenvalues))
-        assert len(rows) == len(found)
-        off = np.abs(found[rows] - modes.eigenvalues[columns])
-        assert (off <= spectra.uncertainty[i][there] + modes.growth_uncertainties[columns]).all()
+        rows, columns = assert_within_bounds(swept, i, modes)
         assert (spectra.mean_error[i][there] < 1e-8).all()
         if i != 13 * 4 + 1:  # where none coalesce
             continue
@@ -156,7 +136,7 @@ def test_boxes_hold_every_point_once_but_for_shared_borders():
 
 
 @pytest.mark.slow
-def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, monkeypatch, capsys):
+def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend):
     swept, _, folder = made(backend)
     names = {"sweep.nc", "sweep.csv", "thresholds.csv", "full_solves.csv", "modes.csv", "map.png"}
     assert names <= {file.name for file in folder.iterdir()}
@@ -168,11 +148,8 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, mon
     assert len(modes(again)) == swept.spectra.there.sum()
     (folder / "map.png").unlink()
     axes = ["mu=0:2:21", "P=0.5:500:log:4"]
-    command = ["cea", "sweep", "blocks", *axes, "--redraw", "--out", str(folder)]
-    monkeypatch.setattr(sys, "argv", command)
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert not end.value.code, capsys.readouterr().err
+    done = command("sweep", "blocks", *axes, "--redraw", "--out", str(folder))
+    assert not done["code"], done["err"]
     assert (folder / "map.png").exists()
 
 
@@ -180,14 +157,14 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, mon
 def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     """SIGKILL once three full solves are stored: all of them serve again."""
     out = tmp_path / "out"
-    settings = [part for each in overrides("iga") for part in ("--set", each)]
-    command = [
+    settings = [part for each in sine_blocks("iga", *TOP) for part in ("--set", each)]
+    words = [
         Path(sys.executable).with_name("cea"),
         *("sweep", "blocks", "mu=0:2:21", "P=0.01:5e4:log:9", "--checks", "1", "--confirm", "0"),
         *settings,
         *("--out", out),
     ]
-    running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    running = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     third = tmp_path / "out.unfinished" / "solve-0002.rank0.npz"
     begun = monotonic()
     while not third.exists() and running.poll() is None and monotonic() - begun < 120:
@@ -197,7 +174,7 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     assert third.exists()
     assert not (out / "result.json").exists()
     stored = len(list(third.parent.glob("solve-*.npz")))
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     data = json.loads((out / "result.json").read_text())
     assert data["stored_before"] == stored
@@ -231,7 +208,7 @@ def test_what_was_solved_before_an_interruption_is_not_solved_again(tmp_path):
 def test_the_fingerprint_of_a_changed_scene_is_another(backend, change):
     marks = []
     for more in ((), (), (change,)):
-        scene = mapped("blocks", [read_axis("mu=0:1:3")], (*overrides(backend), *more))
+        scene = mapped("blocks", [read_axis("mu=0:1:3")], sine_blocks(backend, *TOP, *more))
         marks.append(fingerprint(scene))
         scene.driver.free()
     assert marks[0] == marks[1] != marks[2]
@@ -277,15 +254,13 @@ def test_warnings_of_full_solves_reach_the_map(tmp_path):
 
 
 @pytest.mark.grid
-@pytest.mark.parametrize("command", ["sweep", "threshold"])
-def test_the_commands_run_on_a_backend(command, backend, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("name", ["sweep", "threshold"])
+def test_the_commands_run_on_a_backend(name, backend, tmp_path):
     coarse = (*plane_meshes(backend, 2, MESHES[backend]), "analysis.max_frequency=0.3")
     settings = [part for each in coarse for part in ("--set", each)]
     chosen = ["--backend", backend, *settings, "--out", str(tmp_path / "out")]
-    monkeypatch.setattr(sys, "argv", ["cea", command, "blocks", "mu=0:0.2:3", *chosen])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert not end.value.code, capsys.readouterr().err
+    done = command(name, "blocks", "mu=0:0.2:3", *chosen)
+    assert not done["code"], done["err"]
     found = json.loads((tmp_path / "out" / "result.json").read_text())
     assert f'bodies.upper.backend="{backend}"' in found["inputs"]["set"]
     assert (tmp_path / "out" / "sweep.png").exists()
@@ -321,7 +296,6 @@ def test_maps_that_are_none_are_refused():
     with pytest.raises(InputError, match="zero or positive"):
         mapped("blocks", [read_axis("mu=-1:1:3")])
     modal = "bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}"
-    coarse = ("bodies.pad.mesh.iga.elements=[3,6,2]", "bodies.disc.mesh.iga.elements=[5,32,1]")
     axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
     with pytest.raises(NoMapError, match="modes were found that are damped"):
-        mapped("disc_pad_damped", [axis], (*coarse, modal))
+        mapped("disc_pad_damped", [axis], (*COARSE_DISC, modal))

@@ -1,25 +1,22 @@
 """Fields that are swept, by their names in a scene: on a basis and in full."""
 
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 from changed_scenes import scene_of
+from mpi import command
+from sweep_cases import MU, P, eigenvalues, sweep_of
 
 from cea.errors import ConvergenceError, InputError
-from comparisons.cli.app import main
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import NoMapError, mapped
-from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import values
 from scenes import load_scene, run_modes
 from scenes.running.assembled import AssembledScene
 from scenes.running.swept import parameters_meant
 from scenes.spec.toml import scene_text
 
-MU, P = "contacts.interface.mu", "contacts.interface.P"
 PRESSURE = "loads.0.pressure"
 MESHES = tuple(
     f"bodies.{body}.mesh.{mesh}.elements={elements}"
@@ -52,13 +49,8 @@ def test_p_scales_the_stiffness_of_a_contact(name):
 
 def in_full(file, field, low, high, *overrides, count=2):
     """A sweep that is solved in full."""
-    axis = read_axis(f"{field}={low}:{high}:{count}")
-    return run(Asked(file, (axis,), overrides, why_in_full="--full"), Path("unused"))
-
-
-def eigenvalues(swept, i):
-    there = swept.spectra.there[i]
-    return swept.spectra.growth[i][there] + 2j * np.pi * swept.spectra.frequency[i][there]
+    axis = f"{field}={low}:{high}:{count}"
+    return sweep_of(file, [axis], "unused", overrides, why_in_full="--full")
 
 
 def assert_runs(swept, scenes):
@@ -81,13 +73,16 @@ def test_p_that_is_no_number_in_the_scene_is_refused(name):
 @pytest.mark.parametrize(
     "name",
     [
-        *(
-            "bodies.upper.geometry.size.0",
-            "bodies.upper.mesh.fe.degree",
-            "bodies.upper.material.nu",
-        ),
-        *("bodies.upper.supports.0", "contacts.interface.formulation.points"),
-        *("analysis.max_frequency", "bodies.upper.material.Ee", "alpha", "Omega", "nonsense"),
+        "bodies.upper.geometry.size.0",
+        "bodies.upper.mesh.fe.degree",
+        "bodies.upper.material.nu",
+        "bodies.upper.supports.0",
+        "contacts.interface.formulation.points",
+        "analysis.max_frequency",
+        "bodies.upper.material.Ee",
+        "alpha",
+        "Omega",
+        "nonsense",
     ],
 )
 def test_what_is_no_parameter_is_refused_beside_all_that_are(name):
@@ -192,19 +187,15 @@ def test_thresholds_in_full_lie_between_values(monkeypatch):
     told = swept.record["thresholds"]
     assert told
     monkeypatch.undo()
-    exact = run(Asked(scene, (read_axis("mu=0:2:6"),), tuple(changes)), Path("unused"))
-    exact.store.discard()
+    exact = sweep_of(scene, ["mu=0:2:6"], "unused", changes)
     for each in exact.record["thresholds"]:
         assert any(abs(each["value"] - t["value"]) <= t["error"] for t in told)
     assert "no-answer" in [each["kind"] for each in swept.record["warnings"]]
 
 
-def test_a_field_without_a_map_is_solved_in_full(tmp_path, monkeypatch, capsys):
+def test_a_field_without_a_map_is_solved_in_full(tmp_path):
     settings = ["--set", "analysis.max_frequency=0.3", "--out", str(tmp_path / "out")]
-    axis = "bodies.upper.material.nu=0.2:0.3:2"
-    monkeypatch.setattr(sys, "argv", ["cea", "sweep", "blocks", axis, *settings])
-    with pytest.raises(SystemExit) as end:
-        main()
-    told = capsys.readouterr()
-    assert not end.value.code, told.err
-    assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told.out
+    done = command("sweep", "blocks", "bodies.upper.material.nu=0.2:0.3:2", *settings)
+    assert not done["code"], done["err"]
+    told = "Solved in full at each value: parameter = 'bodies.upper.material.nu'"
+    assert told in done["out"]
