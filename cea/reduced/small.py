@@ -120,15 +120,13 @@ class ModelLine:
     """Spectra of a reduced model along a line, a :class:`cea.reduced.thresholds.Line`.
 
     ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
-    more than ``level`` (1/s) count; places on the line may be logarithms of values; spectra that
-    are known serve again.
+    more than ``level`` (1/s) count; spectra that are known serve again.
     """
 
     small: SmallPencil
     parameters: Callable[[float], Values]
     rates: Mapping[str, float]
     level: float = 0.0
-    logarithmic: bool = False
     known: dict[float, ReducedSpectrum] = field(default_factory=dict)
 
     @property
@@ -136,23 +134,11 @@ class ModelLine:
         """What is looked at."""
         return replace(self.small.settings.window, level=self.level)
 
-    def place(self, value: float) -> float:
-        """Where a value is on the line."""
-        return float(np.log(value)) if self.logarithmic else value
-
-    def value(self, place: float) -> float:
-        """The value at a place."""
-        return float(np.exp(place)) if self.logarithmic else place
-
-    def speed(self, place: float) -> float:
-        """Derivative of the value in the place."""
-        return self.value(place) if self.logarithmic else 1.0
-
     def at(self, value: float) -> Sample:
-        """The spectrum at a place."""
-        at = self.parameters(self.value(value))
+        """The spectrum at a value."""
+        at = self.parameters(value)
         found = self.known.get(value) or self.small.at(at)
-        slopes = self.small.slopes(found, at, self.rates) * self.speed(value)
+        slopes = self.small.slopes(found, at, self.rates)
         vectors = found.shapes / np.linalg.norm(found.shapes, axis=0)
         bounds = found.errors, found.means, found.clusters
         sample = Sample(value, found.z, slopes, *bounds, vectors)

@@ -10,8 +10,8 @@ Growing modes are counted in both half planes, so that a pair that becomes two r
 changes nothing.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from itertools import pairwise
 from typing import Protocol
@@ -109,14 +109,49 @@ def thresholds_along(
     *,
     resolution: float = RESOLUTION,
     budget: int | None = None,
+    logarithmic: bool = False,
 ) -> Found:
     """All thresholds between the first and the last of two values or more.
 
-    Intervals are halved down to ``resolution`` of the axis; at most ``budget`` spectra are made for
-    each value.
+    Intervals, of the logarithms of values where it is said, are halved down to ``resolution`` of
+    the axis; at most ``budget`` spectra are made for each value.
     """
     most = BUDGET if budget is None else budget
-    return _Search(line, sorted(values), resolution, most).run()
+    if not logarithmic:
+        return _Search(line, sorted(values), resolution, most).run()
+    places = {float(np.log(value)): value for value in sorted(values)}
+    found = _Search(_OfLogarithms(line, places), list(places), resolution, most).run()
+    found.thresholds = [
+        replace(
+            each,
+            value=float(np.exp(each.value)),
+            error=float(each.error * np.exp(each.value)),
+            slope=float(each.slope / np.exp(each.value)),
+        )
+        for each in found.thresholds
+    ]
+    found.unresolved = [
+        replace(each, low=float(np.exp(each.low)), high=float(np.exp(each.high)))
+        for each in found.unresolved
+    ]
+    return found
+
+
+@dataclass(frozen=True)
+class _OfLogarithms:
+    """A line over logarithms of values, some of which are given."""
+
+    line: Line
+    given: Mapping[float, float]
+
+    @property
+    def window(self) -> Window:
+        return self.line.window
+
+    def at(self, value: float) -> Sample:
+        own = self.given.get(value, float(np.exp(value)))
+        sample = self.line.at(own)
+        return replace(sample, value=value, slopes=sample.slopes * own)
 
 
 class _Search:

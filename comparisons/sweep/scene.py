@@ -86,19 +86,23 @@ def mapped(
     if is_of_matrices(scene):
         assembled = matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
         analysis: Any = matrices.scene.window
-        warnings: Warnings = lambda modes, _: matrices.warnings(modes)  # noqa: E731
         names = _names(matrices.driver.pencil, fields, {}, ())
     else:
         _refuse_data(data)
         read = in_saddle_form(load_scene(scene, list(overrides)))
         assembled = bodies = AssembledScene(read)
         analysis = read.analysis
-        warnings = lambda modes, at: bodies.warnings(modes, analysis.max_frequency, at)  # noqa: E731
         names = _names(bodies.driver.pencil, fields, read.contacts, bodies.bonded)
         moved = [name for each in names for name in each if bodies.depends_on_state([name])]
         if moved:
             bodies.free()
             raise NoMapError("axis", moved[0], "no parameter that moves a state of steady sliding")
+
+    def warnings(modes: Modes, at: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        if isinstance(assembled, AssembledMatrices):
+            return assembled.warnings(modes)
+        return assembled.warnings(modes, analysis.max_frequency, at)
+
     driver, least = assembled.driver, []
     for each in names:
         meant = [driver.pencil.parameter(name) for name in each]

@@ -1,7 +1,7 @@
 """A sweep: modes of a scene at a table of points, by bases of few full solves or in full."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -276,7 +276,7 @@ class _Run:
     def _thresholds(
         self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]
     ) -> dict[str, Any]:
-        """Thresholds along a line, and what is not resolved; values in place of logarithms."""
+        """Thresholds along a line, and what is not resolved."""
         scene, points = self._scene, self._scene.points
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
         line = ModelLine(
@@ -284,26 +284,13 @@ class _Run:
             lambda value: scene.pencil.values(scene.point((value, *others))),
             scene.names[0],
             scene.growth_threshold or 0.0,
-            points.logarithmic,
+            dict(zip(values, spectra, strict=True)),
         )
-        places = [line.place(value) for value in values]
-        line.known.update(zip(places, spectra, strict=True))
-        found, at = thresholds_along(line, places), dict(zip(points.names[1:], others, strict=True))
-        of_values = [
-            replace(
-                each,
-                value=line.value(each.value),
-                error=each.error * line.speed(each.value),
-                slope=each.slope / line.speed(each.value),
-            )
-            for each in found.thresholds
-        ]
-        left = [
-            replace(e, low=line.value(e.low), high=line.value(e.high)) for e in found.unresolved
-        ]
+        found = thresholds_along(line, values, logarithmic=points.logarithmic)
+        at = dict(zip(points.names[1:], others, strict=True))
         return {
-            "thresholds": [at | plain(each) for each in of_values],
-            "unresolved": [at | plain(each) for each in left],
+            "thresholds": [at | plain(each) for each in found.thresholds],
+            "unresolved": [at | plain(each) for each in found.unresolved],
             "resolution": found.resolution,
         }
 

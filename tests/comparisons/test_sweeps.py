@@ -158,12 +158,8 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     """SIGKILL once three full solves are stored: all of them serve again."""
     out = tmp_path / "out"
     settings = [part for each in sine_blocks("iga", *TOP) for part in ("--set", each)]
-    words = [
-        Path(sys.executable).with_name("cea"),
-        *("sweep", "blocks", "mu=0:2:21", "P=0.01:5e4:log:9", "--checks", "1", "--confirm", "0"),
-        *settings,
-        *("--out", out),
-    ]
+    line = "sweep blocks mu=0:2:21 P=0.01:5e4:log:9 --checks 1 --confirm 0"
+    words = [Path(sys.executable).with_name("cea"), *line.split(), *settings, "--out", out]
     running = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     third = tmp_path / "out.unfinished" / "solve-0002.rank0.npz"
     begun = monotonic()
