@@ -62,11 +62,6 @@ class Threshold:
     change: int
     kind: str
 
-    @property
-    def begins(self) -> bool:
-        """Whether growing modes become more as the parameter rises."""
-        return self.change > 0
-
 
 @dataclass(frozen=True)
 class Crossings:

@@ -12,7 +12,6 @@ from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
-from cea.eigen.modes import uncertainties_of
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certificate, Pairs, Polynomial
 from cea.reduced.window import MARGIN, Window
@@ -119,9 +118,7 @@ class ReducedSpectrum(Certificate):
     @property
     def uncertainties(self) -> Floats:
         """Bounds on errors of lambda (1/s), shape (n,)."""
-        if self.settings.window.damped:
-            return self.errors
-        return uncertainties_of(self.eigenvalues, self.errors)
+        return self.settings.window.doubts(self.z, self.errors)
 
     @property
     def mean_errors(self) -> Floats:

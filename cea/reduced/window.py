@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.modes import uncertainties_of
 
 MARGIN = 1.15
 """Frequency up to which modes are known beyond the window, relative to its end."""
@@ -51,9 +52,7 @@ class Window:
 
     def doubts(self, z: Complexes, errors: Floats) -> Floats:
         """Errors of lambda (1/s) that errors of z make."""
-        if self.damped:
-            return errors
-        return errors / np.maximum(2 * np.sqrt(np.abs(z)), np.sqrt(errors) + np.finfo(float).tiny)
+        return errors if self.damped else uncertainties_of(self.roots(z), errors)
 
     def far(self, z: Complexes, part: float = 1.0) -> NDArray[np.bool_]:
         """Which lie beyond a part of the window, or decay too fast to be known."""

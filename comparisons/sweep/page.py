@@ -11,7 +11,7 @@ from comparisons.study.result import RESULT, read_result
 from comparisons.study.sections import Drawing
 from comparisons.sweep.figures import line_figure, map_figure, samples_figure
 from comparisons.sweep.points import Points
-from comparisons.sweep.spectra import read_netcdf, read_samples, write_netcdf
+from comparisons.sweep.spectra import read_netcdf, write_netcdf
 from comparisons.sweep.study import COMMAND, Swept
 from comparisons.sweep.tables import sections_of
 from scenes.results.record import write_record
@@ -49,13 +49,13 @@ def _drawings(points: Points) -> list[Drawing]:
 def read_sweep(out: Path) -> Swept:
     """A sweep that was written; refused where the folder holds none."""
     data = read_result(out, COMMAND)
-    told = data.get("axes") or data["fields"]
+    grid, told = "axes" in data, data.get("axes") or data["fields"]
     names = tuple(each["name"] for each in told)
-    if "axes" in data:
-        grid = np.meshgrid(*(axis["values"] for axis in told), indexing="ij")
-        values = np.stack([each.ravel() for each in grid], axis=1)
-        points = Points(names, values, grid[0].shape, bool(data["inputs"]["fields"][0]["log"]))
+    values, spectra = read_netcdf(names, out / FILE, grid=grid)
+    if grid:
+        logarithmic = bool(data["inputs"]["fields"][0]["log"])
+        points = Points.of_axes(names, values, logarithmic=logarithmic)
     else:
         cut = tuple(field["cut"] for field in told)
-        points = Points(names, read_samples(names, out / FILE), cut=cut)
-    return Swept(data, points, read_netcdf(points, out / FILE), None)
+        points = Points(names, np.stack(values, axis=1), cut=cut)
+    return Swept(data, points, spectra, None)

@@ -3,7 +3,7 @@
 They lie in boxes, each with its own basis: an axis over more than two decades is cut.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
 from typing import Any, Literal, get_args
@@ -145,6 +145,13 @@ class Points:
     logarithmic: bool = False
     cut: tuple[float, ...] = ()
 
+    @classmethod
+    def of_axes(cls, names: tuple[str, ...], axes: list[Floats], *, logarithmic: bool) -> "Points":
+        """All points of a grid."""
+        grid = np.meshgrid(*axes, indexing="ij")
+        values = np.stack([each.ravel() for each in grid], axis=1)
+        return cls(names, values, grid[0].shape, logarithmic)
+
     @property
     def ends(self) -> list[tuple[float, float]]:
         """Least and greatest value of each field."""
@@ -165,9 +172,8 @@ def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: 
     names = tuple(each.name for each in fields)
     axes = [each for each in fields if isinstance(each, Axis)]
     if axes:
-        grid = np.meshgrid(*(each.values for each in axes), indexing="ij")
-        values = np.stack([each.ravel() for each in grid], axis=1)
-        return Points(names, values, grid[0].shape, axes[0].logarithmic)
+        own = [np.array(each.values) for each in axes]
+        return Points.of_axes(names, own, logarithmic=axes[0].logarithmic)
     spread = [each for each in fields if isinstance(each, Distribution)]
     cut = [each.above(low) for each, low in zip(spread, least, strict=True)]
     probabilities = np.random.default_rng(seed).random((len(fields), count))
@@ -211,11 +217,6 @@ def read_fields(texts: Sequence[str]) -> tuple[Field, ...]:
         raise InputError("axis", other, "a distribution, as the others are: name~normal:0.4:0.05")
     read: Any = read_distribution if any(spread) else read_axis
     return tuple(map(read, texts))
-
-
-def plain_fields(fields: Sequence[Field]) -> list[Mapping[str, Any]]:
-    """Fields as plain data."""
-    return [each.plain() for each in fields]
 
 
 def _check_end(name: str, value: float, *, positive: bool) -> None:

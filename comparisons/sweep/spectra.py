@@ -124,13 +124,11 @@ class Spectra:
 
     @classmethod
     def _stacked(cls, rows: Sequence[Mapping[str, Any]]) -> "Spectra":
-        width = max(len(row["growth"]) for row in rows)
-        return cls(
-            **{
-                name: np.stack([_widened(np.asarray(row[name])[None], width)[0] for row in rows])
-                for name in rows[0]
-            }
-        )
+        parts = []
+        for i, row in enumerate(rows):
+            single = {name: np.asarray(value)[None] for name, value in row.items()}
+            parts.append((np.array([i]), cls(**single)))
+        return cls.joined(parts, len(rows))
 
     @classmethod
     def joined(cls, parts: Sequence[tuple[Ints, "Spectra"]], count: int) -> "Spectra":
@@ -205,23 +203,16 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
     part.replace(file)
 
 
-def read_samples(names: Sequence[str], file: Path) -> Floats:
-    """What was drawn of fields, shape (samples, fields)."""
+def read_netcdf(names: Sequence[str], file: Path, *, grid: bool) -> tuple[list[Floats], Spectra]:
+    """Values of axes, or what was drawn of fields, and modes that were written."""
     import xarray
 
     with xarray.open_dataset(file, engine=ENGINE) as opened:
-        return np.stack([np.array(opened[name]) for name in names], axis=1)
-
-
-def read_netcdf(points: Points, file: Path) -> Spectra:
-    """Modes that were written."""
-    import xarray
-
-    with xarray.open_dataset(file, engine=ENGINE) as opened:
-        get = {name: np.array(opened[name]) for name in _ABOUT if name in opened}
-    lead = len(points.counts) or 1
+        values = [np.array(opened[name]) for name in names]
+        stored = {name: np.array(opened[name]) for name in _ABOUT if name in opened}
+    lead = len(names) if grid else 1
     flat: dict[str, Any] = {
-        name: each.reshape(len(points.values), *each.shape[lead:]) for name, each in get.items()
+        name: each.reshape(-1, *each.shape[lead:]) for name, each in stored.items()
     }
     flat.setdefault("number", np.full(flat["growth"].shape, -1, dtype=np.int64))
-    return Spectra(**flat)
+    return values, Spectra(**flat)

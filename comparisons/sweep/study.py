@@ -20,7 +20,7 @@ from cea.reduced.small import ModelLine, SmallPencil
 from cea.reduced.spectrum import ReducedSpectrum
 from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import Window
-from comparisons.sweep.points import Axis, Box, Field, Points, boxes_of, plain_fields
+from comparisons.sweep.points import Axis, Box, Field, Points, boxes_of
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
 from comparisons.sweep.scene import InFull, Mapped, mapped, no_map
@@ -82,7 +82,8 @@ class Asked:
 
     def plain(self) -> dict[str, Any]:
         """It as plain data."""
-        told: dict[str, Any] = {"scene": str(self.scene), "fields": plain_fields(self.fields)}
+        fields = [each.plain() for each in self.fields]
+        told: dict[str, Any] = {"scene": str(self.scene), "fields": fields}
         told |= {"set": list(self.overrides), "data": self.data, "full": bool(self.why_in_full)}
         if not self.grid:
             told |= {"samples": self.samples, "seed": self.seed}

@@ -1,6 +1,6 @@
 """What a sweep says: its first lines, its tables, the sections of its page."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
@@ -79,46 +79,40 @@ def sections_of(made: "Swept", drawings: list[Drawing]) -> list[Section]:
     tables.append(Table("sweep", "All values.", values, own, shown=few))
     if made.spectra.growth.size <= _MODES:
         tables.append(Table("modes", "Every mode.", modes, own, shown=False))
-    basis = []
-    if "why" not in data:
+    why, basis = "", []
+    if "why" in data:
+        why = f"Solved in full at each value: {data['why']}"
+    else:
         caption = "What moves the growth rate of the fastest mode: its derivatives."
         tables.append(Table("sensitivities", caption, sensitivities, own, shown=few))
         caption = "Full solves that bases rest on; errors of the reduced model there before."
         basis.append(Table("full_solves", caption, full_solves, own))
-    why = f"Solved in full at each value: {data['why']}" if "why" in data else ""
+    title, answers = "Thresholds", [answer_table(made)]
+    if not made.points.counts:
+        title, drawn = "Probability of growth", f"spread, seed {data['inputs']['seed']}."
+        answers.append(Table("fields", f"Fields that are {drawn}", fields, own))
     return [
         Section("What grows where", why, lambda _: f"{headline(data)} {words(made)}", [], drawings),
         Section("Warnings", tables=[Table("warnings", "", warnings)]),
-        Section(*_of_points(made, own)),
+        Section(title, tables=answers),
         Section("Values", tables=tables),
         Section("Full solves", tables=basis),
     ]
 
 
-def _of_points(made: "Swept", own: dict[Any, Column]) -> tuple[Any, ...]:
-    """Title, text, headline and tables of what a grid has and what samples have."""
-    if made.points.counts:
-        return "Thresholds", "", None, [thresholds_table(made, own)]
-    drawn = f"Fields that are spread, seed {made.record['inputs']['seed']}."
-    tables = [probability_table(made), Table("fields", drawn, fields, own)]
-    return "Probability of growth", "", None, tables
-
-
-def thresholds_table(made: "Swept", own: dict[Any, Column] | None = None) -> Table:
-    """Where the number of growing modes changes."""
-    data = made.record
+def answer_table(made: "Swept") -> Table:
+    """Where the number of growing modes changes; of samples how many grow."""
+    data, names = made.record, made.points.names
+    if not made.points.counts:
+        caption = f"Samples that grow, of {data['values']}; intervals of 95 per cent."
+        return Table("probability", caption, probability, OWN)
     told = f"{data['resolution']:.1e}" if data["resolution"] else "no interval by count alone"
     if "why" in data:
         told = "the step between values, each of which is solved in full"
-    caption = f"Where the number of growing modes changes along {made.points.names[0]}. "
-    shown_as = (own or OWN) | {made.points.names[0]: Column(made.points.names[0], show=shown(10))}
-    return Table("thresholds", f"{caption}Resolution: {told}.", thresholds, shown_as)
-
-
-def probability_table(made: "Swept") -> Table:
-    """How many samples grow."""
-    caption = f"Samples that grow, of {made.record['values']}; intervals of 95 per cent."
-    return Table("probability", caption, probability, OWN)
+    caption = f"Where the number of growing modes changes along {names[0]}. Resolution: {told}."
+    others = {name: Column(name, show=shown(6)) for name in names[1:]}
+    own = OWN | others | {names[0]: Column(names[0], show=shown(10))}
+    return Table("thresholds", caption, thresholds, own)
 
 
 def thresholds(made: "Swept") -> pd.DataFrame:

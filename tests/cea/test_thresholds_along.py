@@ -171,7 +171,7 @@ def test_a_brief_flutter_between_far_samples_is_found():
     found = check(line, [0.0, 0.5, 1.0])
     assert not found.unresolved
     brief = [each for each in found.thresholds if 0.01 < each.value < 0.02]
-    assert [each.begins for each in brief] == [True, False]
+    assert [each.change > 0 for each in brief] == [True, False]
 
 
 @pytest.mark.parametrize("bound", [1e-4, 1e-2, 0.1, 0.5])
