@@ -1,18 +1,14 @@
 """Samples of fields that are spread: probabilities of growth, and every sample's certificate."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from mpi import command
 from reference_data import stored
-from scipy.stats import kstest, lognorm, norm, truncnorm
 from sweep_cases import MU, assert_within_bounds, sine_blocks
 
-from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from comparisons.sweep.page import write_sweep
-from comparisons.sweep.points import Distribution, read_distribution, read_fields, table_of
+from comparisons.sweep.points import read_fields
 from comparisons.sweep.probabilities import growing, probabilities, wilson
 from comparisons.sweep.scene import mapped
 from comparisons.sweep.spectra import Spectra
@@ -142,81 +138,11 @@ def test_samples_are_those_of_full_solves(backend, tmp_path):
     scene.driver.free()
 
 
-@pytest.mark.parametrize(
-    ("text", "law"),
-    [
-        ("mu~normal:0.4:0.05", norm(0.4, 0.05)),
-        ("mu~normal:0.1:0.1:0:0.2", truncnorm(-1, 1, 0.1, 0.1)),
-        ("P~lognormal:1e9:0.5", lognorm(0.5, scale=1e9)),
-    ],
-)
-def test_samples_follow_their_distribution(text, law):
-    """Kolmogorov and Smirnov, whose statistic is no chance at this seed."""
-    values = drawn(text)[:, 0]
-    assert kstest(values, law.cdf).pvalue > 0.01
-    shifted = replace(read_distribution(text), first=1.3 * read_distribution(text).first)
-    assert kstest(table_of([shifted], [0.0], 5000, 11).values[:, 0], law.cdf).pvalue < 1e-6
-
-
-def drawn(*texts, seed=11):
-    return table_of(read_fields(texts), [0.0] * len(texts), 5000, seed).values
-
-
-def test_fields_are_drawn_independently_and_by_their_seed():
-    both = ("mu~uniform:0:1", "P~uniform:2:3")
-    values = drawn(*both)
-    assert abs(np.corrcoef(values.T)[0, 1]) < 0.05
-    assert values[:, 1].min() >= 2
-    np.testing.assert_array_equal(drawn(*both), values)
-    assert (drawn(*both, seed=1) != values).any()
-
-
-def test_what_a_field_may_not_have_is_cut_off_and_told():
-    """A sixth of a normal distribution lies more than one deviation below its mean."""
-    points = table_of(read_fields(["mu~normal:0.1:0.1", "P~uniform:-1:3"]), [0.0, 0.0], 5000, 2)
-    assert points.cut == pytest.approx((norm.cdf(-1), 0.25))
-    assert points.values.min() >= 0
-    assert kstest(points.values[:, 0], truncnorm(-1, np.inf, 0.1, 0.1).cdf).pvalue > 0.01
-
-
 def test_intervals_of_wilson():
     """Five of ten: 0.2366 to 0.7634 (Brown, Cai, DasGupta, Statist. Sci. 16 (2001))."""
     assert wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=1e-4)
     assert wilson(0, 10) == pytest.approx((0.0, 0.2775), abs=1e-4)
     assert wilson(10, 10) == pytest.approx((0.7225, 1.0), abs=1e-4)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "mu",
-        "mu~",
-        "mu~gamma:1:2",
-        "mu~normal:1",
-        "mu~uniform:0:1:0:1",
-        "~normal:0:1",
-        "mu~normal:a:1",
-    ],
-)
-def test_texts_that_are_no_distribution_are_refused(text):
-    with pytest.raises(InputError, match="name~normal"):
-        read_distribution(text)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (("mu", "normal", 0.4, 0.0), "positive deviation"),
-        (("mu", "normal", np.inf, 1.0), "finite"),
-        (("mu", "uniform", 1.0, 1.0), "greater than 1"),
-        (("mu", "lognormal", -1.0, 1.0), "positive, at least 1e-30"),
-        (("mu", "normal", 0.0, 1.0, 2.0, 1.0), "greater than 2"),
-        (("mu", "normal", 0.0, 1.0, 50.0, 51.0), "between them"),
-    ],
-)
-def test_distributions_that_are_none_are_refused(arguments, told):
-    with pytest.raises(InputError, match=told):
-        Distribution(*arguments)
 
 
 @pytest.mark.parametrize(

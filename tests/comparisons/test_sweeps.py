@@ -20,7 +20,7 @@ from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
 from comparisons.sweep.page import read_sweep, write_sweep
-from comparisons.sweep.points import Axis, boxes_of, read_axis, read_fields, table_of
+from comparisons.sweep.points import read_axis, read_fields
 from comparisons.sweep.scene import NoMapError, mapped
 from comparisons.sweep.store import fingerprint
 from comparisons.sweep.study import Asked, run
@@ -119,20 +119,6 @@ def test_one_axis_in_two_boxes_has_the_thresholds_of_one(tmp_path):
     assert boxes == 2
     values = [each["value"] for each in (*low, *high)]
     assert [each["value"] for each in whole] == pytest.approx(values, rel=1e-7)
-
-
-def test_boxes_hold_every_point_once_but_for_shared_borders():
-    points = table_of(read_fields(("P=1:1e6:log:13", "E=1:1e3:log:4", "mu=0:1:3")), [0] * 3, 0, 0)
-    boxes = boxes_of(points)
-    assert len(boxes) == 3 * 2
-    held = np.concatenate([part for box in boxes for part in box.parts])
-    assert set(held) == set(range(len(points.values)))
-    assert len(held) == len(points.values) + 2 * 4 * 3  # two borders of lines along P
-    for box in boxes:
-        low, high = np.array(box.ends).T
-        for part in (*box.parts, box.training):
-            assert ((points.values[part] >= low) & (points.values[part] <= high)).all()
-        assert (high[:2] <= 100.0001 * low[:2]).all()
 
 
 @pytest.mark.slow
@@ -261,29 +247,6 @@ def test_the_commands_run_on_a_backend(name, backend, tmp_path):
     assert f'bodies.upper.backend="{backend}"' in found["inputs"]["set"]
     assert (tmp_path / "out" / "sweep.png").exists()
     assert "sweep.png" in (tmp_path / "out" / "report.html").read_text()
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["mu", "mu=0", "mu=0:1", "mu=0:1:x", "mu=a:1:3", "=0:1:3", "mu=0:1:lin:3", "mu=0:1:3:4:5"],
-)
-def test_texts_that_are_no_axis_are_refused(text):
-    with pytest.raises(InputError, match="first:last:count"):
-        read_axis(text)
-
-
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({"last": 0.0}, "another last value"),
-        ({"count": 1}, "2 to"),
-        ({"last": np.inf}, "finite"),
-        ({"logarithmic": True}, "positive"),
-    ],
-)
-def test_axes_that_are_none_are_refused(changes, told):
-    with pytest.raises(InputError, match=told):
-        Axis(**{"name": "mu", "first": 0.0, "last": 1.0, "count": 3} | changes)
 
 
 def test_maps_that_are_none_are_refused():
