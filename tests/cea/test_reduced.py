@@ -4,7 +4,6 @@ from itertools import product
 
 import numpy as np
 import pytest
-from mpi import on_ranks
 from reduced_cases import (
     ALPHA,
     MU,
@@ -12,13 +11,11 @@ from reduced_cases import (
     P,
     blocks_pencil,
     enrichment,
-    map_numbers,
     model_line,
     of_clusters,
     random_pencil,
     z_of,
 )
-from same_numbers import assert_same
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
@@ -205,14 +202,6 @@ def test_what_is_no_parameter_is_refused():
     pencil, _ = random_pencil(0)
     with pytest.raises(InputError, match="one of"):
         enrichment(pencil, {"speed": (0.0, 1.0)}, TOP)
-
-
-@pytest.mark.mpi
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_maps_are_the_same_on_several_ranks(backend):
-    ranks = {"fe": 3, "iga": 2}[backend]
-    found = on_ranks(ranks, "reduced_cases.map_numbers", backend)
-    assert_same(found, map_numbers(backend), rel=1e-8)
 
 
 def graded(rows, columns, decades):

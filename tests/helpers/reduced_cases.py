@@ -138,19 +138,6 @@ def random_pencil(seed, *, damped=False, equal=False):
     return Pencil(terms, [Parameter(FRICTION, 1.0), Parameter("Omega", 0.0)]), dense
 
 
-def map_numbers(backend):
-    """What a map of the blocks comes to, in plain numbers that hang on no basis."""
-    pencil = blocks_pencil(backend)
-    built = enrichment(pencil, {MU: (0.0, 1.0), P: (1.0, 1e4)}, 0.6)
-    built.cover(grid(mu=[0.0, 1.0], P=[1.0, 1e4]))
-    rows = []
-    for point in grid(mu=[0.21, 0.83], P=[3.0, 4e3]):
-        found = built.at(point).window
-        sums = np.array([found.z.sum(), (found.z**2).sum()])
-        rows.append([len(found), *sums.real.tolist()])
-    return {"rows": rows, "solves": len(built.solves)}
-
-
 def model_line(built, name, point=MappingProxyType({}), level=0.0):
     """A reduced model along one parameter, at values of the others."""
     small, pencil = built.model.small, built.model.pencil

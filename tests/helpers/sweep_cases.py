@@ -57,14 +57,19 @@ def assert_within_bounds(swept, i, modes):
 
 
 def threshold_numbers(backend):
-    """Thresholds of the blocks in mu, of a map and of the assembled scene, in plain numbers."""
+    """What a map of the blocks comes to, and a threshold of the scene, in plain numbers."""
     overrides = ("analysis.max_frequency=0.5", *plane_meshes(backend, 2, SMALLER))
     name = f"thresholds_{MPI.COMM_WORLD.bcast(np.random.default_rng().integers(2**31))}"
     axes, out = ("mu=0:2:9", "P=1:3:2"), Path(gettempdir()) / name
-    record = sweep_of("blocks", axes, out, overrides, checks=0, confirm=0).record
+    made = sweep_of("blocks", axes, out, overrides, checks=0, confirm=0)
+    record, z = made.record, [eigenvalues(made, i) ** 2 for i in range(18)]
     scene = load_scene("blocks", overrides=list(overrides), backend=backend)
     first = assemble(scene).threshold(MU, real=0.0, flutter=2.0)
     return {
+        "modes": [len(each) for each in z],
+        "sums": [each.sum().real for each in z],
+        "squares": [(each**2).sum().real for each in z],
+        "solves": len(record["snapshots"]),
         "values": [each["value"] for each in record["thresholds"]],
         "changes": [each["change"] for each in record["thresholds"]],
         "unresolved": len(record["unresolved"]),
