@@ -1,4 +1,4 @@
-"""Thresholds by full solves: spectra along a line, and what a reduced model found confirmed.
+"""Spectra along a line, on a model or by full solves, and thresholds that full solves confirm.
 
 At a threshold found what passes zero, the half distance squared of a pair or a growth rate, is
 computed on the pencil itself, and again where its slope takes it: Newton's method with the slope
@@ -6,7 +6,7 @@ that the search gives.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,7 +19,8 @@ from cea.reduced.crossings import Quantity, Threshold, passing
 from cea.reduced.following import Sample
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
-from cea.reduced.small import ModelLine
+from cea.reduced.pieces import Values
+from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import Line, thresholds_along
 from cea.reduced.window import MARGIN, Window
 
@@ -68,6 +69,36 @@ class ConfirmedThreshold:
 
 Solve = Callable[[float, float], tuple[Modes, Complexes]]
 """Modes at a value up to a frequency (Hz), with left vectors, and derivatives of their lambda."""
+
+
+@dataclass(frozen=True)
+class ModelLine:
+    """Spectra of a reduced model along a line, a :class:`cea.reduced.thresholds.Line`.
+
+    ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
+    more than ``level`` (1/s) count; spectra that are known serve again.
+    """
+
+    small: SmallPencil
+    parameters: Callable[[float], Values]
+    rates: Mapping[str, float]
+    level: float = 0.0
+    known: dict[float, ReducedSpectrum] = field(default_factory=dict)
+
+    @property
+    def window(self) -> Window:
+        """What is looked at."""
+        return replace(self.small.settings.window, level=self.level)
+
+    def at(self, value: float) -> Sample:
+        """The spectrum at a value."""
+        at = self.parameters(value)
+        found = self.known.get(value) or self.small.at(at)
+        slopes = self.small.slopes(found, at, self.rates)
+        vectors = found.shapes / np.linalg.norm(found.shapes, axis=0)
+        bounds = found.errors, found.means, found.clusters
+        sample = Sample(value, found.z, slopes, *bounds, vectors)
+        return sample.with_mirror_image() if self.window.damped else sample
 
 
 @dataclass

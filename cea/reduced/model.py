@@ -30,8 +30,7 @@ from cea.eigen.pencil import Pencil
 from cea.errors import ResultWarning
 from cea.reduced.basis import InnerProduct, Norms, Span
 from cea.reduced.pieces import ContactPiece, Piece, Pieces
-from cea.reduced.small import SmallPencil, SmallPiece
-from cea.reduced.spectrum import Settings
+from cea.reduced.spectrum import Settings, SmallPencil, SmallPiece
 from cea.reduced.window import Window
 
 BASIS = 1e-6
@@ -185,11 +184,11 @@ class ReducedModel:
             decay = _DECAY * end if min_growth is None else -min_growth
         settings = Settings(Window(end, damped, decay=decay), self.norms.shift)
         nothing = np.empty((0, 0))
-        self._projected = [
+        pieces = [
             SmallPiece(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0)
             for piece in self._pieces.all
         ]
-        self.small = SmallPencil(tuple(self._projected), 0, settings)
+        self.small = SmallPencil(tuple(pieces), self._forces, settings)
 
     @property
     def size(self) -> int:
@@ -245,14 +244,9 @@ class ReducedModel:
 
     def _project(self, before: int) -> None:
         """Project all pieces on what the basis has grown by."""
-        both = zip(self._pieces.all, self._projected, strict=True)
-        self._projected = [self._grown(piece, small, before) for piece, small in both]
-        order, rows = np.argsort(self._forces, kind="stable"), self._residuals.size
-        self.small = replace(
-            self.small,
-            pieces=tuple(piece.ordered(order, rows) for piece in self._projected),
-            displacements=int((~self._forces).sum()),
-        )
+        both = zip(self._pieces.all, self.small.pieces, strict=True)
+        pieces = [self._grown(piece, small, before) for piece, small in both]
+        self.small = replace(self.small, pieces=tuple(pieces), forces=self._forces)
 
     def _grown(self, piece: Piece, small: SmallPiece, before: int) -> SmallPiece:
         vectors, norm = self._basis.vectors, self.norms.states

@@ -1,9 +1,10 @@
-"""Eigenvalues of a reduced model up to the end of a window and its margin, with their bounds.
+"""A pencil on a basis, in small matrices alone: eigenvalues up to the margin of a window.
 
 Undamped, the inverse of the shifted stiffness is solved for 1 / (kappa + s); damped, the companion
 form inverted about a real shift of growth. What lies in the margin helps to judge the rest.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -12,8 +13,11 @@ from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
+from cea.eigen.parameters import Dependence
+from cea.eigen.pencil import Role
 from cea.eigen.spectrum import SLOW
-from cea.reduced.certificate import Certificate, Pairs, Polynomial
+from cea.reduced.certificate import Certificate, Pairs, Polynomial, Term, real_times
+from cea.reduced.pieces import Values
 from cea.reduced.window import MARGIN, Window
 
 _FURTHER = 0.05
@@ -67,21 +71,21 @@ class ReducedSpectrum(Certificate):
     """Eigenvalues of a window and its margin, by rising frequency, with bounds on their errors.
 
     kappa (1/s^2), or lambda (1/s) of damped pencils, as z; coordinates of their vectors of M-norm
-    one, of displacements and contact forces below them.
+    one; which of these are of contact forces.
     """
 
     z: Complexes
     right: Complexes
     left: Complexes
     settings: Settings
-    displacements: int
+    forces: NDArray[np.bool_]
 
     @classmethod
     def empty(cls, settings: Settings) -> "ReducedSpectrum":
         """What a basis without vectors knows."""
         none, vectors = np.empty(0), np.empty((0, 0), dtype=complex)
         z, clusters = none.astype(complex), none.astype(np.int64)
-        return cls(none, none, none, clusters, z, z, vectors, vectors, settings, 0)
+        return cls(none, none, none, clusters, z, z, vectors, vectors, settings, none.astype(bool))
 
     def __len__(self) -> int:
         return len(self.z)
@@ -108,7 +112,7 @@ class ReducedSpectrum(Certificate):
     @property
     def shapes(self) -> Complexes:
         """Coordinates of the displacements of right vectors."""
-        return self.right[: self.displacements]
+        return self.right[~self.forces]
 
     @property
     def speeds(self) -> Floats:
@@ -169,9 +173,11 @@ class ReducedSpectrum(Certificate):
         return classify(values.real, bounds, limits, bounded, rigid)
 
 
-def reduced_spectrum(pencil: Polynomial, displacements: int, settings: Settings) -> ReducedSpectrum:
-    """Eigenvalues of a window and its margin; contact forces stand behind so many displacements."""
-    pairs = _pairs(pencil, displacements, settings)
+def reduced_spectrum(
+    pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings
+) -> ReducedSpectrum:
+    """Eigenvalues of a window and its margin; some of the unknowns are contact forces."""
+    pairs = _pairs(pencil, forces, settings)
     told = pencil.certificate(pairs, settings.outside(pairs.values))
     found = ReducedSpectrum(
         **vars(told),
@@ -179,7 +185,7 @@ def reduced_spectrum(pencil: Polynomial, displacements: int, settings: Settings)
         right=pairs.right,
         left=pairs.left,
         settings=settings,
-        displacements=displacements,
+        forces=forces,
     )
     return found[np.flatnonzero(pairs.values.imag >= 0)] if pencil.damped else found
 
@@ -190,38 +196,38 @@ class Inverse:
     A^-1 - A^-1 L S^-1 N A^-1 with S = c + N A^-1 L: nothing grows with a contact stiffness 1 / c.
     """
 
-    def __init__(self, whole: Floats, shifted: Floats) -> None:
-        k = len(shifted)
-        self._factors = lu_factor(shifted)
-        self._reacts, self._closes = whole[:k, k:], whole[k:, :k]
+    def __init__(self, whole: Floats, shifted: Floats, forces: NDArray[np.bool_]) -> None:
+        self._own, self._below = np.flatnonzero(~forces), np.flatnonzero(forces)
+        self._factors = lu_factor(shifted[np.ix_(self._own, self._own)])
+        self._reacts = whole[np.ix_(self._own, self._below)]
+        self._closes = whole[np.ix_(self._below, self._own)]
         self._flexible = lu_solve(self._factors, self._reacts)
-        self._schur = lu_factor(self._closes @ self._flexible - whole[k:, k:])
+        softness = whole[np.ix_(self._below, self._below)]
+        self._schur = lu_factor(self._closes @ self._flexible - softness)
 
     def __call__(self, block: Floats) -> Floats:
         """Displacements under a block of forces."""
         found: Floats = lu_solve(self._factors, block)
         return found - self._flexible @ lu_solve(self._schur, self._closes @ found)
 
-    def extended(self, right: Complexes, loads: Complexes) -> Complexes:
-        """Right vectors with their contact forces below, by the loads they are in balance with."""
-        gaps = self._closes @ lu_solve(self._factors, loads)
-        return np.vstack([right, lu_solve(self._schur, gaps)])
-
-    def extended_left(self, left: Complexes, loads: Complexes) -> Complexes:
-        """The same of left vectors."""
-        gaps = self._reacts.T @ lu_solve(self._factors, loads, trans=1)
-        return np.vstack([left, lu_solve(self._schur, gaps, trans=1)])
+    def extended(self, vectors: Complexes, loads: Complexes, *, left: bool = False) -> Complexes:
+        """Right or left vectors with the contact forces by which they are in balance with loads."""
+        closes, trans = (self._reacts.T, 1) if left else (self._closes, 0)
+        gaps = closes @ lu_solve(self._factors, loads, trans=trans)
+        whole = np.empty((len(self._own) + len(self._below), vectors.shape[1]), dtype=complex)
+        whole[self._own], whole[self._below] = vectors, lu_solve(self._schur, gaps, trans=trans)
+        return whole
 
 
-def _pairs(pencil: Polynomial, k: int, settings: Settings) -> Pairs:
+def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) -> Pairs:
     """Eigenpairs by the inverse of P(shift): of K + s M, or of the companion form."""
     end, damped = settings.window.end, pencil.damped
     shift = np.sqrt(settings.shift) if damped else -settings.shift
     scale = end if damped else 1.0
-    squares = {each.power: each.square[:k, :k] for each in pencil.terms}
-    M = squares[max(squares)]
-    root = np.linalg.cholesky(M)
-    inverse_of = Inverse(pencil.at(0.0), pencil.at(shift)[:k, :k])
+    own = np.ix_(~forces, ~forces)
+    squares = {each.power: each.square[own] for each in pencil.terms}
+    root = np.linalg.cholesky(squares[max(squares)])
+    inverse_of, k = Inverse(pencil.at(0.0), pencil.at(shift), forces), len(root)
     if not damped:
         operator = root.T @ inverse_of(root)
     else:
@@ -246,8 +252,99 @@ def _pairs(pencil: Polynomial, k: int, settings: Settings) -> Pairs:
     right = solve_triangular(root, states[:k], lower=True, trans="T")
     left = solve_triangular(root, duals[-k:], lower=True, trans="T")
     # Loads (P(shift) - P(z)) x are in balance with the forces of contacts.
-    moved = [(each.power, each.factor * each.square[:k, :k]) for each in pencil.terms if each.power]
+    moved = [(each.power, each.factor * each.square[own]) for each in pencil.terms if each.power]
     loads = sum(A @ right * (shift**p - values**p) for p, A in moved)
     back = sum(A.T @ left * (shift**p - values.conj() ** p) for p, A in moved)
-    right, left = inverse_of.extended(right, loads), inverse_of.extended_left(left, back)
+    right, left = inverse_of.extended(right, loads), inverse_of.extended(left, back, left=True)
     return Pairs(values, right, left, states, duals, operator, shift, scale)
+
+
+@dataclass(frozen=True)
+class SmallPiece:
+    """One piece of a pencil on a basis V of states, with coordinates Q of what its images cause.
+
+    V^T A V; coordinates of A V and A^T V; norm of what Q does not hold of either; largest error of
+    an entry of V^T A V by rounding.
+    """
+
+    role: Role
+    coefficient: Dependence
+    square: Floats
+    right: Floats
+    left: Floats
+    lost: float
+    rounding: float = 0.0
+
+
+@dataclass(frozen=True)
+class SmallPencil:
+    """All pieces on one basis, some of whose vectors are ``forces`` of contacts."""
+
+    pieces: tuple[SmallPiece, ...]
+    forces: NDArray[np.bool_]
+    settings: Settings
+
+    def at(self, values: Values) -> ReducedSpectrum:
+        """Eigenvalues of the window and its margin at values of all parameters."""
+        if not len(self.forces):
+            return ReducedSpectrum.empty(self.settings)
+        terms = tuple(self._term(role, values) for role in self._powers)
+        return reduced_spectrum(Polynomial(terms), self.forces, self.settings)
+
+    def derivatives(
+        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
+    ) -> Complexes:
+        """Derivatives of eigenvalues lambda, as :meth:`slopes`; infinite at a coalescence."""
+        slopes = self.slopes(found, values, rates)
+        if self.settings.window.damped:
+            return slopes
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -slopes / (2 * found.eigenvalues)
+
+    def slopes(
+        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
+    ) -> Complexes:
+        """Derivatives of z where parameters change at given rates.
+
+        - y^H dP(z) x / y^H P'(z) x; infinite at a coalescence.
+        """
+        change: Complexes = np.zeros(len(found), dtype=complex)
+        for piece in self.pieces:
+            slope = sum(
+                rate * piece.coefficient.derivative(name, values) for name, rate in rates.items()
+            )
+            if slope:
+                factor, power = self._powers[piece.role]
+                image = real_times(piece.square, found.right)
+                projected = np.einsum("ij,ij->j", found.left.conj(), image)
+                change -= slope * factor * found.z**power * projected
+        with np.errstate(divide="ignore", invalid="ignore"):
+            moved: Complexes = change / found.overlaps
+        return moved
+
+    @property
+    def _powers(self) -> dict[Role, tuple[float, int]]:
+        """Factor and power of z of the terms of P(z)."""
+        if self.settings.window.damped:
+            return {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": (1.0, 2)}
+        return {"stiffness": (1.0, 0), "mass": (-1.0, 1)}
+
+    def _term(self, role: Role, values: Values) -> Term:
+        """The sum of all pieces of a role.
+
+        Its entries are off relative to their parts, and by what was seen of these.
+        """
+        n, rows = len(self.forces), max(len(piece.right) for piece in self.pieces)
+        square, rounding = np.zeros((2, n, n))
+        right, left = np.zeros((2, rows, n))  # vectors of Q come later than some pieces
+        lost, eps = 0.0, np.finfo(float).eps
+        for piece in self.pieces:
+            c = piece.coefficient.at(values) if piece.role == role else 0.0
+            if not c:
+                continue
+            square += c * piece.square
+            right[: len(piece.right)] += c * piece.right
+            left[: len(piece.left)] += c * piece.left
+            lost += abs(c) * piece.lost
+            rounding += abs(c) * (eps * np.abs(piece.square) + piece.rounding * (piece.square != 0))
+        return Term(*self._powers[role], square, right, left, lost, rounding)

@@ -13,11 +13,10 @@ from cea.arrays import Ints
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
-from cea.reduced.full_solves import confirm
+from cea.reduced.full_solves import ModelLine, confirm
 from cea.reduced.greedy import TOLERANCE, Enrichment, full_solve
 from cea.reduced.model import ReducedModel, Snapshot
-from cea.reduced.small import ModelLine, SmallPencil
-from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import Window
 from comparisons.sweep.points import Axis, Box, Field, Points, boxes_of
