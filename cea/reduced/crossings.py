@@ -6,7 +6,7 @@ then by Newton's method on the pencil itself.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Literal
 
@@ -41,6 +41,13 @@ Function = Callable[[Any], Any]
 """Of one place or of several."""
 Quantity = Literal["growth", "coalescence", "zero", "end"]
 """What passes zero: growth above the level, s of a pair, kappa, frequency less the window's end."""
+_KINDS: dict[Quantity, tuple[str, int]] = {
+    "growth": ("flutter", 2),
+    "coalescence": ("flutter", 2),
+    "zero": ("divergence", 1),
+    "end": ("window", 2),
+}
+"""What begins there, and how many eigenvalues of both half planes then grow."""
 
 
 @dataclass(frozen=True)
@@ -113,8 +120,7 @@ class Crossings:
                 mirrored = len(z) == 2 and abs(z[0] - z[1].conj()) <= REAL * abs(z[0]) and not real
                 if (mirrored and number) or not -REAL * end <= root.imag <= end:
                     continue
-                kind, change = ("divergence", sign) if real else ("flutter", 2 * sign)
-                yield self._threshold(place, growth, self.unit.doubts, "growth", kind, change)
+                yield self._threshold(place, sign, "growth", growth, self.unit.doubts)
 
     def _undamped(self, negligible: float) -> Iterator[Threshold]:
         """Zeros of kappa, and of s where kappa is positive."""
@@ -125,7 +131,7 @@ class Crossings:
                 return -mean(at).real
 
             for place, sign in self._roots(single, mean.error, negligible):
-                yield self._threshold(place, single, mean.error, "zero", "divergence", sign)
+                yield self._threshold(place, sign, "zero", single, mean.error)
             return
 
         def apart(at: Floats) -> Floats:
@@ -133,7 +139,7 @@ class Crossings:
 
         for place, sign in self._roots(apart, half.error, negligible**2):
             if 0 < mean(place).real <= self.window.end**2:
-                yield self._threshold(place, apart, half.error, "coalescence", "flutter", 2 * sign)
+                yield self._threshold(place, sign, "coalescence", apart, half.error)
         for branch in (1.0, -1.0):
 
             def through(at: Floats, branch: float = branch) -> Floats:
@@ -144,7 +150,7 @@ class Crossings:
 
             for place, sign in _signs(through, self._grid):
                 if half(place).real > half.error(place):
-                    yield self._threshold(place, through, error, "zero", "divergence", sign)
+                    yield self._threshold(place, sign, "zero", through, error)
 
     def _through_the_end(self, members: int) -> Iterator[Threshold]:
         """Growing modes through the window's end."""
@@ -156,7 +162,7 @@ class Crossings:
 
             for place, sign in _signs(within, self._grid):
                 if self._grows(place, branch):
-                    yield self._threshold(place, within, None, "end", "window", 2 * sign, branch)
+                    yield self._threshold(place, sign, "end", within, None, branch)
 
     def _grows(self, at: float, branch: int) -> bool:
         half = self.unit.half
@@ -167,30 +173,17 @@ class Crossings:
 
     def _threshold(
         self,
-        place: float,
+        start: float,
+        sign: int,
+        of: Quantity,
         function: Function,
         error: Function | None,
-        of: Quantity,
-        kind: str,
-        change: int,
         branch: int = 0,
     ) -> Threshold:
         """A root of an interpolant, improved on the pencil itself and not far from it there."""
-        found = self._newton(place, of, branch)
-        if error is not None:
-            step = 1e-4 * self._width
-            slope = abs(function(place + step) - function(place - step)) / (2 * step)
-            if abs(found.value - place) > 2 * error(place) / max(slope, _TINY) + REAL * self._width:
-                raise UnresolvedError(place)
-        return replace(found, change=change * self.unit.copies, kind=kind)
-
-    def _newton(self, place: float, of: Quantity, branch: int) -> Threshold:
-        """A root on the pencil itself; what changes there is told by others."""
-        low, _, high = self.places
-        stray = _STRAY * self._width
+        (low, _, high), stray, place = self.places, _STRAY * self._width, start
         for _ in range(_STEPS):
-            sample = self.at(place)
-            foreseen = self.unit.members(place)
+            sample, foreseen = self.at(place), self.unit.members(place)
             rows, columns = assign(np.abs(sample.z[:, None] - foreseen))
             if len(rows) < len(foreseen):
                 raise UnresolvedError(place)
@@ -198,23 +191,31 @@ class Crossings:
             value, slope, doubt, root = self._followed(modes, of, foreseen[branch])
             if not (np.isfinite(slope) and slope != 0):
                 raise UnresolvedError(place)
-            found = Threshold(
-                value=float(place),
-                error=float((abs(value) + doubt) / abs(slope)),
-                eigenvalue=complex(root.real, abs(root.imag)),
-                slope=float(slope),
-                change=0,
-                kind="",
-            )
-            step = -value / slope
+            step, off = -value / slope, (abs(value) + doubt) / abs(slope)
             if abs(value) <= doubt or abs(step) <= _CONVERGED * max(abs(place), self._width):
-                return found
+                break
             if not low - stray <= place + step <= high + stray:
                 raise UnresolvedError(place)
             place += step
-        if found.error > _SURELY * self._width:
-            raise UnresolvedError(place)
-        return found
+        else:
+            if off > _SURELY * self._width:
+                raise UnresolvedError(place)
+        if error is not None:
+            h = 1e-4 * self._width
+            rate = max(abs(function(start + h) - function(start - h)) / (2 * h), _TINY)
+            if abs(place - start) > 2 * error(start) / rate + REAL * self._width:
+                raise UnresolvedError(start)
+        kind, change = _KINDS[of]
+        if of == "growth" and abs(root.imag) <= REAL * self.window.end:
+            kind, change = _KINDS["zero"]
+        return Threshold(
+            value=float(place),
+            error=float(off),
+            eigenvalue=complex(root.real, abs(root.imag)),
+            slope=float(slope),
+            change=sign * change * self.unit.copies,
+            kind=kind,
+        )
 
     def _followed(
         self, modes: Sample, of: Quantity, foreseen: complex

@@ -1,7 +1,5 @@
 """What a sweep says: its first lines, its tables, the sections of its page."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import pandas as pd
 
@@ -12,9 +10,7 @@ from comparisons.study.result import Data
 from comparisons.study.run_warnings import kinds_at
 from comparisons.study.sections import Drawing, Section, Table
 from comparisons.sweep.spectra import UNSTABLE
-
-if TYPE_CHECKING:
-    from comparisons.sweep.study import Swept
+from comparisons.sweep.study import Swept
 
 _ON_PAGE = 500
 """Rows of a table up to which the page holds it; its file holds all."""
@@ -55,7 +51,7 @@ def headline(data: Data) -> str:
     return told + (f" {unresolved} intervals unresolved." if unresolved else "")
 
 
-def words(made: "Swept") -> str:
+def words(made: Swept) -> str:
     """How many modes have which word at the point where a mode grows fastest."""
     data, points, spectra = made.record, made.points, made.spectra
     if not spectra.there.any():
@@ -71,7 +67,7 @@ def words(made: "Swept") -> str:
     return f"Most grows at {told}: {counted(len(growth), 'mode')}: {counts}."
 
 
-def sections_of(made: "Swept", drawings: list[Drawing]) -> list[Section]:
+def sections_of(made: Swept, drawings: list[Drawing]) -> list[Section]:
     """The page of a sweep."""
     data, few = made.record, len(made.points.values) <= _ON_PAGE
     own = OWN | {name: Column(name, show=shown(6)) for name in made.points.names}
@@ -100,7 +96,7 @@ def sections_of(made: "Swept", drawings: list[Drawing]) -> list[Section]:
     ]
 
 
-def answer_table(made: "Swept") -> Table:
+def answer_table(made: Swept) -> Table:
     """Where the number of growing modes changes; of samples how many grow."""
     data, names = made.record, made.points.names
     if not made.points.counts:
@@ -115,7 +111,7 @@ def answer_table(made: "Swept") -> Table:
     return Table("thresholds", caption, thresholds, own)
 
 
-def thresholds(made: "Swept") -> pd.DataFrame:
+def thresholds(made: Swept) -> pd.DataFrame:
     """A row for each threshold, and one for each interval that is unresolved."""
     first, *others = made.points.names
     rows = []
@@ -138,7 +134,7 @@ def thresholds(made: "Swept") -> pd.DataFrame:
     )
 
 
-def full_solves(made: "Swept") -> pd.DataFrame:
+def full_solves(made: Swept) -> pd.DataFrame:
     """A row for each full solve."""
     solves = made.record["snapshots"]
     firsts = [group[0] for group in made.record["parameters"]]
@@ -151,7 +147,7 @@ def full_solves(made: "Swept") -> pd.DataFrame:
     )
 
 
-def summary(made: "Swept") -> pd.DataFrame:
+def summary(made: Swept) -> pd.DataFrame:
     """What the sweep rests on, and how sure it is."""
     data = made.record
     told = {"values": data["values"]}
@@ -172,7 +168,7 @@ def summary(made: "Swept") -> pd.DataFrame:
     )
 
 
-def values(made: "Swept") -> pd.DataFrame:
+def values(made: Swept) -> pd.DataFrame:
     """A row for each point: how many modes grow, the fastest, the bound, what it warns of."""
     data, points, spectra = made.record, made.points, made.spectra
     frame = pd.DataFrame(points.values, columns=[*points.names])
@@ -196,7 +192,7 @@ def values(made: "Swept") -> pd.DataFrame:
     )
 
 
-def modes(made: "Swept") -> pd.DataFrame:
+def modes(made: Swept) -> pd.DataFrame:
     """A row for each mode at each point."""
     points, spectra = made.points, made.spectra
     point, mode = np.nonzero(spectra.there)
@@ -207,7 +203,7 @@ def modes(made: "Swept") -> pd.DataFrame:
     )
 
 
-def sensitivities(made: "Swept") -> pd.DataFrame:
+def sensitivities(made: Swept) -> pd.DataFrame:
     """A row for the fastest growing mode of each point, where one grows."""
     points, spectra = made.points, made.spectra
     rows = np.flatnonzero(np.isfinite(spectra.largest))
@@ -222,7 +218,7 @@ def sensitivities(made: "Swept") -> pd.DataFrame:
     return frame
 
 
-def probability(made: "Swept") -> pd.DataFrame:
+def probability(made: Swept) -> pd.DataFrame:
     """A row for all modes together, and for each mode that may grow."""
     data = made.record
     together = {"mode": "any", "frequency": None, "seen": data["values"]} | data["any"]
@@ -236,13 +232,13 @@ def probability(made: "Swept") -> pd.DataFrame:
     )
 
 
-def fields(made: "Swept") -> pd.DataFrame:
+def fields(made: Swept) -> pd.DataFrame:
     """A row for each field that is spread."""
     both = zip(made.record["inputs"]["fields"], made.record["fields"], strict=True)
     return pd.DataFrame([asked | {"ends": str(f["ends"]), "cut": f["cut"]} for asked, f in both])
 
 
-def warnings(made: "Swept") -> pd.DataFrame:
+def warnings(made: Swept) -> pd.DataFrame:
     """A row for each warning."""
     told = made.record["warnings"]
     return pd.DataFrame([{"kind": each["kind"], "message": each["message"]} for each in told])
