@@ -334,17 +334,21 @@ class SmallPencil:
 
         Its entries are off relative to their parts, and by what was seen of these.
         """
+        pieces = [piece for piece in self.pieces if piece.role == role]
+        symmetric = all(piece.left is piece.right for piece in pieces)
         n, rows = len(self.forces), max(len(piece.right) for piece in self.pieces)
         square, rounding = np.zeros((2, n, n))
-        right, left = np.zeros((2, rows, n))  # vectors of Q come later than some pieces
+        right = np.zeros((rows, n))  # vectors of Q come later than some pieces
+        left = right if symmetric else np.zeros((rows, n))
         lost, eps = 0.0, np.finfo(float).eps
-        for piece in self.pieces:
-            c = piece.coefficient.at(values) if piece.role == role else 0.0
+        for piece in pieces:
+            c = piece.coefficient.at(values)
             if not c:
                 continue
             square += c * piece.square
             right[: len(piece.right)] += c * piece.right
-            left[: len(piece.left)] += c * piece.left
+            if not symmetric:
+                left[: len(piece.left)] += c * piece.left
             lost += abs(c) * piece.lost
             rounding += abs(c) * (eps * np.abs(piece.square) + piece.rounding * (piece.square != 0))
         return Term(*self._powers[role], square, right, left, lost, rounding)

@@ -4,6 +4,8 @@ from itertools import product
 
 import numpy as np
 import pytest
+from dense_reference import dense_eigenvalues
+from petsc_matrices import to_numpy
 from reduced_cases import (
     ALPHA,
     MU,
@@ -11,8 +13,10 @@ from reduced_cases import (
     P,
     blocks_pencil,
     enrichment,
+    grid,
     model_line,
     of_clusters,
+    plane_blocks_pencil,
     random_pencil,
     z_of,
 )
@@ -22,7 +26,7 @@ from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.errors import InputError
 from cea.reduced.basis import Span
-from cea.reduced.greedy import full_solve, largest_ratio
+from cea.reduced.greedy import TOLERANCE, full_solve, largest_ratio
 from cea.reduced.model import ReducedModel, Snapshot
 from cea.reduced.pieces import Pieces
 from cea.reduced.thresholds import thresholds_along
@@ -36,6 +40,14 @@ BOXES = {
 TRAINING = {
     "undamped": (np.linspace(0, 1, 3), np.geomspace(0.1, 1e5, 7)),
     "damped": ((0.0, 0.6, 1.0), (5.0, 50.0), (0.0, 0.1), (0.0, 0.04)),
+}
+STIFF_TOP = 0.4
+BONDED = {"formulation": {"method": "bonded"}, "P": 1e6, "mu": 0.0}
+SLIDING = {
+    "formulation": {"method": "gpts", "points": 3},
+    "P": 1e6,
+    "mu": 0.4,
+    "friction_direction_on_a": {"vector": [1.0, 0.0]},
 }
 ON_NURBS = pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 """The maps of finite elements, which take as long again, are among the slow tests."""
@@ -141,17 +153,6 @@ def test_near_a_coalescence_members_and_means_keep_their_bounds():
         assert found.means[pair].max() / speed < 1e-6
 
 
-@ON_NURBS
-def test_materials_are_parameters_too(backend):
-    pencil = blocks_pencil(backend)
-    E, rho = "bodies.upper.material.E", "bodies.lower.material.rho"
-    built = enrichment(pencil, {E: (1.0, 3.0), rho: (1.0, 2.0)}, TOP)
-    built.cover([{E: e, rho: r} for e in (1.0, 1.7, 3.0) for r in (1.0, 1.5, 2.0)])
-    point = {E: 1.37, rho: 1.81}
-    modes = EigenSolver(pencil).solve(MARGIN * TOP, point)
-    assert of_clusters(built.at(point), -(modes.eigenvalues**2))[0].max() < 1e-8
-
-
 def test_tied_sides_that_rub_have_a_reduced_model(backend):
     """P = inf along the normal, friction alive: beside fresh solves."""
     pencil = blocks_pencil(backend, P=np.inf, form="saddle")
@@ -241,3 +242,54 @@ def test_forces_add_displacements_where_a_contact_is_stiffer_than_its_bodies(rel
     forces = made.small.forces.sum()
     assert made.size - forces <= vectors + (forces if relative > 1 else 0)
     made.free()
+
+
+def inverse_of_the_saddle(matrices):
+    """K^-1 on displacements with the contact forces beside them: accurate however stiff."""
+    K, forces = to_numpy(matrices.stiffness), matrices.multipliers
+    if matrices.unsymmetric is not None:
+        K = K + to_numpy(matrices.unsymmetric)
+    J, L, C = (to_numpy(getattr(forces, name)) for name in ("closure", "reaction", "compliance"))
+    n, m = len(K), len(C)
+    right = np.vstack([np.eye(n), np.zeros((m, n))])
+    return np.linalg.solve(np.block([[K, L.T], [J, -C]]), right)[:n]
+
+
+def companion_eigenvalues(matrices):
+    """Eigenvalues lambda of the companion form of the inverse."""
+    inverse = inverse_of_the_saddle(matrices)
+    D, M = to_numpy(matrices.damping), to_numpy(matrices.mass)
+    n = len(M)
+    companion = np.block([[-inverse @ D, -inverse @ M], [np.eye(n), np.zeros((n, n))]])
+    return 1 / np.linalg.eigvals(companion)
+
+
+def truth(pencil, point):
+    """Dense eigenvalues: kappa, or lambda of a damped pencil."""
+    matrices = pencil.at(point)
+    if pencil.damped:
+        return companion_eigenvalues(matrices)
+    return dense_eigenvalues(matrices, (2 * np.pi * STIFF_TOP) ** 2).kappa
+
+
+@pytest.mark.parametrize("damped", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("contact", [BONDED, SLIDING], ids=["bonded", "sliding"])
+def test_no_bound_is_passed_however_stiff_a_contact_is(backend, contact, damped):
+    pencil = plane_blocks_pencil(backend, contact, alpha=0.02 * damped)
+    assert pencil.forces
+    assert pencil.damped == damped
+    stiff = np.geomspace(1e4, 1e9, 4).tolist()
+    box = {P: (stiff[0], stiff[-1])}
+    points = [{P: p} for p in stiff]
+    if contact is SLIDING:
+        box[MU], points = (0.0, 1.0), grid(mu=[0.0, 1.0], P=stiff)
+    built = enrichment(pencil, box, STIFF_TOP)
+    built.cover(points)
+    small = built.model.small
+    bounds = {}
+    for point in points:
+        found, true = small.at(pencil.values(point)), truth(pencil, point)
+        errors, allowed = of_clusters(found, true)
+        assert (errors < allowed).all()
+        bounds.setdefault(point[P], []).append(found.bound)
+    assert max(max(each) for each in bounds.values()) < 10 * TOLERANCE

@@ -13,7 +13,7 @@ import pytest
 import xarray
 from mpi import command
 from reference_data import plane_meshes
-from sweep_cases import COARSE_DISC, MESHES, MU, P, assert_within_bounds, sine_blocks
+from sweep_cases import COARSE_DISC, MESHES, MU, P, assert_within_bounds, sine_blocks, sweep_of
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.pencil import Pencil
@@ -25,10 +25,13 @@ from comparisons.sweep.scene import NoMapError, mapped
 from comparisons.sweep.store import fingerprint
 from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import modes, sensitivities, thresholds, values
+from scenes import load_scene, run_modes
 
 WAY = "contacts.interface.friction_direction_on_a"
 TOP = ("analysis.max_frequency=0.4", "analysis.growth_threshold=0.0")
 RNG = np.random.default_rng(5)
+BONDED = Path(__file__).parent.parent / "data" / "sweeps" / "bonded.toml"
+TIED = "contacts.tie.P=inf"
 
 
 def asked(backend, *axes, **options):
@@ -258,3 +261,58 @@ def test_maps_that_are_none_are_refused():
     axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
     with pytest.raises(NoMapError, match="modes were found that are damped"):
         mapped("disc_pad_damped", [axis], (*COARSE_DISC, modal))
+
+
+def stiff_sweep(backend, axis, out, *overrides):
+    """A sweep, and its scene."""
+    bodies = (f"bodies.{name}.backend='{backend}'" for name in ("base", "mid", "cap"))
+    overrides = (*bodies, *overrides)
+    made = sweep_of(BONDED, [axis], out / "out", overrides, checks=1, confirm=9)
+    return made, load_scene(BONDED, overrides)
+
+
+@pytest.mark.parametrize(
+    ("axis", "overrides"),
+    [
+        ("contacts.tie.P=1e-1:1e13:log:8", ()),
+        ("contacts.low.P=1e-1:1e13:log:8", ()),
+        ("contacts.low.P=1e-1:1e6:log:6", (TIED,)),
+        ("contacts.low.mu=0:0.8:6", (TIED,)),
+    ],
+)
+def test_fresh_runs_lie_within_the_bounds_of_stiff_and_tied_contacts(
+    tmp_path, backend, axis, overrides
+):
+    made, scene = stiff_sweep(backend, axis, tmp_path, *overrides)
+    assert made.record["certified"] == made.record["values"]
+    assert made.spectra.bound.max() < 1e-6
+    for i, value in enumerate(made.record["axes"][0]["values"]):
+        modes = run_modes(scene.change(axis.partition("=")[0], value)).modes
+        rows, _ = assert_within_bounds(made, i, modes)
+        assert len(rows) == len(modes.eigenvalues)
+
+
+@pytest.mark.slow
+def test_a_map_is_certified_up_to_any_stiffness(tmp_path):
+    """In the penalty form rounding leaves bounds of 1e-7 from P = 1e13 on."""
+    axes, options = ("mu=0:1:3", "P=1e12:1e14:log:3"), {"checks": 1, "confirm": 0}
+    made = sweep_of("disc_pad", axes, tmp_path / "out", COARSE_DISC, **options)
+    assert made.record["certified"] == 9
+    scene = load_scene("disc_pad", COARSE_DISC)
+    for i in (4, 8):
+        point = dict(zip(("mu", "P"), made.points.values[i], strict=True))
+        changes = {f"contacts.pad_disc.{name}": value for name, value in point.items()}
+        assert_within_bounds(made, i, run_modes(scene.change(changes)).modes)
+
+
+def test_tied_contacts_have_thresholds(tmp_path):
+    made, scene = stiff_sweep("fe", "contacts.low.P=1e-1:1e6:log:8", tmp_path, TIED)
+    assert made.record["thresholds"]
+    assert not made.record["unresolved"]
+    for each in made.record["thresholds"]:
+        assert abs(each["full_solve_differs"]) <= each["error"] + 1e-9 * each["value"]
+        change = 0
+        for way in (-1, 1):
+            at = run_modes(scene.change("contacts.low.P", each["value"] * (1 + way * 1e-6)))
+            change += way * (at.growth_rates > 10 * at.modes.growth_uncertainties).sum()
+        assert change * 2 == each["change"] or each["kind"] != "flutter"
