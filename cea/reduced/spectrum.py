@@ -336,7 +336,8 @@ class SmallPencil:
         """
         pieces = [piece for piece in self.pieces if piece.role == role]
         symmetric = all(piece.left is piece.right for piece in pieces)
-        n, rows = len(self.forces), max(len(piece.right) for piece in self.pieces)
+        n = len(self.forces)
+        rows = max(max(len(piece.right), len(piece.left)) for piece in self.pieces)
         square, rounding = np.zeros((2, n, n))
         right = np.zeros((rows, n))  # vectors of Q come later than some pieces
         left = right if symmetric else np.zeros((rows, n))

@@ -10,7 +10,7 @@ Growing modes are counted in both half planes, so that a pair that becomes two r
 changes nothing.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from itertools import pairwise
@@ -116,53 +116,42 @@ def thresholds_along(
     Intervals, of the logarithms of values where it is said, are halved down to ``resolution`` of
     the axis; at most ``budget`` spectra are made for each value.
     """
-    most = BUDGET if budget is None else budget
+    most = (BUDGET if budget is None else budget) * len(values)
     if not logarithmic:
-        return _Search(line, sorted(values), resolution, most).run()
-    places = {float(np.log(value)): value for value in sorted(values)}
-    found = _Search(_OfLogarithms(line, places), list(places), resolution, most).run()
-    found.thresholds = [
-        replace(
-            each,
-            value=float(np.exp(each.value)),
-            error=float(each.error * np.exp(each.value)),
-            slope=float(each.slope / np.exp(each.value)),
-        )
-        for each in found.thresholds
-    ]
-    found.unresolved = [
-        replace(each, low=float(np.exp(each.low)), high=float(np.exp(each.high)))
-        for each in found.unresolved
-    ]
+        return _Search(line.window, line.at, sorted(values), resolution, most).run()
+    given = {float(np.log(value)): value for value in sorted(values)}
+
+    def at(place: float) -> Sample:
+        value = given.get(place, float(np.exp(place)))
+        sample = line.at(value)
+        return replace(sample, value=place, slopes=sample.slopes * value)
+
+    found = _Search(line.window, at, list(given), resolution, most).run()
+    for i, each in enumerate(found.thresholds):
+        value = float(np.exp(each.value))
+        error, slope = each.error * value, each.slope / value
+        found.thresholds[i] = replace(each, value=value, error=error, slope=slope)
+    for i, left in enumerate(found.unresolved):
+        low, high = float(np.exp(left.low)), float(np.exp(left.high))
+        found.unresolved[i] = replace(left, low=low, high=high)
     return found
-
-
-@dataclass(frozen=True)
-class _OfLogarithms:
-    """A line over logarithms of values, some of which are given."""
-
-    line: Line
-    given: Mapping[float, float]
-
-    @property
-    def window(self) -> Window:
-        return self.line.window
-
-    def at(self, value: float) -> Sample:
-        own = self.given.get(value, float(np.exp(value)))
-        sample = self.line.at(own)
-        return replace(sample, value=value, slopes=sample.slopes * own)
 
 
 class _Search:
     """One search, with the spectra it has made."""
 
-    def __init__(self, line: Line, values: list[float], resolution: float, budget: int) -> None:
-        self._line, self._window, self._values = line, line.window, values
+    def __init__(
+        self,
+        window: Window,
+        at: Callable[[float], Sample],
+        values: list[float],
+        resolution: float,
+        most: int,
+    ) -> None:
+        self._window, self._sample, self._values, self._most = window, at, values, most
         self._known: dict[float, Sample] = {}
         self._least = resolution * (values[-1] - values[0])
         self._by_bounds = _BY_BOUNDS * float(np.diff(values).max())
-        self._most = budget * len(values)
         self._patience = _PATIENCE * len(values)
         self._found = Found()
 
@@ -219,7 +208,7 @@ class _Search:
 
     def _at(self, value: float) -> Sample:
         if value not in self._known:
-            self._known[value] = self._line.at(value)
+            self._known[value] = self._sample(value)
         return self._known[value]
 
     def _growing(self, value: float) -> NDArray[np.bool_]:

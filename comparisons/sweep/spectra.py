@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,46 +21,29 @@ HINT = 1.05
 """Frequency, relative to the window's end, up to which growing modes above it are told."""
 ENGINE = "h5netcdf"
 """What reads and writes netCDF files."""
-_ABOUT = {
-    "growth": ("1/s", "growth rate"),
-    "frequency": ("Hz", "frequency"),
-    "uncertainty": ("1/s", "bound on the error of lambda"),
-    "mean_error": ("1", "bound on the error of the mean where modes coalesce, relative"),
-    "verdict": ("1", "verdict"),
-    "worst": ("1", "worst error that the basis makes, relative"),
-    "growth_slope": ("1/s", "derivative of the growth rate in each field, in its unit"),
-    "frequency_slope": ("Hz", "derivative of the frequency in each field, in its unit"),
-    "above_growth": ("1/s", "fastest growth just above the window's end"),
-    "above_frequency": ("Hz", "frequency of that mode"),
-    "number": ("1", "modes of one number continue each other"),
-}
-"""Unit and meaning of what is stored."""
 
 
 @dataclass(frozen=True)
 class Spectra:
     """Modes at points, by rising frequency; NaN and -1 where there are fewer.
 
-    Of each mode, shape (points, modes): growth rate (1/s), frequency (Hz), bound on the error of
-    lambda (1/s), that of the mean where modes coalesce relative to its speed, verdict (0 stable, 1
-    unstable, 2 undecided, 3 grows slowly, 4 rigid); of samples, modes of one number continue each
-    other. Derivatives have one more axis, of the fields. Of each point: what the basis makes of the
-    worst mean, zero where the pencil itself was solved and NaN where that gave no answer; growth
-    and frequency of the fastest mode that surely grows just above the window's end, NaN where none
-    does.
+    What is known of modes has the shape (points, modes), and one more axis, of the fields, where it
+    is a derivative. Words are told by their places in :data:`cea.eigen.classify.WORDS`. ``worst``
+    is zero where the pencil itself was solved and NaN where that gave no answer; what grows above
+    the window is NaN where nothing does.
     """
 
-    growth: Floats
-    frequency: Floats
-    uncertainty: Floats
-    mean_error: Floats
-    verdict: NDArray[np.int8]
-    worst: Floats
-    growth_slope: Floats
-    frequency_slope: Floats
-    above_growth: Floats
-    above_frequency: Floats
-    number: Ints
+    growth: Annotated[Floats, "1/s", "growth rate"]
+    frequency: Annotated[Floats, "Hz", "frequency"]
+    uncertainty: Annotated[Floats, "1/s", "bound on the error of lambda"]
+    mean_error: Annotated[Floats, "1", "bound on the error of the mean of a cluster, relative"]
+    verdict: Annotated[NDArray[np.int8], "1", "verdict"]
+    worst: Annotated[Floats, "1", "worst error that the basis makes, relative"]
+    growth_slope: Annotated[Floats, "1/s", "derivative of growth in each field, in its unit"]
+    frequency_slope: Annotated[Floats, "Hz", "derivative of frequency in each field, in its unit"]
+    above_growth: Annotated[Floats, "1/s", "fastest growth just above the window's end"]
+    above_frequency: Annotated[Floats, "Hz", "frequency of that mode"]
+    number: Annotated[Ints, "1", "modes of one number continue each other"]
 
     @property
     def there(self) -> NDArray[np.bool_]:
@@ -182,8 +165,8 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
     names = [*points.names] if points.counts else ["sample"]
     data: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"field": list(points.names)}
-    for name, (unit, about) in _ABOUT.items():
-        array = getattr(spectra, name)
+    for name, hint in get_type_hints(Spectra, include_extras=True).items():
+        array, (unit, about) = getattr(spectra, name), hint.__metadata__
         if name == "number" and points.counts:
             continue
         dims = [*names, "mode", "field"][: len(names) + array.ndim - 1]
@@ -209,7 +192,8 @@ def read_netcdf(names: Sequence[str], file: Path, *, grid: bool) -> tuple[list[F
 
     with xarray.open_dataset(file, engine=ENGINE) as opened:
         values = [np.array(opened[name]) for name in names]
-        stored = {name: np.array(opened[name]) for name in _ABOUT if name in opened}
+        known = [each.name for each in fields(Spectra) if each.name in opened]
+        stored = {name: np.array(opened[name]) for name in known}
     lead = len(names) if grid else 1
     flat: dict[str, Any] = {
         name: each.reshape(-1, *each.shape[lead:]) for name, each in stored.items()
