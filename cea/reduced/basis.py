@@ -82,7 +82,7 @@ class Norms:
         self._stiffness = pieces.acting(partial(times, matrix), own, own)
         factors = Mumps(matrix.copy(), symmetric=True, inertia=True)
         self._made.append(factors)
-        if negative := factors.negative_eigenvalues():
+        if negative := factors.inertia()[0]:
             self.free()
             told = f"{negative} negative eigenvalues of its symmetric part"
             raise InputError("stiffness", told, "none, for a map, where parameters are least")
@@ -105,7 +105,7 @@ class Norms:
         parts = [scaled_total([(softness, each.compliance)]) for softness, each in both]
         closure = one_below_the_other([each.closure for each in pencil.forces])
         compliance = block_diagonal(parts).convert("aij")
-        forces = Multipliers(closure, closure, compliance, None, 0, stacked=True)
+        forces = Multipliers(closure, closure, compliance, None, 0)
         destroy(*parts)
         factors = Mumps(bordered(matrix, forces, symmetric=True), symmetric=True)
         self._made += [factors, forces]

@@ -192,7 +192,7 @@ def line_of(
             model.free()
         rates = dict.fromkeys(names, 1.0)
         return ModelLine(model.small, lambda value: pencil.values(point(value)), rates)
-    damped = any(driver.quadratic(point(value)) for value in ends)
+    damped = any(driver.matrices(point(value)).quadratic for value in ends)
     window = Window(2 * np.pi * max_frequency, damped, decay=0.2 * np.pi * max_frequency)
 
     def solve(value: float, top: float) -> tuple[Modes, Complexes]:
@@ -264,7 +264,8 @@ def _nearest(
 ) -> Complexes:
     """The z of the mode, or of the pair, next to lambda."""
     near = (root or 1j * window.end * _ASIDE) * (1 + _ASIDE)
-    at = -(near**2) if driver.quadratic(point) else float(-(near**2).real)
+    quadratic = driver.matrices(point).quadratic
+    at = -(near**2) if quadratic else float(-(near**2).real)
     modes = driver.nearest(at, 1 if window.by_growth else _NEIGHBOURS, point)
     z: Complexes = modes.eigenvalues if window.damped else -(modes.eigenvalues**2)
     if of in ("growth", "end"):

@@ -5,8 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 from covering import covering
-from petsc_matrices import to_numpy
-from scipy.linalg import eigh, eigvals
+from damped_numbers import alone, round_body
+from petsc_matrices import quadratic_eigenvalues, to_numpy
+from scipy.linalg import eigh
 
 from cea.errors import InputError
 from cea.rotation import Rotation
@@ -21,29 +22,11 @@ PLANE = {"shape": "ring", "inner_radius": INNER, "outer_radius": OUTER}
 TURNED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
 
 
-def body(backend, geometry, fine=1, *, supports=(), placement=None):
+def body(backend, geometry, fine=1, *, placement=None):
     """A small body with round numbers."""
-    dim = 2 if geometry["shape"] == "ring" else 3
-    elements = [fine, 12 * fine, 1][:dim]
-    cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
-    data = {
-        "name": "alone",
-        "bodies": {
-            "part": {
-                "backend": backend,
-                "geometry": geometry,
-                "material": {"E": 1.0, "nu": 0.3, "rho": 1.5},
-                "supports": list(supports),
-                "placement": placement or {},
-                "mesh": {
-                    "fe": {"cell": cell, "degree": 2, "elements": elements},
-                    "iga": {"degree": [2] * dim, "elements": elements},
-                },
-            }
-        },
-        "analysis": {"kind": "cea", "max_frequency": 1.0},
-    }
-    return build_bodies(read_scene(data), StageTimer())["part"]
+    elements = [fine, 12 * fine, 1][: 2 if geometry["shape"] == "ring" else 3]
+    part = round_body(backend, geometry, elements, placement=placement or {})
+    return build_bodies(read_scene(alone(part)), StageTimer())["part"]
 
 
 def matrices(part, rotation):
@@ -90,13 +73,6 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
 def positions(part):
     """Nodes, or control points, of the scalar dofs: where linear fields are taken."""
     return part.space.dof_positions
-
-
-def quadratic_eigenvalues(M, D, K):
-    """Every lambda of lambda^2 M + lambda D + K."""
-    n = len(M)
-    right = np.linalg.solve(M, np.hstack([-K, -D]))
-    return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))
 
 
 @cache

@@ -11,7 +11,6 @@ from time import monotonic, sleep
 import numpy as np
 import pytest
 import xarray
-from mpi import command
 from reference_data import plane_meshes
 from sweep_cases import COARSE_DISC, MESHES, MU, P, assert_within_bounds, sine_blocks, sweep_of
 
@@ -125,7 +124,7 @@ def test_one_axis_in_two_boxes_has_the_thresholds_of_one(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend):
+def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, cea):
     swept, _, folder = made(backend)
     names = {"sweep.nc", "sweep.csv", "thresholds.csv", "full_solves.csv", "modes.csv", "map.png"}
     assert names <= {file.name for file in folder.iterdir()}
@@ -137,8 +136,8 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend):
     assert len(modes(again)) == swept.spectra.there.sum()
     (folder / "map.png").unlink()
     axes = ["mu=0:2:21", "P=0.5:500:log:4"]
-    done = command("sweep", "blocks", *axes, "--redraw", "--out", str(folder))
-    assert not done["code"], done["err"]
+    code, _, fault = cea("sweep", "blocks", *axes, "--redraw", "--out", folder)
+    assert not code, fault
     assert (folder / "map.png").exists()
 
 
@@ -240,12 +239,12 @@ def test_warnings_of_full_solves_reach_the_map(tmp_path):
 
 @pytest.mark.grid
 @pytest.mark.parametrize("name", ["sweep", "threshold"])
-def test_the_commands_run_on_a_backend(name, backend, tmp_path):
+def test_the_commands_run_on_a_backend(name, backend, tmp_path, cea):
     coarse = (*plane_meshes(backend, 2, MESHES[backend]), "analysis.max_frequency=0.3")
     settings = [part for each in coarse for part in ("--set", each)]
-    chosen = ["--backend", backend, *settings, "--out", str(tmp_path / "out")]
-    done = command(name, "blocks", "mu=0:0.2:3", *chosen)
-    assert not done["code"], done["err"]
+    chosen = ["--backend", backend, *settings, "--out", tmp_path / "out"]
+    code, _, fault = cea(name, "blocks", "mu=0:0.2:3", *chosen)
+    assert not code, fault
     found = json.loads((tmp_path / "out" / "result.json").read_text())
     assert f'bodies.upper.backend="{backend}"' in found["inputs"]["set"]
     assert (tmp_path / "out" / "sweep.png").exists()

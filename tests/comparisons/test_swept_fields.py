@@ -5,7 +5,6 @@ import re
 import numpy as np
 import pytest
 from changed_scenes import scene_of
-from mpi import command
 from sweep_cases import MU, P, eigenvalues, sweep_of
 
 from cea.errors import ConvergenceError, InputError
@@ -193,9 +192,8 @@ def test_thresholds_in_full_lie_between_values(monkeypatch):
     assert "no-answer" in [each["kind"] for each in swept.record["warnings"]]
 
 
-def test_a_field_without_a_map_is_solved_in_full(tmp_path):
-    settings = ["--set", "analysis.max_frequency=0.3", "--out", str(tmp_path / "out")]
-    done = command("sweep", "blocks", "bodies.upper.material.nu=0.2:0.3:2", *settings)
-    assert not done["code"], done["err"]
-    told = "Solved in full at each value: parameter = 'bodies.upper.material.nu'"
-    assert told in done["out"]
+def test_a_field_without_a_map_is_solved_in_full(cea):
+    axis = "bodies.upper.material.nu=0.2:0.3:2"
+    code, told, fault = cea("sweep", "blocks", axis, "--set", "analysis.max_frequency=0.3")
+    assert not code, fault
+    assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told

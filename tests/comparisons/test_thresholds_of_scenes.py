@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mpi import command, on_ranks
+from mpi import on_ranks
 from scipy.sparse import csr_array, save_npz
 from sweep_cases import sweep_of
 
@@ -102,14 +102,14 @@ def test_where_nothing_begins_or_a_mode_grows_above_the_window_it_is_said(tmp_pa
     assert "above-window" in [each["kind"] for each in record["warnings"]]
 
 
-def test_what_is_not_resolved_is_told_and_ends_in_part(tmp_path, single, monkeypatch):
+def test_what_is_not_resolved_is_told_and_ends_in_part(tmp_path, single, monkeypatch, cea):
     monkeypatch.setattr("cea.reduced.thresholds.BUDGET", 0)
     out, axis = tmp_path / "out", "parameters.mu=-1:1:5"
-    done = command("threshold", str(single()), axis, "--data", str(tmp_path), "--out", str(out))
-    assert done["code"] == IN_PART
+    code, written, _ = cea("threshold", single(), axis, "--data", tmp_path, "--out", out)
+    assert code == IN_PART
     record = json.loads((out / "result.json").read_text())
     assert record["unresolved"]
-    assert f"{len(record['unresolved'])} intervals unresolved" in done["out"]
+    assert f"{len(record['unresolved'])} intervals unresolved" in written
     assert "unresolved" in [each["kind"] for each in record["warnings"]]
 
 
