@@ -130,9 +130,7 @@ def _draw(
         work.stage("pictures")
         files["pictures"] = draw_contacts(result, folder)
         if result.spectrum is not None:
-            from scenes.export.pictures import write_modes
-
-            files["pictures"] += write_modes(result, output.pictures, folder)
+            files["pictures"] += result.draw(output.pictures, folder)
     if output.paraview:
         from scenes.export.paraview import write_load_steps, write_paraview
 

@@ -11,8 +11,7 @@ from cea.body import Body
 from cea.eigen.blocks import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil, release
-from cea.eigen.residuals import Damping, internal_forces
+from cea.eigen.pencil import Damping, Pencil, internal_forces, release
 from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.following import Window
 from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between

@@ -106,7 +106,7 @@ class AssembledMatrices:
         coefficients = tuple(coefficient.at(values) for coefficient in mass.values())
         if coefficients != self._checked:
             with timer("factorisation"):
-                check_mass(self.driver.mass(values), " + ".join(mass))
+                check_mass(self.driver.matrices(values).mass, " + ".join(mass))
             self._checked = coefficients
 
     def free(self) -> None:

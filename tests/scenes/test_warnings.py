@@ -7,9 +7,8 @@ import pytest
 from blocks import rectangle
 from covering import covering
 
-from comparisons.accuracy.page import uses
 from comparisons.accuracy.problems import PROBLEMS
-from comparisons.accuracy.study import STUDY
+from comparisons.accuracy.study import STUDY, uses
 from comparisons.study.result import read
 from scenes import run_modes
 from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
