@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import BeforeValidator
@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 from cea.arrays import Floats
 from cea.errors import require
 from cea.mesh import Mesh
-from meshes.placement import Placement
+from meshes.placement import IN_PLACE, Placement
 
 if TYPE_CHECKING:  # readers of files are brought in where there is a file
     from meshes.files.content import FileContent
@@ -64,8 +64,6 @@ Sets = Annotated[
 ]
 """Sets of a file that make a surface; one alone may be given by its name."""
 
-_IN_PLACE = Placement()
-
 
 @dataclass(frozen=True)
 class MeshFile:
@@ -85,8 +83,9 @@ class MeshFile:
         of a part, or ``PSOLID 3``, ``material 1`` and the like; all solid elements by default.
     faces
         Named surfaces: a set of the file or several, physical groups, surfaces, sets of elements or
-        of nodes; ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose
-        names are fit for surfaces need not be listed here.
+        of nodes; ``SET:S3`` for the third faces of the elements of a set, as Abaqus counts them;
+        ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose names are fit
+        for surfaces need not be listed here.
     merge_nodes
         Distance, in the unit of the file, within which nodes are made one; by default none are.
 
@@ -102,8 +101,6 @@ class MeshFile:
     faces: dict[str, Sets] = field(default_factory=dict)
     merge_nodes: float | None = None
     shape: Literal["mesh_file"] = "mesh_file"
-
-    names: ClassVar[tuple[str, ...]] = ("x", "y", "z")
 
     def __post_init__(self) -> None:
         check_unit(self.unit)
@@ -143,7 +140,7 @@ class MeshFile:
     @cached_property
     def directions(self) -> tuple[str, ...]:
         """Names of the coordinates."""
-        return self.names[: self.elements.dim]
+        return ("x", "y", "z")[: self.elements.dim]
 
     @cached_property
     def surfaces(self) -> tuple[str, ...]:
@@ -165,7 +162,7 @@ class MeshFile:
         faces = surface_faces(self.content, self.elements, {n: self._sets(n) for n in surfaces})
         return {name: count for name, (_, count) in faces.items() if count}
 
-    def mesh(self, surfaces: Iterable[str], placement: Placement = _IN_PLACE) -> Mesh:
+    def mesh(self, surfaces: Iterable[str], placement: Placement = IN_PLACE) -> Mesh:
         """Its mesh, checked, with some of its surfaces: others may overlap these.
 
         Raises

@@ -11,12 +11,10 @@ from meshes.breaks import Breaks, check_ends
 from meshes.crowned import Crowned
 from meshes.edge_layers import Edge
 from meshes.patches import Patches
-from meshes.placement import Placement
+from meshes.placement import IN_PLACE, Placement
 from meshes.shapes import Shape
 from meshes.structured import divided, structured_mesh
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-
-_IN_PLACE = Placement()
 
 
 def shape_mesh(
@@ -26,7 +24,7 @@ def shape_mesh(
     *,
     breaks: Breaks | None = None,
     size: float | None = None,
-    placement: Placement = _IN_PLACE,
+    placement: Placement = IN_PLACE,
     edges: Sequence[Edge] = (),
     layers: int = 0,
 ) -> Mesh:
@@ -88,11 +86,7 @@ def _check(shape: Shape, cell: Cell, order: int, breaks: Breaks | None, size: fl
         require(size is not None and 0 < size < np.inf, "size", size, allowed)
     else:
         require(size is None, "size", size, f"None: a {cell} mesh of breaks follows them")
-        _check_breaks(shape, breaks)
-
-
-def _check_breaks(shape: Shape, breaks: Breaks | None) -> None:
-    check_ends(shape, breaks or ())
-    if breaks and shape.directions[1] == "theta":
-        step = float(np.diff(breaks[1]).max())
-        require(step < 180, "breaks of theta", step, "less than 180 degrees apart")
+        check_ends(shape, breaks or ())
+        if breaks and shape.directions[1] == "theta":
+            step = float(np.diff(breaks[1]).max())
+            require(step < 180, "breaks of theta", step, "less than 180 degrees apart")

@@ -26,7 +26,7 @@ from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.blocks import image_of
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
-from cea.eigen.unformed import Circulatory, CirculatoryTerm, LowRankTerm
+from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm
 from cea.elasticity import Elasticity
 from cea.material import Material
 from cea.matrices import (
@@ -91,12 +91,12 @@ class BodyTerms:
         return (*own, *self._carried[0])
 
     @property
-    def circulatory(self) -> tuple[CirculatoryTerm, ...]:
+    def circulatory(self) -> tuple[UnformedTerm[Circulatory], ...]:
         """What damping that rotates with the body makes of displacements, but for sparse terms."""
         return self._carried[1]
 
     @cached_property
-    def modal(self) -> tuple[LowRankTerm, ...]:
+    def modal(self) -> tuple[UnformedTerm[LowRank], ...]:
         """Modal damping."""
         if self._damped_modes is None or not self.with_mass:
             return ()
@@ -212,7 +212,7 @@ class BodyTerms:
             yield Term("stiffness", Z, self._mass.times(rate, 2.0, factor=-1.0))
 
     @cached_property
-    def _carried(self) -> tuple[tuple[Term, ...], tuple[CirculatoryTerm, ...]]:
+    def _carried(self) -> tuple[tuple[Term, ...], tuple[UnformedTerm[Circulatory], ...]]:
         """What damping that a rotation carries along makes: sparse and full pieces."""
         rotation, damping = self.motion.rotation, self.motion.damping
         if rotation is None or not self.motion.circulates:
@@ -233,10 +233,10 @@ class BodyTerms:
         )
         beta = self._stiffness.times(f"{self.path}.damping.beta").times(rate)
         alpha = self._mass.times(f"{self.path}.damping.alpha").times(rate)
-        full.append(CirculatoryTerm(piece, beta))
+        full.append(UnformedTerm(piece, beta))
         return (Term("stiffness", self.square(B), alpha, symmetric=False),), tuple(full)
 
-    def _of_modes(self, B: Mat, rate: str) -> Iterator[CirculatoryTerm]:
+    def _of_modes(self, B: Mat, rate: str) -> Iterator[UnformedTerm[Circulatory]]:
         """The piece Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T."""
         modes, damping = self._damped_modes, self.motion.modal
         if modes is None or damping is None or not len(modes.weights):
@@ -248,7 +248,7 @@ class BodyTerms:
         right = turned.transpose(PETSc.Mat())
         destroy(turned)
         piece = Circulatory(left, identity(left.getLocalSize()[1], left.comm), right)
-        yield CirculatoryTerm(piece, modal_coefficient(self.path, self.body, damping, rate))
+        yield UnformedTerm(piece, modal_coefficient(self.path, self.body, damping, rate))
 
     @cached_property
     def _damped_modes(self) -> "DampedModes | None":

@@ -16,13 +16,15 @@ from cea.body import Body
 from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.driver import solve_modes
-from cea.eigen.krylov_schur import KrylovOptions, nearest
+from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.parameters import Coefficient, Dependence, Parameter
 from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.search import NearestSearch
 from cea.eigen.shifted import count_below
-from cea.eigen.unformed import LowRank, LowRankTerm
+from cea.eigen.unformed import LowRank, UnformedTerm
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
+from cea.timing import StageTimer
 
 _SAME = 1e-8  # relative distance up to which frequencies are those of one multiple eigenvalue
 _MOST = 2000  # most modes of a body that are damped one by one
@@ -103,10 +105,10 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
 
 def modal_term(
     path: str, body: Body, damping: ModalDamping, modes: DampedModes, first: int
-) -> LowRankTerm:
+) -> UnformedTerm[LowRank]:
     """Modal damping of a body, sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
     piece = LowRank(modes.images, modes.weights, first)
-    return LowRankTerm(piece, modal_coefficient(path, body, damping))
+    return UnformedTerm(piece, modal_coefficient(path, body, damping))
 
 
 def modal_parameters(path: str, damping: ModalDamping) -> Iterator[Parameter]:
@@ -200,9 +202,12 @@ def _elastic_modes(body: Body, end: float | None, *, wanted: int, most: int) -> 
 def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
     """A frequency (Hz) up to which there are so many elastic modes, and one more if any."""
     count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-    found, op = nearest(matrices, -least, count, KrylovOptions())
-    op.free()
-    return float(np.sqrt(np.sort(found.eigenvalues.real)[count - 1])) / (2 * np.pi)
+    search = NearestSearch(matrices, -least, count, KrylovOptions(), StageTimer())
+    try:
+        kappa = search.run().eigenvalues.real
+    finally:
+        search.free()
+    return float(np.sqrt(np.sort(kappa)[count - 1])) / (2 * np.pi)
 
 
 def _window(matrices: Matrices, least: float, end: float, most: int) -> float:

@@ -188,7 +188,7 @@ def _margin(tangent: Matrices, factors: Shifted) -> float:
     for _ in range(_STEPS):
         S.mult(x, y)
         before = _norm(x)
-        factors.solve(y, x)
+        x.array[:] = factors.solve_block(y.array[:, None])[:, 0]
         growths.append(_norm(x) / before)
         x.scale(1 / _norm(x))
     destroy(x, y)

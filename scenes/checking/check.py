@@ -14,6 +14,7 @@ from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import check_memory, estimated_memory
 from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import scene_warnings
+from scenes.spec.problems import Faults
 from scenes.spec.reading import Scene
 
 _OF_STIFFNESS = ("point-rule", "over-constrained")
@@ -41,7 +42,7 @@ class Inspection:
     """
 
     scene: Scene
-    faults: tuple[InputError, ...]
+    faults: Faults
     skipped: Mapping[str, str]
     warnings: tuple[ResultWarning, ...] = ()
     bodies: Mapping[str, Body] = field(default_factory=dict)
@@ -64,7 +65,7 @@ def inspect_scene(scene: Scene) -> Inspection:
         With every fault of its memory, bodies and contacts; one that cannot be meshed has no
         contact points.
     """
-    faults: list[InputError] = []
+    faults = Faults()
     bodies: Mapping[str, Body] = {}
     halves: dict[str, Contact] = {}
     try:
@@ -72,9 +73,16 @@ def inspect_scene(scene: Scene) -> Inspection:
         bodies = build_bodies(scene, StageTimer())
     except InputError as error:
         faults.append(error)
-    for name in scene.contacts if bodies else ():
+    for name, contact in scene.contacts.items() if bodies else ():
+        alone = replace(scene, contacts={name: contact})
         try:
-            halves |= _halves_of(scene, name, bodies)
+            contacts = build_contacts(alone, build_interfaces(alone, bodies, StageTimer()))
+            for half in contacts:
+                if half.friction is not None:  # it has a direction everywhere
+                    points = half.interface.points
+                    with below(f"contacts.{name}"):
+                        half.friction.direction.at(points.x, points.normal)
+            halves |= {half.name: half for half in contacts}
         except InputError as error:
             faults.append(error)
     warnings = [*doubtful_numbers(scene), *overlapping_bodies(scene, bodies)]
@@ -83,19 +91,7 @@ def inspect_scene(scene: Scene) -> Inspection:
         of_stiffness = warning.kind in _OF_STIFFNESS
         if not of_stiffness or scene.contacts[warning.data["contact"]].c_n is None:
             warnings.append(warning)
-    return Inspection(scene, tuple(faults), skipped_by(scene), tuple(warnings), bodies, halves)
-
-
-def _halves_of(scene: Scene, name: str, bodies: Mapping[str, Body]) -> dict[str, Contact]:
-    """Half passes of one contact, whose friction has a direction everywhere."""
-    alone = replace(scene, contacts={name: scene.contacts[name]})
-    contacts = build_contacts(alone, build_interfaces(alone, bodies, StageTimer()))
-    for half in contacts:
-        if half.friction is not None:
-            points = half.interface.points
-            with below(f"contacts.{name}"):
-                half.friction.direction.at(points.x, points.normal)
-    return {contact.name: contact for contact in contacts}
+    return Inspection(scene, faults, skipped_by(scene), tuple(warnings), bodies, halves)
 
 
 def gaps(half: Contact) -> np.ndarray:
@@ -116,7 +112,6 @@ def told(inspection: Inspection) -> Iterator[str]:
             f"contacts.{name}: {len(half.interface.points)} points ({statuses}), sides up to "
             f"{np.abs(gaps(half)).max(initial=0.0):.3g} m apart"
         )
-    memory, about = estimated_memory(inspection.scene).bytes / 1e9, ""
-    if not inspection.bodies:
-        about = "about "
+    memory = estimated_memory(inspection.scene).bytes / 1e9
+    about = "" if inspection.bodies else "about "
     yield f"{about}{inspection.dofs} unknowns, about {memory:.2g} GB of memory"

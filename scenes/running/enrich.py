@@ -50,8 +50,11 @@ def richer_scene(scene: Scene, by: Enrichment | None = "degree") -> Scene:
 
 def _way(body: BodySpec) -> Enrichment:
     mesh = body.mesh.iga if body.backend == "iga" else body.mesh.fe
-    planar = len(body.geometry.directions) == 2
-    if mesh is not None and mesh.elements and (planar or _degree(body) >= _HIGHEST[body.backend]):
+    if (
+        mesh is not None
+        and mesh.elements
+        and (body.dim == 2 or _degree(body) >= _HIGHEST[body.backend])
+    ):
         return "bisection"
     return "smooth" if body.backend == "iga" else "degree"
 
@@ -75,10 +78,8 @@ def _mesh(field: str, body: BodySpec, by: Enrichment) -> MeshSpec:
     if body.backend == "iga" and iga is not None:
         if by == "bisection":
             return replace(mesh, iga=replace(iga, elements=tuple(2 * n for n in iga.elements)))
-        continuity = iga.continuity
-        if by == "degree":
-            continuity = continuity or tuple(q - 1 for q in iga.degree)
-        elif continuity is not None:
+        continuity = iga.continuities if by == "degree" else iga.continuity
+        if by == "smooth" and continuity is not None:
             continuity = tuple(c + 1 for c in continuity)
         raised = tuple(q + 1 for q in iga.degree)
         return replace(mesh, iga=replace(iga, degree=raised, continuity=continuity))

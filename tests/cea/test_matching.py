@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from reference_data import DRUM_BODIES
 
 from cea.eigen.matching import (
     ModeSet,
@@ -16,7 +17,7 @@ from cea.eigen.matching import (
 from cea.errors import InputError
 from scenes import run_scene
 from scenes.results.matching import circumferential_orders, match_runs
-from scenes.spec.reading import read_scene
+from scenes.spec.reading import load_scene
 
 RNG = np.random.default_rng(7)
 
@@ -135,46 +136,21 @@ def test_circumferential_content_tells_order_share_and_sense():
         circumferential_content(u[:, :2].reshape(1, 2, 2, 4))
 
 
-def drum(backend, elements):
-    def ring(inner, outer, support):
-        return {
-            "backend": backend,
-            "geometry": {"shape": "ring", "inner_radius": inner, "outer_radius": outer},
-            "material": {
-                "E": 1.0 if inner < 1 else 0.1,
-                "nu": 0.3,
-                "rho": 1.0 if inner < 1 else 0.35,
-            },
-            "supports": [{"surface": support}],
-            "mesh": {
-                "fe": {"cell": "quadrilateral", "degree": 2, "elements": elements},
-                "iga": {"degree": [3, 3], "elements": elements},
-            },
-        }
-
-    return read_scene(
-        {
-            "name": "drum",
-            "bodies": {"outer": ring(1.0, 1.5, "outer"), "inner": ring(0.5, 1.0, "inner")},
-            "contacts": {
-                "interface": {
-                    "a": "outer.inner",
-                    "b": "inner.outer",
-                    "formulation": {"method": "gpts", "points": 4},
-                    "p": 1.0,
-                    "mu": 0.3,
-                    "friction_direction_on_a": {"circumferential_about": [0.0, 0.0, 1.0]},
-                }
-            },
-            "analysis": {"kind": "cea", "max_frequency": 0.33, "growth_threshold": 1e-4},
-        }
-    )
-
-
 @pytest.fixture(scope="module")
 def drums():
     """Runs of a drum on both backends."""
-    return run_scene(drum("fe", [3, 28])), run_scene(drum("iga", [3, 24]))
+    meshes = {"fe": [3, 28], "iga": [3, 24]}
+    return [
+        run_scene(
+            load_scene(
+                "drum",
+                [f"bodies.{body}.mesh.{backend}.elements={elements}" for body in DRUM_BODIES]
+                + ["analysis.max_frequency=0.33"],
+                backend,
+            )
+        )
+        for backend, elements in meshes.items()
+    ]
 
 
 def test_drum_modes_have_their_exact_orders(drums):

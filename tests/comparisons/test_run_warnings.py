@@ -1,12 +1,11 @@
 """Warnings of records of many runs: those of the runs, merged, in tables and on screen."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
+from blocks import rectangle
 
-from comparisons.cli.app import main
 from comparisons.study.run_warnings import kinds_at, merged_warnings
 from comparisons.sweep.page import read_sweep
 from comparisons.sweep.points import read_axis
@@ -14,41 +13,34 @@ from comparisons.sweep.scene import mapped
 from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import values
 from scenes import load_scene, run_modes
+from scenes.spec.plain import scene_text
 from scenes.spec.reading import read_scene
-from scenes.spec.toml import scene_text
 
 NU, STIFFNESS = "bodies.pad.material.nu", "contacts.sliding.p"
 
 
 def overhang(backend, **contact):
     """A pad that reaches beyond the bar it slides on."""
-    mesh = {
-        "fe": {"cell": "quadrilateral", "degree": 2, "elements": [3, 1]},
-        "iga": {"degree": [2, 2], "elements": [3, 1]},
-    }
     material = {"E": 1e10, "nu": 0.3, "rho": 2500.0}
-    pad = {"shape": "rectangle", "size": [0.04, 0.01], "origin": [0.0, 0.01]}
-    bar = {"shape": "rectangle", "size": [0.125, 0.01], "origin": [-0.1, 0.0]}
-    common = {"backend": backend, "material": material, "mesh": mesh}
-    return read_scene({
-        "name": "overhang",
-        "bodies": {
-            "pad": common | {"geometry": pad},
-            "bar": common | {"geometry": bar, "supports": [{"surface": "y_min"}]},
-        },
-        "contacts": {
-            "sliding": {
-                "a": "pad.y_min",
-                "b": "bar.y_max",
-                "formulation": {"method": "gpts", "points": 5},
-                "p": 1e12,
-                "mu": 0.4,
-                "friction_direction_on_a": {"vector": [1.0, 0.0]},
-                "max_missed": 0.5,
-            } | contact,
-        },
-        "analysis": {"kind": "cea", "max_frequency": 20000.0},
-    })  # fmt: skip
+    pad = rectangle(backend, [0.04, 0.01], [3, 1], origin=[0.0, 0.01], material=material)
+    bar = rectangle(backend, [0.125, 0.01], [3, 1], origin=[-0.1, 0.0], material=material)
+    sliding = {
+        "a": "pad.y_min",
+        "b": "bar.y_max",
+        "formulation": {"method": "gpts", "points": 5},
+        "p": 1e12,
+        "mu": 0.4,
+        "friction_direction_on_a": {"vector": [1.0, 0.0]},
+        "max_missed": 0.5,
+    }
+    return read_scene(
+        {
+            "name": "overhang",
+            "bodies": {"pad": pad, "bar": bar | {"supports": [{"surface": "y_min"}]}},
+            "contacts": {"sliding": sliding | contact},
+            "analysis": {"kind": "cea", "max_frequency": 20000.0},
+        }
+    )
 
 
 @pytest.fixture
@@ -87,14 +79,11 @@ def test_a_sweep_warns_of_what_its_runs_warn_of(file):
     assert [place["data"] for place in crude["data"]["places"]] == given
 
 
-def test_record_table_and_screen_have_them(file, tmp_path, monkeypatch, capsys):
+def test_record_table_and_screen_have_them(file, tmp_path, cea):
     out = tmp_path / "out"
-    words = ["cea", "sweep", str(file), f"{NU}=0.2:0.3:2", "--out", str(out)]
-    monkeypatch.setattr(sys, "argv", words)
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert not ended.value.code
-    screen = " ".join(capsys.readouterr().out.split())
+    code, told, _ = cea("sweep", file, f"{NU}=0.2:0.3:2", "--out", out)
+    assert not code
+    screen = " ".join(told.split())
     data = json.loads((out / "result.json").read_text())
     assert {"partly-uncovered", "point-rule"} <= {each["kind"] for each in data["warnings"]}
     for warning in data["warnings"]:

@@ -6,6 +6,7 @@ import gmsh
 import meshio
 import numpy as np
 import pytest
+import pyvista
 
 from cea.mesh import DIMENSION, Mesh, lattice
 from meshes.breaks import breaks_of
@@ -18,22 +19,16 @@ from meshes.unstructured import gmsh_session
 
 NEEDED = {".cdb": "mapdl_archive", ".xdmf": "h5py", ".vtu": "meshio"}
 FACETS = {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}
-ABAQUS = {
-    **{"tetrahedron4": "C3D4", "pyramid5": "C3D5", "wedge6": "C3D6", "hexahedron8": "C3D8I"},
-    **{"tetrahedron10": "C3D10", "pyramid13": "C3D13", "wedge15": "C3D15", "hexahedron20": "C3D20"},
+VTK = {
+    "tetrahedron4": 10,
+    "hexahedron8": 12,
+    "wedge6": 13,
+    "pyramid5": 14,
+    "tetrahedron10": 24,
+    "hexahedron20": 25,
+    "wedge15": 26,
+    "pyramid13": 27,
 }
-ANSYS = {"tetrahedron4": 285, "tetrahedron10": 187}
-BRICKS = {
-    "hexahedron8": range(8),
-    "wedge6": [0, 1, 2, 2, 3, 4, 5, 5],
-    "pyramid5": [0, 1, 2, 3, 4, 4, 4, 4],
-    "tetrahedron4": [0, 1, 2, 2, 3, 3, 3, 3],
-    "hexahedron20": range(20),
-    "wedge15": [0, 1, 2, 2, 3, 4, 5, 5, 6, 7, 2, 8, 9, 10, 5, 11, 12, 13, 14, 14],
-    "pyramid13": [0, 1, 2, 3, 4, 4, 4, 4, 5, 6, 7, 8, 4, 4, 4, 4, 9, 10, 11, 12],
-    "tetrahedron10": [0, 1, 2, 2, 3, 3, 3, 3, 4, 5, 2, 6, 3, 3, 3, 3, 7, 8, 9, 9],
-}
-"""Nodes of elements as bricks (SOLID185, SOLID186) whose nodes fall on one another."""
 
 
 def file_of(folder, name):
@@ -55,8 +50,8 @@ def abaqus_deck(points, solids, node_sets):
     lines = ["*NODE, NSET=ALL"]
     lines += [rows_of([i, *x], 4) for i, x in enumerate(points.tolist(), 1)]
     count = 0
-    for name, kind, nodes in solids:
-        lines.append(f"*Element, type={ABAQUS[kind]}, elset={name}")
+    for name, _, nodes in solids:
+        lines.append(f"*Element, type=C3D{nodes.shape[1]}, elset={name}")
         lines += [rows_of([count + i, *row], 11) for i, row in enumerate((nodes + 1).tolist(), 1)]
         count += len(nodes)
     for name, nodes in node_sets.items():
@@ -64,51 +59,44 @@ def abaqus_deck(points, solids, node_sets):
     return "\n".join(lines) + "\n"
 
 
-def ansys_archive(points, solids, node_sets):
-    """An archive as CDWRITE makes it; what is not tetrahedra alone has bricks of one type."""
-    kinds = sorted({kind for _, kind, _ in solids})
-    alone = ANSYS.get(kinds[0]) if len(kinds) == 1 else None
-    of_type = alone or {8: 185, 20: 186}[len(BRICKS[kinds[0]])]
-    n = len(points)
-    lines = ["/PREP7", f"ET, 1, {of_type}", f"NBLOCK,6,SOLID,{n},{n}", "(3i9,6e21.13e3)"]
-    for i, x in enumerate(points.tolist(), 1):
-        lines.append(f"{i:9d}{0:9d}{0:9d}" + "".join(_fortran(value) for value in x))
-    lines.append("N,R5.3,LOC,       -1,")
-    rows, sets = [], []
-    for name, kind, nodes in solids:
-        sets += _component(name, "ELEM", len(rows) + 1 + np.arange(len(nodes)))
-        rows += (nodes if alone else nodes[:, list(BRICKS[kind])]).tolist()
-    lines += [f"EBLOCK,19,SOLID,{len(rows)},{len(rows)}", "(19i9)"]
-    for i, row in enumerate(rows, 1):
-        numbers = [1, 1, 1, 1, 0, 0, 0, 0, len(row), 0, i, *(node + 1 for node in row)]
-        lines += ["".join(f"{k:9d}" for k in part) for part in (numbers[:19], numbers[19:]) if part]
+def vtk_grid(points, solids, node_sets):
+    """A grid of VTK with a number from 1 for each set of elements, and its node sets."""
+    cells, groups = {}, {}
+    for i, (kind, nodes) in enumerate(solids.values(), 1):
+        cells.setdefault(VTK[kind], []).append(nodes)
+        groups.setdefault(VTK[kind], []).append(np.full(len(nodes), i))
+    grid = pyvista.UnstructuredGrid({k: np.concatenate(v) for k, v in cells.items()}, points)
+    grid.cell_data["group"] = np.concatenate([np.concatenate(groups[k]) for k in cells])
     for name, nodes in node_sets.items():
-        sets += _component(name, "NODE", np.unique(nodes) + 1)
-    return "\n".join([*lines, f"{-1:9d}", *sets, "FINISH"]) + "\n"
+        on = np.isin(np.arange(len(points)), nodes)
+        grid.point_data[name.upper()] = on.astype(np.uint8)
+    return grid
 
 
 def write_sets(file, points, solids, node_sets):
-    """A deck or an archive."""
-    writer = {".inp": abaqus_deck, ".cdb": ansys_archive}[file.suffix]
-    every = [(name, kind, nodes) for name, (kind, nodes) in solids.items()]
-    file.write_text(writer(points, every, node_sets))
+    """A deck; or an archive, whose materials and a component of elements are the sets."""
+    if file.suffix == ".inp":
+        every = [(name, *of_kind) for name, of_kind in solids.items()]
+        file.write_text(abaqus_deck(points, every, node_sets))
+        return
+    from mapdl_archive import save_as_archive
 
-
-def _fortran(value):
-    mantissa, exponent = f"{value:.13e}".split("e")
-    return f"{mantissa}E{int(exponent):+04d}".rjust(21)
-
-
-def _component(name, kind, numbers):
-    items = numbers.tolist()
-    lines = [f"CMBLOCK,{name.upper():<8},{kind},{len(items):8d}  ! component", "(8i10)"]
-    return lines + ["".join(f"{k:10d}" for k in items[i : i + 8]) for i in range(0, len(items), 8)]
+    grid = vtk_grid(points, solids, node_sets)
+    grid.cell_data["mtype"] = grid.cell_data["group"]
+    save_as_archive(file, grid)
+    for i, name in enumerate(solids, 1):
+        members = np.flatnonzero(grid.cell_data["group"] == i) + 1
+        lines = [f"CMBLOCK,{name.upper():<8},ELEM,{len(members):8d}", "(8i10)"]
+        for row in np.split(members, range(8, len(members), 8)):
+            lines.append("".join(f"{k:10d}" for k in row))
+        with file.open("a") as stream:
+            stream.write("\n".join([*lines, ""]))
 
 
 def of_meshio(kind):
     """Its name of a kind."""
     short = {"triangle3": "triangle", "tetrahedron4": "tetra", "quadrilateral4": "quad"}
-    short |= {"hexahedron8": "hexahedron", "wedge6": "wedge", "pyramid5": "pyramid"}
+    short["hexahedron8"] = "hexahedron"
     return short.get(kind, kind.replace("tetrahedron", "tetra").replace("quadrilateral", "quad"))
 
 
@@ -142,6 +130,111 @@ def gmsh_file(file, *model):
             gmsh.merge(str(file))
             gmsh.option.setNumber("Mesh.Binary", "binary" in file.stem)
             gmsh.write(str(file))
+
+
+def gmsh_model_file(file, order=1, version=4.1):
+    """Write the model of the session, meshed with elements of size one."""
+    gmsh.option.setNumber("Mesh.MeshSizeMin", 1.0)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 1.0)
+    gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.setOrder(order)
+    gmsh.option.setNumber("Mesh.MshFileVersion", version)
+    gmsh.write(str(file))
+    return str(file)
+
+
+def gmsh_boxes(file, count=1, *, shared=False, **how):
+    """Unit boxes along x: groups of each and of faces by the x of their middle; ``whole``."""
+    with gmsh_session():
+        occ = gmsh.model.occ
+        boxes = [(3, occ.addBox(x, 0, 0, 1, 1, 1)) for x in range(count)]
+        if shared:
+            occ.fragment(boxes[:1], boxes[1:])
+        occ.synchronize()
+        for dim, word in ((3, "box"), (2, "face")):
+            for _, tag in gmsh.model.getEntities(dim):
+                name = f"{word} {occ.getCenterOfMass(dim, tag)[0]:.1f}"
+                gmsh.model.addPhysicalGroup(dim, [tag], name=name)
+        if shared:
+            gmsh.model.addPhysicalGroup(3, [tag for _, tag in boxes], name="whole")
+        return gmsh_model_file(file, **how)
+
+
+def gmsh_wedges(file, **how):
+    """A unit cube of two layers of wedges, its lower face a group ``below``."""
+    with gmsh_session():
+        base = gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
+        sides = gmsh.model.occ.extrude([(2, base)], 0, 0, 1, [2], recombine=True)
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [sides[1][1]], name="body")
+        gmsh.model.addPhysicalGroup(2, [base], name="below")
+        return gmsh_model_file(file, **how)
+
+
+DECK = """*Heading
+ two cubes of one part, the second shifted and turned
+*PREPRINT, echo=NO
+*Part, name=Cube
+*Node
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.D0
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+*Node, nset=Upper
+9, 0., 0., 2.
+10, 1., 0., 2.
+11, 1., 1., 2.
+12, 0., 1., 2.
+** a comment, and an element over two lines
+*Element, type=C3D8I,
+  elset=First
+1, 1, 2, 3, 4, 5,
+6, 7, 8
+*Element, type=C3D8R, elset=Second
+7, 5, 6, 7, 8, 9, 10, 11, 12
+*Nset, nset=Bottom, generate
+1, 4
+*Nset, nset=AllNodes
+Bottom, UPPER, 5, 6, 7, 8
+*Elset, elset=Both
+ First, second
+*Surface, type=ELEMENT, name=Top
+Second, S2
+*Surface, type=NODE, name=Base
+Bottom,
+*Surface, name=Ends
+Second, S2
+First, S1
+*Surface, name=Lower, combine=DIFFERENCE
+Ends, Top
+*End Part
+*Assembly, name=Assembly
+*Instance, name=Cube-1, part=Cube
+*End Instance
+*Instance, name=Cube-2, part=CUBE
+10., 0., 0.
+10., 0., 0., 10., 0., 1., 90.
+*End Instance
+*Nset, nset=Held, instance=Cube-2
+1, 2, 3, 4
+*Nset, nset=Some
+Cube-2.1, Cube-2.2, Cube-2.Bottom
+*Nset, nset=OfElements, elset=Cube-2.First
+*Elset, elset=_Side_S3, internal, instance=Cube-2
+1, 7
+*Surface, type=ELEMENT, name=Side
+_Side_S3, S3
+*End Assembly
+*Step
+*Node
+1, 5., 5., 5.
+*End Step
+"""
+"""A deck of Abaqus with parts, instances and all ways to name sets."""
 
 
 def listed(cell, order, lacking):
@@ -280,14 +373,7 @@ def mixed_file(file, order):
     solids = {b.cell.upper(): (f"{b.cell}{b.nodes.shape[1]}", b.nodes) for b in blocks}
     low = {"LOW": np.flatnonzero(points[:, 1] == 0)}
     if file.suffix == ".vtu":  # by the library of VTK itself
-        import pyvista
-
-        types = {"HEXAHEDRON": (12, 25), "WEDGE": (13, 26), "PYRAMID": (14, 27)}
-        types["TETRAHEDRON"] = (10, 24)
-        cells = {types[name][order - 1]: nodes for name, (_, nodes) in solids.items()}
-        grid = pyvista.UnstructuredGrid(cells, points)
-        grid.point_data["LOW"] = np.isin(np.arange(len(points)), low["LOW"]).astype(int)
-        grid.save(file)
+        vtk_grid(points, solids, low).save(file)
     else:
         write_sets(file, points, solids, low)
     return points, blocks

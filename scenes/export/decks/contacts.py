@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cea.arrays import Floats
 from cea.contact.friction import AlongVector, Circumferential
 from cea.errors import InputError
-from cea.mesh import Floats
 from cea.surface import Surface
 from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.spec.contact import ContactSpec
@@ -89,7 +89,7 @@ def moving_bodies(
         motion = RigidMotion(direction)
         if isinstance(direction, Circumferential):
             owner, surface = contact.a.split(".")
-            x = bodies[owner].mesh.points[bodies[owner].nodes_of(surface)]
+            x = bodies[owner].points[bodies[owner].nodes_of(surface)]
             radius = float(np.linalg.norm(motion.at(x), axis=1).min())
             motion = RigidMotion(direction, min(radius, before.radius if before else np.inf))
         motions[body] = motion

@@ -33,33 +33,18 @@ MAX_MODES = 10_000
 _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
 """Names that both programs take as they are; they do not tell capitals from small letters."""
 _LABELS = "a letter, then at most 29 letters, digits, _ or -,"
+_UNWRITTEN = "left out, as it is not written,"
 
 _Claim = tuple[str, Any, Any, str]
 """A field, its value, whether that is wrong, and what is allowed."""
 
 
 def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
-    """Write a scene as decks of CalculiX and Abaqus; collective, rank 0 writes.
+    """Write a scene as decks of CalculiX and Abaqus that ask for some modes; collective.
 
-    Parameters
-    ----------
-    scene
-        A scene of Lagrange bodies whose elements these programs have.
-    folder
-        Folder of ``NAME_model.inp``, ``NAME_calculix.inp``, ``NAME_abaqus.inp``, NAME that of the
-        scene, in which signs but letters, digits, _ and - become _.
-    modes
-        Number of modes to ask for.
-
-    Returns
-    -------
-    list of Path
-        The files, the model first.
-
-    Raises
-    ------
-    SceneError, InputError
-        When a deck cannot hold the scene, naming the field.
+    Rank 0 writes ``NAME_model.inp``, ``NAME_calculix.inp`` and ``NAME_abaqus.inp``, NAME that of
+    the scene, in which signs but letters, digits, _ and - become _. What a deck cannot hold is
+    refused by its field.
     """
     if not 1 <= modes <= MAX_MODES:
         raise InputError("modes", modes, f"1 to {MAX_MODES}")
@@ -104,7 +89,7 @@ def _about(scene: Scene, deck: Deck, program: str) -> Iterator[str]:
     """What heads a deck."""
     yield f"{scene.name}, for {program}. Units are those of the scene."
     for name, body in deck.bodies.items():
-        yield f"{name}: {len(body.mesh.points)} nodes, {len(body.mesh.cells)} {body.element_type}"
+        yield f"{name}: {len(body.points)} nodes, {len(body.elements)} {body.element_type}"
     for name, contact in scene.contacts.items():
         yield (
             f"Contact {name}: slave {contact.a}, master {contact.b}, penalty on the surface of the "
@@ -155,27 +140,21 @@ def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
     axes = body.material.axes
     by_text = axes is not None and not (axes.uniform or axes.cylindrical_about)
     yield f"{field}.material.axes", axes, by_text, "numbers, or cylindrical"
-    unwritten = "left out, as it is not written,"
     for name in ("springs", "damping", "rotation"):
-        yield f"{field}.{name}", getattr(body, name), getattr(body, name), unwritten
+        yield f"{field}.{name}", getattr(body, name), getattr(body, name), _UNWRITTEN
     for i, support in enumerate(body.supports):
         place, components = f"{field}.supports.{i}", list(support.components)
         yield f"{place}.components", components, set(components) - set("xyz"), "x, y or z"
-        allowed = "left out, where supports hold at zero,"
-        yield f"{place}.value", support.value, support.value is not None, allowed
+        yield f"{place}.value", support.value, support.value is not None, _UNWRITTEN
 
 
 def _claims_on_contact(field: str, contact: ContactSpec) -> Iterator[_Claim]:
-    allowed = "left out, P or p given instead,"
-    yield f"{field}.c_n", contact.c_n, contact.c_n is not None, allowed
+    for name in ("c_n", "full_pass", "sliding"):
+        yield f"{field}.{name}", getattr(contact, name), getattr(contact, name), _UNWRITTEN
     for name in ("P", "p"):
         value = getattr(contact, name)
         wrong = value is not None and not (isinstance(value, float | int) and isfinite(value))
         yield f"{field}.{name}", value, wrong, "a finite number"
     yield f"{field}.mu", contact.mu, not isinstance(contact.mu, float | int), "a number"
-    allowed = "false, since points lie on side a, the slave,"
-    yield f"{field}.full_pass", contact.full_pass, contact.full_pass, allowed
-    sliding, formulation = contact.sliding, contact.formulation
-    yield f"{field}.sliding", sliding, sliding is not None, "left out, as it is not written,"
-    bonded = formulation.coupling == "bonded"
-    yield f"{field}.formulation.method", formulation.method, bonded, "one that is not bonded"
+    method, bonded = contact.formulation.method, contact.formulation.coupling == "bonded"
+    yield f"{field}.formulation.method", method, bonded, "one that is not bonded"
