@@ -40,6 +40,19 @@ def block(backend, size, origin, elements, *, placement=None, supports=(), **mes
     return body
 
 
+def rectangle(backend, size, elements, *, origin=(0.0, 0.0), degree=2, **fields):
+    """Body section of a rectangle with the same elements on both backends, and other fields."""
+    return {
+        "backend": backend,
+        "geometry": {"shape": "rectangle", "size": list(size), "origin": list(origin)},
+        "mesh": {
+            "fe": {"cell": "quadrilateral", "degree": min(degree, 4), "elements": elements},
+            "iga": {"degree": [degree, degree], "elements": elements},
+        },
+        **fields,
+    }
+
+
 def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.0):
     """Scene of a small block (a) on a larger one (b) whose meshes do not match."""
     direction = [1.0, 0.5, 0.0]
