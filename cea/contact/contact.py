@@ -7,7 +7,7 @@ A law that is not linear meets the closure g = G x - g_n: with its pressure sigm
 slope, the forces against the motion are (G - mu T)^T w sigma, and K_n - K_f their derivative.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -22,7 +22,7 @@ from cea.contact.friction import Friction
 from cea.contact.interface import Interface, jump_along
 from cea.contact.laws import NormalLaw, Sliding
 from cea.contact.lumping import lumped_matrices
-from cea.contact.mortar import MortarProjection, ProjectedLaw, eliminated
+from cea.contact.mortar import Eliminated, MortarProjection, ProjectedLaw
 from cea.errors import InputError
 from cea.matrices import (
     block_diagonal,
@@ -33,6 +33,9 @@ from cea.matrices import (
     symmetric_product,
 )
 from cea.ranks import agreed
+
+type Powers = dict[str, tuple[float, float]]
+"""Reference and exponent by parameter (:class:`cea.eigen.parameters.Monomial`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,17 +146,19 @@ class Contact:
 
     @cached_property
     def _matrices(self) -> tuple[Any, Any | None]:
-        return self.tangent(self.slope) if self.lumped is None else self.lumped
+        if self.lumped is not None:
+            return self.lumped
+        if self.projection is None or not self.law.linear:
+            return self.tangent(self.slope)
+        compliance = self.compliance(self.slope)
+        matrices = Eliminated(compliance, self.gap, self.slip).matrices()
+        destroy(compliance)
+        return matrices
 
     def tangent(self, p: Floats) -> tuple[Any, Any | None]:
-        """K_n and K_f of a stiffness p at all points (N/m^3), but for lumped contact."""
-        if self.projection is not None and not self.law.linear:
-            return self._projected.tangent(p)
+        """K_n and K_f of a slope p of the law at all points (N/m^3); not of lumped contact."""
         if self.projection is not None:
-            compliance = self.compliance(p)
-            matrices = eliminated(compliance, self.gap, self.slip)
-            destroy(compliance)
-            return matrices
+            return self._projected.tangent(p)
         weight = self.weight(p)
         normal = symmetric_product(self.gap, weight)
         friction = product(self.slip, self.gap, weight) if self.slip is not None else None
@@ -170,18 +175,19 @@ class Contact:
         """A gap given at all points (m) as the law meets it: projected with mortar contact."""
         return gap if self.projection is None else self._projected.projected(gap)
 
-    def force(self, pressure: Floats, *, friction: bool) -> Any:
-        """Forces (N), PETSc vector, that a pressure at all points puts against the motion."""
+    def force(self, pressure: Floats, *, friction: bool = True) -> Any:
+        """Forces (N), PETSc vector, that a pressure at all points puts against the motion.
+
+        Those of friction, if there is any, may be left out.
+        """
+        friction = friction and self.has_friction
         if self.projection is not None:
-            return self._projected.force(pressure, friction=friction)
-        weighted = self.weight(pressure)
-        force = self.gap.createVecRight()
-        self.gap.multTranspose(weighted, force)
+            return self._projected.pushed(pressure, friction=friction)
+        weighted, force = self.weight(pressure), self.gap.createVecRight()
         if friction and self.slip is not None:
-            of_friction = self.gap.createVecRight()
-            self.slip.multTranspose(weighted, of_friction)
-            force.axpy(-1.0, of_friction)
-            destroy(of_friction)
+            self.slip.multTranspose(weighted, force)
+            force.scale(-1.0)
+        self.gap.multTransposeAdd(weighted, force, force)
         destroy(weighted)
         return force
 
@@ -217,6 +223,24 @@ class Contact:
         every = block_diagonal([one] * self.interface.a.dim).convert("aij")
         destroy(one)
         return every
+
+
+def by_pair(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
+    """Half passes by the name of the contact they belong to."""
+    pairs: dict[str, list[Contact]] = {}
+    for contact in contacts:
+        pairs.setdefault(contact.pair, []).append(contact)
+    return pairs
+
+
+def powers_of(halves: Sequence[Contact]) -> tuple[Powers, Powers]:
+    """How the stiffness of a contact depends on its P, and its friction on mu.
+
+    There is no P of a law that is not linear; mu is relative to 1 where the halves differ.
+    """
+    path, values = f"contacts.{halves[0].pair}", {half.mu for half in halves}
+    P = {f"{path}.P": (sum(half.P for half in halves), 1.0)} if halves[0].law.linear else {}
+    return P, {f"{path}.mu": (values.pop() if len(values) == 1 else 1.0, 1.0)}
 
 
 def assembled(

@@ -63,16 +63,12 @@ class Formulation(ABC):
         return "pointwise"
 
     @property
-    def options(self) -> tuple[str, ...]:
-        """What sets it apart from its simplest form, in words."""
-        return ()
-
-    @property
     def label(self) -> str:
-        """Name, points per direction where they are given, and options: "GPTS 5 × 5, lumped"."""
-        points = getattr(self, "points", None)
-        name = self.name if points is None else f"{self.name} {points} × {points}"
-        return ", ".join((name, *self.options))
+        """Name, points per direction, weights that are not equal, and whether it is lumped."""
+        points, weights = (getattr(self, name, None) for name in ("points", "weights"))
+        label = self.name if points is None else f"{self.name} {points} × {points}"
+        label += "" if weights in (None, "equal") else f", {weights}"
+        return label + (", lumped" if self.coupling == "lumped" else "")
 
 
 _MOST_POINTS = 200  # points per direction in an element: far more than any rule needs
@@ -113,11 +109,6 @@ class AtAbscissae(Formulation):
     """Contact collocated at abscissae of the traces of side a, at a corner once for each face."""
 
     weights: str = "equal"
-
-    @property
-    def options(self) -> tuple[str, ...]:
-        """The weights, where they are not equal."""
-        return () if self.weights == "equal" else (self.weights,)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""
@@ -232,11 +223,6 @@ class GaussPointToSurface(Formulation):
     def coupling(self) -> Coupling:
         """Lumped, or a penalty at each point."""
         return "lumped" if self.lumped else "pointwise"
-
-    @property
-    def options(self) -> tuple[str, ...]:
-        """Whether it is lumped."""
-        return ("lumped",) if self.lumped else ()
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""

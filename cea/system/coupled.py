@@ -11,11 +11,9 @@ from functools import cached_property
 from math import inf, log10
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.contact import Contact, assembled
+from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
@@ -25,16 +23,13 @@ from cea.nodes import Nodes, joined, places
 from cea.petsc import MPI, PETSc
 from cea.system.body_terms import BodyTerms, Motion, body_terms
 from cea.system.contact_terms import (
-    by_pair,
     contact_parameters,
     contact_terms,
     form_for,
-    friction_references,
     penalty_digits,
     penalty_warnings,
     sliding_parameters,
     sliding_terms,
-    stiffnesses,
     with_forms,
 )
 
@@ -106,7 +101,8 @@ class CoupledSystem:
 
     def _digits_at(self, contact: str, values: Mapping[str, float]) -> float:
         """Digits that the penalty form costs at other P and E; infinite where it is not known."""
-        before, halves = stiffnesses(self.contacts)[contact], by_pair(self.contacts)[contact]
+        halves = by_pair(self.contacts)[contact]
+        before = sum(half.P for half in halves)
         P = values.get(f"contacts.{contact}.P", before)
         if inf in (P, before):
             return inf
@@ -156,33 +152,31 @@ class CoupledSystem:
         eliminate
             Whether all contact forces are eliminated; no contact is tied.
         """
-        friction = friction_references(self.contacts)
-        kept = [c for c in self.contacts if c.has_multipliers and not eliminate]
-        others = [c for c in self.contacts if c not in kept]
         terms = [
             *(term for each in self.pieces.values() for term in each.terms),
             *(
                 Term("stiffness", self.pieces[name].square(matrix), Coefficient.of({}))
                 for name, matrix in self.prestress.items()
             ),
-            *contact_terms(self.contacts, others, friction),
+            *contact_terms(self.contacts, eliminate=eliminate),
         ]
         if self.with_mass:
-            terms += sliding_terms(self.bodies, self.contacts, friction)
+            terms += sliding_terms(self.bodies, self.contacts)
+        with_forces = () if eliminate else self.contacts
         return Pencil(
             terms,
-            self._parameters(friction),
-            list(forces_of_contacts(kept, self.stiffness_diagonal, friction)),
+            self._parameters(),
+            list(forces_of_contacts(with_forces, self.stiffness_diagonal)),
             [term for each in self.pieces.values() for term in each.modal],
             [term for each in self.pieces.values() for term in each.circulatory],
             leave_out=leave_out,
             nodes=self._nodes,
         )
 
-    def _parameters(self, friction: dict[str, float]) -> Iterator[Parameter]:
+    def _parameters(self) -> Iterator[Parameter]:
         for each in self.pieces.values():
             yield from each.parameters()
-        yield from contact_parameters(self.contacts, friction)
+        yield from contact_parameters(self.contacts)
         if self.with_mass:
             yield from sliding_parameters(self.contacts)
 
@@ -255,16 +249,13 @@ def couple(
     PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
     nest = block_diagonal([body.stiffness() for body in bodies.values()])
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
-    template, diagonal = nest.createVecRight(), nest.createVecRight()
+    template, diagonal = nest.createVecRight(), nest.getDiagonal()
     destroy(nest)
     frictional = {contact.pair for contact in contacts if contact.has_friction}
     made = [
         assembled(bodies, contact, frictional=contact.pair in frictional, leave_out=leave_out)
         for contact in contacts
     ]
-    parts = [body.stiffness().getDiagonal() for body in bodies.values()]
-    diagonal.array[:] = np.concatenate([part.array_r for part in parts])
-    destroy(*parts)
     digits = penalty_digits(made, diagonal)
     return CoupledSystem(
         bodies=bodies,
@@ -289,24 +280,18 @@ def _load(
         body.load().copy(part)
         load.restoreSubVector(index_sets[name], part)
     for contact in contacts:
-        if contact.prescribed is not None and contact.law.linear:
-            force = _force_of_prescribed(contact)
-            load.axpy(-1.0, force)
-            destroy(force)
+        if contact.prescribed is None or not contact.law.linear:
+            continue
+        if contact.coupling != "pointwise" or not contact.has_pressure:
+            allowed = (
+                "pointwise and of finite stiffness where a support that prescribes a displacement "
+                "meets a side; or c_n, a law of the gap"
+            )
+            raise InputError(f"contacts.{contact.pair}.formulation", contact.coupling, allowed)
+        force = contact.force(contact.slope * contact.prescribed)
+        load.axpy(-1.0, force)
+        destroy(force)
     return load
-
-
-def _force_of_prescribed(contact: Contact) -> Any:
-    """Forces (N) against the motion of a closure that is prescribed, PETSc vector (free)."""
-    if contact.coupling != "pointwise" or not contact.has_pressure:
-        allowed = (
-            "pointwise and of finite stiffness where a support that prescribes a displacement "
-            "meets a side; or c_n, a law of the gap"
-        )
-        raise InputError(f"contacts.{contact.pair}.formulation", contact.coupling, allowed)
-    assert contact.prescribed is not None
-    pressure = contact.slope * contact.prescribed
-    return contact.force(pressure, friction=contact.has_friction)
 
 
 def _modulus(body: str) -> str:

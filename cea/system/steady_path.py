@@ -97,7 +97,7 @@ class _Path:
     def solve(self) -> SteadySliding:
         """Put the load on in steps, or in more where it takes them."""
         first = self._targets[0]
-        if self._pulls(first) and not self._newton.is_held:
+        if self._pulls(first) and not self._equations.are_held:
             start = self._equations.state(*self._start(first), first)
             raise ConvergenceError(OPENS, best=start)
         path: list[LoadStep] = []
@@ -119,7 +119,10 @@ class _Path:
             if run.converged and run.state.closed_points:
                 done, state = factor, run.state
                 part = min(_GROWS * part, whole)
-                path.append(self._load_step(factor, run))
+                if self._history:
+                    x = self._equations.vector(state.x)
+                    run.step.state = StepState(x, self._contact_states(state))
+                path.append(run.step)
                 continue
             part *= 0.5
             least = (_SHORTEST if state is not None else _FIRST) * whole
@@ -172,12 +175,11 @@ class _Path:
     def _result(self, state: State, path: Sequence[LoadStep]) -> SteadySliding:
         equations = self._equations
         tangent = equations.tangent(equations.slopes(state.closures))
+        x, f = state.x[:, None], state.f[:, None]
         try:
             with self._timer("factorisation"):
                 factors = _factorised(tangent, state)
-                uncertainty = rounding_uncertainty(
-                    tangent, factors, state.x[:, None], state.f[:, None]
-                )
+                uncertainty = rounding_uncertainty(tangent, factors, x, f)
                 parities = {step.factor: step.parity for step in path}
                 unstable = equations.unstable
                 uniqueness = uniqueness_at(tangent, factors, parities, unstable=unstable)
@@ -196,14 +198,6 @@ class _Path:
             path=tuple(path),
             uniqueness=uniqueness,
         )
-
-    def _load_step(self, factor: float, run: Iteration) -> LoadStep:
-        how = (tuple(run.residuals), tuple(run.lengths), tuple(run.closed), run.parity)
-        state = None
-        if self._history:
-            x = self._equations.vector(run.state.x)
-            state = StepState(x, self._contact_states(run.state))
-        return LoadStep(factor, *how, state)
 
     def _contact_states(self, state: State) -> dict[str, ContactState]:
         return {
