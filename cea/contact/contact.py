@@ -285,14 +285,16 @@ def assembled(
     if contact.coupling == "lumped":
         weight = points.weight * contact.slope[interface.rows]
         lumped = lumped_matrices(bodies, (contact.a, contact.b), interface, weight, pushed)
-    closed = _closed_by_supports(bodies, contact, points.normal)
+    given = {name: bodies[name].prescribed for name in (contact.a, contact.b)}
+    moved = {name: gather(each) for name, each in given.items() if each is not None}
+    closed = approach_along(contact, points.normal, moved) if moved else np.zeros(0)
     return replace(
         contact,
         gap=gap,
         slip=slip,
         projection=projection,
         lumped=lumped,
-        prescribed=closed if closed is not None and closed.any() else None,
+        prescribed=closed if closed.any() else None,
     )
 
 
@@ -300,17 +302,6 @@ def jump_operator(bodies: Mapping[str, Body], contact: Contact, direction: Float
     """Jump along directions at the points of this rank, PETSc AIJ (points x unknowns)."""
     parts = zip((contact.a, contact.b), jump_along(contact.interface, direction), strict=True)
     return system_operator(bodies, dict(parts), len(direction))
-
-
-def approach_along(
-    bodies: Mapping[str, Body], contact: Contact, direction: Floats, x: Any
-) -> Floats:
-    """What unknowns x, and what supports prescribe, close along directions at all points (m)."""
-    jump = jump_operator(bodies, contact, direction)
-    values = _times(jump, x)
-    destroy(jump)
-    closed = _closed_by_supports(bodies, contact, direction)
-    return values if closed is None else values + closed
 
 
 def _times(operator: Any, x: Any) -> Floats:
@@ -322,16 +313,13 @@ def _times(operator: Any, x: Any) -> Floats:
     return values
 
 
-def _closed_by_supports(
-    bodies: Mapping[str, Body], contact: Contact, direction: Floats
-) -> Floats | None:
-    """What prescribed displacements close along directions, at all points (m); None without any."""
-    if all(bodies[name].prescribed is None for name in (contact.a, contact.b)):
-        return None
+def approach_along(
+    contact: Contact, direction: Floats, displacements: Mapping[str, Floats]
+) -> Floats:
+    """What full displacements of bodies (m) close along directions at all points (m)."""
     closed = np.zeros(len(direction))
     jumps = jump_along(contact.interface, direction)
     for name, jump in zip((contact.a, contact.b), jumps, strict=True):
-        prescribed = bodies[name].prescribed
-        if prescribed is not None:
-            closed += jump @ gather(prescribed)
+        if name in displacements:
+            closed += jump @ displacements[name]
     return np.concatenate(contact.interface.comm.allgather(closed))

@@ -155,7 +155,7 @@ class CoupledSystem:
         terms = [
             *(term for each in self.pieces.values() for term in each.terms),
             *(
-                Term("stiffness", self.pieces[name].square(matrix), Coefficient.of({}))
+                Term("stiffness", self.pieces[name].placed(matrix), Coefficient.of({}))
                 for name, matrix in self.prestress.items()
             ),
             *contact_terms(self.contacts, eliminate=eliminate),

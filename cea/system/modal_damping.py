@@ -4,7 +4,7 @@ By the path of the body in a scene, ``bodies.<name>``, the parameter is ``.dampi
 ``.damping.modal.ratios``, a factor on these.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,10 +17,9 @@ from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions, nearest
-from cea.eigen.parameters import Coefficient, Dependence, Parameter
+from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.shifted import count_below
-from cea.eigen.unformed import LowRank, LowRankTerm
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
 
@@ -55,36 +54,33 @@ class _OfTheseModes:
         """Parameters it depends on."""
         return self.coefficient.names | frozenset(self.found_at)
 
+    def times(self, name: str) -> "_OfTheseModes":
+        """It times one more parameter."""
+        return _OfTheseModes(self.coefficient.times(name), self.found_at)
+
     def at(self, values: Mapping[str, float]) -> float:
         """Value at given parameters; refused where the modes would be others."""
-        for name, value in self.found_at.items():
-            if values[name] != value:
-                raise _changed(name, values[name], value)
+        for name, found_at in self.found_at.items():
+            if values[name] != found_at:
+                raise InputError(name, values[name], f"{found_at:g}, where damped modes were found")
         return self.coefficient.at(values)
 
     def derivative(self, name: str, values: Mapping[str, float]) -> float:
         """Derivative in one parameter; refused where the modes would move."""
         if name in self.found_at:
-            raise _changed(name, values[name], self.found_at[name])
+            raise InputError(name, values[name], "left as it is: damped modes move with it")
         return self.coefficient.derivative(name, values)
-
-
-def _changed(name: str, value: float, found_at: float) -> InputError:
-    allowed = (
-        f"{found_at:g}, at which the modes were found that are damped; a scene changed there is "
-        "assembled anew"
-    )
-    return InputError(name, value, allowed)
 
 
 @dataclass(frozen=True)
 class DampedModes:
-    """Modes of a body that are damped."""
+    """Modes of a body that are damped: sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
 
     # phi with phi^T M phi = 1, and M phi, the rows of this rank, shape (n_local, n)
     vectors: Floats
     images: Floats
     weights: Floats  # 2 zeta omega (1/s) at a parameter of 1, shape (n,)
+    coefficient: Coefficient | _OfTheseModes  # how it depends on the ratio, on E and on rho
 
 
 def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
@@ -98,27 +94,19 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
     damped = factors > 0
     vectors = modes.vectors[:, damped]
     weights = (4 * np.pi * factors * modes.frequencies)[damped]
-    return DampedModes(vectors, image_of(body.mass(), vectors), weights)
+    coefficient = _coefficient(path, body, damping)
+    return DampedModes(vectors, image_of(body.mass(), vectors), weights, coefficient)
 
 
-def modal_term(
-    path: str, body: Body, damping: ModalDamping, modes: DampedModes, first: int
-) -> LowRankTerm:
-    """Modal damping of a body, sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
-    piece = LowRank(modes.images, modes.weights, first)
-    return LowRankTerm(piece, modal_coefficient(path, body, damping))
-
-
-def modal_parameters(path: str, damping: ModalDamping) -> Iterator[Parameter]:
+def modal_parameter(path: str, damping: ModalDamping) -> Parameter:
     """The parameter of modal damping; path and damping as for :func:`damped_modes`."""
     if damping.ratio is not None:
-        yield Parameter(f"{path}.damping.modal.ratio", damping.ratio)
-    else:
-        yield Parameter(f"{path}.damping.modal.ratios", 1.0, "a factor on the ratios")
+        return Parameter(f"{path}.damping.modal.ratio", damping.ratio)
+    return Parameter(f"{path}.damping.modal.ratios", 1.0, "a factor on the ratios")
 
 
-def modal_coefficient(path: str, body: Body, damping: ModalDamping, *others: str) -> Dependence:
-    """How it depends on the ratio, on E and rho, and on other parameters as they are.
+def _coefficient(path: str, body: Body, damping: ModalDamping) -> Coefficient | _OfTheseModes:
+    """How modal damping depends on the ratio, on E and on rho.
 
     Modes that are counted stay the same where E and rho change a body without springs, and
     2 omega_j (M phi_j) (M phi_j)^T goes with the root of E rho.
@@ -126,11 +114,10 @@ def modal_coefficient(path: str, body: Body, damping: ModalDamping, *others: str
     material = {f"{path}.material.rho": float(body.material.rho or 0)}
     if (E := body.material.constants.get("E")) is not None:
         material[f"{path}.material.E"] = E
-    names = (*(parameter.name for parameter in modal_parameters(path, damping)), *others)
-    powers = dict.fromkeys(names, (1.0, 1.0))
+    ratio = {modal_parameter(path, damping).name: (1.0, 1.0)}
     if damping.end is None and body.spring_stiffness() is None:
-        return Coefficient.of(powers | {name: (value, 0.5) for name, value in material.items()})
-    return _OfTheseModes(Coefficient.of(powers), material)
+        return Coefficient.of(ratio | {name: (value, 0.5) for name, value in material.items()})
+    return _OfTheseModes(Coefficient.of(ratio), material)
 
 
 def _modes(path: str, body: Body, damping: ModalDamping, counted: int) -> _ElasticModes:
@@ -162,17 +149,14 @@ def _factors(
     if damping.end is not None:
         return damping.factors_at(means)[groups]
     factors = damping.factors_at(frequencies)
-    least, largest = np.full(len(means), np.inf), np.zeros(len(means))
-    np.minimum.at(least, groups, factors)
-    np.maximum.at(largest, groups, factors)
-    split = np.flatnonzero(least != largest)
-    if len(split):
-        members = np.flatnonzero(groups == split[0]) + 1
-        allowed = (
-            f"the same ratio for elastic modes {members[0]} to {members[-1]}, which share the "
-            f"frequency {means[split[0]]:.6g} Hz"
-        )
-        raise InputError(f"{path}.damping.modal.ratios", damping.ratios, allowed)
+    for group, frequency in enumerate(means):
+        members = np.flatnonzero(groups == group)
+        if np.ptp(factors[members]) > 0:
+            allowed = (
+                f"the same ratio for elastic modes {members[0] + 1} to {members[-1] + 1}, which "
+                f"share the frequency {frequency:.6g} Hz"
+            )
+            raise InputError(f"{path}.damping.modal.ratios", damping.ratios, allowed)
     return factors
 
 
