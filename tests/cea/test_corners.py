@@ -3,7 +3,7 @@
 import corners
 import numpy as np
 import pytest
-from corners import KINDS, rules, seat, system
+from corners import KINDS, part, rules, system
 from motions import dense, product, unknowns
 from mpi import on_ranks
 
@@ -104,8 +104,8 @@ def test_numbers_of_a_corner_do_not_depend_on_the_ranks(ranks, kind):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_points_at_a_corner_have_normal_and_area_of_their_own_faces(backend, dim):
     kind = KINDS[dim][{"fe": 1, "iga": 0}[backend]]
-    surface = seat(kind, dim, 3).surfaces["corner"]
-    faces = seat(kind, dim, 3, together=False).surfaces
+    surface = part("seat", kind, dim, 3).surfaces["corner"]
+    faces = part("seat", kind, dim, 3, together=False).surfaces
     weights = {"fe": "tributary", "iga": "area"}[backend]
     kind_of_points = surface.abscissa_kinds[0]
     for points_of in (
@@ -151,7 +151,7 @@ def test_straight_sides_have_a_corner_and_rounded_ones_none(turn):
 @pytest.mark.parametrize("order", [1, -1])
 def test_points_at_a_corner_are_found_on_the_face_that_faces_them(order):
     """Both faces are met there: one squarely, one at its rim along the line."""
-    parts = seat("nurbs", 2, 3).surfaces["corner"].faces
-    surface = type(seat("nurbs", 2, 3).surfaces["corner"])("corner", parts[::order], 100)
+    corner = part("seat", "nurbs", 2, 3).surfaces["corner"]
+    surface = type(corner)("corner", corner.faces[::order], 100)
     found = surface.locate(np.zeros((2, 2)), -np.eye(2), 0.5)
     assert surface.normal(found.at) == pytest.approx(np.eye(2), abs=1e-12)

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from cea.petsc import PETSc
+
 
 def unknowns(system, motions):
     """Unknowns of free bodies that move as given: displacement functions of position by body."""
@@ -37,6 +39,13 @@ def rotation_of(system):
     e1 = points.normal[0]
     e3 = system.bodies["lower"].surfaces["z_max"].gauss_points(1).normal[0]
     return np.stack([e1, np.cross(e3, e1), e3], axis=1)
+
+
+def asymmetry(matrix):
+    """Norm of a PETSc matrix less its transpose: zero on any number of ranks."""
+    difference = matrix.transpose(PETSc.Mat())
+    difference.axpy(-1.0, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    return difference.norm()
 
 
 def dense(matrix):

@@ -4,13 +4,14 @@ import numpy as np
 from bodies import lagrange_body, nurbs_body
 from closed_patches import annulus, as_shape
 from iga_data import TURNED, body, turned
+from motions import asymmetry
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.material import IsotropicMaterial
 from cea.matrices import gather
-from cea.petsc import MPI, PETSc
+from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.rotation import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support
@@ -93,11 +94,4 @@ def numbers(case, top):
         symmetric.append(part.geometric_stiffness(u))
         shown["gyroscopic"] = part.gyroscopic(Rotation(2.0, coriolis=False)).norm()
     shown["norms"] = [matrix.norm() for matrix in symmetric]
-    return {"same": shown, "asymmetry": [_asymmetry(matrix) for matrix in symmetric]}
-
-
-def _asymmetry(matrix):
-    """Largest entry of a matrix less its transpose: zero on any number of ranks."""
-    difference = matrix.transpose(PETSc.Mat())
-    difference.axpy(-1.0, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    return float(np.abs(difference.getValuesCSR()[2]).max(initial=0.0))
+    return {"same": shown, "asymmetry": [asymmetry(matrix) for matrix in symmetric]}
