@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import assemble
+from blocks import alone, assemble
 from covering import covering
 
 from cea.damping import ModalDamping
@@ -15,24 +15,15 @@ TOP = 1.2
 
 def one_block(backend, modal=None, *, held=True, size=(1.0, 0.6), elements=(4, 3), **material):
     """A block alone, in plane strain."""
-    body = {
-        "backend": backend,
-        "geometry": {"shape": "rectangle", "size": list(size), "origin": [0.0, 0.0]},
-        "material": {"E": 2.0, "nu": 0.3, "rho": 1.5} | material,
-        "supports": [{"surface": "y_min"}] if held else [],
-        "mesh": {
-            "fe": {"cell": "quadrilateral", "degree": 2, "elements": list(elements)},
-            "iga": {"degree": [2, 2], "elements": list(elements)},
-        },
-    }
-    if modal is not None:
-        body["damping"] = {"modal": modal}
-    return {
-        "name": "block",
-        "bodies": {"block": body},
-        "contacts": {},
-        "analysis": {"kind": "cea", "max_frequency": TOP},
-    }
+    return alone(
+        backend,
+        {"shape": "rectangle", "size": list(size), "origin": [0.0, 0.0]},
+        elements,
+        material={"E": 2.0, "nu": 0.3, "rho": 1.5} | material,
+        supports=[{"surface": "y_min"}] if held else [],
+        damping=None if modal is None else {"modal": modal},
+        analysis={"kind": "cea", "max_frequency": TOP},
+    )
 
 
 def piece_of(system):
@@ -98,10 +89,10 @@ def test_modes_of_one_frequency_are_damped_alike(backend):
 
 def test_more_ratios_than_modes_are_refused(backend):
     system = assemble(one_block(backend, held=False))
-    size = system.bodies["block"].mass().getSize()[0]
+    size = system.bodies["part"].mass().getSize()[0]
     for count in (size - 2, size + 1):
         data = one_block(backend, {"ratios": [0.01] * count}, held=False)
-        with pytest.raises(InputError, match=r"bodies\.block\.damping\.modal\.ratios"):
+        with pytest.raises(InputError, match=r"bodies\.part\.damping\.modal\.ratios"):
             assemble(data).pencil()
     every = one_block(backend, {"ratios": [0.01] * (size - 3)}, held=False)
     assert len(assemble(every).pencil().low_rank[0].piece.weights) == size - 3
@@ -111,7 +102,7 @@ def test_more_ratios_than_modes_are_refused(backend):
 def test_modes_that_are_counted_follow_the_material(backend, change):
     name, value = next(iter(change.items()))
     modal = KINDS["a list"]
-    values = {f"bodies.block.material.{name}": value}
+    values = {f"bodies.part.material.{name}": value}
     system = assemble(one_block(backend, modal))
     changed = system.pencil().at(values).low_rank.root()
     expected = piece_of(assemble(one_block(backend, modal, **change)))
@@ -121,12 +112,12 @@ def test_modes_that_are_counted_follow_the_material(backend, change):
 def test_modes_that_are_not_counted_do_not(backend):
     system = assemble(one_block(backend, KINDS["one ratio"]))
     pencil = system.pencil()
-    with pytest.raises(InputError, match=r"bodies\.block\.material\.E.*5.*found"):
-        pencil.at({"bodies.block.material.E": 5.0})
+    with pytest.raises(InputError, match=r"bodies\.part\.material\.E.*5.*found"):
+        pencil.at({"bodies.part.material.E": 5.0})
     modes = solve_modes(pencil, TOP, left=True)
-    with pytest.raises(InputError, match=r"bodies\.block\.material\.rho"):
-        modes.sensitivity("bodies.block.material.rho")
-    assert np.isfinite(modes.sensitivity("bodies.block.damping.modal.ratio")).all()
+    with pytest.raises(InputError, match=r"bodies\.part\.material\.rho"):
+        modes.sensitivity("bodies.part.material.rho")
+    assert np.isfinite(modes.sensitivity("bodies.part.damping.modal.ratio")).all()
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from blocks import alone
 from covering import covering
 from motions import control_points, dense
 from pressed import pressed_blocks
@@ -18,27 +19,12 @@ GPTS = {"method": "gpts", "points": 3}
 BOTH_WAYS = [("x_min", "y"), ("x_max", "y"), ("y_min", "xy"), ("y_max", "xy")]
 
 
-def slab(backend, dim, supports=(), placement=None):
+def slab(backend, dim, supports=()):
     """A box of which the faces hold some components."""
-    elements = [1, 5, 1][:dim]
-    mesh = {
-        "fe": {"cell": {2: "quadrilateral", 3: "hexahedron"}[dim], "elements": elements},
-        "iga": {"degree": [3] * dim, "elements": elements},
-    }
-    mesh["fe"]["degree"] = 3
-    data = {
-        "backend": backend,
-        "geometry": {
-            "shape": {2: "rectangle", 3: "box"}[dim],
-            "size": [0.7, HEIGHT, 0.5][:dim],
-        },
-        "material": {"E": STEEL.E, "nu": STEEL.nu, "rho": STEEL.rho},
-        "supports": [{"surface": face, "components": list(held)} for face, held in supports],
-        "placement": placement or {},
-        "mesh": mesh,
-    }
-    scene = {"name": "slab", "bodies": {"slab": data}, "analysis": {"kind": "static"}}
-    return build_body("slab", read_scene(scene).bodies["slab"])
+    shape = {"shape": {2: "rectangle", 3: "box"}[dim], "size": [0.7, HEIGHT, 0.5][:dim]}
+    held = [{"surface": face, "components": list(some)} for face, some in supports]
+    scene = alone(backend, shape, [1, 5, 1][:dim], degree=3, supports=held)
+    return build_body("part", read_scene(scene).bodies["part"])
 
 
 def stretch(dim, stress):

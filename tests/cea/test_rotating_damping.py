@@ -9,8 +9,10 @@ from functools import cache
 
 import numpy as np
 import pytest
+from blocks import alone
+from motions import quadratic_lambda
 from petsc_matrices import to_numpy
-from scipy.linalg import eigh, eigvals
+from scipy.linalg import eigh
 
 from cea.eigen.shifted import Shifted
 from cea.rotation import Rotation
@@ -32,31 +34,16 @@ RATE = "bodies.part.rotation.rate"
 def system(backend, kind, shape="ring", fine=1, supports=(), springs=(), *, coriolis=False):
     """A body with round numbers that rotates at 1 rad/s, damped."""
     geometry = {"ring": RING, "disc": DISC}[shape]
-    dim = {"ring": 2, "disc": 3}[shape]
-    elements = [fine, 12 * fine, 1][:dim]
-    data = {
-        "name": "alone",
-        "bodies": {
-            "part": {
-                "backend": backend,
-                "geometry": geometry,
-                "material": {"E": 1.0, "nu": 0.3, "rho": 1.5},
-                "supports": [dict(each) for each in supports],
-                "springs": [dict(each) for each in springs],
-                "damping": KINDS[kind],
-                "rotation": {"rate": 1.0, "convective_stiffness": True, "coriolis": coriolis},
-                "mesh": {
-                    "fe": {
-                        "cell": {2: "quadrilateral", 3: "hexahedron"}[dim],
-                        "degree": 2,
-                        "elements": elements,
-                    },
-                    "iga": {"degree": [2] * dim, "elements": elements},
-                },
-            }
-        },
-        "analysis": {"kind": "cea", "max_frequency": 1.0},
-    }
+    data = alone(
+        backend,
+        geometry,
+        [fine, 12 * fine, 1][: 2 if shape == "ring" else 3],
+        material={"E": 1.0, "nu": 0.3, "rho": 1.5},
+        supports=[dict(each) for each in supports],
+        springs=[dict(each) for each in springs],
+        damping=KINDS[kind],
+        rotation={"rate": 1.0, "convective_stiffness": True, "coriolis": coriolis},
+    )
     return coupled(read_scene(data))[0]
 
 
@@ -78,13 +65,6 @@ def sums(made, **changes):
         root = matrices.low_rank.root()
         D += root @ root.T
     return to_numpy(matrices.mass), D, to_numpy(matrices.stiffness) + circulatory, circulatory
-
-
-def eigenvalues(M, D, K):
-    """Every lambda of lambda^2 M + lambda D + K."""
-    n = len(M)
-    right = np.linalg.solve(M, np.hstack([-K, -D]))
-    return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))
 
 
 @cache
@@ -115,7 +95,7 @@ def waves(backend, kind, **options):
     """Lambda with Im > 0 of the lowest waves at rest, and their diameters."""
     made = system(backend, kind, **options)
     M, D, K, _ = sums(made, **{RATE: 0.0})
-    every = eigenvalues(M, D, K)
+    every = quadratic_lambda(M, D, K)
     where = {name: options[name] for name in ("shape", "fine", "supports") if name in options}
     found = {}
     for turning, _, kappa in at_rest(backend, **where):
@@ -135,7 +115,7 @@ def apart(backend, kind, part, most=3, **options):
     critical = min(value.imag / m for m, value in lowest.items())
     rate = part * critical
     M, D, K, _ = sums(system(backend, kind, **options), **{RATE: rate})
-    found = eigenvalues(M, D, K)
+    found = quadratic_lambda(M, D, K)
     errors = []
     for m, value in lowest.items():
         for sign in (-1, 1):
@@ -163,9 +143,9 @@ def test_with_coriolis_forces_decay_is_that_in_the_frame_of_the_material(backend
     made = system(backend, kind, fine=2, coriolis=True)
     M, C, K, _ = sums(made, **{RATE: 0.0})
     spin = np.kron(np.eye(len(M) // 2), Rotation(1.0).spin(2))
-    inside = eigenvalues(M, C + 2 * rate * M @ spin, K - rate**2 * M)
+    inside = quadratic_lambda(M, C + 2 * rate * M @ spin, K - rate**2 * M)
     M, D, K, _ = sums(made, **{RATE: rate})
-    outside = eigenvalues(M, D, K)
+    outside = quadratic_lambda(M, D, K)
     chosen = inside[(np.abs(inside) > 0.3) & (np.abs(inside) < 1.6)]
     assert len(chosen) > 8
     turns = 1j * rate * np.arange(-8, 9)

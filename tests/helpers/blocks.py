@@ -15,19 +15,30 @@ PLACEMENTS = ["axis-aligned", "rotated"]
 ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
 
 
-def block(backend, size, origin, elements, *, placement=None, supports=(), **mesh):
-    """Body section of a scene: a block with soft steel-like numbers."""
+def section(backend, geometry, elements, *, degree=2, cell=None, **fields):
+    """Body section of a scene, of soft steel-like numbers; fields that are None are left out."""
+    dim, elements = len(elements), list(elements)
+    cell = cell or {2: "quadrilateral", 3: "hexahedron"}[dim]
     return {
         "backend": backend,
-        "geometry": {"shape": "box", "size": size, "origin": origin},
+        "geometry": geometry,
         "material": {"E": 2.0, "nu": 0.3, "rho": 1.5},
-        "supports": list(supports),
-        "placement": placement or {},
         "mesh": {
-            "fe": {"cell": "hexahedron", "degree": 2, "elements": elements} | mesh.get("fe", {}),
-            "iga": {"degree": [2, 2, 2], "elements": elements} | mesh.get("iga", {}),
+            "fe": {"cell": cell, "degree": degree, "elements": elements},
+            "iga": {"degree": [degree] * dim, "elements": elements},
         },
-    }
+    } | {name: value for name, value in fields.items() if value is not None}
+
+
+def alone(*body, analysis=None, **fields):
+    """Scene of one body, "part"; arguments of :func:`section`."""
+    analysis = analysis or {"kind": "cea", "max_frequency": 1.0}
+    return {"name": "alone", "bodies": {"part": section(*body, **fields)}, "analysis": analysis}
+
+
+def block(backend, size, origin, elements, **fields):
+    """Body section of a box."""
+    return section(backend, {"shape": "box", "size": size, "origin": origin}, elements, **fields)
 
 
 def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.0):
@@ -38,14 +49,10 @@ def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.
 
         rotation = Placement(tuple(placement["axis"]), placement["angle"]).rotation
         direction = (rotation @ direction).tolist()
-    top = [{"surface": "z_max"}] if held else []
-    bottom = [{"surface": "z_min"}] if held else []
-    upper = block(
-        backend, [0.5, 0.6, 0.3], [0.2, 0.3, 0.4], [3, 2, 1], placement=placement, supports=top
-    )
-    lower = block(
-        backend, [1.0, 1.1, 0.4], [0.0, 0.0, 0.0], [4, 5, 1], placement=placement, supports=bottom
-    )
+    upper = block(backend, [0.5, 0.6, 0.3], [0.2, 0.3, 0.4], [3, 2, 1])
+    lower = block(backend, [1.0, 1.1, 0.4], [0.0, 0.0, 0.0], [4, 5, 1])
+    for body, side in ((upper, "z_max"), (lower, "z_min")):
+        body |= {"placement": placement or {}, "supports": [{"surface": side}] if held else []}
     return {
         "name": "two blocks",
         "bodies": {"upper": upper, "lower": lower},

@@ -1,6 +1,6 @@
 """Bodies of simple shapes under supports in local frames."""
 
-from blocks import ROTATED
+from blocks import ROTATED, alone
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
@@ -12,34 +12,17 @@ from scenes.spec.reading import read_scene
 
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 BOX = {"shape": "box", "size": [1.0, 0.7, 0.4]}
-RING = {
-    "shape": "annulus", "inner_radius": 0.8, "outer_radius": 1.6, "bottom": 0.0, "top": 0.2,
-}  # fmt: skip
+RING = {"shape": "annulus", "inner_radius": 0.8, "outer_radius": 1.6, "bottom": 0.0, "top": 0.2}
 QUARTER = {**RING, "shape": "sector", "start": 0.0, "end": 90.0}
 PLACED = Placement(tuple(ROTATED["axis"]), ROTATED["angle"], tuple(ROTATED["translation"]))
 ABOUT_Z = {"axis": [0.0, 0.0, 1.0]}
 ABOUT_PLACED = {"axis": PLACED.rotation[:, 2].tolist(), "origin": ROTATED["translation"]}
 
 
-def build(backend, geometry, supports, elements, *, degree=2, placement=None, pressures=()):
+def build(backend, geometry, supports, elements, *, pressures=(), **options):
     """A body as scenes say it."""
-    part = {
-        "backend": backend,
-        "geometry": geometry,
-        "material": {"E": MATERIAL.E, "nu": MATERIAL.nu, "rho": MATERIAL.rho},
-        "supports": supports,
-        "placement": placement or {},
-        "mesh": {
-            "fe": {"degree": degree, "elements": elements},
-            "iga": {"degree": [degree] * 3, "elements": elements},
-        },
-    }
-    scene = {
-        "name": "supports",
-        "bodies": {"part": part},
-        "loads": [{"surface": f"part.{name}", "pressure": p} for name, p in pressures],
-        "analysis": {"kind": "cea", "max_frequency": 1.0},
-    }
+    scene = alone(backend, geometry, elements, supports=supports, **options)
+    scene["loads"] = [{"surface": f"part.{name}", "pressure": p} for name, p in pressures]
     return build_bodies(read_scene(scene), StageTimer())["part"]
 
 
