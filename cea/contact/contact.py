@@ -271,12 +271,12 @@ def assembled(
         destroy(jump)
         return integrals
 
+    axes = [points.normal]
     if bonded:
-        axes = [operator(np.tile(axis, (len(points), 1))) for axis in np.eye(interface.a.dim)]
-        gap = one_below_the_other(axes)
-        destroy(*axes)
-    else:
-        gap = operator(points.normal)
+        axes = [np.tile(axis, (len(points), 1)) for axis in np.eye(interface.a.dim)]
+    gaps = [operator(axis) for axis in axes]
+    gap = one_below_the_other(gaps) if bonded else gaps[0]
+    destroy(*(gaps if bonded else ()))
     slip = lumped = None
     pushed = None
     if contact.friction is not None and not bonded and (frictional or not leave_out):

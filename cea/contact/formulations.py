@@ -63,12 +63,18 @@ class Formulation(ABC):
         return "pointwise"
 
     @property
+    def options(self) -> tuple[str, ...]:
+        """What sets it apart from its simplest form: its weights, and whether it is lumped."""
+        weights = getattr(self, "weights", "equal")
+        lumped = ("lumped",) if self.coupling == "lumped" else ()
+        return lumped if weights == "equal" else (weights, *lumped)
+
+    @property
     def label(self) -> str:
-        """Name, points per direction, weights that are not equal, and whether it is lumped."""
-        points, weights = (getattr(self, name, None) for name in ("points", "weights"))
-        label = self.name if points is None else f"{self.name} {points} × {points}"
-        label += "" if weights in (None, "equal") else f", {weights}"
-        return label + (", lumped" if self.coupling == "lumped" else "")
+        """Name, points per direction where they are given, and options: "GPTS 5 × 5, lumped"."""
+        points = getattr(self, "points", None)
+        name = self.name if points is None else f"{self.name} {points} × {points}"
+        return ", ".join((name, *self.options))
 
 
 _MOST_POINTS = 200  # points per direction in an element: far more than any rule needs

@@ -83,13 +83,11 @@ class CoupledSystem:
         rotations = (each.motion.rotation for each in self.pieces.values())
         return any(each is not None and each.convective_stiffness for each in rotations)
 
-    @property
-    def warnings(self) -> tuple[ResultWarning, ...]:
-        """What the forms of its contacts cost: kind ``penalty-rounding``."""
-        return self.warnings_at({})
-
     def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
-        """The same where some parameters of the pencil have other values."""
+        """What forms of contacts cost where some parameters of the pencil have other values.
+
+        Of kind ``penalty-rounding``.
+        """
         digits = {name: self._digits_at(name, values) for name in self.penalty_digits}
         return penalty_warnings(self.contacts, digits)
 

@@ -86,7 +86,10 @@ class DampedModes:
 def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
     """Modes of a body that modal damping damps; rigid motions are none of them."""
     counted = damping.ratios if damping.end is None and damping.ratios is not None else ()
-    modes = _modes(path, body, damping, len(counted))
+    try:
+        modes = _elastic_modes(path, body, damping.end, len(counted))
+    except ConvergenceError as error:
+        raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
     if len(counted) > len(modes.frequencies):
         allowed = f"at most {len(modes.frequencies)}: all elastic modes of the body"
         raise InputError(f"{path}.damping.modal.ratios", f"{len(counted)} ratios", allowed)
@@ -120,17 +123,6 @@ def _coefficient(path: str, body: Body, damping: ModalDamping) -> Coefficient | 
     return _OfTheseModes(Coefficient.of(ratio), material)
 
 
-def _modes(path: str, body: Body, damping: ModalDamping, counted: int) -> _ElasticModes:
-    """Elastic modes of a body up to the last one that is damped, and beyond."""
-    try:
-        return _elastic_modes(body, damping.end, wanted=counted, most=_MOST)
-    except InputError as error:
-        allowed = f"{error.allowed} modes that are damped one by one; Rayleigh damping for more"
-        raise InputError(f"{path}.damping.modal", error.value, allowed) from None
-    except ConvergenceError as error:
-        raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
-
-
 def _groups(modes: _ElasticModes) -> NDArray[np.int64]:
     """Number of the multiple eigenvalue that each of the modes belongs to, shape (n,)."""
     reach = np.maximum(_SAME * modes.frequencies, modes.uncertainties)
@@ -160,45 +152,39 @@ def _factors(
     return factors
 
 
-def _elastic_modes(body: Body, end: float | None, *, wanted: int, most: int) -> _ElasticModes:
-    """Every elastic mode of a body up to a frequency, and perhaps some beyond."""
+def _elastic_modes(path: str, body: Body, end: float | None, wanted: int) -> _ElasticModes:
+    """Every elastic mode of a body up to a frequency, or so many, and perhaps some beyond."""
     pencil = Pencil.of(body.stiffness(), body.mass())
     matrices = pencil.at()
     try:
-        least = _BELOW * _largest_ratio(matrices)
-        if end is None:
-            end = _end_of_lowest(matrices, least, wanted)
-        end = _window(matrices, least, (1 + _BEYOND) * end, most)
+        largest = _largest_ratio(matrices)
+        least = float(np.sqrt(_BELOW * largest)) / (2 * np.pi)
+        if end is None:  # so many elastic modes, and one more if any
+            count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
+            found, op = nearest(matrices, -_BELOW * largest, count, KrylovOptions())
+            op.free()
+            end = float(np.sqrt(np.sort(found.eigenvalues.real)[count - 1])) / (2 * np.pi)
+        end = max((1 + _BEYOND) * end, least)
+        modes_below = count_below(matrices, (2 * np.pi * end) ** 2)
+        if modes_below > _MOST:
+            allowed = f"at most {_MOST} modes that are damped one by one; Rayleigh damping for more"
+            raise InputError(f"{path}.damping.modal", f"{modes_below} up to {end:g} Hz", allowed)
+        if modes_below == matrices.size:
+            end = _end_of_all(matrices, float(np.sqrt(largest)) / (2 * np.pi), end)
     finally:
         release(matrices)
     modes = solve_modes(pencil, end)
     uncertainties = modes.growth_uncertainties / (2 * np.pi)
     elastic = modes.frequencies > _RIGID * uncertainties
-    lost = int((~elastic & (modes.frequencies > np.sqrt(least) / (2 * np.pi))).sum())
-    if lost:
+    if lost := int((~elastic & (modes.frequencies > least)).sum()):
         raise ConvergenceError(f"{lost} of {len(modes)} modes are lost to rounding", best=modes)
     frequencies, vectors = _rayleigh_ritz(body, modes.vectors.real)
     return _ElasticModes(frequencies[elastic], uncertainties[elastic], vectors[:, elastic])
 
 
-def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
-    """A frequency (Hz) up to which there are so many elastic modes, and one more if any."""
-    count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-    found, op = nearest(matrices, -least, count, KrylovOptions())
-    op.free()
-    return float(np.sqrt(np.sort(found.eigenvalues.real)[count - 1])) / (2 * np.pi)
-
-
-def _window(matrices: Matrices, least: float, end: float, most: int) -> float:
-    """A window (Hz) of the modes up to an end: neither far beyond all of them nor far below."""
-    end = max(end, float(np.sqrt(least)) / (2 * np.pi))
-    count = count_below(matrices, (2 * np.pi * end) ** 2)
-    if count > most:
-        raise InputError("modes", f"{count} up to {end:g} Hz", f"at most {most}")
-    if count < matrices.size:
-        return end
-    highest = float(np.sqrt(least / _BELOW)) / (2 * np.pi)
-    while highest < end and count_below(matrices, (2 * np.pi * highest) ** 2) < count:
+def _end_of_all(matrices: Matrices, highest: float, end: float) -> float:
+    """A frequency (Hz) not far beyond all modes, all of which are below an end."""
+    while highest < end and count_below(matrices, (2 * np.pi * highest) ** 2) < matrices.size:
         highest *= 2
     return min(highest, end)
 

@@ -1,7 +1,10 @@
 """Matching of eigenvalues and of modes: multiplicities, groups, orders, what is left alone."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from reference_data import DRUM_BODIES, plane_meshes
 
 from cea.eigen.matching import (
     ModeSet,
@@ -16,7 +19,7 @@ from cea.eigen.matching import (
 from cea.errors import InputError
 from scenes import run_scene
 from scenes.results.matching import circumferential_orders, match_runs
-from scenes.spec.reading import read_scene
+from scenes.spec.reading import load_scene
 
 RNG = np.random.default_rng(7)
 
@@ -136,39 +139,11 @@ def test_circumferential_content_tells_order_share_and_sense():
 
 
 def drum(backend, elements):
-    def ring(inner, outer, support):
-        return {
-            "backend": backend,
-            "geometry": {"shape": "ring", "inner_radius": inner, "outer_radius": outer},
-            "material": {
-                "E": 1.0 if inner < 1 else 0.1,
-                "nu": 0.3,
-                "rho": 1.0 if inner < 1 else 0.35,
-            },
-            "supports": [{"surface": support}],
-            "mesh": {
-                "fe": {"cell": "quadrilateral", "degree": 2, "elements": elements},
-                "iga": {"degree": [3, 3], "elements": elements},
-            },
-        }
-
-    return read_scene(
-        {
-            "name": "drum",
-            "bodies": {"outer": ring(1.0, 1.5, "outer"), "inner": ring(0.5, 1.0, "inner")},
-            "contacts": {
-                "interface": {
-                    "a": "outer.inner",
-                    "b": "inner.outer",
-                    "formulation": {"method": "gpts", "points": 4},
-                    "p": 1.0,
-                    "mu": 0.3,
-                    "friction_direction_on_a": {"circumferential_about": [0.0, 0.0, 1.0]},
-                }
-            },
-            "analysis": {"kind": "cea", "max_frequency": 0.33, "growth_threshold": 1e-4},
-        }
-    )
+    overrides = ["bodies.outer.material.nu=0.3", "analysis.max_frequency=0.33"]
+    overrides.append("contacts.interface.formulation={method='gpts', points=4}")
+    meshes = dict.fromkeys(DRUM_BODIES, elements)
+    overrides += plane_meshes(backend, {"fe": 2, "iga": 3}[backend], meshes)
+    return load_scene(Path("drum"), overrides, backend)
 
 
 @pytest.fixture(scope="module")

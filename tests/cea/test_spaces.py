@@ -6,7 +6,7 @@ part in all but rotations and prestress.
 
 import numpy as np
 import pytest
-from bodies import lagrange_body, nurbs_body
+from bodies import shape_body
 from mpi import on_ranks
 from stub_backend import StubSpace
 
@@ -18,9 +18,6 @@ from cea.petsc import MPI
 from cea.rotation import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support
 from cea.surface_points import Status, SurfaceCoordinates
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import nurbs_shape
-from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Rectangle, Ring
 
 MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
@@ -31,7 +28,7 @@ BOX, PLATE, RING, ANNULUS = (
     Annulus(0.5, 1.0, 0.0, 0.3),
 )
 FLAT = {
-    "P2": (BOX, "tetrahedron", 2, {"size": 0.5}),
+    "P2": (BOX, "tetrahedron", 2, 0.5),
     "Q1": (BOX, "hexahedron", 1, (2, 2, 1)),
     "Q3 plane": (PLATE, "quadrilateral", 3, (2, 2)),
     "NURBS 2": (BOX, None, 2, (2, 2, 1)),
@@ -39,9 +36,9 @@ FLAT = {
     "stub": (PLATE, "stub", 1, (3, 2)),
 }
 ROUND = {
-    "P2": (ANNULUS, "tetrahedron", 2, {"size": 0.4}),
+    "P2": (ANNULUS, "tetrahedron", 2, 0.4),
     "Q2": (ANNULUS, "hexahedron", 2, (1, 12, 1)),
-    "P3 plane": (RING, "triangle", 3, {"size": 0.4}),
+    "P3 plane": (RING, "triangle", 3, 0.4),
     "NURBS 2": (ANNULUS, None, 2, (1, 8, 1)),
     "NURBS 3 plane": (RING, None, 3, (1, 8)),
 }
@@ -52,14 +49,8 @@ def made(case, **conditions):
     shape, cell, degree, mesh = case
     if cell == "stub":
         return Body("part", StubSpace(shape.size, mesh), MATERIAL, **conditions)
-    options = {"material": MATERIAL, **conditions}
-    if cell is None:
-        data = nurbs_shape(shape, breaks_of(shape, mesh))
-        degrees = (degree,) * len(mesh)
-        return nurbs_body("part", data.patches, data.faces, degrees, comm=MPI.COMM_SELF, **options)
-    given = mesh if isinstance(mesh, dict) else {"breaks": breaks_of(shape, mesh)}
-    mesh = shape_mesh(shape, cell, degree, **given)
-    return lagrange_body("part", mesh, degree=degree, comm=MPI.COMM_SELF, **options)
+    conditions |= {"material": MATERIAL, "comm": MPI.COMM_SELF}
+    return shape_body(shape, cell, mesh, degree, **conditions)
 
 
 def ends(case):

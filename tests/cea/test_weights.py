@@ -2,19 +2,15 @@
 
 import numpy as np
 import pytest
-from bodies import lagrange_body, nurbs_body
+from bodies import shape_body
 from covering import covering
 from scipy.interpolate import BSpline
 from scipy.optimize import minimize_scalar
 
-from cea.body import Body
 from cea.material import IsotropicMaterial
 from iga_cea.splines import botella, knots_with_breaks
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
-from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Annulus, Box, Disc, Rectangle, Ring, Shape
+from meshes.shapes import Annulus, Box, Disc, Rectangle, Ring
 
 MATERIAL = IsotropicMaterial(1.0, 0.3)
 TILTED = Placement(axis=(1.0, 2.0, -0.5), angle=37.0, translation=(0.3, -0.2, 0.7))
@@ -27,26 +23,12 @@ SPACE = [(BOX, (3, 3, 2)), (ANNULUS, (2, 16, 1)), (DISC, (2, 12, 1))]
 PLANE = [(RECTANGLE, (3, 2)), (RING, (2, 16))]
 
 
-def nurbs(shape: Shape, elements, degree: int, continuity: int | None = None) -> Body:
+def body(shape, cell, mesh, degree, continuity=None):
     dim = len(shape.directions)
-    data = nurbs_shape(shape, breaks_of(shape, elements), TILTED if dim == 3 else Placement())
-    smoothness = None if continuity is None else dim * (continuity,)
-    return nurbs_body(
-        "part",
-        data.patches,
-        data.faces,
-        dim * (degree,),
-        continuity=smoothness,
-        material=MATERIAL,
-    )
-
-
-def lagrange(shape: Shape, cell: str, elements, degree: int) -> Body:
-    structured = cell in ("hexahedron", "quadrilateral")
-    mesh = {"breaks": breaks_of(shape, elements)} if structured else {"size": 0.4}
-    placement = TILTED if len(shape.directions) == 3 else Placement()
-    made = shape_mesh(shape, cell, degree, placement=placement, **mesh)
-    return lagrange_body("part", made, degree=degree, material=MATERIAL)
+    options = {"material": MATERIAL, "placement": TILTED if dim == 3 else None}
+    if continuity is not None:
+        options["continuity"] = dim * (continuity,)
+    return shape_body(shape, cell, mesh, degree, **options)
 
 
 KNOTS = [
@@ -86,7 +68,7 @@ def test_botella_points_are_the_maxima(knots):
 )
 def test_area_weights_are_integrals_of_the_traces(meshed, kind, order):
     (shape, elements), (degree, continuity) = meshed, order
-    for surface in nurbs(shape, elements, degree, continuity).surfaces.values():
+    for surface in body(shape, None, elements, degree, continuity).surfaces.values():
         even, points = surface.abscissae(kind), surface.abscissae(kind, "area")
         assert len(points) == len(surface.dofs)
         np.testing.assert_array_equal(points.x, even.x)
@@ -107,20 +89,21 @@ def test_area_weights_are_integrals_of_the_traces(meshed, kind, order):
 
 
 @pytest.mark.parametrize(
-    ("shape", "elements", "cell", "degree"),
+    ("shape", "mesh", "cell", "degree"),
     [
-        *((BOX, (3, 3, 2), cell, p) for cell in ("hexahedron", "tetrahedron") for p in (1, 2, 3)),
+        *((BOX, (3, 3, 2), "hexahedron", p) for p in (1, 2, 3)),
+        *((BOX, 0.4, "tetrahedron", p) for p in (1, 2, 3)),
         (BOX, (2, 2, 1), "hexahedron", 4),
         (ANNULUS, (2, 16, 1), "hexahedron", 2),
-        (ANNULUS, None, "tetrahedron", 2),
+        (ANNULUS, 0.4, "tetrahedron", 2),
         (RECTANGLE, (3, 2), "quadrilateral", 3),
         (RING, (2, 16), "quadrilateral", 2),
-        (RING, None, "triangle", 2),
+        (RING, 0.4, "triangle", 2),
     ],
     ids=lambda s: getattr(s, "shape", s) if not isinstance(s, tuple) else "",
 )
-def test_tributary_weights_share_each_facet_by_squares(shape, elements, cell, degree):
-    for surface in lagrange(shape, cell, elements, degree).surfaces.values():
+def test_tributary_weights_share_each_facet_by_squares(shape, mesh, cell, degree):
+    for surface in body(shape, cell, mesh, degree).surfaces.values():
         even, points = surface.abscissae("nodes"), surface.abscissae("nodes", "tributary")
         np.testing.assert_array_equal(points.x, even.x)
         np.testing.assert_allclose(even.weight, surface.area / len(even), rtol=1e-15)
