@@ -102,18 +102,19 @@ def print_skipped(
     skipped: Mapping[str, str], to: Console = console, *, explain: bool = False
 ) -> None:
     """Print what a run leaves out, and what is given without use: names, or the reasons too."""
-    from scenes.checking.skipped import GIVEN
+    from scenes.checking.skipped import CHANGED, GIVEN
 
+    labels = {GIVEN: "given, not used", CHANGED: "changed on reading"}
+    named: dict[str, list[str]] = {}
+    for name, reason in skipped.items():
+        label = next((labels[start] for start in labels if reason.startswith(start)), None)
+        named.setdefault(label or "left out, not needed", []).append(name)
+        if explain:
+            say(to, f"{'' if label else 'left out: '}{name}: {reason}", "dim")
     if explain:
-        for name, reason in skipped.items():
-            say(to, f"left out: {name}: {reason}", "dim")
         return
-
-    given = [name for name, reason in skipped.items() if reason.startswith(GIVEN)]
-    others = [name for name in skipped if name not in given]
-    for words, names in (("left out, not needed", others), ("given, not used", given)):
-        if names:
-            say(to, f"{words}: {', '.join(names)}", "dim")
+    for label, names in named.items():
+        say(to, f"{label}: {', '.join(names)}", "dim")
 
 
 def print_warnings(warnings: Iterable[Mapping[str, Any]], to: Console = console) -> None:

@@ -1,38 +1,101 @@
 """Runs of a case: a scene in several ways, and what must come out of each, said beforehand."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Literal
 
+import numpy as np
+
+from cea.arrays import Complexes
+from comparisons.stability.dense import carried_eigenvalues, dense_eigenvalues
 from comparisons.stability.problems import OfScene, Problem
-from comparisons.stability.references import Reference, dense
 from comparisons.stability.ways import WAYS, Way
 
 Verdict = Literal["accurate", "warned", "refused", "WRONG"]
 
-ACCURATE: tuple[Verdict, ...] = ("accurate",)
-"""The answer has the digits of the tolerance and no warning but those allowed."""
-WARNED: tuple[Verdict, ...] = ("accurate", "warned")
-"""Digits may be lost, and the result then says so."""
-HONEST: tuple[Verdict, ...] = ("accurate", "warned", "refused")
-"""Anything but a wrong answer without a word."""
-REFUSED: tuple[Verdict, ...] = ("refused",)
-"""There is no answer: the run ends with an error that names what is wrong."""
-NOT_ACCURATE: tuple[Verdict, ...] = ("warned", "refused")
-"""The answer is that of another problem: the run says so or is refused."""
+EXPECTED: dict[str, tuple[Verdict, ...]] = {
+    "accurate": ("accurate",),
+    "warned": ("accurate", "warned"),
+    "honest": ("accurate", "warned", "refused"),
+    "refused": ("refused",),
+    "not accurate": ("warned", "refused"),
+}
+"""Verdicts that may come out.
 
+Accurate: the answer has the digits of the tolerance and no warning but those allowed. Warned:
+digits may be lost, and the result then says so. Honest: anything but a wrong answer without a word.
+Refused: there is no answer, and the run ends with an error that names what is wrong. Not accurate:
+the answer is that of another problem, which the run says if it is not refused.
+"""
 MESH = (
-    *("short-modes", "under-sampled", "over-constrained", "point-rule"),
-    *("volumetric-locking", "doubtful-units"),
+    "short-modes",
+    "under-sampled",
+    "over-constrained",
+    "point-rule",
+    "volumetric-locking",
+    "doubtful-units",
 )
 """Warnings about the mesh, the point rule or the units: beside a reference on the same mesh they
 may come, and they excuse no error."""
-MESH_AND_PENALTY = (*MESH, "penalty-rounding")
-"""The same with the warning of digits that a penalty loses."""
-MESH_AND_UNDECIDED = (*MESH, "undecided")
-"""The same where errors of eigenvalues may hide a growth or decay."""
-NONE: tuple[str, ...] = ()
-"""No warning may come."""
+_BEYOND = 1.3
+"""How far beyond the modes looked at an exact list reaches."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A true answer."""
+
+    name: str  # where it comes from: "dense", "at rest", "exact", "formula"
+    values: Callable[[], Complexes]  # lambda (1/s) with Im >= 0, far beyond the window
+
+
+def dense(scene: Mapping[str, Any], *, factor: float = 1.0, copies: int = 1) -> Reference:
+    """Dense eigenvalues of the assembled matrices of a scene (scipy), times a factor.
+
+    Each so many times, for a scene of so many ``copies`` of this one.
+    """
+
+    def values() -> Complexes:
+        return np.repeat(factor * _values(dense_eigenvalues, _key(scene)), copies)
+
+    return Reference("dense", values)
+
+
+def carried(scene: Mapping[str, Any]) -> Reference:
+    """Dense eigenvalues at rest of a damped body, carried along by its rotation (scipy)."""
+    return Reference("at rest", lambda: _values(carried_eigenvalues, _key(scene)))
+
+
+def exact(problem: str, *, max_frequency: float, **parameters: Any) -> Reference:
+    """Exact eigenvalues of a problem with its parameters, beyond a window's end (Hz)."""
+
+    def values() -> Complexes:
+        from exact_cea.reference import whole_spectrum
+
+        top = _BEYOND * 2 * np.pi * max_frequency
+        return whole_spectrum(problem, max_frequency=top, **parameters).values
+
+    return Reference("exact", values)
+
+
+def formula(values: Sequence[complex]) -> Reference:
+    """Values by a closed formula."""
+    return Reference("formula", lambda: np.asarray(values, dtype=complex))
+
+
+def _key(scene: Mapping[str, Any]) -> str:
+    """A scene as text, the saddle form for the penalty: both have the same eigenvalues."""
+    data = json.loads(json.dumps(scene))
+    for contact in data.get("contacts", {}).values():
+        contact.pop("form", None)
+    return json.dumps(data, sort_keys=True)
+
+
+@cache
+def _values(compute: Callable[[dict[str, Any]], Complexes], scene: str) -> Complexes:
+    return compute(json.loads(scene))
 
 
 @dataclass(frozen=True)
@@ -43,7 +106,7 @@ class Run:
     way: Way
     problem: Problem
     reference: Reference | None  # None where only a refusal is right
-    expected: tuple[Verdict, ...] = ACCURATE  # the verdicts that may come out
+    expected: tuple[Verdict, ...] = EXPECTED["accurate"]  # the verdicts that may come out
     tolerance: float = 1e-8  # relative error of lambda up to which an answer is accurate
     lowest: int = 8  # true modes in the window, where the problem gives no frequency
     warnings: tuple[str, ...] = MESH  # kinds that may come although the answer is accurate
@@ -59,23 +122,27 @@ def runs(
     ways: Iterable[Way] = WAYS,
     true: Callable[[dict[str, Any]], Reference] | Reference | None = dense,
     *,
+    expected: str = "accurate",
     instead: Mapping[str, Any] | None = None,
     problem: Callable[[dict[str, Any]], Problem] = OfScene,
+    also: tuple[str, ...] = (),
     **fields: Any,
 ) -> Runs:
     """A scene in every one of some ways.
 
     ``row`` distinguishes it within its case; ``true`` is the reference of every run, or makes it
     from the scene as it is run, or from another one ``instead``; None where only a refusal is
-    right. ``problem`` makes what is solved of that scene. Other fields are those of :class:`Run`.
+    right. ``problem`` makes what is solved of that scene; ``also`` are warnings that may come
+    beside those about the mesh. Other fields are those of :class:`Run`.
     """
+    fields = {"warnings": (*MESH, *also), **fields}
     for way in ways:
         reference = true(way.of(instead or scene)) if callable(true) else true
-        yield Run(row, way, problem(way.of(scene)), reference, **fields)
+        yield Run(row, way, problem(way.of(scene)), reference, EXPECTED[expected], **fields)
 
 
 def refused(
     row: str, scene: Mapping[str, Any], ways: Iterable[Way] = WAYS, names: str = ""
 ) -> Runs:
     """A scene that must be refused, by a message that contains a name."""
-    return runs(row, scene, ways, None, expected=REFUSED, names=names)
+    return runs(row, scene, ways, None, expected="refused", names=names)

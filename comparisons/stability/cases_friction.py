@@ -6,17 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from comparisons.stability.case import (
-    ACCURATE,
-    HONEST,
-    MESH,
-    NONE,
-    Runs,
-    refused,
-    runs,
-)
+from comparisons.stability.case import Runs, dense, refused, runs
 from comparisons.stability.problems import OfMap
-from comparisons.stability.references import dense
 from comparisons.stability.scenes import (
     ABOUT_Z,
     HELD_ABOVE,
@@ -37,17 +28,16 @@ from comparisons.stability.scenes import (
     unequal_boxes,
     up_to,
 )
-from comparisons.stability.ways import ALONE, FEW, PAIR, SADDLE, WAYS, Backend, chosen
+from comparisons.stability.ways import ALONE, FEW, PAIR, SADDLE, WAYS, chosen
 
 _SIMPLE = chosen(WAYS, "GPTS, penalty", "mortar")
 
 
 def friction() -> Runs:
     """Friction 0, 1e-12, 0.3, 1, 5, oscillating."""
-    values: dict[str, float | str] = {f"μ = {mu:g}": mu for mu in (0.0, 1e-12, 0.3, 1.0, 5.0)}
-    values["μ oscillates"] = "0.5*abs(sin(40*pi*x))"
-    for row, mu in values.items():
-        yield from runs(row, layers(mu=mu, p=10.0))
+    for mu in (0.0, 1e-12, 0.3, 1.0, 5.0):
+        yield from runs(f"μ = {mu:g}", layers(mu=mu, p=10.0))
+    yield from runs("μ oscillates", layers(mu="0.5*abs(sin(40*pi*x))", p=10.0))
     yield from refused("μ changes sign", layers(mu="0.5*sin(5*pi*x)"), PAIR, "mu")
 
 
@@ -70,27 +60,28 @@ def slow() -> Runs:
 
 def arms() -> Runs:
     """Oblique arms: divergence, strong flutter, copies of zero."""
-    # What is easily missed, window's end (Hz); width, lean and height of the arm, its elements and
-    # fields; size, elements and supports of the ground; p and mu.
     stiff = {"E": 100.0, "supports": [{"surface": "head"}]}
-    large, small = ((6.0, 3.0), (15, 6), HELD_BELOW), ((2.0, 1.0), (9, 4), HELD_BELOW)
-    foot, other = (0.2, 0.36397023426620236, 1.0), (0.25, -0.2151833689734136, 1.39)
-    third = (0.55, 0.4549995702848617, 0.55)
-    rows: list[tuple[str, float, Any, Any, Scene, Any, float, float]] = [
-        ("divergence of 3.35", 0.5, foot, (3, 8), stiff, large, 1e4, 1.0),
-        ("flutter of 4.56", 0.4, other, (5, 4), {}, small, 98036.108, 2.75),
-        ("a copy of zero", 1.29, third, (5, 2), {}, (*small[:2], ()), 531.164, 0.5),
-    ]
-    for row, end, (width, lean, height), elements, arm, (size, grid, held), p, mu in rows:
+    large, small = rectangle((6.0, 3.0), (-3.0, -3.0)), rectangle((2.0, 1.0), (-1.0, -1.0))
+
+    def arm(width: float, lean: float, height: float, *elements: int, **fields: Any) -> Scene:
         half = width / 2
         shape = patch([[-half, 0.0], [half, 0.0]], [[lean - half, height], [lean + half, height]])
-        ground = rectangle(size, (-size[0] / 2, -size[1]))
-        bodies = {
-            "arm": body(shape, elements, **arm),
-            "base": body(ground, grid, E=10.0, supports=held),
-        }
-        data = scene(bodies, contact=contact("arm.foot", "base.y_max", p=p, mu=mu))
-        yield from runs(row, up_to(end, data), chosen(WAYS, backend="iga"), tolerance=1e-6)
+        return body(shape, elements, **fields)
+
+    def ground(shape: Scene, *elements: int, held: Any = HELD_BELOW) -> Scene:
+        return body(shape, elements, E=10.0, supports=held)
+
+    first = arm(0.2, 0.36397023426620236, 1.0, 3, 8, **stiff), ground(large, 15, 6)
+    second = arm(0.25, -0.2151833689734136, 1.39, 5, 4), ground(small, 9, 4)
+    third = arm(0.55, 0.4549995702848617, 0.55, 5, 2), ground(small, 9, 4, held=())
+    for row, end, (upper, lower), p, mu in (  # what is easily missed, the end of the window (Hz)
+        ("divergence of 3.35", 0.5, first, 1e4, 1.0),
+        ("flutter of 4.56", 0.4, second, 98036.108, 2.75),
+        ("a copy of zero", 1.29, third, 531.164, 0.5),
+    ):
+        sliding = contact("arm.foot", "base.y_max", p=p, mu=mu)
+        data = up_to(end, scene({"arm": upper, "base": lower}, contact=sliding))
+        yield from runs(row, data, chosen(WAYS, backend="iga"), tolerance=1e-6)
 
 
 def _times(number: int, one: Scene) -> Scene:
@@ -120,9 +111,9 @@ def clusters() -> Runs:
         ("20 pairs, μ = 0.3", 20, _pair(0.3), _SIMPLE, 40),
         ("5 sprags", 5, sprag(mu=1.0), _SIMPLE, 15),
     ):
-        true, may = partial(dense, copies=number), (*MESH, "bodies-overlap")
-        fields: dict[str, Any] = {"instead": one, "lowest": lowest, "warnings": may}
-        yield from runs(row, _times(number, one), ways, true, **fields)
+        true, may = partial(dense, copies=number), ("bodies-overlap",)
+        data = _times(number, one)
+        yield from runs(row, data, ways, true, instead=one, lowest=lowest, also=may)
 
 
 def disc_pad() -> Runs:
@@ -133,11 +124,9 @@ def disc_pad() -> Runs:
     disc_at = annulus | {"bottom": 0.0, "top": 0.012}
     lining: Scene = {"E": 8e9, "rho": 2500.0, "supports": [{"surface": "top"}]}
     steel: Scene = {"E": 2.1e11, "rho": 7800.0, "supports": [{"surface": "inner"}]}
-    meshes: list[tuple[Backend, int, tuple[int, int, int]]]
-    meshes = [("fe", 1, (3, 20, 1)), ("iga", 2, (2, 12, 1))]
     for mu, P in ((0.0, 1e9), (0.7, 1e9), (2.5, 1e11), (2.5, 1e13)):
         sliding = {"P": P, "mu": mu, "max_missed": 0.2, "friction_direction_on_a": ABOUT_Z}
-        for backend, degree, elements in meshes:
+        for backend, degree, elements in (("fe", 1, (3, 20, 1)), ("iga", 2, (2, 12, 1))):
             bodies = {
                 "pad": body(pad_at, (2, 3, 1), degree=degree, **lining),
                 "disc": body(disc_at, elements, degree=degree, **steel),
@@ -168,8 +157,8 @@ def everyday() -> Runs:
         "sprag beyond its limit": sprag(60.0, 0.9),
     }.items():
         ways = (*FEW, *chosen(WAYS, "GPTS, full"))
-        yield from runs(row, data, ways, lowest=3, warnings=NONE)
-    yield from runs("free block", _FREE_BLOCK, ALONE, lowest=5, warnings=NONE)
+        yield from runs(row, data, ways, lowest=3, warnings=())
+    yield from runs("free block", _FREE_BLOCK, ALONE, lowest=5, warnings=())
 
 
 def free_bodies() -> Runs:
@@ -188,7 +177,9 @@ def free_bodies() -> Runs:
 def maps() -> Runs:
     """Maps of friction and contact stiffness by a reduced model."""
     for P, mu, ends, ways in (
-        *((P, mu, (1e-3, 1e5), PAIR) for P, mu in ((0.02, 0.3), (7.0, 0.83), (3e3, 0.61))),
+        (0.02, 0.3, (1e-3, 1e5), PAIR),
+        (7.0, 0.83, (1e-3, 1e5), PAIR),
+        (3e3, 0.61, (1e-3, 1e5), PAIR),
         (2e11, 0.83, (1e6, 1e14), chosen(SADDLE, "GPTS, saddle", "mortar")),
     ):
         axes = {
@@ -196,8 +187,8 @@ def maps() -> Runs:
             "contacts.interface.P": np.geomspace(*ends, 9).tolist(),
         }
         row, data = f"P = {P:g} N/m, μ = {mu:g}", layers(P=P, mu=mu)
-        fields: dict[str, Any] = {"expected": HONEST if P > 1e6 else ACCURATE}
-        yield from runs(row, data, ways, problem=partial(OfMap, axes=axes), **fields)
+        expected, of_map = "honest" if P > 1e6 else "accurate", partial(OfMap, axes=axes)
+        yield from runs(row, data, ways, problem=of_map, expected=expected)
 
 
 def whole_spectrum() -> Runs:
@@ -206,10 +197,12 @@ def whole_spectrum() -> Runs:
     def few(**fields: Any) -> Scene:
         return layers(upper_elements=(3, 2), lower_elements=(2, 2), **fields)
 
-    for name, P, data in (
-        *(("just", P, few(P=P)) for P in (1.0, inf)),
-        *(("far beyond", P, up_to(1e3, few(P=P))) for P in (1.0, inf)),
+    tied = chosen(SADDLE, "GPTS, saddle", "mortar")
+    for row, data, ways in (
+        ("just all modes, P = 1", few(P=1.0), FEW),
+        ("just all modes, P = inf", few(P=inf), tied),
+        ("far beyond all modes, P = 1", up_to(1e3, few(P=1.0)), FEW),
+        ("far beyond all modes, P = inf", up_to(1e3, few(P=inf)), tied),
     ):
-        ways = FEW if P == 1 else tuple(way for way in FEW if way in SADDLE)
-        yield from runs(f"{name} all modes, P = {P:g}", data, ways, lowest=10_000)
+        yield from runs(row, data, ways, lowest=10_000)
     yield from runs("all modes, no friction", up_to(1e3, few(P=1.0, mu=0.0)), ALONE)

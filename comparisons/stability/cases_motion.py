@@ -7,17 +7,8 @@ from typing import Any
 
 from scipy.optimize import brentq
 
-from comparisons.stability.case import (
-    ACCURATE,
-    HONEST,
-    MESH,
-    MESH_AND_UNDECIDED,
-    Runs,
-    refused,
-    runs,
-)
+from comparisons.stability.case import Reference, Runs, carried, dense, refused, runs
 from comparisons.stability.problems import OfMap
-from comparisons.stability.references import Reference, carried, dense
 from comparisons.stability.scenes import (
     HELD_BELOW,
     WALLS,
@@ -36,8 +27,6 @@ from comparisons.stability.scenes import (
 )
 from comparisons.stability.ways import ALONE, FEW, PAIR, UNIFORM, chosen
 
-_STIFF = 1e5
-"""p above which a penalty loses digits; bodies have E = 1."""
 _ALLOWED = ("over-constrained", "under-sampled", "short-modes", "point-rule")
 """Warnings that runs under load may give."""
 _OPENS = "the load opens the contact"
@@ -57,42 +46,38 @@ def _known(p: float, data: Scene) -> Reference:
 def steady_sliding() -> Runs:
     """Normal compliance: m_n from 1 to 5, loads from 1e-12, c_n to nearly rigid."""
     for m, pressure, c in (
-        *((1.0, 1e-3, 1.0), (2.0, 1e-3, 10.0), (3.3, 1e-3, 1e4), (5.0, 1e-3, 1e8)),
-        *((2.0, 1e-12, 1e4), (5.0, 1e-10, 1e30), (2.0, 1e-3, 1e9)),
+        (1.0, 1e-3, 1.0),
+        (2.0, 1e-3, 10.0),
+        (3.3, 1e-3, 1e4),
+        (5.0, 1e-3, 1e8),
+        (2.0, 1e-12, 1e4),
+        (5.0, 1e-10, 1e30),
+        (2.0, 1e-3, 1e9),
     ):
         p, data = _slope(m, pressure, c), pressed_layers(pressure, c_n=c, m_n=m)
         row = f"m_n = {m:g}, pressure {pressure:.0e}, p = {p:.0e}"
-        fields: dict[str, Any] = {
-            "warnings": _ALLOWED,
-            "expected": ACCURATE if p < _STIFF else HONEST,
-        }
-        yield from runs(row, data, UNIFORM, partial(_known, p), **fields)
+        true, expected = partial(_known, p), "accurate" if p < 1e5 else "honest"  # beside E = 1
+        yield from runs(row, data, UNIFORM, true, expected=expected, warnings=_ALLOWED)
     pulls = pressed_layers(-1e-3, c_n=1.0, m_n=2.0)
     yield from refused("a load that pulls", pulls, UNIFORM, _OPENS)
-
-
-_NEARLY_LOST = [1e-12, 1e-8, 1e-4, 1.0]
-_STEPS: dict[str, Any] = {
-    "10 steps": 10,
-    "from 1e-12 of the load": _NEARLY_LOST,
-    "two steps a rounding apart": [1.0 - 2**-52, 1.0],
-}
-_LAWS = ((1.0, 1.0), (2.0, 10.0), (5.0, 1e8))
-"""m_n and c_n."""
 
 
 def load_steps() -> Runs:
     """Loads in steps: from 1e-12 of the load, and steps a rounding apart."""
     ways = chosen(UNIFORM, "GPTS, penalty", "GPTS, saddle", "mortar, penalty")
-    pressed = {(m, c): pressed_layers(1e-3, c_n=c, m_n=m) for m, c in _LAWS}
-    for words, steps in _STEPS.items():
-        for (m, c), data in pressed.items():
+    nearly_lost = [1e-12, 1e-8, 1e-4, 1.0]
+    for words, steps in (
+        ("10 steps", 10),
+        ("from 1e-12 of the load", nearly_lost),
+        ("two steps a rounding apart", [1.0 - 2**-52, 1.0]),
+    ):
+        for m, c in ((1.0, 1.0), (2.0, 10.0), (5.0, 1e8)):
             # Pressed by next to nothing a body floats but for the digits of its stiffness.
-            expected = HONEST if steps == _NEARLY_LOST and m > 3.0 else ACCURATE
-            stepped = changed(data, {"analysis.load_steps": steps})
+            expected = "honest" if steps == nearly_lost and m > 3.0 else "accurate"
+            pressed = pressed_layers(1e-3, c_n=c, m_n=m)
+            data = changed(pressed, {"analysis.load_steps": steps})
             true, row = partial(_known, _slope(m, 1e-3, c)), f"{words}, m_n = {m:g}"
-            fields: dict[str, Any] = {"expected": expected, "warnings": _ALLOWED}
-            yield from runs(row, stepped, ways, true, **fields)
+            yield from runs(row, data, ways, true, expected=expected, warnings=_ALLOWED)
     pulled = changed(pressed_layers(-1e-3, c_n=1.0, m_n=2.0), {"analysis.load_steps": 5})
     yield from refused("a load that pulls, in steps", pulled, _PULLED, _OPENS)
 
@@ -151,11 +136,9 @@ def prestress() -> Runs:
     for part in (1e-9, 0.5, 0.99, 1 - 1e-6, 1 - 1e-10, 1 + 1e-6, 1.01, 2.0):
         data = pressed_layers(part * _BUCKLES, degree=1, c_n=1.0)
         data = changed(data, {"analysis.geometric_stiffness": True})
-        fields: dict[str, Any] = {
-            "expected": ACCURATE if abs(part - 1) > 1e-3 else HONEST,
-            "warnings": _ALLOWED,
-        }
-        yield from runs(f"{part:.10g} of the buckling load", data, UNIFORM, **fields)
+        expected = "accurate" if abs(part - 1) > 1e-3 else "honest"
+        row = f"{part:.10g} of the buckling load"
+        yield from runs(row, data, UNIFORM, expected=expected, warnings=_ALLOWED)
 
 
 def unsupported() -> Runs:
@@ -185,10 +168,10 @@ def damping() -> Runs:
     for ratio in (1e-12, 1e-6, 1e-2, 0.3, 1.0):
         # Both ends of the modes looked at have the ratio.
         fields: dict[str, Any] = {"ratios": [ratio, ratio], "frequencies": [0.05, 0.6]}
-        may = MESH_AND_UNDECIDED if ratio == 1e-12 else MESH
+        also = ("undecided",) if ratio == 1e-12 else ()
         both, upper = _with(layers(p=10.0), fields), _with(layers(p=10.0), fields, "upper")
-        yield from runs(f"ζ = {ratio:g}, both", both, PAIR, warnings=may)
-        yield from runs(f"ζ = {ratio:g}, upper alone", upper, PAIR, warnings=may)
+        yield from runs(f"ζ = {ratio:g}, both", both, PAIR, also=also)
+        yield from runs(f"ζ = {ratio:g}, upper alone", upper, PAIR, also=also)
 
 
 def damped_maps() -> Runs:
@@ -234,7 +217,7 @@ def modal_damping() -> Runs:
     for row, modal in rows.items():
         is_list = "frequencies" not in modal and "ratios" in modal
         data = _with(layers(p=10.0), {"modal": modal}, *(["upper"] if is_list else []))
-        yield from runs(row, data, PAIR, warnings=MESH_AND_UNDECIDED if is_list else MESH)
+        yield from runs(row, data, PAIR, also=("undecided",) if is_list else ())
     yield from runs("a free square", _square(), PAIR)
 
 
@@ -256,7 +239,7 @@ def sliding_speed() -> Runs:
 
 def rotation() -> Runs:
     """A rotating ring, held at its inner rim."""
-    may, held = (*MESH, "centrifugal-stresses", "faster-than-waves"), [{"surface": "inner"}]
+    may, held = ("centrifugal-stresses", "faster-than-waves"), [{"surface": "inner"}]
     for rate in (1e-9, 1e-3, 0.1, 1.0, 5.0):
         for coriolis in (True, False):
             for convective in (False, True):
@@ -264,7 +247,7 @@ def rotation() -> Runs:
                 row = words + (", convective stiffness" if convective else "")
                 turning = {"rate": rate, "coriolis": coriolis, "convective_stiffness": convective}
                 turned = body(ring(0.5, 1.0), (2, 12), supports=held, rotation=turning)
-                yield from runs(row, scene({"ring": turned}), ALONE, warnings=may)
+                yield from runs(row, scene({"ring": turned}), ALONE, also=may)
 
 
 _STANDS = 0.0447
@@ -305,6 +288,6 @@ def damped_rotation() -> Runs:
                 moving: Scene = {"rotation": turning, "damping": fields}
                 turned = body(ring(0.9, 1.0), (1, 24), degree=3, E=E, rho=rho, **moving)
                 row = f"{material}, damped by {words}, {part:g} of the rate of a standing wave"
-                may = (*MESH, "centrifugal-stresses", *(["undecided"] if part else []))
+                may = ("centrifugal-stresses", "undecided") if part else ("centrifugal-stresses",)
                 data = scene({"ring": turned}, window)
-                yield from runs(row, data, ALONE, carried, tolerance=1e-3, warnings=may)
+                yield from runs(row, data, ALONE, carried, tolerance=1e-3, also=may)

@@ -1,16 +1,26 @@
-"""Every run of the catalogue in a process that a crash ends alone, and what came out."""
+"""The catalogue of cases; every run in a process that a crash ends alone, and what came out."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
+from inspect import getdoc, getmembers, isfunction
 from math import log10
 from typing import Any, get_args
 
 import pandas as pd
 
-from comparisons.stability.case import Verdict
-from comparisons.stability.catalogue import catalogue, numbers_of, runs_of, title_of
+from cea.errors import InputError
+from comparisons.stability import (
+    cases_bodies,
+    cases_contact,
+    cases_files,
+    cases_friction,
+    cases_motion,
+)
+from comparisons.stability.case import Run, Runs, Verdict
 from comparisons.stability.verdicts import judged
+from comparisons.stability.ways import QUICK
 from comparisons.study.columns import Column
 from comparisons.study.numbers import decimals, number, shown
 from comparisons.study.result import StudyResult
@@ -21,6 +31,57 @@ from comparisons.study.study import Case, Process, Study
 VERDICTS: tuple[str, ...] = get_args(Verdict)
 """Every verdict, the best first."""
 _MOST_DIGITS = 16.0
+_MODULES = (cases_bodies, cases_contact, cases_files, cases_friction, cases_motion)
+
+
+@cache
+def catalogue() -> dict[str, Callable[[], Runs]]:
+    """Every case by its name: the public functions of the modules of cases."""
+    found = {
+        name: function
+        for module in _MODULES
+        for name, function in getmembers(module, isfunction)
+        if function.__module__ == module.__name__ and not name.startswith("_")
+    }
+    return dict(sorted(found.items()))
+
+
+def title_of(name: str) -> str:
+    """What a case shows: its docstring."""
+    return (getdoc(catalogue()[name]) or "").rstrip(".")
+
+
+@cache
+def runs_of(name: str) -> tuple[Run, ...]:
+    """Runs of a case.
+
+    Raises
+    ------
+    InputError
+        When there is no such case.
+    """
+    if name not in catalogue():
+        raise InputError("case", name, f"one of {', '.join(catalogue())}")
+    return tuple(catalogue()[name]())
+
+
+def numbers_of(name: str, *, quick: bool) -> list[int]:
+    """Numbers of the runs of a case, from 0; a quick study takes a few of each row.
+
+    These are the ways of :data:`comparisons.stability.ways.QUICK`, on one backend each, which
+    alternates from row to row; a row without them keeps its first run.
+    """
+    runs = runs_of(name)
+    if not quick:
+        return list(range(len(runs)))
+    rows = list(dict.fromkeys(run.row for run in runs))
+    numbers = []
+    for r, row in enumerate(rows):
+        own = [i for i, run in enumerate(runs) if run.row == row]
+        turn = {name: ("fe", "iga")[(r + k) % 2] for k, name in enumerate(QUICK)}
+        picked = [i for i in own if turn.get(runs[i].way.name) == runs[i].way.backend]
+        numbers += picked or own[:1]
+    return numbers
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,14 @@
 from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
-from typing import Any, Literal
-
-Backend = Literal["fe", "iga"]
+from typing import Any
 
 
 @dataclass(frozen=True)
 class Way:
     """Backend of every body and contact formulation."""
 
-    backend: Backend
+    backend: str
     name: str  # formulation and form in words; "no contact" without
     # fields of every contact: formulation, form, full_pass
     contact: Mapping[str, Any] = field(default_factory=dict)
@@ -28,46 +26,49 @@ class Way:
         return data
 
 
-_BOTH = ("penalty", "saddle")
-_PENALTY = ("penalty",)
-_GPTS = {"method": "gpts", "points": 3}
-_COLLOCATION: dict[Backend, list[tuple[str, dict[str, Any], tuple[str, ...]]]] = {
-    "fe": [("node-to-surface", {"method": "node_to_surface"}, _BOTH)],
-    "iga": [
-        ("Greville", {"method": "greville"}, _BOTH),
-        ("Botella", {"method": "botella"}, _PENALTY),
-    ],
-}
-
-
-def _ways(backend: Backend) -> list[Way]:
-    """Every formulation in every form that it has."""
-    formulations = [
-        *_COLLOCATION[backend],
-        ("grid", {"method": "grid", "points": 5}, _PENALTY),
-        ("GPTS", _GPTS, _BOTH),
-        ("GPTS lumped", {**_GPTS, "lumped": True}, _PENALTY),
-        ("GPTS, full pass", _GPTS, _BOTH),
-        ("segments", {"method": "segments"}, _BOTH),
-        ("mortar", {"method": "mortar"}, _BOTH),
-    ]
-    return [
-        Way(
-            backend,
-            f"{name}, {form}",
-            {"formulation": options, "full_pass": name.endswith("full pass"), "form": form},
-        )
-        for name, options, forms in formulations
-        for form in forms
-    ]
-
-
 Ways = tuple[Way, ...]
-WAYS: Ways = (*_ways("fe"), *_ways("iga"))
-"""Every formulation on both backends."""
+_GPTS = {"method": "gpts", "points": 3}
+_FORMULATIONS: dict[str, dict[str, Any]] = {
+    "node-to-surface": {"method": "node_to_surface"},
+    "Greville": {"method": "greville"},
+    "Botella": {"method": "botella"},
+    "grid": {"method": "grid", "points": 5},
+    "GPTS": _GPTS,
+    "GPTS lumped": {**_GPTS, "lumped": True},
+    "GPTS, full pass": _GPTS,
+    "segments": {"method": "segments"},
+    "mortar": {"method": "mortar"},
+}
+_NO_SADDLE = ("Botella", "grid", "GPTS lumped")
+_OF_OTHERS = {"fe": ("Greville", "Botella"), "iga": ("node-to-surface",)}
+WAYS: Ways = tuple(
+    Way(
+        backend,
+        f"{name}, {form}",
+        {"formulation": options, "full_pass": name.endswith("full pass"), "form": form},
+    )
+    for backend, of_others in _OF_OTHERS.items()
+    for name, options in _FORMULATIONS.items()
+    if name not in of_others
+    for form in ("penalty", "saddle")
+    if form == "penalty" or name not in _NO_SADDLE
+)
+"""Every formulation on both backends, in every form that it has."""
+
+
+def chosen(ways: Ways, *names: str, backend: str = "", without: str = "\n") -> Ways:
+    """Those of some ways whose name begins with one of the given and does not hold a word."""
+    return tuple(
+        way
+        for way in ways
+        if way.name.startswith(names or "") and without not in way.name
+        if way.backend.startswith(backend)
+    )
+
+
 PENALTY = tuple(way for way in WAYS if way.contact["form"] == "penalty")
 SADDLE = tuple(way for way in WAYS if way.contact["form"] == "saddle")
-MORTAR = tuple(way for way in WAYS if way.name.startswith("mortar"))
+MORTAR = chosen(WAYS, "mortar")
 _OPEN = {"formulation": {"method": "mortar"}, "full_pass": False}
 OPEN = (Way("fe", "mortar, form left open", _OPEN), Way("iga", "mortar, form left open", _OPEN))
 """The form is left to the program."""
@@ -75,22 +76,6 @@ ALONE = (Way("fe", "no contact"), Way("iga", "no contact"))
 """Both backends, for scenes without contact or whose contacts say all."""
 QUICK = ("GPTS, penalty", "mortar, saddle")
 """Names of the ways of a quick run: one each of the simplest and the most careful."""
-
-
-def chosen(ways: Ways, *names: str, backend: Backend | None = None) -> Ways:
-    """Those of some ways whose name begins with one of the given, or of one backend."""
-    return tuple(
-        way
-        for way in ways
-        if (not names or way.name.startswith(names)) and backend in (None, way.backend)
-    )
-
-
-def without(ways: Ways, word: str) -> Ways:
-    """Those of some ways whose name does not hold a word."""
-    return tuple(way for way in ways if word not in way.name)
-
-
 FEW = chosen(WAYS, "GPTS, penalty", "GPTS, saddle", "mortar")
 PAIR = chosen(WAYS, *QUICK)
 UNIFORM = (

@@ -10,7 +10,7 @@ import resource
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import inf, prod
+from math import factorial, inf, prod
 from pathlib import Path
 from shutil import disk_usage
 from tempfile import gettempdir
@@ -106,7 +106,8 @@ def _node_counts(body: BodySpec) -> list[tuple[float, ...]]:
         degree = body.fe_degree or own.order
         nodes = len(own.used) * (degree / own.order) ** dim
         if own.incomplete:
-            nodes = max(nodes, float(own.num_cells * degree**dim))
+            cubes = own.num_cells / (factorial(dim) if own.is_divided else 1)
+            nodes = max(nodes, cubes * degree**dim)
         even = (nodes / prod(lengths)) ** (1 / dim)
         return [tuple(max(1.0, even * length) for length in lengths)]
     if body.backend == "fe" and fe is not None:

@@ -8,6 +8,8 @@ from scenes.spec.reading import Scene
 
 GIVEN = "given, not used: "
 """Beginning of the reason of what is given though a run does without it."""
+CHANGED = "changed on reading: "
+"""Beginning of what becomes of elements that meshes here do not have."""
 
 
 def skipped_by(scene: Scene) -> dict[str, str]:
@@ -87,16 +89,17 @@ def _changed_elements(scene: Scene) -> dict[str, str]:
     told = {}
     if filled:
         told["serendipity"] = (
-            f"elements of {', '.join(filled)} get the middles of faces and cells: the same "
-            "geometry, displacements of the Lagrange space"
+            f"{CHANGED}elements of {', '.join(filled)} get the middles of faces and cells: the "
+            "same geometry, displacements of the Lagrange space"
         )
     if divided:
         told["mixed elements"] = (
-            f"elements of {', '.join(divided)}, of several kinds, are divided into tetrahedra: "
-            "nodes are kept, those on diagonals are put by the elements' own shape functions"
+            f"{CHANGED}elements of {', '.join(divided)}, of several kinds, are divided into "
+            "tetrahedra: nodes are kept, those on diagonals are put by the elements' own shape "
+            "functions"
         )
     if left_out := [
         f"{name}: {each}" for name, file in files.items() for each in file.content.told
     ]:
-        told["mesh files"] = f"not taken from the file of {'; '.join(left_out)}"
+        told["mesh files"] = f"{GIVEN}not taken from the file of {'; '.join(left_out)}"
     return told

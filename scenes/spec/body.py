@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from cea.damping import ModalDamping, RayleighDamping
-from cea.errors import InputError
+from cea.errors import require
 from cea.material import AnisotropicMaterial, IsotropicMaterial, OrthotropicMaterial
 from cea.mesh import SIMPLICES, Cell
 from cea.rotation import Rotation
@@ -40,13 +40,6 @@ Material = Annotated[
     | Annotated[AnisotropicMaterial, Tag("anisotropic")],
     Discriminator(kind),
 ]
-
-
-def refuse_first(*rules: tuple[object, str, object, str]) -> None:
-    """Refuse the first fault: each has whether it is one, its field, value and what is allowed."""
-    for wrong, field_, value, allowed in rules:
-        if wrong:
-            raise InputError(field_, value, allowed)
 
 
 BACKEND_NAMES = {"fe": "finite elements", "iga": "NURBS"}
@@ -103,14 +96,12 @@ class FeMesh:
         simplices, cell = self.cell in SIMPLICES, f"cell = {self.cell!r}"
         sized, counted = self.size is not None, self.elements is not None
         either = f"either size, unstructured, or elements, boxes divided, for {cell}"
-        refuse_first(
-            (self.edges and simplices, "edges", self.edges, f"left out for {cell}"),
-            (self.layers and not self.edges, "layers", self.layers, "0 without edges"),
-            (not simplices and not counted, "elements", None, f"needed for {cell}"),
-            (not simplices and sized, "size", self.size, f"left out for {cell}"),
-            (simplices and counted == sized, "size", self.size, either),
-            (not counted and self.through, "through", self.through, "left out where size is given"),
-        )
+        require(not (self.edges and simplices), "edges", self.edges, f"left out for {cell}")
+        require(not self.layers or bool(self.edges), "layers", self.layers, "0 without edges")
+        require(simplices or counted, "elements", None, f"needed for {cell}")
+        require(simplices or not sized, "size", self.size, f"left out for {cell}")
+        require(not simplices or counted != sized, "size", self.size, either)
+        require(counted or not self.through, "through", self.through, "left out beside size")
 
     @property
     def boundaries(self) -> dict[str, tuple[float, ...]]:
@@ -146,8 +137,8 @@ class IgaMesh:
 
     def __post_init__(self) -> None:
         continuity = self.continuity or ()
-        if any(c >= p for c, p in zip(continuity, self.degree, strict=False)):
-            raise InputError("continuity", continuity, f"below the degree {self.degree}")
+        below = all(c < p for c, p in zip(continuity, self.degree, strict=False))
+        require(below, "continuity", continuity, f"below the degree {self.degree}")
 
 
 @dataclass(frozen=True)
@@ -202,20 +193,17 @@ class SupportSpec:
     value: float | tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        if not any(set(self.components) <= set(names) for names in _COMPONENTS):
-            allowed = "of one frame: " + ", or ".join(", ".join(names) for names in _COMPONENTS)
-            raise InputError("components", list(self.components), allowed)
+        components, count = list(self.components), len(self.components)
+        of_one = any(set(components) <= set(names) for names in _COMPONENTS)
+        frames = "of one frame: " + ", or ".join(", ".join(names) for names in _COMPONENTS)
+        require(of_one, "components", components, frames)
         for name, value in (("axis", self.axis), ("origin", self.origin)):
-            if value is not None and not self._cylindrical:
-                allowed = "left out beside components other than radial, circumferential, axial"
-                raise InputError(name, list(value), allowed)
-        count = len(self.components)
+            allowed = "left out beside components other than radial, circumferential, axial"
+            require(value is None or self._cylindrical, name, value, allowed)
         if isinstance(self.value, tuple) and count:
-            if len(self.value) != count:
-                raise InputError("value", list(self.value), f"one number (m), or {count}")
-            if len(set(self.components)) != count:
-                allowed = "each once where each has a value"
-                raise InputError("components", list(self.components), allowed)
+            require(len(self.value) == count, "value", self.value, f"one number (m), or {count}")
+            allowed = "each once where each has a value"
+            require(len(set(components)) == count, "components", components, allowed)
         self.support()
 
     @property
@@ -264,11 +252,11 @@ class DampingSpec:
 
     def __post_init__(self) -> None:
         ways = [self.alpha is not None or self.beta is not None, self.ratios is not None]
-        if all(ways) or not (any(ways) or self.modal):
-            allowed = "alpha, beta or both; or ratios with frequencies; modal, or it beside these"
-            raise InputError("ratios", self.ratios, allowed)
-        if (self.ratios is None) != (self.frequencies is None):
-            raise InputError("frequencies", self.frequencies, "two where ratios are given")
+        allowed = "alpha, beta or both; or ratios with frequencies; modal, or it beside these"
+        one_way = any(ways) or self.modal is not None
+        require(one_way and not all(ways), "ratios", self.ratios, allowed)
+        both = (self.ratios is None) == (self.frequencies is None)
+        require(both, "frequencies", self.frequencies, "two where ratios are given")
         self.rayleigh()
 
     @property
@@ -281,9 +269,7 @@ class DampingSpec:
     def in_factors(self) -> "DampingSpec":
         """The same with factors of Rayleigh damping in the place of ratios, both where one is."""
         found = self.rayleigh()
-        if found is None:
-            return self
-        return DampingSpec(found.alpha, found.beta, modal=self.modal)
+        return self if found is None else DampingSpec(found.alpha, found.beta, modal=self.modal)
 
     def rayleigh(self) -> RayleighDamping | None:
         """Rayleigh damping as the system takes it; None where there is modal damping alone."""
@@ -360,10 +346,9 @@ class BodySpec:
     def fe_degree(self) -> int | None:
         """Degree of its Lagrange elements; None where it has none."""
         if isinstance(self.geometry, MeshFile):
-            least = (
-                2 if self.geometry.elements.is_divided else 1
-            )  # straight tetrahedra are too stiff
-            return self.mesh.degree or max(self.geometry.elements.order, least)
+            elements = self.geometry.elements
+            least = 2 if elements.is_divided else 1  # straight tetrahedra are too stiff
+            return self.mesh.degree or max(elements.order, least)
         return self.mesh.fe.degree if self.mesh.fe is not None else None
 
 
@@ -392,17 +377,18 @@ class LoadSpec:
     body_force: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        if (self.surface is None) == (self.body is None):
-            raise InputError("surface", self.surface, f"either surface or body ({self.body})")
-        own = ("pressure", "force") if self.body is None else ("body_force",)
-        given = [n for n in ("pressure", "force", "body_force") if getattr(self, n) is not None]
-        where = "on a surface" if self.body is None else "where body is given"
-        for name in given:
-            if name not in own:
-                raise InputError(name, getattr(self, name), f"left out {where}")
-        if len(given) != 1:
-            needed = "either pressure or force, not both," if self.body is None else "needed"
-            raise InputError(own[0], getattr(self, own[0]), f"{needed} {where}")
+        one_place = (self.surface is None) != (self.body is None)
+        require(one_place, "surface", self.surface, f"either surface or body ({self.body})")
+        if self.body is None:
+            allowed = "left out on a surface"
+            require(self.body_force is None, "body_force", self.body_force, allowed)
+            one = (self.pressure is None) != (self.force is None)
+            allowed = "either pressure or force, not both, on a surface"
+            require(one, "pressure", self.pressure, allowed)
+        else:
+            for name, value in (("pressure", self.pressure), ("force", self.force)):
+                require(value is None, name, value, "left out where body is given")
+            require(self.body_force is not None, "body_force", None, "needed where body is given")
 
     @property
     def on(self) -> str:

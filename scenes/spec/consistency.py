@@ -14,6 +14,7 @@ from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.spec.body import BodySpec, FeMesh, IgaMesh, LoadSpec, MeshSpec
 from scenes.spec.contact import ContactSpec, suits
+from scenes.spec.plain import leaves
 from scenes.spec.problems import fault_of
 
 Scene = Any
@@ -31,9 +32,21 @@ _LONGEST = 100
 _PARTING = set(".,[] ")
 """Characters that part the names of a path, which no name may hold."""
 _SCALES = (
-    "E", "rho", "P", "p", "c_n", "max_frequency", "size", "inner_radius", "outer_radius", "bore",
-    "hub_radius", "reach", "speed", "frequencies",
-)  # fmt: skip
+    "E",
+    "rho",
+    "P",
+    "p",
+    "c_n",
+    "max_frequency",
+    "size",
+    "inner_radius",
+    "outer_radius",
+    "bore",
+    "hub_radius",
+    "reach",
+    "speed",
+    "frequencies",
+)
 """Fields that set scales, and may not be next to nothing; coordinates and the like may."""
 _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
 """Fields of another range: c_n is a pressure over a small length to the power of m_n."""
@@ -56,7 +69,8 @@ def cross_checks(scene: Scene) -> Iterator[InputError]:
     yield from _contact_checks(scene, known)
     for i, load in enumerate(scene.loads):
         yield from _load_checks(scene, f"loads.{i}", load, known)
-    yield from steady_checks(scene)
+    if not scene.slides_steadily:
+        yield from _steady_checks(scene)
 
 
 def _limit_checks(scene: Scene) -> Iterator[InputError]:
@@ -75,7 +89,8 @@ def _limit_checks(scene: Scene) -> Iterator[InputError]:
         if not (0 < len(name) <= _LONGEST and name.isprintable()) or set(name) & _PARTING:
             allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
             yield InputError(place, name, allowed)
-    for place, number in _numbers(asdict(scene), ""):
+    numbers = [each for each in leaves(asdict(scene)) if isinstance(each[1], int | float)]
+    for place, number in numbers:
         field = next(part for part in reversed(place.split(".")) if not part.isdecimal())
         largest = _LARGEST_OF.get(field, LARGEST)
         if abs(number) > largest and not (field in ("P", "p") and number == float("inf")):
@@ -88,19 +103,6 @@ def scene_name_checks(name: str) -> Iterator[InputError]:
     """Faults of the name of a scene, which files and lines on a terminal bear."""
     if not (0 < len(name.strip()) <= len(name) <= _LONGEST and name.isprintable()):
         yield InputError("name", name, f"a name of 1 to {_LONGEST} printable characters")
-
-
-def _numbers(value: Any, place: str) -> Iterator[tuple[str, float]]:
-    """Numbers of nested tables and lists by their paths."""
-    if isinstance(value, int | float):
-        yield place, value
-    elif isinstance(value, Mapping | list | tuple):
-        for name, part in value.items() if isinstance(value, Mapping) else enumerate(value):
-            yield from _numbers(part, f"{place}.{name}" if place else str(name))
-
-
-def _unknown_surface(place: str, name: str, known: Sequence[str]) -> Iterator[InputError]:
-    return fault_of(check_surface, name, known, place)
 
 
 def _other_lengths(
@@ -116,7 +118,7 @@ def _load_checks(
     scene: Scene, place: str, load: LoadSpec, known: Sequence[str]
 ) -> Iterator[InputError]:
     if load.surface is not None:
-        yield from _unknown_surface(f"{place}.surface", load.surface, known)
+        yield from fault_of(check_surface, load.surface, known, f"{place}.surface")
     elif load.body not in scene.bodies:
         allowed = f"one of {', '.join(scene.bodies)}{did_you_mean(load.body, scene.bodies)}"
         yield InputError(f"{place}.body", load.body, allowed)
@@ -129,70 +131,70 @@ def _load_checks(
 def _body_checks(place: str, body: BodySpec) -> Iterator[InputError]:
     """Meshes, places, supports and springs that do not suit a shape."""
     shape, known = body.geometry, body.geometry.surfaces
-    dim, of_file = len(shape.directions), isinstance(shape, MeshFile)
-    wrong = list(_range_checks(place, body)) or list(_mesh_checks(place, body))
-    yield from wrong or _size_checks(place, body)
+    dim, mesh = len(shape.directions), body.mesh
+    for name, (low, high) in zip(shape.directions, shape.extent, strict=True):
+        if not high - low > _THIN * max(abs(low), abs(high)):
+            allowed = "a range that is not lost in the rounding of its ends"
+            yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
+            break
+    else:
+        yield from _mesh_checks(f"{place}.mesh", body, dim)
     yield from fault_of(body.placement.check, dim, f"{place}.placement")
     yield from fault_of(body.material.elasticity.check, dim, f"{place}.material")
     for i, support in enumerate(body.supports):
         yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
-        yield from _unknown_surface(f"{place}.supports.{i}.surface", support.surface, known)
+        yield from fault_of(check_surface, support.surface, known, f"{place}.supports.{i}.surface")
     for i, spring in enumerate(body.springs):
         of_spring = {"stiffness": spring.stiffness}
         yield from _other_lengths(f"{place}.springs.{i}", of_spring, dim, "the components")
-        yield from _unknown_surface(f"{place}.springs.{i}.surface", spring.surface, known)
+        yield from fault_of(check_surface, spring.surface, known, f"{place}.springs.{i}.surface")
     if body.rotation is not None:
         from scenes.spec.rotation_checks import rotation_checks
 
         yield from rotation_checks(place, body, body.rotation)
-    if not of_file and body.mesh == MeshSpec():
-        yield InputError(f"{place}.mesh", None, "field required, but for a mesh file")
-    elif not of_file and getattr(body.mesh, body.backend) is None:
-        yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+    suited = ("iga",) if shape.shape in ("patches", "nurbs_file") else ("fe", "iga")
+    suited = ("fe",) if isinstance(shape, MeshFile | VentilatedDisc) else suited
+    if body.backend not in suited:
+        allowed = f"{suited[0]!r} for shape = {shape.shape!r}"
+        yield InputError(f"{place}.backend", body.backend, allowed)
+    if not isinstance(shape, MeshFile):
+        if mesh == MeshSpec():
+            yield InputError(f"{place}.mesh", None, "field required, but for a mesh file")
+        elif getattr(mesh, body.backend) is None:
+            yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
 
 
-def _range_checks(place: str, body: BodySpec) -> Iterator[InputError]:
-    for name, (low, high) in zip(body.geometry.directions, body.geometry.extent, strict=True):
-        if not high - low > _THIN * max(abs(low), abs(high)):
-            allowed = "a range that is not lost in the rounding of its ends"
-            yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
-
-
-def _mesh_checks(place: str, body: BodySpec) -> Iterator[InputError]:
-    shape, mesh, backend = body.geometry, body.mesh, body.backend
-    fe, iga, dim = mesh.fe, mesh.iga, len(shape.directions)
-    suited: tuple[str, ...] = ("fe", "iga")
+def _mesh_checks(place: str, body: BodySpec, dim: int) -> Iterator[InputError]:
+    """Cells, numbers and sizes of elements that do not suit a shape."""
+    shape, fe, iga = body.geometry, body.mesh.fe, body.mesh.iga
     if isinstance(shape, MeshFile):
-        suited = ("fe",)
         for name, given in (("fe", fe), ("iga", iga)):
             if given is not None:
                 allowed = "left out: cells are those of the file; mesh.degree may be given"
-                yield InputError(f"{place}.mesh.{name}", given, allowed)
-    elif mesh.degree is not None:
-        allowed = "left out but of a mesh file: fe.degree or iga.degree says it"
-        yield InputError(f"{place}.mesh.degree", mesh.degree, allowed)
-    if isinstance(shape, VentilatedDisc):
-        suited = ("fe",)
-    elif shape.shape in ("patches", "nurbs_file"):
-        suited = ("iga",)
-    if backend not in suited:
-        yield InputError(f"{place}.backend", backend, f"{suited[0]!r} for shape = {shape.shape!r}")
-    if isinstance(shape, VentilatedDisc):
-        if fe is not None:
-            yield from _unstructured_checks(f"{place}.mesh.fe", fe)
+                yield InputError(f"{place}.{name}", given, allowed)
         return
-    if fe is not None and fe.cell not in _CELLS[dim]:
-        yield InputError(f"{place}.mesh.fe.cell", fe.cell, " or ".join(_CELLS[dim]))
+    if body.mesh.degree is not None:
+        allowed = "left out but of a mesh file: fe.degree or iga.degree says it"
+        yield InputError(f"{place}.degree", body.mesh.degree, allowed)
     numbers: dict[str, tuple[int, ...] | None] = {}
-    if fe is not None:
+    if fe is not None and isinstance(shape, VentilatedDisc):
+        yield from _unstructured_checks(f"{place}.fe", fe)
+    elif fe is not None:
         numbers["fe.elements"] = fe.elements
-    if iga is not None:
+        if fe.cell not in _CELLS[dim]:
+            yield InputError(f"{place}.fe.cell", fe.cell, " or ".join(_CELLS[dim]))
+    if fe is not None and fe.size is not None and body.backend == "fe":
+        length = max(body.lengths)
+        if not length / MAX_ELEMENTS <= fe.size <= length:
+            allowed = f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body"
+            yield InputError(f"{place}.fe.size", fe.size, allowed)
+    if iga is not None and not isinstance(shape, VentilatedDisc):
         numbers |= {"iga.degree": iga.degree, "iga.elements": iga.elements}
         numbers["iga.continuity"] = iga.continuity
-    yield from _other_lengths(f"{place}.mesh", numbers, dim, ", ".join(shape.directions))
+    yield from _other_lengths(place, numbers, dim, ", ".join(shape.directions))
     for name, one in (("fe", fe), ("iga", iga)):
-        if one is not None and one.elements is not None and len(one.elements) == dim:
-            yield from _elements_checks(f"{place}.mesh.{name}", body, one)
+        if one is not None and len(numbers.get(f"{name}.elements") or ()) == dim:
+            yield from _elements_checks(f"{place}.{name}", body, one)
 
 
 def _unstructured_checks(place: str, fe: FeMesh) -> Iterator[InputError]:
@@ -206,30 +208,24 @@ def _unstructured_checks(place: str, fe: FeMesh) -> Iterator[InputError]:
 
 
 def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iterator[InputError]:
+    """Numbers of elements, and edges of elements along a shape, that cannot be."""
     elements = mesh.elements or ()
     if not all(1 <= count <= MAX_ELEMENTS for count in elements):
         yield InputError(f"{place}.elements", elements, f"1 to {MAX_ELEMENTS} along each direction")
         return
-    edges = mesh.edges if isinstance(mesh, FeMesh) else ()
-    through = mesh.boundaries if isinstance(mesh, FeMesh) else mesh.through
-    shape = body.geometry
-    faults = list(fault_of(run_along, shape, edges)) if edges else []
-    faults = faults or list(fault_of(breaks_of, shape, elements, through))
-    if edges and not faults:
-        faults = list(fault_of(check_room, shape, breaks_of(shape, elements, through), edges))
-    for fault in faults:
+
+    def check() -> None:
+        edges = mesh.edges if isinstance(mesh, FeMesh) else ()
+        through = mesh.boundaries if isinstance(mesh, FeMesh) else mesh.through
+        if edges:
+            run_along(body.geometry, edges)
+        breaks = breaks_of(body.geometry, elements, through)
+        if edges:
+            check_room(body.geometry, breaks, edges)
+
+    for fault in fault_of(check):
         value = tuple(elements) if fault.field == "elements" else fault.value
         yield InputError(f"{place}.{fault.field}", value, fault.allowed)
-
-
-def _size_checks(place: str, body: BodySpec) -> Iterator[InputError]:
-    """Sizes of elements that are none beside the length of their body."""
-    fe = body.mesh.fe
-    if body.backend == "fe" and fe is not None and fe.size is not None:
-        length = max(body.lengths)
-        if not length / MAX_ELEMENTS <= fe.size <= length:
-            allowed = f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body"
-            yield InputError(f"{place}.mesh.fe.size", fe.size, allowed)
 
 
 def _contact_checks(scene: Scene, known: Sequence[str]) -> Iterator[InputError]:
@@ -253,25 +249,26 @@ def _side_checks(
     scene: Scene, place: str, contact: ContactSpec, known: Sequence[str]
 ) -> Iterator[InputError]:
     """Sides that are not there, on one body, that cannot move, or have no such abscissae."""
-    sides = {"a": contact.a.partition("."), "b": contact.b.partition(".")}
-    for side in sides:
-        yield from _unknown_surface(f"{place}.{side}", getattr(contact, side), known)
-    if sides["a"][0] == sides["b"][0]:
+    sides, rule = {"a": contact.a, "b": contact.b}, contact.formulation
+    for side, where in sides.items():
+        yield from fault_of(check_surface, where, known, f"{place}.{side}")
+    if len({where.partition(".")[0] for where in sides.values()}) == 1:
         yield InputError(f"{place}.b", contact.b, f"another body than {contact.a}")
         return
-    for side, (body, _, surface) in sides.items():
-        where, rule = getattr(contact, side), contact.formulation
-        if body not in scene.bodies:
+    for side, where in sides.items():
+        name, _, surface = where.partition(".")
+        body = scene.bodies.get(name)
+        if body is None:
             continue
-        backend, dim = scene.bodies[body].backend, len(scene.bodies[body].geometry.directions)
-        for i, support in enumerate(scene.bodies[body].supports if where in known else ()):
+        for i, support in enumerate(body.supports if where in known else ()):
             count = len(set(support.components))
-            if support.surface == surface and (count in (0, dim) or "normal" in support.components):
-                allowed = f"a surface that may move: bodies.{body}.supports.{i} holds it"
+            holds = count in (0, len(body.geometry.directions)) or "normal" in support.components
+            if support.surface == surface and holds:
+                allowed = f"a surface that may move: bodies.{name}.supports.{i} holds it"
                 yield InputError(f"{place}.{side}", where, allowed)
-        if (contact.full_pass or side == "a") and not suits(rule, backend):
-            allowed = ", ".join(m for m, kind in registered().items() if suits(kind, backend))
-            allowed = f"one of {allowed} where side {side} has backend {backend!r}"
+        if (contact.full_pass or side == "a") and not suits(rule, body.backend):
+            suited = [method for method, kind in registered().items() if suits(kind, body.backend)]
+            allowed = f"one of {', '.join(suited)} where side {side} has backend {body.backend!r}"
             yield InputError(f"{place}.formulation.method", rule.method, allowed)
 
 
@@ -282,9 +279,8 @@ def _dimension_checks(scene: Scene, place: str, contact: ContactSpec) -> Iterato
     if len(dims) > 1:
         yield InputError(f"{place}.b", contact.b, f"a body of the same dimension as {contact.a}")
     for dim in dims if len(dims) == 1 else ():
-        if contact.friction_direction_on_a is not None:
-            direction = f"{place}.friction_direction_on_a"
-            yield from fault_of(contact.friction_direction_on_a.check, dim, direction)
+        if (direction := contact.friction_direction_on_a) is not None:
+            yield from fault_of(direction.check, dim, f"{place}.friction_direction_on_a")
         sliding = contact.sliding.fields if contact.sliding is not None else {}
         if dim == 2 and sliding.get("speed") is not None:
             allowed = "left out in the plane, where the direction of sliding cannot turn"
@@ -296,10 +292,8 @@ def _dimension_checks(scene: Scene, place: str, contact: ContactSpec) -> Iterato
                 yield from fault_of(Expression(value).check, f"{place}.{name}", dim)
 
 
-def steady_checks(scene: Scene) -> Iterator[InputError]:
+def _steady_checks(scene: Scene) -> Iterator[InputError]:
     """Fields that mean nothing without a state of steady sliding."""
-    if scene.slides_steadily:
-        return
     yield from needs_no_steady_state(scene.analysis, _NEEDS)
     if scene.analysis.kind == "static" and scene.output.pictures:
         allowed = "0 in a static analysis of which no contact has c_n"

@@ -10,9 +10,9 @@ from pydantic_core import CoreSchema
 from cea.contact.formulations import Form, Formulation, registered
 from cea.contact.friction import AlongField, AlongVector, Circumferential
 from cea.contact.laws import NormalCompliance
-from cea.errors import InputError
+from cea.errors import require
 from cea.expressions import Expression
-from scenes.spec.body import Backend, refuse_first
+from scenes.spec.body import Backend
 
 
 class _Registered:
@@ -57,9 +57,9 @@ def _check_field(name: str, value: float | str | None, allowed: str = "") -> Non
     if isinstance(value, str):
         Expression(value).check(name)
         constant = Expression(value).constant
-    zero = constant == 0 and "equal" in allowed
-    if isinstance(constant, float) and allowed and not (constant > 0 or zero):
-        raise InputError(name, value, allowed)
+    if isinstance(constant, float) and allowed:
+        zero = constant == 0 and "equal" in allowed
+        require(constant > 0 or zero, name, value, allowed)
 
 
 @dataclass(frozen=True)
@@ -87,8 +87,8 @@ class SlidingSpec:
         _check_field("pressure", self.pressure, "greater than or equal to 0")
         _check_field("speed", self.speed, "greater than 0")
         _check_field("mu_slope", self.mu_slope)
-        if self.speed is None and self.mu_slope is None:
-            raise InputError("speed", None, "speed, mu_slope or both")
+        either = self.speed is not None or self.mu_slope is not None
+        require(either, "speed", None, "speed, mu_slope or both")
 
     @property
     def fields(self) -> dict[str, float | str | None]:
@@ -159,26 +159,24 @@ class ContactSpec:
         _check_field("added_gap", self.added_gap)
         self._check_stiffness()
         method, coupling = self.formulation.method, self.formulation.coupling
-        frictional, slides = self.mu != 0, self.sliding is not None
         undirected = self.friction_direction_on_a is None
-        stiffness = "P" if self.P is not None else "p"
-        tied, lumped = inf in (self.P, self.p), coupling == "lumped"
-        bonded = coupling == "bonded"
-        refuse_first(
-            (
-                frictional and undirected,
-                "friction_direction_on_a",
-                None,
-                "needed when mu is not zero",
-            ),
-            (tied and self.form == "penalty", stiffness, inf, "finite, or form = 'saddle'"),
-            (tied and lumped, stiffness, inf, "finite where lumped"),
-            (lumped and self.form == "saddle", "form", "saddle", "penalty where lumped"),
-            (bonded and frictional, "formulation.method", method, "a half pass with mu = 0"),
-            (bonded and self.full_pass, "formulation.method", method, "a half pass with mu = 0"),
-            (bonded and slides, "formulation", method, "one that is not bonded where it slides"),
-            (slides and undirected, "friction_direction_on_a", None, "needed where it slides"),
-        )
+        if inf in (self.P, self.p):
+            stiffness = "P" if self.P is not None else "p"
+            require(self.form != "penalty", stiffness, inf, "finite, or form = 'saddle'")
+            require(coupling != "lumped", stiffness, inf, "finite where lumped")
+        if coupling == "lumped":
+            require(self.form != "saddle", "form", "saddle", "penalty where lumped")
+        if coupling == "bonded":
+            half_pass = self.mu == 0 and not self.full_pass
+            require(half_pass, "formulation.method", method, "a half pass with mu = 0")
+            allowed = "one that is not bonded where it slides"
+            require(self.sliding is None, "formulation", method, allowed)
+        for needs, where in (
+            (self.mu != 0, "mu is not zero"),
+            (self.sliding is not None, "it slides"),
+        ):
+            allowed = f"needed where {where}"
+            require(not (needs and undirected), "friction_direction_on_a", None, allowed)
 
     @property
     def law(self) -> NormalCompliance | None:
@@ -187,24 +185,21 @@ class ContactSpec:
 
     def _check_stiffness(self) -> None:
         """Refuse another number of stiffnesses than one, and what does not go with a law."""
-        given = {"P": self.P, "p": self.p, "c_n": self.c_n}
-        if sum(value is not None for value in given.values()) != 1:
-            others = ", ".join(f"{name} = {value}" for name, value in given.items() if name != "P")
-            raise InputError("P", self.P, f"either P, p or c_n is given, not both ({others})")
+        one = sum(value is not None for value in (self.P, self.p, self.c_n)) == 1
+        others = f"p = {self.p}, c_n = {self.c_n}"
+        require(one, "P", self.P, f"either P, p or c_n is given, not both ({others})")
         if self.c_n is None:
             for name, value in (("m_n", self.m_n), ("added_gap", self.added_gap or None)):
-                if value is not None:
-                    raise InputError(name, value, "left out where c_n is not given")
+                require(value is None, name, value, "left out where c_n is not given")
             return
         if self.m_n is not None:
             NormalCompliance(1.0, self.m_n)
         NormalCompliance(self.c_n, 1.0)
-        if self.formulation.coupling in ("lumped", "bonded"):
-            allowed = "one whose gaps at points meet a law, where c_n is given: not lumped, bonded"
-            raise InputError("formulation.method", self.formulation.method, allowed)
-        if self.formulation.coupling == "mortar" and self.form == "saddle":
-            allowed = "penalty where c_n is given: open parts of mortar contact have no compliance"
-            raise InputError("form", self.form, allowed)
+        method, coupling = self.formulation.method, self.formulation.coupling
+        allowed = "one whose gaps at points meet a law, where c_n is given: not lumped, bonded"
+        require(coupling not in ("lumped", "bonded"), "formulation.method", method, allowed)
+        allowed = "penalty where c_n is given: open parts of mortar contact have no compliance"
+        require(coupling != "mortar" or self.form != "saddle", "form", self.form, allowed)
 
 
 _ABSCISSAE: dict[Backend, tuple[str, ...]] = {"fe": ("nodes",), "iga": ("greville", "botella")}

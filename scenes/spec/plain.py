@@ -25,13 +25,19 @@ _LARGEST_FILE = 2**26
 _KEYS = re.compile(r"(?<![^\s.,=\[\]{}])(?:[^\s.,=\[\]{}]+[ \t]*\.[ \t]*){100}")
 """A hundred tables inside each other by one dotted name, for which reading takes its time."""
 _LATER = {
-    *("StaticAnalysis.load_steps", "ComplexEigenvalueAnalysis.min_growth"),
-    *("ComplexEigenvalueAnalysis.load_steps", "ComplexEigenvalueAnalysis.geometric_stiffness"),
-    *("BodySpec.damping", "BodySpec.rotation", "ContactSpec.c_n", "ContactSpec.m_n"),
-    *("ContactSpec.added_gap", "ContactSpec.sliding", "LoadSpec.force", "LoadSpec.body"),
-    *("LoadSpec.body_force", "MatrixScene.symmetric", "FeMesh.edges", "FeMesh.layers"),
-    *("MeshSpec.degree", "DampingSpec.modal", "Scene.units", "SupportSpec.value"),
-    *("Patches.merge_nodes", "NurbsFile.merge_nodes"),
+    "BodySpec": ("damping", "rotation"),
+    "ComplexEigenvalueAnalysis": ("geometric_stiffness", "load_steps", "min_growth"),
+    "ContactSpec": ("added_gap", "c_n", "m_n", "sliding"),
+    "DampingSpec": ("modal",),
+    "FeMesh": ("edges", "layers"),
+    "LoadSpec": ("body", "body_force", "force"),
+    "MatrixScene": ("symmetric",),
+    "MeshSpec": ("degree",),
+    "NurbsFile": ("merge_nodes",),
+    "Patches": ("merge_nodes",),
+    "Scene": ("units",),
+    "StaticAnalysis": ("load_steps",),
+    "SupportSpec": ("value",),
 }
 """Fields that came later than stored numbers, which are found by fingerprints of their scenes: they
 do not stand there where they have their defaults."""
@@ -40,6 +46,8 @@ Part = str | int
 _STEP = re.compile(r"(?P<name>[^\[\]]+)(?P<numbers>(\[\d{1,9}\])*)")
 """A part of a path: a name, and numbers of entries in brackets behind it."""
 _NUMBER = re.compile(r"\d{1,9}")
+_HALF = re.compile(r"[\ud800-\udfff]")
+"""Half of a character, which no file can hold."""
 _BY_NAME = ("bodies", "contacts")
 """Tables whose entries are made whole: one field of what is not there is a name mistyped."""
 
@@ -47,12 +55,11 @@ _BY_NAME = ("bodies", "contacts")
 def as_data(section: Any) -> Any:
     """A scene or a section of one as nested dictionaries, as ``dataclasses.asdict`` gives it."""
     if is_dataclass(section):
-        kind = type(section).__name__
+        later = _LATER.get(type(section).__name__, ())
         return {
             field.name: as_data(value)
             for field in fields(section)
-            if (value := getattr(section, field.name)) != field.default
-            or f"{kind}.{field.name}" not in _LATER
+            if (value := getattr(section, field.name)) != field.default or field.name not in later
         }
     if isinstance(section, Mapping):
         return {name: as_data(part) for name, part in section.items()}
@@ -63,29 +70,11 @@ def as_data(section: Any) -> Any:
 
 def checked[T](kind: TypeAdapter[T], data: Mapping[str, Any]) -> T:
     """Nested dictionaries as what they should be."""
-    try:
-        content = json.dumps(data, default=_plain, ensure_ascii=False).encode()
-    except UnicodeEncodeError as error:
-        raise SceneError(list(_half_characters(plain_data(data)))) from error
-    except SceneError:
-        raise
-    except (TypeError, ValueError, RecursionError) as error:
-        allowed = f"text, numbers, lists, and tables of them by name, not too deep: {error}"
-        raise SceneError([InputError("scene", "...", allowed)]) from error
+    content = _json(data)
     try:
         return kind.validate_json(content)
     except ValidationError as error:
         raise SceneError(problems(error, json.loads(content), _schema(kind))) from error
-
-
-def _half_characters(data: Any, path: str = "") -> Iterator[InputError]:
-    """A refusal of every text that holds half of a character, which no file can."""
-    if isinstance(data, str) and not data.isascii() and any("\ud800" <= c < "\ue000" for c in data):
-        yield InputError(path or "scene", data, "text of whole characters")
-    elif isinstance(data, Mapping | list):
-        for name, part in data.items() if isinstance(data, Mapping) else enumerate(data):
-            yield from _half_characters(name, path)
-            yield from _half_characters(part, f"{path}.{name}".removeprefix("."))
 
 
 @cache
@@ -95,16 +84,36 @@ def _schema(kind: TypeAdapter[Any]) -> dict[str, Any]:
 
 def plain_data(value: Any) -> Any:
     """A scene or a part of one as nested dictionaries, lists and numbers, which it is read from."""
-    return json.loads(json.dumps(value, default=_plain))
+    return json.loads(_json(value))
+
+
+def _json(data: Any) -> bytes:
+    """JSON of a scene or a part of one; refused is what JSON has no form for."""
+    try:
+        text = json.dumps(data, default=_plain, ensure_ascii=False)
+        return text.encode()
+    except UnicodeEncodeError:
+        texts = [each for each in leaves(json.loads(text)) if _HALF.search(str(each[1]))]
+        raise SceneError(InputError(*each, "text of whole characters") for each in texts) from None
+    except (AttributeError, TypeError, ValueError, RecursionError) as error:
+        allowed = f"text, numbers, lists, and tables of them by name, not too deep: {error}"
+        raise SceneError([InputError("scene", "...", allowed)]) from error
 
 
 def _plain(value: Any) -> Any:
     """What JSON has no form for: sections of scenes, and numbers and arrays of numpy."""
-    if is_dataclass(value) and not isinstance(value, type):
-        return asdict(value)
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    raise SceneError([InputError("value", value, "plain data, or a section of a scene")])
+    return asdict(value) if is_dataclass(value) else value.tolist()
+
+
+def leaves(data: Any, place: str = "scene") -> Iterator[tuple[str, Any]]:
+    """Names and values of nested tables and lists, each with its path."""
+    if not isinstance(data, Mapping | list | tuple):
+        yield place, data
+        return
+    for name, part in data.items() if isinstance(data, Mapping) else enumerate(data):
+        if isinstance(data, Mapping):
+            yield place, name
+        yield from leaves(part, f"{place}.{name}".removeprefix("scene."))
 
 
 def set_at(data: dict[str, Any], path: str, value: Any) -> None:

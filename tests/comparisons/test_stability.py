@@ -9,9 +9,19 @@ import pytest
 
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy, gather
-from comparisons.stability.case import REFUSED
-from comparisons.stability.catalogue import catalogue, numbers_of, runs_of, title_of
-from comparisons.stability.study import STUDY, Options, by_case, digits, fault, not_met, runs
+from comparisons.stability.study import (
+    STUDY,
+    Options,
+    by_case,
+    catalogue,
+    digits,
+    fault,
+    not_met,
+    numbers_of,
+    runs,
+    runs_of,
+    title_of,
+)
 from comparisons.stability.verdicts import judged
 from comparisons.stability.ways import ALONE, OPEN, WAYS
 from comparisons.study.page import write_study
@@ -29,7 +39,7 @@ def test_every_run_says_what_it_expects(name):
     for each in found:
         assert each.expected
         assert "WRONG" not in each.expected
-        assert (each.reference is None) == (each.expected == REFUSED)
+        assert (each.reference is None) == (each.expected == ("refused",))
         assert 0 < each.tolerance < 0.1
         assert each.way in (*WAYS, *OPEN, *ALONE)
     assert len({(run.row, run.way.backend, run.way.name) for run in found}) == len(found)

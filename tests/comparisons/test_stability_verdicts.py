@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from cea.errors import ConvergenceError, InputError
-from comparisons.stability.case import ACCURATE, HONEST, MESH, NONE, REFUSED, WARNED, Run
+from comparisons.stability.case import EXPECTED, MESH, Reference, Run, formula
 from comparisons.stability.problems import Answer
-from comparisons.stability.references import Reference, formula
 from comparisons.stability.verdicts import compared, judged
 from comparisons.stability.ways import ALONE
 
@@ -46,9 +45,10 @@ class Planted:
         return self.outcome
 
 
-def verdict_of(outcome, expected=ACCURATE, true=TRUE, **fields):
+def verdict_of(outcome, expected="accurate", true=TRUE, **fields):
     reference = None if true is None else formula(list(true))
-    run = Run("planted", ALONE[0], Planted(outcome), reference, expected, 1e-6, **fields)
+    may = EXPECTED[expected]
+    run = Run("planted", ALONE[0], Planted(outcome), reference, may, 1e-6, **fields)
     return judged(run)
 
 
@@ -63,11 +63,11 @@ WRONG = {
 
 @pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
 def test_a_wrong_answer_is_wrong_without_a_word_and_warned_with_one(wrong):
-    silent, said = verdict_of(wrong, HONEST), verdict_of(replace(wrong, **WARNS), HONEST)
+    silent, said = verdict_of(wrong, "honest"), verdict_of(replace(wrong, **WARNS), "honest")
     assert (silent["verdict"], silent["met"]) == ("WRONG", False)
     assert (said["verdict"], said["met"]) == ("warned", True)
     assert not verdict_of(replace(wrong, **WARNS))["met"]
-    opened = verdict_of(replace(wrong, **OPEN), HONEST)
+    opened = verdict_of(replace(wrong, **OPEN), "honest")
     assert opened["verdict"] == "warned"
     assert opened["says"] == ["undecided", "window-not-complete"]
 
@@ -87,33 +87,33 @@ GROWS = 4 * ("stable",), ("unstable", *SAID[1:]), (*SAID[:3], "unstable")
 SHY = replace(OFF, warnings=("short-modes",))
 NAMED = {"true": None, "names": "material.nu"}
 CASES = {
-    "right": (answer(), ACCURATE, {}, "accurate"),
-    "a warning may come": (LOCKS, ACCURATE, {"warnings": ("locking",)}, "accurate"),
-    "it excuses no error": (SHY, HONEST, {}, "WRONG"),
-    "unless it is none of those": (SHY, HONEST, {"warnings": NONE}, "warned"),
-    "uncertainty admits": (replace(OFF, uncertainties=LARGE), WARNED, {}, "warned"),
-    "or not": (replace(OFF, uncertainties=LARGE / 100), WARNED, {}, "WRONG"),
-    "no loss": (replace(WRONG["missing"], uncertainties=np.ones(3)), WARNED, {}, "WRONG"),
-    **{str(said): (answer(verdicts=said, **WARNS), HONEST, {}, "WRONG") for said in GROWS},
-    "stable window lacks it": (answer(*SHORT, warnings=("short",)), HONEST, {}, "WRONG"),
-    "open window lacks it": (answer(*SHORT, **OPEN), HONEST, {}, "warned"),
-    "one beyond grows": (answer(*NEAR, **WARNS), HONEST, BEYOND, "warned"),
-    "and no word of it": (answer(*NEAR), HONEST, BEYOND, "WRONG"),
-    "divergence is in every window": (answer(), HONEST, DIVERGES, "WRONG"),
-    "divergence": (answer([5, *TRUE[:4]], ("unstable", *SAID)), ACCURATE, DIVERGES, "accurate"),
-    "undecided": (UNDECIDED, WARNED, {}, "warned"),
-    "undecided is not accurate": (UNDECIDED, ACCURATE, {}, "warned"),
-    "it may be": (UNDECIDED, ACCURATE, {"warnings": ("undecided",)}, "accurate"),
-    "rigid": (answer(ROUNDED, (*2 * ("stable",), *SAID)), ACCURATE, RIGID, "accurate"),
-    "rigid grows": (answer(ROUNDED, ("unstable", "stable", *SAID)), ACCURATE, RIGID, "WRONG"),
-    "rigid missing": (answer(), ACCURATE, RIGID, "WRONG"),
-    "refusal": (NO_NU, HONEST, {}, "refused"),
-    "no convergence": (ConvergenceError("none"), HONEST, {}, "refused"),
-    "not to be refused": (NO_NU, ACCURATE, {}, "refused"),
-    "to be refused": (NO_NU, REFUSED, NAMED, "refused"),
-    "for another reason": (NO_NU, REFUSED, NAMED | {"names": "material.rho"}, "WRONG"),
-    "a crash": (ValueError("inf is not JSON"), HONEST, {}, "WRONG"),
-    "answered what has no answer": (answer(), REFUSED, {"true": None}, "WRONG"),
+    "right": (answer(), "accurate", {}, "accurate"),
+    "a warning may come": (LOCKS, "accurate", {"warnings": ("locking",)}, "accurate"),
+    "it excuses no error": (SHY, "honest", {}, "WRONG"),
+    "unless it is none of those": (SHY, "honest", {"warnings": ()}, "warned"),
+    "uncertainty admits": (replace(OFF, uncertainties=LARGE), "warned", {}, "warned"),
+    "or not": (replace(OFF, uncertainties=LARGE / 100), "warned", {}, "WRONG"),
+    "no loss": (replace(WRONG["missing"], uncertainties=np.ones(3)), "warned", {}, "WRONG"),
+    **{str(said): (answer(verdicts=said, **WARNS), "honest", {}, "WRONG") for said in GROWS},
+    "stable window lacks it": (answer(*SHORT, warnings=("short",)), "honest", {}, "WRONG"),
+    "open window lacks it": (answer(*SHORT, **OPEN), "honest", {}, "warned"),
+    "one beyond grows": (answer(*NEAR, **WARNS), "honest", BEYOND, "warned"),
+    "and no word of it": (answer(*NEAR), "honest", BEYOND, "WRONG"),
+    "divergence is in every window": (answer(), "honest", DIVERGES, "WRONG"),
+    "divergence": (answer([5, *TRUE[:4]], ("unstable", *SAID)), "accurate", DIVERGES, "accurate"),
+    "undecided": (UNDECIDED, "warned", {}, "warned"),
+    "undecided is not accurate": (UNDECIDED, "accurate", {}, "warned"),
+    "it may be": (UNDECIDED, "accurate", {"warnings": ("undecided",)}, "accurate"),
+    "rigid": (answer(ROUNDED, (*2 * ("stable",), *SAID)), "accurate", RIGID, "accurate"),
+    "rigid grows": (answer(ROUNDED, ("unstable", "stable", *SAID)), "accurate", RIGID, "WRONG"),
+    "rigid missing": (answer(), "accurate", RIGID, "WRONG"),
+    "refusal": (NO_NU, "honest", {}, "refused"),
+    "no convergence": (ConvergenceError("none"), "honest", {}, "refused"),
+    "not to be refused": (NO_NU, "accurate", {}, "refused"),
+    "to be refused": (NO_NU, "refused", NAMED, "refused"),
+    "for another reason": (NO_NU, "refused", NAMED | {"names": "material.rho"}, "WRONG"),
+    "a crash": (ValueError("inf is not JSON"), "honest", {}, "WRONG"),
+    "answered what has no answer": (answer(), "refused", {"true": None}, "WRONG"),
 }
 
 
@@ -121,7 +121,7 @@ CASES = {
 def test_verdict(name):
     outcome, expected, fields, verdict = CASES[name]
     found = verdict_of(outcome, expected, **({"warnings": MESH} | fields))
-    assert (found["verdict"], found["met"]) == (verdict, verdict in expected)
+    assert (found["verdict"], found["met"]) == (verdict, verdict in EXPECTED[expected])
 
 
 def test_an_accurate_answer_with_a_warning_that_may_not_come_is_not_as_expected():
@@ -144,5 +144,5 @@ def test_a_reference_that_fails_is_a_fault_and_one_that_is_refused_has_no_answer
             """Fail."""
             raise error
 
-        run = Run("planted", ALONE[0], Planted(answer()), Reference("dense", values), HONEST)
+        run = Run("planted", ALONE[0], Planted(answer()), Reference("dense", values))
         assert reason in judged(run)["reason"]

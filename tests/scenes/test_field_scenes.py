@@ -53,7 +53,7 @@ def test_a_direction_by_expressions_is_the_circumferential_one():
     ("direction", "told"),
     [
         ('{field=["-y", "sideways", "0"]}', "an expression in x, y, z"),
-        ('{field=["-y", "x", 0]}', "text"),
+        ('{field=["-y", "x", 0]}', "a valid string"),
     ],
 )
 def test_directions_that_are_none_are_refused_when_read(direction, told):

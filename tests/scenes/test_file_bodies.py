@@ -87,7 +87,7 @@ def test_files_lie_beside_the_scene_and_sets_are_surfaces(scene_file, monkeypatc
         ("geometry.part='pad'", "geometry.part", "a set of elements"),
         ("geometry.merge_nodes=-1.0", "geometry.merge_nodes", "positive"),
         ("mesh.fe={cell = 'tetrahedron', size = 1.0}", "mesh.fe", "those of the file"),
-        ("geometry.faces={rim = 3}", "geometry.faces.rim", "a list"),
+        ("geometry.faces={rim = 3}", "geometry.faces.rim", "a valid array"),
         ("geometry.faces={rim = ['upper_x_min', 'x']}", "geometry.faces", "{'rim': 'x'}"),
         ("geometry.faces={rim = []}", "geometry.faces", "one set of the file or more"),
         ("mesh.degree=9", "mesh.degree", "less than or equal to 4"),

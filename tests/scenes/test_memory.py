@@ -2,8 +2,10 @@
 
 import sys
 
+import mixed_brake
 import numpy as np
 import pytest
+from mixed_brake import Brake
 from mpi import run
 from peak_memory import PEAK
 
@@ -11,7 +13,7 @@ from cea.errors import InputError
 from scenes import assemble, run_modes
 from scenes.checking import memory
 from scenes.checking.memory import estimated_memory
-from scenes.spec.reading import load_scene
+from scenes.spec.reading import load_scene, read_scene
 
 PEAK_OF_A_RUN = (
     PEAK
@@ -49,6 +51,18 @@ def test_dofs_are_those_of_the_run(backend):
     scene = load_scene("drum", backend=backend)
     size = run_modes(scene).system.size
     assert size < estimated_memory(scene).dofs < 1.15 * size
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_dofs_of_mixed_elements(tmp_path, degree):
+    """They are divided into tetrahedra, which have a sixth of the nodes of hexahedra."""
+    file = tmp_path / "brake.inp"
+    file.write_text(Brake(0.02, 2, wedges=True).deck())
+    given = mixed_brake.scene(file, friction=0.5)
+    for body in given["bodies"].values():
+        body["mesh"] = {"degree": degree}
+    scene = read_scene(given)
+    assert estimated_memory(scene).dofs == pytest.approx(run_modes(scene).system.size, rel=0.3)
 
 
 def test_factors_go_to_disk_where_memory_would_not_do(backend, monkeypatch):

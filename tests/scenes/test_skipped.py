@@ -3,10 +3,13 @@
 import subprocess
 import sys
 
+import mixed_brake
 import pytest
 from blocks import two_blocks
+from mixed_brake import Brake
 
 import cea.eigen.driver
+from comparisons.cli.output import print_skipped
 from scenes import run_scene
 from scenes.checking.skipped import GIVEN, skipped_by
 from scenes.spec.reading import read_scene
@@ -95,6 +98,18 @@ def test_what_is_given_without_use_is_told_with_its_path(backend, changes, unuse
     other = "iga" if backend == "fe" else "fe"
     found = {name for name, why in skipped_by(scene).items() if why.startswith(GIVEN)}
     assert found == unused | {f"bodies.*.mesh.{other}"}
+
+
+def test_elements_that_are_changed_on_reading_are_not_called_left_out(tmp_path, capsys):
+    file = tmp_path / "brake.inp"
+    file.write_text(Brake(0.03, 2, wedges=True).deck())
+    skipped = skipped_by(read_scene(mixed_brake.scene(file, friction=0.5)))
+    for explain in (False, True):
+        print_skipped(skipped, explain=explain)
+        told = [line for line in capsys.readouterr().out.splitlines() if "mixed elements" in line]
+        assert len(told) == 1
+        assert "changed on reading: " in told[0]
+        assert "left out" not in told[0]
 
 
 UNUSED = (
