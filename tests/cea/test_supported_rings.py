@@ -53,10 +53,9 @@ def test_ring_under_pressure_is_lame_s(backend, held):
     """Plane strain, u_theta held: u_r = A r + B / r, in all of the body."""
     geometry, turned = held
     p, a, b = 0.3, RING["inner_radius"], RING["outer_radius"]
-    part = build(
-        backend, geometry, PLANE + on(turned, "circumferential", **ABOUT_Z),
-        [4, 24 if geometry is RING else 6, 1], degree=3, pressures=[("inner", p)],
-    )  # fmt: skip
+    supports = PLANE + on(turned, "circumferential", **ABOUT_Z)
+    elements = [4, 24 if geometry is RING else 6, 1]
+    part = build(backend, geometry, supports, elements, degree=3, pressures=[("inner", p)])
     x = solve_static(Pencil.of(part.stiffness()), part.load()).displacement
     full = part.expansion.createVecLeft()
     part.expansion.mult(x, full)
