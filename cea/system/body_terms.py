@@ -82,23 +82,10 @@ class BodyTerms:
         return f"bodies.{self.name}"
 
     @cached_property
-    def terms(self) -> tuple[Term, ...]:
-        """K and M, what damping and rotation make of them, and the sparse part of what rotates."""
+    def pieces(self) -> tuple[Term | LowRankTerm | CirculatoryTerm, ...]:
+        """K and M, and what damping and rotation make of them."""
         own = (*self._of_body(), *self._of_constants(), *self._of_rotation())
-        return (*own, *self._carried[0])
-
-    @property
-    def circulatory(self) -> tuple[CirculatoryTerm, ...]:
-        """What damping that rotates with the body makes of displacements, but for sparse terms."""
-        return self._carried[1]
-
-    @cached_property
-    def modal(self) -> tuple[LowRankTerm, ...]:
-        """Modal damping."""
-        modes = self._damped_modes
-        if modes is None or not self.with_mass:
-            return ()
-        return (LowRankTerm(LowRank(modes.images, modes.weights, self._first), modes.coefficient),)
+        return (*own, *self._of_modes(), *self._carried())
 
     def parameters(self) -> Iterator[Parameter]:
         """Parameters of the body."""
@@ -131,9 +118,10 @@ class BodyTerms:
         damping, rotation = self.motion.damping, self.motion.rotation
         if damping is None or rotation is None or not damping.beta * rotation.rate:
             return None
-        piece = self.circulatory[-1].piece
+        term = self.pieces[-1]
+        assert isinstance(term, CirculatoryTerm)
         free, full = self.body.expansion.createVecs()
-        free.array[:] = damping.beta * rotation.rate * piece.inner(x.array_r[:, None])[:, 0]
+        free.array[:] = damping.beta * rotation.rate * term.piece.inner(x.array_r[:, None])[:, 0]
         self.body.expansion.mult(free, full)
         destroy(free)
         return full
@@ -220,40 +208,38 @@ class BodyTerms:
             Z = self.placed(self.body.convective_stiffness(rotation))
             yield Term("stiffness", Z, self._mass.times(rate, 2.0, factor=-1.0))
 
-    @cached_property
-    def _carried(self) -> tuple[tuple[Term, ...], tuple[CirculatoryTerm, ...]]:
-        """What damping that a rotation carries along makes: sparse and full pieces."""
-        rotation, damping = self.motion.rotation, self.motion.damping
+    def _of_modes(self) -> Iterator[LowRankTerm]:
+        """Modal damping."""
+        modes = self._damped_modes
+        if modes is not None and self.with_mass:
+            piece = LowRank(modes.images, modes.weights, self._first)
+            yield LowRankTerm(piece, modes.coefficient)
+
+    def _carried(self) -> Iterator[Term | CirculatoryTerm]:
+        """What damping that a rotation carries along makes: the sparse piece, and full ones."""
+        rotation, damping, modes = self.motion.rotation, self.motion.damping, self._damped_modes
         if rotation is None or not self.motion.circulates:
-            return (), ()
+            return
         rate = f"{self.path}.rotation.rate"
         B = self.body.gyroscopic(rotation.of_material)
         B.scale(0.5)
-        full = [*self._of_modes(B, rate)]
+        if modes is not None and len(modes.weights):
+            left = self._upright(modes.images * modes.weights)
+            turned = self._upright(-image_of(B, modes.vectors))
+            right = turned.transpose(PETSc.Mat())
+            destroy(turned)
+            piece = Circulatory(left, identity(left.getLocalSize()[1], left.comm), right)
+            yield CirculatoryTerm(piece, modes.coefficient.times(rate))
         if damping is None:
-            return (), tuple(full)
+            return
         K, springs = self.body.stiffness(), self.body.spring_stiffness()
         if springs is not None:
             K = scaled_total([(1.0, K), (-1.0, springs)])
-        piece = Circulatory(
-            self.placed(K, columns=False), self.body.mass(), self.placed(B, rows=False)
-        )
-        beta = self._stiffness.times(f"{self.path}.damping.beta").times(rate)
         alpha = self._mass.times(f"{self.path}.damping.alpha").times(rate)
-        full.append(CirculatoryTerm(piece, beta))
-        return (Term("stiffness", self.placed(B), alpha, symmetric=False),), tuple(full)
-
-    def _of_modes(self, B: Mat, rate: str) -> Iterator[CirculatoryTerm]:
-        """The piece Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T."""
-        modes = self._damped_modes
-        if modes is None or not len(modes.weights):
-            return
-        left = self._upright(modes.images * modes.weights)
-        turned = self._upright(-image_of(B, modes.vectors))
-        right = turned.transpose(PETSc.Mat())
-        destroy(turned)
-        piece = Circulatory(left, identity(left.getLocalSize()[1], left.comm), right)
-        yield CirculatoryTerm(piece, modes.coefficient.times(rate))
+        yield Term("stiffness", self.placed(B), alpha, symmetric=False)
+        left, right = self.placed(K, columns=False), self.placed(B, rows=False)
+        beta = self._stiffness.times(f"{self.path}.damping.beta").times(rate)
+        yield CirculatoryTerm(Circulatory(left, self.body.mass(), right), beta)
 
     @cached_property
     def _damped_modes(self) -> "DampedModes | None":

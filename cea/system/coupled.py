@@ -15,8 +15,9 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
-from cea.eigen.parameters import Coefficient, Parameter
+from cea.eigen.parameters import Parameter
 from cea.eigen.pencil import Pencil, Term
+from cea.eigen.unformed import CirculatoryTerm, LowRankTerm
 from cea.errors import InputError, ResultWarning
 from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
@@ -150,14 +151,11 @@ class CoupledSystem:
         eliminate
             Whether all contact forces are eliminated; no contact is tied.
         """
-        terms = [
-            *(term for each in self.pieces.values() for term in each.terms),
-            *(
-                Term("stiffness", self.pieces[name].placed(matrix), Coefficient.of({}))
-                for name, matrix in self.prestress.items()
-            ),
-            *contact_terms(self.contacts, eliminate=eliminate),
-        ]
+        pieces = [piece for each in self.pieces.values() for piece in each.pieces]
+        terms = [piece for piece in pieces if isinstance(piece, Term)]
+        for name, matrix in self.prestress.items():
+            terms.append(Term("stiffness", self.pieces[name].placed(matrix)))
+        terms += contact_terms(self.contacts, eliminate=eliminate)
         if self.with_mass:
             terms += sliding_terms(self.bodies, self.contacts)
         with_forces = () if eliminate else self.contacts
@@ -165,8 +163,8 @@ class CoupledSystem:
             terms,
             self._parameters(),
             list(forces_of_contacts(with_forces, self.stiffness_diagonal)),
-            [term for each in self.pieces.values() for term in each.modal],
-            [term for each in self.pieces.values() for term in each.circulatory],
+            [piece for piece in pieces if isinstance(piece, LowRankTerm)],
+            [piece for piece in pieces if isinstance(piece, CirculatoryTerm)],
             leave_out=leave_out,
             nodes=self._nodes,
         )
