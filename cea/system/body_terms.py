@@ -305,14 +305,3 @@ class Entry:
         """Derivative in one parameter, by a complex step: exact to rounding."""
         step = 1e-20 * (abs(values[name]) or 1.0)
         return self._value({**values, name: values[name] + 1j * step}).imag / step
-
-
-def body_terms(
-    bodies: Mapping[str, Body], motions: Mapping[str, Motion], *, with_mass: bool
-) -> dict[str, BodyTerms]:
-    """Pieces of each of the bodies of a system; those without a motion are still."""
-    sizes = tuple(body.expansion.getSizes()[1] for body in bodies.values())
-    return {
-        name: BodyTerms(name, body, motions.get(name, Motion()), with_mass, sizes, number)
-        for number, (name, body) in enumerate(bodies.items())
-    }

@@ -11,6 +11,8 @@ from functools import cached_property
 from math import inf, log10
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact, assembled, by_pair
@@ -22,7 +24,7 @@ from cea.errors import InputError, ResultWarning
 from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
 from cea.petsc import MPI, PETSc
-from cea.system.body_terms import BodyTerms, Motion, body_terms
+from cea.system.body_terms import BodyTerms, Motion
 from cea.system.contact_terms import (
     contact_parameters,
     contact_terms,
@@ -253,28 +255,28 @@ def couple(
         for contact in contacts
     ]
     digits = penalty_digits(made, diagonal)
+    sizes = tuple(body.expansion.getSizes()[1] for body in bodies.values())
+    pieces = {}
+    for number, (name, body) in enumerate(bodies.items()):
+        motion = (motions or {}).get(name, Motion())
+        pieces[name] = BodyTerms(name, body, motion, with_mass, sizes, number)
     return CoupledSystem(
         bodies=bodies,
         contacts=with_forms(made, digits),
         template=template,
         index_sets=index_sets,
-        load=_load(bodies, made, template, index_sets) if with_load else None,
+        load=_load(bodies, made, template) if with_load else None,
         stiffness_diagonal=diagonal,
         penalty_digits=digits,
-        pieces=body_terms(bodies, motions or {}, with_mass=with_mass),
+        pieces=pieces,
         with_mass=with_mass,
     )
 
 
-def _load(
-    bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any, index_sets: Any
-) -> Any:
+def _load(bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any) -> Any:
     """Forces (N) of loads and of displacements that supports prescribe, PETSc vector."""
     load = template.duplicate()
-    for name, body in bodies.items():
-        part = load.getSubVector(index_sets[name])
-        body.load().copy(part)
-        load.restoreSubVector(index_sets[name], part)
+    load.array[:] = np.concatenate([body.load().array_r for body in bodies.values()])
     for contact in contacts:
         if contact.prescribed is None or not contact.law.linear:
             continue

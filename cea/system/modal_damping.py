@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from cea.arrays import Floats
@@ -30,16 +29,6 @@ _RIGID_MOTIONS = 6  # most rigid motions of a body in one piece
 _BELOW = 1e-9
 """Square of a frequency that no elastic mode need be below, relative to :func:`_largest_ratio`."""
 _BEYOND = 1e-6  # what is searched beyond the last mode asked for, relative to its frequency
-
-
-@dataclass(frozen=True)
-class _ElasticModes:
-    """Modes of a body by rising frequency, without rigid motions."""
-
-    # frequencies and what they may be off by (Hz), shape (n,)
-    frequencies: Floats
-    uncertainties: Floats
-    vectors: Floats  # modes phi with phi^T M phi = 1, the rows of this rank, shape (n_local, n)
 
 
 @dataclass(frozen=True)
@@ -87,16 +76,15 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
     """Modes of a body that modal damping damps; rigid motions are none of them."""
     counted = damping.ratios if damping.end is None and damping.ratios is not None else ()
     try:
-        modes = _elastic_modes(path, body, damping.end, len(counted))
+        frequencies, reach, vectors = _elastic_modes(path, body, damping.end, len(counted))
     except ConvergenceError as error:
         raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
-    if len(counted) > len(modes.frequencies):
-        allowed = f"at most {len(modes.frequencies)}: all elastic modes of the body"
+    if len(counted) > len(frequencies):
+        allowed = f"at most {len(frequencies)}: all elastic modes of the body"
         raise InputError(f"{path}.damping.modal.ratios", f"{len(counted)} ratios", allowed)
-    factors = _factors(path, damping, modes.frequencies, _groups(modes))
+    factors = _factors(path, damping, frequencies, np.maximum(_SAME * frequencies, reach))
     damped = factors > 0
-    vectors = modes.vectors[:, damped]
-    weights = (4 * np.pi * factors * modes.frequencies)[damped]
+    vectors, weights = vectors[:, damped], (4 * np.pi * factors * frequencies)[damped]
     coefficient = _coefficient(path, body, damping)
     return DampedModes(vectors, image_of(body.mass(), vectors), weights, coefficient)
 
@@ -123,20 +111,14 @@ def _coefficient(path: str, body: Body, damping: ModalDamping) -> Coefficient | 
     return _OfTheseModes(Coefficient.of(ratio), material)
 
 
-def _groups(modes: _ElasticModes) -> NDArray[np.int64]:
-    """Number of the multiple eigenvalue that each of the modes belongs to, shape (n,)."""
-    reach = np.maximum(_SAME * modes.frequencies, modes.uncertainties)
-    apart = np.diff(modes.frequencies) > reach[1:] + reach[:-1]
-    return np.concatenate([[0], np.cumsum(apart)])[: len(reach)]
-
-
-def _factors(
-    path: str, damping: ModalDamping, frequencies: Floats, groups: NDArray[np.int64]
-) -> Floats:
+def _factors(path: str, damping: ModalDamping, frequencies: Floats, reach: Floats) -> Floats:
     """Damping ratios of elastic modes relative to the parameter, shape (n,).
 
-    Modes that share a frequency have the same: C must not depend on which vectors were found.
+    Modes that share a frequency, within the reach of both, have the same: C must not depend on
+    which vectors were found.
     """
+    apart = np.diff(frequencies) > reach[1:] + reach[:-1]
+    groups = np.concatenate([[0], np.cumsum(apart)])[: len(reach)]
     means = np.bincount(groups, frequencies) / np.bincount(groups)
     if damping.end is not None:
         return damping.factors_at(means)[groups]
@@ -152,8 +134,14 @@ def _factors(
     return factors
 
 
-def _elastic_modes(path: str, body: Body, end: float | None, wanted: int) -> _ElasticModes:
-    """Every elastic mode of a body up to a frequency, or so many, and perhaps some beyond."""
+def _elastic_modes(
+    path: str, body: Body, end: float | None, wanted: int
+) -> tuple[Floats, Floats, Floats]:
+    """Every elastic mode of a body up to a frequency, or so many, and perhaps some beyond.
+
+    Rising frequencies and what they may be off by (Hz), shape (n,), and vectors phi with
+    phi^T M phi = 1, the rows of this rank.
+    """
     pencil = Pencil.of(body.stiffness(), body.mass())
     matrices = pencil.at()
     try:
@@ -179,7 +167,7 @@ def _elastic_modes(path: str, body: Body, end: float | None, wanted: int) -> _El
     if lost := int((~elastic & (modes.frequencies > least)).sum()):
         raise ConvergenceError(f"{lost} of {len(modes)} modes are lost to rounding", best=modes)
     frequencies, vectors = _rayleigh_ritz(body, modes.vectors.real)
-    return _ElasticModes(frequencies[elastic], uncertainties[elastic], vectors[:, elastic])
+    return frequencies[elastic], uncertainties[elastic], vectors[:, elastic]
 
 
 def _end_of_all(matrices: Matrices, highest: float, end: float) -> float:

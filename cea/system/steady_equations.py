@@ -83,6 +83,7 @@ class SteadyEquations:
             0.0 if contact.prescribed is None else contact.projected_gap(contact.prescribed)
             for contact in self.contacts
         ]
+        self.springs: list[Floats] = []  # slopes at all points of each contact with a law (N/m^3)
         self._x = system.vector()
 
     @cached_property
@@ -171,9 +172,12 @@ class SteadyEquations:
         destroy(*(each for pair in made for each in pair if each is not None))
         return replace(self.matrices, stiffness=stiffness, unsymmetric=unsymmetric)
 
-    def springs(self, factor: float) -> list[Floats]:
-        """Secant slope of each contact that a part of the load presses evenly (N/m^3)."""
-        slopes, force = [], factor * float(self._load.norm(1))
+    def take_springs(self, factor: float) -> None:
+        """Take springs at all points: secants of contacts that a part of the load presses evenly.
+
+        They push and pull, and are at rest where the least initial gap is closed.
+        """
+        self.springs, force = [], factor * float(self._load.norm(1))
         for contact, gap in zip(self.contacts, self._gaps, strict=True):
             law, interface, nearest = contact.law, contact.interface, float(gap.min())
             assert isinstance(law, NormalCompliance)
@@ -183,23 +187,22 @@ class SteadyEquations:
             closure = np.array(max(law.closure(even), overlap))
             if not closure > 0:
                 raise ConvergenceError(f"{OPENS}; nothing presses the sides together", best=None)
-            slopes.append(np.full(len(gap), law.pressure(closure) / closure))
-        return slopes
+            self.springs.append(np.full(len(gap), law.pressure(closure) / closure))
 
     def _spring_lengths(self, factor: float) -> list[Floats]:
         """What closes the least initial gap at all points of each contact with a law (m)."""
         pairs = zip(self._gaps, self._prescribed, strict=True)
         return [float(gap.min()) - factor * closed + np.zeros(len(gap)) for gap, closed in pairs]
 
-    def spring_forces(self, slopes: Slopes, factor: float) -> Floats:
-        """Forces (N) of springs at all points, at rest where the least gap is closed."""
-        pairs = zip(slopes, self._spring_lengths(factor), strict=True)
+    def spring_forces(self, factor: float) -> Floats:
+        """Forces (N) of the springs on bodies that do not move, the rows of this rank."""
+        pairs = zip(self.springs, self._spring_lengths(factor), strict=True)
         return self._forces([p * rest for p, rest in pairs], friction=False)
 
-    def spring_resultant(self, slopes: Slopes, x: Floats, factor: float) -> float:
-        """Sum of the normal forces (N) of such springs in a state, positive where they push."""
+    def spring_resultant(self, x: Floats, factor: float) -> float:
+        """Sum of the normal forces (N) of the springs in a state, positive where they push."""
         self._x.array[:] = x
-        of_contacts = zip(self.contacts, slopes, self._spring_lengths(factor), strict=True)
+        of_contacts = zip(self.contacts, self.springs, self._spring_lengths(factor), strict=True)
         return sum(
             float(contact.interface.points.weight @ (p * (contact.closing(self._x) - rest)))
             for contact, p, rest in of_contacts

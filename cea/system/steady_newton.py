@@ -7,7 +7,6 @@ of the tangent helps, as where open points leave the bodies free, slopes of a pa
 closed contact are added to it. The active set is that of the closures at each state.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -58,12 +57,10 @@ class Iteration:
 
 
 class SteadyNewton:
-    """Newton's method on the equations; springs are slopes of a closed contact at all points."""
+    """Newton's method on the equations, with the help of their springs."""
 
-    def __init__(
-        self, equations: SteadyEquations, springs: Sequence[Floats], timer: StageTimer
-    ) -> None:
-        self._equations, self._springs, self._timer = equations, tuple(springs), timer
+    def __init__(self, equations: SteadyEquations, timer: StageTimer) -> None:
+        self._equations, self._timer = equations, timer
 
     def solve(self, x: Floats, f: Floats, factor: float) -> Iteration:
         """Solve from displacements and contact forces under a part of the load."""
@@ -94,7 +91,9 @@ class SteadyNewton:
         """The next state and the part of the step that was taken; None where none helps."""
         run.step.parity = None
         for part in _HELP:
-            pairs = zip(self._equations.slopes(state.closures), self._springs, strict=True)
+            pairs = zip(
+                self._equations.slopes(state.closures), self._equations.springs, strict=True
+            )
             slopes = [slope + part * spring for slope, spring in pairs]
             with self._timer("assembly"):
                 tangent = self._equations.tangent(slopes)

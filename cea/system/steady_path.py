@@ -86,17 +86,13 @@ class _Path:
     ) -> None:
         self._equations, self._timer = equations, timer
         self._targets, self._history = targets, history
-        self._set_springs(targets[0])
-
-    def _set_springs(self, factor: float) -> None:
-        """Take springs as stiff as closed contacts under a part of the load."""
-        self._springs = self._equations.springs(factor)
-        self._newton = SteadyNewton(self._equations, self._springs, self._timer)
+        self._newton = SteadyNewton(equations, timer)
         self._starts: dict[float, tuple[Floats, Floats]] = {}
 
     def solve(self) -> SteadySliding:
         """Put the load on in steps, or in more where it takes them."""
         first = self._targets[0]
+        self._equations.take_springs(first)
         if self._pulls(first) and not self._equations.are_held:
             start = self._equations.state(*self._start(first), first)
             raise ConvergenceError(OPENS, best=start)
@@ -104,7 +100,8 @@ class _Path:
         state: State | None = None
         for begin, end in pairwise((0.0, *self._targets)):
             if begin:
-                self._set_springs(end)
+                self._equations.take_springs(end)
+                self._starts.clear()
             state = self._step(state, begin, end, path)
         assert state is not None
         return self._result(state, path)
@@ -162,10 +159,10 @@ class _Path:
         """
         if factor not in self._starts:
             equations = self._equations
-            tension = equations.spring_forces(self._springs, factor)
-            tangent = equations.tangent(self._springs, friction=False)
+            forces = equations.load_at(factor) + equations.spring_forces(factor)
+            tangent = equations.tangent(equations.springs, friction=False)
             with self._timer("factorisation"):
-                found = solved_regularly(tangent, equations.load_at(factor) + tension)
+                found = solved_regularly(tangent, forces)
             free_tangent(tangent)
             if found is None:
                 raise ConvergenceError(_FREE, best=equations.state(*equations.zero(), factor))
@@ -228,7 +225,7 @@ class _Path:
         if self._equations.unstable:
             return False
         x = self._start(factor)[0]
-        return self._equations.spring_resultant(self._springs, x, factor) <= 0
+        return self._equations.spring_resultant(x, factor) <= 0
 
 
 def _factorised(tangent: Matrices, state: State) -> Shifted:
