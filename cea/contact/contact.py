@@ -258,7 +258,7 @@ def assembled(
     projection = None
     if contact.is_projected:
         # Of a linear law, open points have no part in the projection: their compliance is infinite.
-        bearing = contact.slope > 0 if contact.law.linear else None
+        bearing = (contact.slope > 0) | (not contact.law.linear)
         # Bonded sides close the jump along fixed axes: no normal splits their traces.
         traces = interface.trace_a if bonded else interface.a.split_trace(points.at)
         projection = MortarProjection.of(interface, traces, bearing)

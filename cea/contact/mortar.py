@@ -42,18 +42,16 @@ class MortarProjection:
 
     @classmethod
     def of(
-        cls, interface: Interface, traces: csr_array, closed: NDArray[np.bool_] | None = None
+        cls, interface: Interface, traces: csr_array, closed: NDArray[np.bool_]
     ) -> "MortarProjection":
-        """The projection on all of some traces at the points of this rank that a point sees.
+        """The projection on those of some traces at the points of this rank that a point sees.
 
-        Of all points those count that are closed, shape (n,); None takes every one.
+        Of all points those count that are closed, shape (n,).
         """
-        comm = interface.comm
-        everything = np.ones(len(interface.points), dtype=bool)
-        seen = _at(interface, traces, everything if closed is None else closed)
+        comm, seen = interface.comm, _at(interface, traces, closed)
         touched = _seen_by_any(seen, comm)
         every = cls(interface, _columns(seen, touched, comm))
-        if closed is None or closed.all():
+        if closed.all():
             return every
         cut = np.isin(touched, _seen_by_any(_at(interface, traces, ~closed), comm))
         gram = every.compliance(closed.astype(float))
@@ -164,8 +162,7 @@ class ProjectedLaw(Eliminated):
         gram = projection.compliance(np.ones(len(interface.points)))
         super().__init__(gram, gap, slip)
         destroy(gram)
-        traces = csr_array(vstack(interface.comm.allgather(local_part(projection.traces))))
-        self._at_points = csr_array(traces[:, self.traces])
+        self._at_points = csr_array(everywhere(projection.traces)[:, self.traces])
         self._weight = interface.points.weight
 
     def closing(self, x: Any) -> Floats:
