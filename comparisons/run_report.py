@@ -124,7 +124,7 @@ def summary(data: Data) -> str | None:
 
 def steady(data: Data) -> str | None:
     """What steady sliding found."""
-    from scenes.results.result import steady_lines
+    from scenes.results.data import steady_lines
 
     return " ".join(steady_lines(data["steady_sliding"])) if "steady_sliding" in data else None
 

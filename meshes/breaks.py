@@ -15,10 +15,6 @@ CLOSED = (Annulus, Hub, Disc, Ring)
 """Shapes all the way round, in four quarters."""
 
 
-_SAMPLES = 2001
-"""Points at which the size of graded elements is integrated."""
-
-
 def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -> Floats:
     """``count + 1`` element boundaries as even as possible that pass through given coordinates."""
     stops = np.unique(np.concatenate([[low, high], np.asarray(through, dtype=float)]))
@@ -96,29 +92,3 @@ def layered(breaks: Floats, towards: Sequence[float], layers: int, ratio: float)
             if 0 <= other < len(breaks):
                 new.append(breaks[at] + shares * (breaks[other] - breaks[at]))
     return np.unique(np.concatenate(new))
-
-
-def graded(
-    stops: Sequence[float], largest: float, fine: Mapping[float, float], growth: float = 1.0
-) -> Floats:
-    """Element boundaries that crowd towards some coordinates, as near edges where stress is large.
-
-    Elements are at most ``largest`` long, and ``fine[c] + growth * distance`` at a distance from
-    the coordinate c; the rising ``stops``, which begin and end the range, are boundaries.
-    """
-    require(len(stops) > 1 and largest > 0 and growth > 0, "stops", list(stops), "a range to grade")
-
-    def density(x: Floats) -> Floats:
-        size = np.full(x.shape, largest)
-        for centre, first in fine.items():
-            size = np.minimum(size, first + growth * np.abs(x - centre))
-        return 1 / size
-
-    pieces = []
-    for low, high in pairwise(stops):
-        x = np.linspace(low, high, _SAMPLES)
-        steps = 0.5 * (density(x[1:]) + density(x[:-1])) * np.diff(x)
-        elapsed = np.concatenate([[0.0], np.cumsum(steps)])
-        count = max(1, round(elapsed[-1]))
-        pieces.append(np.interp(np.linspace(0, elapsed[-1], count + 1)[:-1], elapsed, x))
-    return np.concatenate([*pieces, [stops[-1]]])

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import BeforeValidator
@@ -85,8 +85,9 @@ class MeshFile:
         of a part, or ``PSOLID 3``, ``material 1`` and the like; all solid elements by default.
     faces
         Named surfaces: a set of the file or several, physical groups, surfaces, sets of elements or
-        of nodes; ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose
-        names are fit for surfaces need not be listed here.
+        of nodes; ``SET:S3`` for the third faces of the elements of a set, as Abaqus counts them;
+        ``nodes:SET`` where sets of several kinds have a name. Sets of the file whose names are fit
+        for surfaces need not be listed here.
     merge_nodes
         Distance, in the unit of the file, within which nodes are made one; by default none are.
 
@@ -102,8 +103,6 @@ class MeshFile:
     faces: dict[str, Sets] = field(default_factory=dict)
     merge_nodes: float | None = None
     shape: Literal["mesh_file"] = "mesh_file"
-
-    names: ClassVar[tuple[str, ...]] = ("x", "y", "z")
 
     def __post_init__(self) -> None:
         check_unit(self.unit)
@@ -143,7 +142,7 @@ class MeshFile:
     @cached_property
     def directions(self) -> tuple[str, ...]:
         """Names of the coordinates."""
-        return self.names[: self.elements.dim]
+        return ("x", "y", "z")[: self.elements.dim]
 
     @cached_property
     def surfaces(self) -> tuple[str, ...]:

@@ -88,11 +88,7 @@ def _check(shape: Shape, cell: Cell, order: int, breaks: Breaks | None, size: fl
         require(size is not None and 0 < size < np.inf, "size", size, allowed)
     else:
         require(size is None, "size", size, f"None: a {cell} mesh of breaks follows them")
-        _check_breaks(shape, breaks)
-
-
-def _check_breaks(shape: Shape, breaks: Breaks | None) -> None:
-    check_ends(shape, breaks or ())
-    if breaks and shape.directions[1] == "theta":
-        step = float(np.diff(breaks[1]).max())
-        require(step < 180, "breaks of theta", step, "less than 180 degrees apart")
+        check_ends(shape, breaks or ())
+        if breaks and shape.directions[1] == "theta":
+            step = float(np.diff(breaks[1]).max())
+            require(step < 180, "breaks of theta", step, "less than 180 degrees apart")

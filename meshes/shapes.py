@@ -23,6 +23,19 @@ Simple = Box | Annulus | Sector | Hub | Disc | VentilatedDisc | Rectangle | Ring
 Shape = Simple | Crowned | Patches | MeshFile | NurbsFile
 
 __all__ = [
-    "Annulus", "Box", "Crowned", "Disc", "Hub", "MeshFile", "NurbsFile", "Patches", "Rectangle",
-    "Ring", "RingSector", "Sector", "Shape", "VentilatedDisc", "round_surfaces",
-]  # fmt: skip
+    "Annulus",
+    "Box",
+    "Crowned",
+    "Disc",
+    "Hub",
+    "MeshFile",
+    "NurbsFile",
+    "Patches",
+    "Rectangle",
+    "Ring",
+    "RingSector",
+    "Sector",
+    "Shape",
+    "VentilatedDisc",
+    "round_surfaces",
+]

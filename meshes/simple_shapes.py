@@ -157,8 +157,14 @@ class Hub:
 
     directions: ClassVar[tuple[str, ...]] = ("r", "theta", "z")
     surfaces: ClassVar[tuple[str, ...]] = (
-        "bore", "outer", "bottom", "top", "hub_bottom", "hub_top", "hub_side",
-    )  # fmt: skip
+        "bore",
+        "outer",
+        "bottom",
+        "top",
+        "hub_bottom",
+        "hub_top",
+        "hub_side",
+    )
 
     def __post_init__(self) -> None:
         check_positive(self, "bore")

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from math import pi
-from typing import Any, NamedTuple
+from typing import Any
 
 import gmsh
 import numpy as np
@@ -119,10 +119,7 @@ def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
     profile = {  # a hub that ends flush with the ring has no side there: of two corners one stands
         (shape.bore, shape.hub_bottom): "hub_bottom",
         (shape.hub_radius, shape.hub_bottom): "hub_side",
-        (
-            shape.hub_radius,
-            shape.bottom,
-        ): "bottom",
+        (shape.hub_radius, shape.bottom): "bottom",
         (shape.outer_radius, shape.bottom): "outer",
         (shape.outer_radius, shape.top): "top",
         (shape.hub_radius, shape.top): "hub_side",
@@ -138,12 +135,8 @@ def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
     return surfaces
 
 
-class _Edge(NamedTuple):
-    """Edge of an outline: the surface it sweeps, its first point (m), arc or straight line."""
-
-    surface: str
-    start: tuple[float, float]
-    arc: bool = False
+Edge = tuple[str, tuple[float, float], bool]
+"""Edge of an outline: the surface it sweeps, its first point (m), whether it is an arc."""
 
 
 def _extruded(shape: Shape) -> dict[str, list[int]]:
@@ -155,10 +148,10 @@ def _extruded(shape: Shape) -> dict[str, list[int]]:
     surfaces: dict[str, list[int]] = {name: [] for name in shape.surfaces}
     loop_tags, curves = [], []
     for loop in loops:
-        points = [geo.addPoint(*edge.start, low) for edge in loop]
+        points = [geo.addPoint(*start, low) for _, start, _ in loop]
         around = [
-            geo.addCircleArc(a, centre, b) if edge.arc else geo.addLine(a, b)
-            for edge, a, b in zip(loop, points, points[1:] + points[:1], strict=True)
+            geo.addCircleArc(a, centre, b) if arc else geo.addLine(a, b)
+            for (*_, arc), a, b in zip(loop, points, points[1:] + points[:1], strict=True)
         ]
         loop_tags.append(geo.addCurveLoop(around))
         curves += around
@@ -170,8 +163,8 @@ def _extruded(shape: Shape) -> dict[str, list[int]]:
         ends = ("z_min", "z_max") if isinstance(shape, Box) else ("bottom", "top")
         for name, tag in zip(ends, (base, top), strict=True):
             surfaces[name].append(tag)
-    for edge, tag in zip([edge for loop in loops for edge in loop], walls, strict=True):
-        surfaces[edge.surface].append(tag)
+    for (name, *_), tag in zip([edge for loop in loops for edge in loop], walls, strict=True):
+        surfaces[name].append(tag)
     geo.synchronize()
     # Centres of arcs would be meshed as nodes of no cell.
     loose = [p for p in gmsh.model.getEntities(0) if not len(gmsh.model.getAdjacencies(*p)[0])]
@@ -179,28 +172,29 @@ def _extruded(shape: Shape) -> dict[str, list[int]]:
     return surfaces
 
 
-def _loops(shape: Shape) -> list[list[_Edge]]:
+def _loops(shape: Shape) -> list[list[Edge]]:
     """Closed loops of the outline of a shape in the plane."""
     if isinstance(shape, Box | Rectangle):
         (x0, x1), (y0, y1) = shape.extent[:2]
         corners = {"y_min": (x0, y0), "x_max": (x1, y0), "y_max": (x1, y1), "x_min": (x0, y1)}
-        return [[_Edge(name, corner) for name, corner in corners.items()]]
+        return [[(name, corner, False) for name, corner in corners.items()]]
 
     def point(radius: float, degrees: float) -> tuple[float, float]:
         angle = np.radians(degrees)
         return float(radius * np.cos(angle)), float(radius * np.sin(angle))
 
     if isinstance(shape, Sector | RingSector):
-        loop = [
-            _Edge("outer", point(shape.outer_radius, shape.start), arc=True),
-            _Edge("end", point(shape.outer_radius, shape.end)),
-            _Edge("inner", point(shape.inner_radius, shape.end), arc=True),
-            _Edge("start", point(shape.inner_radius, shape.start)),
+        return [
+            [
+                ("outer", point(shape.outer_radius, shape.start), True),
+                ("end", point(shape.outer_radius, shape.end), False),
+                ("inner", point(shape.inner_radius, shape.end), True),
+                ("start", point(shape.inner_radius, shape.start), False),
+            ]
         ]
-        return [loop]
     radii = sorted(round_surfaces(shape).items(), key=lambda item: -item[1])
     return [
-        [_Edge(name, point(radius, angle), arc=True) for angle in (0, 90, 180, 270)]
+        [(name, point(radius, angle), True) for angle in (0, 90, 180, 270)]
         for name, radius in radii
     ]
 
@@ -209,10 +203,14 @@ def _ventilated_disc(shape: VentilatedDisc) -> dict[str, list[int]]:
     """Make the disc one solid in the current model."""
     occ = gmsh.model.occ
     profile = [
-        *[(shape.bore, shape.hub_bottom), (shape.bore, shape.hub_top)],
-        *[(shape.wall_outer, shape.hub_top), (shape.wall_outer, shape.ring_height)],
-        *[(shape.outer_radius, shape.ring_height), (shape.outer_radius, 0.0)],
-        *[(shape.wall_inner, 0.0), (shape.wall_inner, shape.hub_bottom)],
+        (shape.bore, shape.hub_bottom),
+        (shape.bore, shape.hub_top),
+        (shape.wall_outer, shape.hub_top),
+        (shape.wall_outer, shape.ring_height),
+        (shape.outer_radius, shape.ring_height),
+        (shape.outer_radius, 0.0),
+        (shape.wall_inner, 0.0),
+        (shape.wall_inner, shape.hub_bottom),
     ]
     inner, outer = shape.flange_outer, shape.outer_radius
 

@@ -43,7 +43,7 @@ BESIDE_US = {"comparisons.bench.assembly"}
 """Programs that assembly is compared with and that come with this one."""
 DRAWING = {
     *("scenes.pictures.drawing", "scenes.pictures.grids", "scenes.pictures.scene"),
-    *("scenes.export.paraview", "scenes.export.pictures"),
+    "scenes.export.paraview",
 }
 """Modules that need pyvista; all others import them in the functions that draw."""
 

@@ -28,7 +28,8 @@ def column_blocks(columns: int) -> Iterator[slice]:
 
 def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
     """Matrix times a block of vectors, real and imaginary parts side by side."""
-    if matrix.getSize()[0] != matrix.getSize()[1] and matrix.comm.size > 1:
+    ranges = matrix.getOwnershipRanges(), matrix.getOwnershipRangesColumn()
+    if matrix.comm.size > 1 and not np.array_equal(*ranges):
         x, y = matrix.createVecRight(), matrix.createVecLeft()
         return _one_by_one(matrix.mult, x, y, vectors)
     if not np.iscomplexobj(vectors):
@@ -41,7 +42,7 @@ def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
 
 
 def image_of(matrix: Any, vectors: Floats) -> Floats:
-    """Matrix times a block of real vectors, in Fortran order; a square one on several ranks."""
+    """Matrix times a block of real vectors, in Fortran order; on several ranks of equal layouts."""
     rows, layout = matrix.getSizes()
     image = np.empty((rows[0], vectors.shape[1]), order="F")
     size = max(*matrix.getSize(), 1)

@@ -15,7 +15,7 @@ from scipy.sparse import csr_array, diags_array
 
 from cea.arrays import Floats
 from cea.eigen.blocks import times, transposed_times
-from cea.eigen.mumps import Mumps
+from cea.eigen.mumps import Mumps, inertia
 from cea.matrices import destroy, distributed, identity, local_part
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows
@@ -147,9 +147,7 @@ def _null_vectors(unit: Mat, tolerance: float) -> Floats:
     The inertia of [1, J^T; J, t^2] tells how many singular values of J lie below t; their space is
     that of the largest eigenvalues of (t^2 + J J^T)^-1. In it they are found without squaring.
     """
-    factors = Mumps(_augmented(unit, _NEAR**2), symmetric=True, inertia=True)
-    near = unit.getSize()[0] - factors.negative_eigenvalues()
-    factors.free()
+    near = unit.getSize()[0] - inertia(_augmented(unit, _NEAR**2))[0]
     comm = unit.comm.tompi4py()
     rows, columns = unit.getLocalSize()
     vectors = np.random.default_rng(comm.rank).normal(size=(rows, near))

@@ -6,27 +6,21 @@ quadratic in lambda, and its companion form is solved about real shifts. The dri
 parametric pencil, not bodies.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.linalg import LinAlgError
 
 from cea.arrays import Complexes
 from cea.eigen.errors import error_estimates
-from cea.eigen.krylov_schur import KrylovOptions, nearest
-from cea.eigen.left_vectors import (
-    LeftVectors,
-    left_vectors_of,
-    needs_left_vectors,
-    two_sided,
-)
+from cea.eigen.krylov_schur import KrylovOptions
+from cea.eigen.left_vectors import LeftVectors, left_vectors_of, needs_left_vectors, two_sided
 from cea.eigen.modes import Modes, modes_of, warnings_of
 from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.regions import upper_end
-from cea.eigen.shifted import count_below
-from cea.eigen.spectrum import Window
+from cea.eigen.search import NearestSearch, Search
 from cea.eigen.subspace import InvariantSubspace
 from cea.eigen.window import DampedSearch, UndampedSearch, WindowSearch
 from cea.errors import ConvergenceError, InputError
@@ -110,28 +104,18 @@ class EigenSolver:
             raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
         if min_growth is not None and not -np.inf < min_growth <= 0:
             raise InputError("min_growth", min_growth, "zero or a negative number (1/s), or none")
-        timer, values = timer or StageTimer(), self.pencil.values(changes)
+        end, timer = 2 * np.pi * max_frequency, timer or StageTimer()
         with timer("assembly"):
-            matrices = self._matrices(values)
-        end, search = 2 * np.pi * max_frequency, None
-        try:
-            search = self._search(matrices, values, end, min_growth, timer)
+            matrices = self.matrices(changes)
+        search: WindowSearch
+        if matrices.quadratic:
+            decay = None if min_growth is None else -min_growth
+            search = DampedSearch(matrices, end, self.options, timer, decay)
+        else:
+            search = UndampedSearch(matrices, end, self.options, timer)
+        with self._counted(search):
             search.run()
-            modes = self._modes(search, values, end, timer, left=left)
-        except LinAlgError as error:
-            raise ConvergenceError(
-                f"numbers of this system are too far apart to be computed with ({error})"
-            ) from error
-        except ConvergenceError as error:
-            if isinstance(error.best, InvariantSubspace) and error.best.size and search:
-                search.found = error.best
-                error.best = self._modes(search, values, end, timer, left=None)
-            raise
-        finally:
-            self.solves += 1
-            if search is not None:
-                self.factorisations += search.factorisations
-                search.free()
+            modes = self._modes(search, left=left)
         window = modes.window
         if window.symmetric_count is not None and not window.complete:
             raise ConvergenceError(
@@ -141,36 +125,30 @@ class EigenSolver:
             )
         return modes
 
-    def _search(
-        self,
-        matrices: Matrices,
-        values: Mapping[str, float],
-        end: float,
-        min_growth: float | None,
-        timer: StageTimer,
-    ) -> WindowSearch:
-        if matrices.quadratic:
-            decay = None if min_growth is None else -min_growth
-            return DampedSearch(matrices, end, self.options, timer, decay)
-        counted = None
-        if matrices.symmetric:
-            self.factorisations += 1
-            with timer("factorisation"):
-                counted = count_below(matrices, upper_end(end**2))
-        return UndampedSearch(matrices, end, self.options, timer, counted)
+    @contextmanager
+    def _counted(self, search: Search) -> Iterator[None]:
+        """Count what a search takes, free it, and attach the modes so far where it fails."""
+        try:
+            yield
+        except LinAlgError as error:
+            raise ConvergenceError(
+                f"numbers of this system are too far apart to be computed with ({error})"
+            ) from error
+        except ConvergenceError as error:
+            if isinstance(error.best, InvariantSubspace) and error.best.size:
+                search.found = error.best
+                error.best = self._modes(search, left=None)
+            raise
+        finally:
+            self.solves += 1
+            self.factorisations += search.factorisations
+            search.free()
 
-    def _modes(
-        self,
-        search: WindowSearch,
-        values: Mapping[str, float],
-        end: float,
-        timer: StageTimer,
-        *,
-        left: bool | None,
-    ) -> Modes:
+    def _modes(self, search: Search, *, left: bool | None) -> Modes:
         """Modes of what was found, with errors; where ``left`` is None without left vectors."""
-        subspace, op = search.found, search.near
+        subspace, op, timer = search.found, search.near, search.timer
         assert subspace is not None
+        assert self._summed is not None
         with timer("post-processing"):  # those around the window show too what rounding does
             pairs = error_estimates(op, subspace)
             unsure = left is not None and needs_left_vectors(op, subspace, pairs)
@@ -190,9 +168,9 @@ class EigenSolver:
         with timer("post-processing"):
             if unsure or (left and not op.symmetric):
                 pairs = two_sided(op, subspace, pairs, both)
-            window = _window(search, end, pairs.values)
             wanted = both[1] if left and both is not None else None
-            return modes_of(self.pencil, values, op.matrices, pairs, wanted, window)
+            window = search.window(pairs.values)
+            return modes_of(self.pencil, *self._summed, pairs, wanted, window)
 
     def nearest(
         self,
@@ -207,29 +185,15 @@ class EigenSolver:
         With damping or rotation they are nearest in lambda, to the root with Im lambda > 0, or the
         positive one.
 
-        Parameters
-        ----------
-        kappa
-            Where (1/s^2). Without damping and rotation a real number, with them any but zero.
-        wanted
-            Number of eigenvalues; a few more may come.
-        changes
-            Parameters of the pencil that differ from their own values.
-        timer
-            Counts assembly, factorisation, krylov and post-processing.
-
-        Raises
-        ------
-        InputError
-            When there is no such place, or too few are wanted.
-        ConvergenceError
-            When fewer converge.
+        ``kappa`` is any real number (1/s^2), with damping or rotation any but zero. A few more than
+        ``wanted`` may come. Other parameters are those of :meth:`solve`; InputError when there is
+        no such place, or too few are wanted, ConvergenceError when fewer converge.
         """
         if wanted < 1:
             raise InputError("wanted", wanted, "1 or more")
-        timer, values = timer or StageTimer(), self.pencil.values(changes)
+        timer = timer or StageTimer()
         with timer("assembly"):
-            matrices = self._matrices(values)
+            matrices = self.matrices(changes)
         place: complex = kappa
         if matrices.quadratic:
             if not (kappa and np.isfinite(kappa)):
@@ -238,31 +202,20 @@ class EigenSolver:
             place = place if place.imag >= 0 else -place
         elif isinstance(kappa, complex):
             raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
-        self.solves += 1
-        self.factorisations += 1
-        with timer("krylov"):
-            found, op = nearest(matrices, place, wanted, self.options)
-        with timer("post-processing"):
-            pairs = error_estimates(op, found)
-        largest = float(np.abs(pairs.values).max(initial=abs(op.shift)))
-        window = Window(
-            max_frequency=largest / (2 * np.pi) if op.damped else np.inf,
-            shift=op.shift,
-            radius=float(np.abs(pairs.values - place).max(initial=0.0)),
-            found=len(pairs.values),
-            neighbours=True,
-        )
-        modes = modes_of(self.pencil, values, matrices, pairs, None, window)
-        op.free()
-        if op.damped:
+        search = NearestSearch(matrices, place, wanted, self.options, timer)
+        with self._counted(search):
+            search.run()
+            modes = self._modes(search, left=None)
+        if matrices.quadratic:
             order = np.argsort(np.abs(modes.eigenvalues - place), kind="stable")[:wanted]
             modes = modes[np.sort(order)]
             radius = float(np.abs(modes.eigenvalues - place).max(initial=0.0))
-            modes = replace(modes, window=replace(window, found=len(modes), radius=radius))
+            modes = replace(modes, window=replace(modes.window, found=len(modes), radius=radius))
         return modes
 
-    def _matrices(self, values: dict[str, float]) -> Matrices:
-        """The pencil at given values of all parameters."""
+    def matrices(self, changes: Mapping[str, float] | None = None) -> Matrices:
+        """The pencil at given parameters, freed when it is asked for at others."""
+        values = self.pencil.values(changes)
         if self._summed is not None and self._summed[0] == values:
             return self._summed[1]
         before, self._summed = self._summed, None  # an interruption leaves nothing that was freed
@@ -270,44 +223,6 @@ class EigenSolver:
             release(before[1])
         self._summed = (values, self.pencil.at(values))
         return self._summed[1]
-
-    def quadratic(self, changes: Mapping[str, float] | None = None) -> bool:
-        """Whether the pencil is damped or rotates at given parameters."""
-        return self._matrices(self.pencil.values(changes)).quadratic
-
-    def conservative(self, changes: Mapping[str, float] | None = None) -> bool:
-        """Whether there is neither friction nor damping at given parameters."""
-        return self._matrices(self.pencil.values(changes)).conservative
-
-    def mass(self, values: Mapping[str, float]) -> Any:
-        """M at given parameters, PETSc AIJ (kg): it is freed when other parameters are solved."""
-        return self._matrices(self.pencil.values(values)).mass
-
-
-def _window(search: WindowSearch, end: float, values: Complexes) -> Window:
-    """The window that was searched, and why it is believed complete."""
-    disc, upper, min_growth = search.discs[0] if search.discs else None, end, None
-    if isinstance(search, DampedSearch):
-        below = int(np.sum((values.imag >= 0) & (values.imag <= end)))
-        min_growth = -search.decay
-    else:
-        upper = upper_end(end**2)
-        below = int(np.sum(values.real < upper))
-    return Window(
-        max_frequency=end / (2 * np.pi),
-        shift=disc.centre if disc else 0.0,
-        radius=disc.radius if disc else 0.0,
-        found=len(values),
-        discs=len(search.discs),
-        max_growth=np.inf if search.bounded else search.growth,
-        bounded=search.bounded,
-        odd=search.counted is None and search.odd(),
-        upper=upper,
-        found_below=below,
-        symmetric_count=search.counted,
-        whole=search.whole,
-        min_growth=min_growth,
-    )
 
 
 def solve_modes(
@@ -342,7 +257,7 @@ def run_window(
     Where it is empty it names the lowest mode above. Where nothing can grow for the structure of
     the problem, nothing is searched above. Parameters are those of :meth:`EigenSolver.solve`.
     """
-    above = 1.0 if driver.conservative(changes) else ABOVE
+    above = 1.0 if driver.matrices(changes).conservative else ABOVE
     try:
         wider = driver.solve(
             above * max_frequency, changes, min_growth=min_growth, left=left, timer=timer

@@ -24,17 +24,17 @@ u abs(x)^T abs(P) abs(x).
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, columns_inner, image_of, norms, times
-from cea.eigen.residuals import Sizes, internal_forces
+from cea.eigen.pencil import Sizes, internal_forces
 from cea.eigen.shift_invert import MARGIN, ShiftInvert
 from cea.eigen.subspace import InvariantSubspace
 from cea.matrices import destroy
-from cea.petsc import Mat
 
 _SMALL = 1e-8
 """Part of an eigenvalue up to which it does not matter how large a residual is exactly."""
@@ -89,39 +89,37 @@ def _checked(
     Conditions and slopes are those of vectors of unit length of the operator.
     """
     matrices, comm = op.matrices, op.matrices.stiffness.comm
-    values, n = values.copy(), len(values)
-    slopes = slopes.copy()
+    values, slopes, n = values.copy(), slopes.copy(), len(values)
     forces = np.empty((op.factors.multipliers, n), dtype=complex)
     lengths, residuals, errors, least = np.empty((4, n))
-    sizes, root = Sizes(matrices, op.damping), np.sqrt(diagonal(matrices.mass))
+    sizes, diagonal = Sizes(matrices, op.damping), matrices.mass.getDiagonal()
+    root = np.sqrt(diagonal.array_r)[:, None]
+    destroy(diagonal)
     for block, x in _blocks(values, vectors):
         value = values[block] if np.iscomplexobj(x) else values[block].real
         f = np.empty((0, x.shape[1]), dtype=x.dtype)
         if matrices.multipliers is not None:
             lengths[block] = np.sqrt(columns_inner(x, times(matrices.mass, x), comm).real)
             x, f = op.inverse_step(value, x)
-        force, inertia = internal_forces(matrices, x, f), times(matrices.mass, x)
-        size = np.sqrt(columns_inner(x, inertia, comm).real)
-        for part in (x, f, force, inertia):
-            part /= size
+        parts = residual(op, value, x, f)
+        size = np.sqrt(columns_inner(x, parts[-1], comm).real)
+        x, f, defect, derivative, inertia = (part / size for part in (x, f, *parts))
         if matrices.multipliers is None:
             lengths[block] = size
         vectors[:, block], forces[:, block] = x, f
-        if op.symmetric:  # it has the square of the vector's error
-            value = columns_inner(x, force, comm).real
-            values[block] = value
+        if op.symmetric:  # Rayleigh's quotient has the square of the vector's error
+            change = columns_inner(x, defect, comm).real
+            values[block] = value = value + change
+            defect -= inertia * change
         square, speed = op.square(value), np.sqrt(np.abs(op.square(value)))
-        defect = force + inertia * square
-        if op.damping is not None:
-            drag = op.damping.times(x)
-            defect += drag * value
-            turned = norms((inertia * 2 * value + drag) / root, comm)
+        if op.damped:
+            turned = norms(derivative / root, comm)
             least[block] = 1 / np.maximum(turned, np.finfo(float).tiny)
-        parts = sizes.forces(x, 2 * np.abs(f), speed)
-        works = comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(x), parts))
+        entries = sizes.forces(x, 2 * np.abs(f), speed)
+        works = comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(x), entries))
         rounding = np.finfo(float).eps * works
         scale = np.maximum(np.abs(square), rounding)
-        whole = norms(parts, comm) if op.damped else scale * norms(inertia, comm)
+        whole = norms(entries, comm) if op.damped else scale * norms(inertia, comm)
         residuals[block] = norms(defect, comm) / np.maximum(whole, np.finfo(float).tiny)
         if op.damped:
             slopes[block] *= lengths[block]
@@ -142,6 +140,18 @@ def _checked(
     return Eigenpairs(values, vectors, forces, residuals, conditions, slopes, errors)
 
 
+def residual(
+    op: ShiftInvert, values: NDArray[Any], x: NDArray[Any], f: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """P(lambda) [x; f], its derivative (2 lambda M + D) x, M x undamped, and M x."""
+    inertia = times(op.matrices.mass, x)
+    defect = internal_forces(op.matrices, x, f) + op.square(values) * inertia
+    if op.damping is None:
+        return defect, inertia, inertia
+    drag = op.damping.times(x)
+    return defect + values * drag, 2 * values * inertia + drag, inertia
+
+
 def _slopes(op: ShiftInvert, subspace: InvariantSubspace, duals: Complexes) -> Floats:
     """Norms of the second halves of dual vectors of the companion form (s), of unit vectors."""
     rows = len(subspace.basis) // 2
@@ -151,14 +161,6 @@ def _slopes(op: ShiftInvert, subspace: InvariantSubspace, duals: Complexes) -> F
         gram[:, block] = all_inner(second, image_of(op.matrices.mass, second[:, block]), comm)
     squares = np.einsum("ij,ij->j", duals.conj(), gram @ duals).real
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / op.scale)
-
-
-def diagonal(mass: Mat) -> Floats:
-    """Diagonal of M, the rows of this rank, a column."""
-    vector = mass.getDiagonal()
-    entries = np.array(vector.array_r, dtype=float)[:, None]
-    destroy(vector)
-    return entries
 
 
 def _blocks(values: Complexes, vectors: Complexes) -> Iterator[tuple[Ints, NDArray[np.inexact]]]:

@@ -32,7 +32,7 @@ H and C are symmetric parts, Y the skew one. Pieces of C of low rank are positiv
 hold for the sum where they hold without them.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,7 +42,7 @@ from scipy.sparse import csr_array
 from cea.arrays import Floats
 from cea.eigen.blocks import all_inner, combined, image_of, subtract, times, transposed_times
 from cea.eigen.multipliers import Multipliers, with_circulatory
-from cea.eigen.mumps import Mumps
+from cea.eigen.mumps import Mumps, inertia
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, count_below
 from cea.errors import ConvergenceError
@@ -56,7 +56,7 @@ from cea.matrices import (
     scaled_total,
     symmetrised,
 )
-from cea.petsc import MPI, Mat, PETSc
+from cea.petsc import MPI, Mat
 
 type Operation = Callable[[Floats], Floats]
 """What takes the rows of this rank of a block of vectors to those of another."""
@@ -71,7 +71,6 @@ _DEPTH = 0.02
 """X of the cone of damped pencils relative to omega^2."""
 _NEGATIVE = (1e-6, 1e-2, 0.1)
 """Negative damping d relative to omega that is tried: none but for rounding, and some."""
-_DIFFERENT: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 
 
 @dataclass(frozen=True)
@@ -91,22 +90,18 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     """
     if matrices.symmetric:
         return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
-    factors, bounded = _factorised(hermitian_part(matrices, depth), matrices.multipliers)
+    factors, bounded = _factorised(_hermitian_part(matrices, depth), matrices.multipliers)
     if factors is None:
         return FieldOfValues(depth, bounded=False)
     slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
-    if cone and bounded and has_cone(matrices) and not factors.null_pivots():
-        slope, share = (SAFETY * each for each in _quotients(factors, matrices, depth))
+    forces = matrices.multipliers
+    loose = forces is None or not (forces.tied or forces.dependent)
+    if cone and bounded and loose and not factors.inertia()[1]:
+        slope, share = (SAFETY * each for each in _quotients(factors, matrices))
     factors.free()
     if not share < 1:
         return FieldOfValues(depth, bounded=False)
     return FieldOfValues(depth, bounded, slope / (1 - share))
-
-
-def has_cone(matrices: Matrices) -> bool:
-    """Whether the slope of its cone can be told: no contact force is tied or depends on others."""
-    forces = matrices.multipliers
-    return forces is None or not (forces.tied or forces.border is not None)
 
 
 def largest_growth(matrices: Matrices, end: float) -> float:
@@ -124,22 +119,21 @@ def largest_growth(matrices: Matrices, end: float) -> float:
 
 def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
     """Whether no eigenvalue with abs(Im lambda) <= end (1/s) can grow at a rate (1/s) or faster."""
-    damping = _symmetric_damping(matrices)
-    if damping is not None and not _positive(matrices, damping, 2 * growth):
-        destroy(damping)
-        return False
-    hermitian, forces = hermitian_part(matrices, growth**2 - end**2), matrices.multipliers
+    damping, parts = _symmetric_damping(matrices), []
     if damping is not None:
-        hermitian.axpy(growth, damping, structure=_DIFFERENT)
-        destroy(damping)
+        if not _positive(matrices, damping, 2 * growth):
+            destroy(damping)
+            return False
+        parts.append((growth, damping))
     if matrices.gyroscopic is not None:
-        sums = _skew_row_sums(matrices.gyroscopic)
-        hermitian.axpy(-end, sums, structure=_DIFFERENT)
-        destroy(sums)
-    if matrices.circulatory is not None:
+        parts.append((-end, _skew_row_sums(matrices.gyroscopic)))
+    hermitian = _hermitian_part(matrices, growth**2 - end**2, parts)
+    destroy(*(matrix for _, matrix in parts))
+    if matrices.circulatory is None:
+        factors, bounded = _factorised(hermitian, matrices.multipliers)
+    else:
         forces = with_circulatory(matrices.multipliers, matrices.circulatory)
-    factors, bounded = _factorised(hermitian, forces)
-    if forces is not None and forces is not matrices.multipliers:
+        factors, bounded = _factorised(hermitian, forces)
         forces.free()
     if factors is not None:
         factors.free()
@@ -148,22 +142,13 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
 
 def _symmetric_damping(matrices: Matrices) -> Mat | None:
     """Symmetric part of C + Y, a new matrix; None without."""
-    parts = [] if matrices.damping is None else [(1.0, matrices.damping)]
-    if matrices.gyroscopic is not None:
-        parts.append((1.0, symmetrised(matrices.gyroscopic.copy())))
-    total = scaled_total(parts) if parts else None
-    if matrices.gyroscopic is not None:
-        destroy(parts[-1][1])
-    return total
+    parts = [(1.0, each) for each in (matrices.damping, matrices.gyroscopic) if each is not None]
+    return symmetrised(scaled_total(parts)) if parts else None
 
 
 def _positive(matrices: Matrices, damping: Mat, rate: float) -> bool:
     """Whether C + rate M has no negative eigenvalue."""
-    total = scaled_total([(rate, matrices.mass), (1.0, damping)])
-    factors = Mumps(total, symmetric=True, inertia=True)
-    negative = factors.negative_eigenvalues()
-    factors.free()
-    return negative == 0
+    return inertia(scaled_total([(rate, matrices.mass), (1.0, damping)]))[0] == 0
 
 
 def _skew_row_sums(matrix: Mat) -> Mat:
@@ -191,47 +176,53 @@ def _factorised(hermitian: Mat, forces: Multipliers | None) -> tuple[Mumps | Non
             return None, False
         hermitian = bordered
     factors = Mumps(hermitian, symmetric=True, inertia=True)
-    return factors, factors.negative_eigenvalues() == expected
+    return factors, factors.inertia()[0] == expected
 
 
-def _quotients(factors: Mumps, matrices: Matrices, depth: float) -> tuple[float, float]:
+def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
     """Estimates from below of the largest abs(x^H N x) / x^H (H + X M) x and of another quotient.
 
     That is the same with the symmetric part of circulatory pieces, which H is without, in the
     place of N. The factors are those of H + X M.
     """
     rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
-    circulatory, forces, of_bodies = matrices.circulatory, None, factors.matrix
-    if matrices.multipliers is not None:
+    circulatory, forces, unsymmetric = (
+        matrices.circulatory,
+        matrices.multipliers,
+        matrices.unsymmetric,
+    )
+    compliance: Mumps | None = None
+    if forces is not None:
         try:
-            forces = _EliminatedForces(matrices.multipliers)
+            compliance = Mumps(forces.compliance.copy(), symmetric=True)
         except ConvergenceError:  # what shows nothing must not end a run
             return np.inf, 0.0 if circulatory is None else np.inf
-        of_bodies = hermitian_part(matrices, depth)
-    unsymmetric = matrices.unsymmetric
     skew = None if unsymmetric is None else antisymmetrised(unsymmetric.copy())
+
+    def of_circulatory(x: Floats, sign: float) -> Floats:
+        assert circulatory is not None
+        return 0.5 * (circulatory.times(x) + sign * circulatory.times(x, transposed=True))
+
+    def turned(x: Floats) -> Floats:
+        parts = [] if skew is None else [image_of(skew, x)]
+        if compliance is not None and forces is not None:
+            J, L = forces.closure, forces.reaction
+            reactions = transposed_times(L, compliance.solve_block(times(J, x)))
+            parts.append(
+                0.5 * (reactions - transposed_times(J, compliance.solve_block(times(L, x))))
+            )
+        if circulatory is not None:
+            parts.append(of_circulatory(x, -1.0))
+        return np.asfortranarray(sum(parts[1:], parts[0]))
 
     def solve(b: Floats) -> Floats:
         return factors.solve_block(b)[:rows]
 
-    def image(x: Floats) -> Floats:
-        own = image_of(of_bodies, x)
-        return own if forces is None else np.asfortranarray(own + forces.symmetric(x))
-
-    def turned(x: Floats) -> Floats:
-        parts = [] if skew is None else [image_of(skew, x)]
-        if forces is not None:
-            parts.append(forces.skew(x))
-        if circulatory is not None:
-            parts.append(circulatory.skew(x))
-        return np.asfortranarray(sum(parts[1:], parts[0]))
-
-    slope, share = largest_quotient(solve, image, turned, rows, comm), 0.0
+    slope, share = largest_quotient(solve, turned, rows, comm), 0.0
     if circulatory is not None:
-        share = largest_quotient(solve, image, circulatory.symmetric, rows, comm)
-    if forces is not None:
-        forces.free()
-        destroy(of_bodies)
+        share = largest_quotient(solve, lambda x: of_circulatory(x, 1.0), rows, comm)
+    if compliance is not None:
+        compliance.free()
     if skew is not None:
         destroy(skew)
     return slope, share
@@ -239,27 +230,30 @@ def _quotients(factors: Mumps, matrices: Matrices, depth: float) -> tuple[float,
 
 def largest_quotient(
     solve: Operation,
-    image: Operation,
     skew: Operation,
     rows: int,
     comm: Any,
     steps: int = _STEPS,
+    image: Operation | None = None,
 ) -> float:
     """Estimate from below of max abs(x^H N x) / x^H H x, N skew or symmetric, by block Krylov.
 
-    ``solve``, which need not be exact, ``image`` and ``skew`` are H^-1, H and N times a block. The
-    vectors are orthonormal in H, with which H^-1 N is skew, or symmetric. Steps are the more the
-    less the extreme quotients stand out.
+    ``solve`` and ``skew`` are H^-1 and N times a block, and ``image`` is H times one, where solves
+    are not exact. The vectors are orthonormal in H, with which H^-1 N is skew, or symmetric. Steps
+    are the more the less the extreme quotients stand out.
     """
     most = _COLUMNS * steps
     basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))
     start = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
     load, size = skew(start), 0
     for _ in range(steps):
-        block = np.asfortranarray(solve(load))
+        block, of_block = np.asfortranarray(solve(load)), load.copy(order="F")
         for _ in range(2):  # what rounding leaves of the first projection goes with the second
-            subtract(block, basis[:, :size], all_inner(images[:, :size], block, comm))
-        of_block = image(block)
+            part = all_inner(images[:, :size], block, comm)
+            subtract(block, basis[:, :size], part)
+            subtract(of_block, images[:, :size], part)
+        if image is not None:
+            of_block = image(block)
         squares, axes = np.linalg.eigh(all_inner(block, of_block, comm))
         kept = squares > _DEPENDENT * max(squares.max(), np.finfo(float).tiny)
         if not kept.any():
@@ -273,9 +267,11 @@ def largest_quotient(
     return float(np.linalg.norm(projected, 2)) if size else 0.0
 
 
-def hermitian_part(matrices: Matrices, depth: float) -> Mat:
-    """H + depth M on the displacements, H = (K + K^T) / 2, a new PETSc AIJ matrix."""
-    parts = [(1.0, matrices.stiffness), (depth, matrices.mass)]
+def _hermitian_part(
+    matrices: Matrices, depth: float, more: Sequence[tuple[float, Mat]] = ()
+) -> Mat:
+    """H + depth M, H = (K + K^T) / 2, and other pieces on the displacements, PETSc AIJ."""
+    parts = [(1.0, matrices.stiffness), (depth, matrices.mass), *more]
     if matrices.unsymmetric is None:
         return scaled_total(parts)
     friction = symmetrised(matrices.unsymmetric.copy())
@@ -284,47 +280,11 @@ def hermitian_part(matrices: Matrices, depth: float) -> Mat:
     return total
 
 
-def _mean_and_half(forces: Multipliers) -> tuple[Mat, Mat]:
-    """M = (J + L) / 2 and D = (J - L) / 2, new matrices."""
-    mean, half = forces.closure.copy(), forces.closure.copy()
-    mean.axpy(1.0, forces.reaction, structure=_DIFFERENT)
-    half.axpy(-1.0, forces.reaction, structure=_DIFFERENT)
-    mean.scale(0.5)
-    half.scale(0.5)
-    return mean, half
-
-
-class _EliminatedForces:
-    """Symmetric and skew part of L^T C^-1 J, full on the interface, for blocks of vectors."""
-
-    def __init__(self, forces: Multipliers) -> None:
-        self._mean, self._half = _mean_and_half(forces)
-        self._compliance = Mumps(forces.compliance.copy(), symmetric=True)
-
-    def symmetric(self, x: Floats) -> Floats:
-        """(M^T C^-1 M - D^T C^-1 D) x, the rows of this rank."""
-        mean, half = self._forces(x)
-        return transposed_times(self._mean, mean) - transposed_times(self._half, half)
-
-    def skew(self, x: Floats) -> Floats:
-        """(M^T C^-1 D - D^T C^-1 M) x, the rows of this rank."""
-        mean, half = self._forces(x)
-        return transposed_times(self._mean, half) - transposed_times(self._half, mean)
-
-    def _forces(self, x: Floats) -> tuple[Floats, Floats]:
-        """C^-1 M x and C^-1 D x."""
-        solve = self._compliance.solve_block
-        return solve(times(self._mean, x)), solve(times(self._half, x))
-
-    def free(self) -> None:
-        """Free its matrices and factors."""
-        self._compliance.free()
-        destroy(self._mean, self._half)
-
-
 def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
     """H with the forces of contacts as two sets of unknowns; None where there is no bound."""
-    mean, half = _mean_and_half(forces)
+    mean, half = (
+        scaled_total([(0.5, forces.closure), (sign, forces.reaction)]) for sign in (0.5, -0.5)
+    )
     diagonal = forces.compliance.getDiagonal()
     tied = diagonal.array_r == 0
     friction = local_part(half)
@@ -341,7 +301,7 @@ def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
         compliance = block_diagonal([forces.compliance, other]).convert("aij")
         if forces.border is not None:
             border = block_diagonal([forces.border, forces.border]).convert("aij")
-        sets = Multipliers(closure, closure, compliance, border, 0, stacked=True)
+        sets = Multipliers(closure, closure, compliance, border, 0)
         bordered_matrix = bordered(hermitian, sets, symmetric=True)
         sets.free()
         destroy(other)

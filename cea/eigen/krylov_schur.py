@@ -15,21 +15,21 @@ random vectors are appended.
 
 import sys
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import schur
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import combined
 from cea.eigen.krylov_space import KrylovSpace
 from cea.eigen.mumps import SingularError
-from cea.eigen.pencil import Matrices
-from cea.eigen.shift_invert import Companion, ShiftInvert
+from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.subspace import (
     InvariantSubspace,
     Radius,
     dense_subspace,
+    leading_schur_form,
     small_eigenpairs,
     symmetric_part,
 )
@@ -44,12 +44,6 @@ _CLEAR = 3.0
 """Residuals by which an eigenvalue outside a disc must lie outside."""
 _NEAR_SHIFT = 1e-6
 """Distance of an eigenvalue from the shift, relative to it, at which all others lose digits."""
-_SHIFT = 0.25
-"""Real shift relative to the modulus of a place, where something damps."""
-ASIDE, ATTEMPTS = 1e-3, 6
-"""Step of a shift aside from an eigenvalue, relative to itself, and shifts tried at most."""
-_EDGE = 1 + 1e-9
-"""Radius of a disc relative to the farthest eigenvalue in it: conjugates are equally far."""
 _PAIR = 1e-9
 """Relative distance of moduli up to which eigenvalues stay together, as conjugate ones must."""
 
@@ -100,7 +94,7 @@ def krylov_schur(
         When eigenvalues of the disc do not converge, with the invariant subspace so far;
         CrowdedError when there are too many, SingularError when one is next to the shift.
     """
-    radius_of = radius if callable(radius) else lambda _: radius
+    radius_of = partial(radius, op.shift) if callable(radius) else lambda _: radius
     locked = locked or InvariantSubspace.empty(op.local, symmetric=op.symmetric)
     near = f"{op.shift:.6g} is next to an eigenvalue"
     if op.rows <= options.dense_limit:
@@ -230,14 +224,8 @@ def _leading(square: Floats, theta: Complexes, number: int) -> tuple[Floats, Flo
     sizes = np.sort(np.abs(theta))[::-1]
     while 0 < number < len(sizes) and sizes[number] > (1 - _PAIR) * sizes[number - 1]:
         number += 1
-    if number >= len(sizes):
-        form, vectors = schur(square, output="real")
-        return form, vectors
-    cut = 0.5 * (sizes[number - 1] + sizes[number])
-    form, vectors, kept = schur(
-        square, output="real", sort=lambda re, im=0.0: bool(np.hypot(re, im) >= cut)
-    )
-    return form[:kept, :kept], vectors[:, :kept]
+    cut = 0.5 * (sizes[number - 1] + sizes[number]) if number < len(sizes) else 0.0
+    return leading_schur_form(square, lambda theta: np.abs(theta) >= cut)
 
 
 def _locked(
@@ -258,39 +246,3 @@ def _locked(
         return locked
     form, vectors = _leading(_square(op, space), theta, number)
     return locked.extended(space.combined(vectors), space.coupling @ vectors, form, op.shift)
-
-
-def nearest(
-    matrices: Matrices, place: complex, wanted: int, options: KrylovOptions
-) -> tuple[InvariantSubspace, ShiftInvert]:
-    """Invariant subspace of the few eigenvalues nearest to a place, and an operator near there.
-
-    The place is a real kappa (1/s^2); with damping or rotation lambda with Im lambda >= 0 (1/s),
-    not zero, and the disc about a real shift holds the disc about it, and more. A few more than
-    ``wanted`` may come, with damping of those with Im lambda >= 0. ConvergenceError when fewer do.
-    """
-    damped = matrices.quadratic
-    scale = abs(place) if damped else np.inf
-    shift = _SHIFT * abs(place) if damped else place.real
-    wanted = min(wanted, matrices.size - matrices.tied)
-
-    def radius(theta: Complexes) -> float:
-        values = shift + 1 / theta
-        chosen = values[values.imag >= 0] if damped else values
-        if len(chosen) < wanted:
-            return np.inf
-        return _EDGE * float(abs(place - shift) + np.sort(np.abs(chosen - place))[wanted - 1])
-
-    for step in range(ATTEMPTS):  # aside from an eigenvalue
-        shift *= 1 + step * ASIDE
-        op: ShiftInvert | None = None
-        try:
-            op = (Companion if damped else ShiftInvert)(matrices, shift, scale)
-            op.reach = np.inf
-            return krylov_schur(op, radius, options, verify=False), op
-        except ConvergenceError as error:
-            if op is not None:
-                op.free()
-            if step + 1 == ATTEMPTS or not isinstance(error, SingularError):
-                raise
-    raise AssertionError

@@ -1,4 +1,4 @@
-"""Left eigenvectors of a pencil: errors that right ones do not tell, and derivatives.
+"""Left eigenvectors of a pencil, and errors that right ones do not tell.
 
 Of the left vectors the invariant subspace of the right ones knows no more than their projection.
 What it leaves out comes of one step of inverse iteration with the transposed matrix; friction
@@ -15,23 +15,20 @@ right ones differ is what both searches have made of the matrices, a backward er
 for every eigenvalue, times its condition.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import all_inner, column_blocks, columns_inner, times
-from cea.eigen.errors import Eigenpairs
+from cea.eigen.blocks import column_blocks, columns_inner, times
+from cea.eigen.errors import Eigenpairs, residual
 from cea.eigen.matching import DEGENERATE, assign, connected, group
-from cea.eigen.pencil import Pencil, Role
-from cea.eigen.residuals import Sizes, internal_forces
+from cea.eigen.pencil import Sizes
 from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.spectrum import SLOW
 from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
-from cea.petsc import Mat
 
 SAME = 1e-4
 """Relative distance of left and right eigenvalues beyond which they are not the same."""
@@ -44,9 +41,6 @@ _ROUGH = 1e-11
 """Residual of a damped eigenpair up to which it is as good as rounding lets it be."""
 _UNKNOWN = 1e300
 """Error in the place of an infinite one."""
-
-POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
-"""Powers of lambda that go with the pieces of a pencil."""
 
 
 @dataclass(frozen=True)
@@ -87,11 +81,7 @@ def left_vectors_of(
     """Left vectors of eigenpairs, in their order; where eigenvalues touch, a dual basis.
 
     They are of eigenvalues of the transposed pencil and their vectors, conjugates of left ones.
-
-    Raises
-    ------
-    ConvergenceError
-        When an eigenvalue has no left vector.
+    ConvergenceError when an eigenvalue has no left vector.
     """
     values, x = pairs.values, pairs.vectors
     slow = SLOW * op.scale if op.damped else (SLOW * op.scale) ** 2  # rigid motions have no speed
@@ -158,12 +148,7 @@ def _two_sided_errors(
     for block in column_blocks(n):
         value, x, y = pairs.values[block], pairs.vectors[:, block], left.vectors[:, block]
         f, square = pairs.forces[:, block], op.square(pairs.values[block])
-        inertia = times(matrices.mass, x)
-        derivative, defect = inertia, internal_forces(matrices, x, f) + square * inertia
-        if op.damping is not None:
-            drag = op.damping.times(x)
-            defect += value * drag
-            derivative = 2 * value * inertia + drag
+        defect, derivative, inertia = residual(op, value, x, f)
         entries = sizes.forces(x, 2 * np.abs(f), np.sqrt(np.abs(square)))
         parts = np.abs(defect) + np.finfo(float).eps * entries
         work = op.comm.tompi4py().allreduce(np.einsum("ij,ij->j", np.abs(y), parts))
@@ -178,60 +163,3 @@ def _two_sided_errors(
     sizes.free()
     errors[np.isnan(errors)] = np.inf
     return errors, slopes
-
-
-def derivatives(
-    pencil: Pencil,
-    values: Mapping[str, float],
-    name: str,
-    eigenvalues: Complexes,
-    vectors: Complexes,
-    forces: Complexes,
-    left: LeftVectors,
-) -> Complexes:
-    """Derivatives of eigenvalues lambda in a parameter (:meth:`cea.eigen.modes.Modes.sensitivity`).
-
-    ``values`` are all parameters of the pencil; vectors come with their contact forces.
-    """
-    n = len(eigenvalues)
-    change = np.zeros((n, n), dtype=complex)
-    for term in pencil.terms:
-        slope = term.coefficient.derivative(name, values)
-        if slope:
-            power = eigenvalues ** POWERS[term.role]
-            change += slope * power * _projected(term.matrix, left.vectors, vectors)
-    comm, first = pencil.comm, 0
-    for circulatory in pencil.circulatory:
-        slope = circulatory.coefficient.derivative(name, values)
-        if slope:
-            change += slope * all_inner(left.vectors, circulatory.piece.times(vectors), comm)
-    for piece in pencil.low_rank:
-        slope = piece.coefficient.derivative(name, values)
-        if slope:
-            drag = piece.piece.projected(left.vectors, vectors, comm)
-            change += slope * eigenvalues * drag
-    for of_contact in pencil.forces:
-        last = first + of_contact.closure.getLocalSize()[0]
-        f, g = forces[first:last], left.forces[first:last]
-        slope = of_contact.friction.derivative(name, values)
-        if slope and of_contact.slip is not None:
-            change -= slope * all_inner(times(of_contact.slip, left.vectors), f, comm)
-        slope = of_contact.inverse_stiffness.derivative(name, values)
-        if slope:
-            change -= slope * all_inner(g, times(of_contact.compliance, f), comm)
-        first = last
-    moved = np.diag(change).copy()
-    for members in group(eigenvalues, DEGENERATE):
-        if len(members) > 1:
-            moved[members] = np.linalg.eigvals(change[np.ix_(members, members)])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return -moved / (2 * eigenvalues)
-
-
-def _projected(matrix: Mat, left: Complexes, right: Complexes) -> Complexes:
-    """Y^H A X, shape (n, n)."""
-    n = right.shape[1]
-    result = np.empty((n, n), dtype=complex)
-    for block in column_blocks(n):
-        result[:, block] = all_inner(left, times(matrix, right[:, block]), matrix.comm)
-    return result

@@ -9,7 +9,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import subspace_angles
+from scipy.linalg import orth, subspace_angles
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
@@ -174,15 +174,10 @@ def subspace_assurance(left: Complexes, right: Complexes, groups: list[Ints]) ->
     left = left / np.linalg.norm(left, axis=0)
     assurance = np.empty((left.shape[1], right.shape[1]))
     for members in groups:
-        basis = _orthonormal(right[:, members])
+        # members that are parallel to rounding count once
+        basis = orth(right[:, members] / np.linalg.norm(right[:, members], axis=0), rcond=1e-10)
         assurance[:, members] = (np.abs(basis.conj().T @ left) ** 2).sum(axis=0)[:, None]
     return assurance
-
-
-def _orthonormal(vectors: Complexes) -> Complexes:
-    """Orthonormal basis of a span; members that are parallel to rounding count once."""
-    u, s, _ = np.linalg.svd(vectors / np.linalg.norm(vectors, axis=0), full_matrices=False)
-    return u[:, s > 1e-10 * s[0]]
 
 
 @dataclass(frozen=True)

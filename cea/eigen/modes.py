@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.blocks import all_inner, column_blocks, times
 from cea.eigen.classify import cannot_grow
 from cea.eigen.errors import Eigenpairs
-from cea.eigen.left_vectors import LeftVectors, derivatives
-from cea.eigen.pencil import Matrices, Pencil
+from cea.eigen.left_vectors import LeftVectors
+from cea.eigen.matching import DEGENERATE, group
+from cea.eigen.pencil import POWERS, Matrices, Pencil
 from cea.eigen.shift_invert import MARGIN
 from cea.eigen.spectrum import Spectrum, Window
 from cea.errors import ConvergenceError, InputError, ResultWarning
@@ -88,9 +90,29 @@ class Modes(Spectrum):
         name = self.pencil.parameter(parameter).name
         if self.left is None:
             raise InputError("left", False, "True where modes are solved for, for sensitivities")
-        return derivatives(
-            self.pencil, self.values, name, self.eigenvalues, self.vectors, self.forces, self.left
-        )
+        lam, x, y, values = self.eigenvalues, self.vectors, self.left, self.values
+        change: Complexes = np.zeros((len(lam), len(lam)), dtype=complex)
+        comm, first = self.pencil.comm, 0
+        for role, coefficient, product in self.pencil.products():
+            if slope := coefficient.derivative(name, values):
+                for block in column_blocks(len(lam)):
+                    projected = all_inner(y.vectors, product(x[:, block]), comm)
+                    change[:, block] += slope * lam[block] ** POWERS[role] * projected
+        for of_contact in self.pencil.forces:
+            last = first + of_contact.closure.getLocalSize()[0]
+            f, g = self.forces[first:last], y.forces[first:last]
+            slope = of_contact.friction.derivative(name, values)
+            if slope and of_contact.slip is not None:
+                change -= slope * all_inner(times(of_contact.slip, y.vectors), f, comm)
+            if slope := of_contact.inverse_stiffness.derivative(name, values):
+                change -= slope * all_inner(g, times(of_contact.compliance, f), comm)
+            first = last
+        moved = np.diag(change).copy()
+        for members in group(lam, DEGENERATE):
+            if len(members) > 1:
+                moved[members] = np.linalg.eigvals(change[np.ix_(members, members)])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -moved / (2 * lam)
 
 
 def modes_of(
@@ -103,10 +125,7 @@ def modes_of(
 ) -> Modes:
     """Modes with Im lambda >= 0 of eigenpairs, up to the end of the window and down to its decay.
 
-    Raises
-    ------
-    ConvergenceError
-        When modes are nothing but rounding.
+    ConvergenceError when modes are nothing but rounding.
     """
     end = 2 * np.pi * window.max_frequency
     if matrices.quadratic:
@@ -148,20 +167,8 @@ def modes_of(
         pencil=pencil,
         values=values,
     )
-    _refuse_what_is_lost(modes, eigenvalues, uncertainties)
-    return replace(modes, warnings=warnings_of(modes))
-
-
-def _columns(vectors: Complexes, order: Ints) -> Complexes:
-    """Columns in an order: those of the vectors themselves where it is that they have."""
-    number = len(order)
-    return vectors[:, :number] if np.array_equal(order, np.arange(number)) else vectors[:, order]
-
-
-def _refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Floats) -> None:
-    """Raise where modes, in the window or around it, are nothing but rounding."""
     speeds = np.maximum(np.abs(eigenvalues), modes.slowest)
-    lost = int(np.sum(uncertainties > _NO_MODE * speeds))
+    lost = int(np.sum(uncertainties > _NO_MODE * speeds))  # in the window or around it
     if lost:
         worst = float((uncertainties / speeds).max())
         raise ConvergenceError(
@@ -170,6 +177,13 @@ def _refuse_what_is_lost(modes: Modes, eigenvalues: Complexes, uncertainties: Fl
             "far apart",
             best=modes,
         )
+    return replace(modes, warnings=warnings_of(modes))
+
+
+def _columns(vectors: Complexes, order: Ints) -> Complexes:
+    """Columns in an order: those of the vectors themselves where it is that they have."""
+    number = len(order)
+    return vectors[:, :number] if np.array_equal(order, np.arange(number)) else vectors[:, order]
 
 
 def uncertainties_of(eigenvalues: Complexes, errors: Floats) -> Floats:

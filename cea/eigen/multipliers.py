@@ -45,11 +45,11 @@ class ForcesOfContact:
     # P (N/m) at which it is where it is stiffest, and softest, about as stiff as the bodies
     body_stiffness: tuple[float, float]
 
-    def reaction(self, values: Mapping[str, float], *, leave_out: bool) -> Mat:
-        """L at given parameters; J itself without friction, if what is zero is left out."""
+    def reaction(self, values: Mapping[str, float], *, leave_out: bool) -> Mat | None:
+        """L at given parameters; None without friction, if what is zero is left out."""
         factor = self.friction.at(values)
         if self.slip is None or (factor == 0 and leave_out):
-            return self.closure
+            return None
         return scaled_total([(1.0, self.closure), (-factor, self.slip)])
 
     def is_tied(self, values: Mapping[str, float]) -> bool:
@@ -66,7 +66,6 @@ class Multipliers:
     compliance: Mat  # C (m/N), multipliers x multipliers; zero where the sides are tied
     border: Mat | None  # Z, multipliers x dependences; None where closures are independent
     tied: int  # number of independent constraints: closures without compliance
-    stacked: bool  # whether J was made of those of several contacts, or is a piece itself
 
     @property
     def symmetric(self) -> bool:
@@ -84,14 +83,12 @@ class Multipliers:
         return 0 if self.border is None else int(self.border.getSize()[1])
 
     def free(self) -> None:
-        """Free what was made of the pieces, not the pieces."""
+        """Free the matrices, not the pieces they were made of."""
         if not self.symmetric:
             destroy(self.reaction)
-        if self.stacked:
-            destroy(self.closure)
         if self.border is not None:
             destroy(self.border)
-        destroy(self.compliance)
+        destroy(self.closure, self.compliance)
 
 
 class AllForces:
@@ -105,36 +102,25 @@ class AllForces:
         """Matrices at given parameters, those of several contacts one below the other."""
         scales = [part.inverse_stiffness.at(values) for part in self.parts]
         held = [part.is_tied(values) for part in self.parts]
-        closure, stacked = self._stacked([part.closure for part in self.parts])
+        closures = [part.closure for part in self.parts]
+        closure = reaction = one_below_the_other(closures)
         reactions = [part.reaction(values, leave_out=leave_out) for part in self.parts]
-        reaction = closure
-        if any(one is not part.closure for one, part in zip(reactions, self.parts, strict=True)):
-            reaction, copied = self._stacked(reactions)
-            if copied:
-                made = zip(reactions, self.parts, strict=True)
-                destroy(*(one for one, part in made if one is not part.closure))
-        compliances = []
+        if made := [each for each in reactions if each is not None]:
+            both = zip(reactions, closures, strict=True)
+            reaction = one_below_the_other([J if L is None else L for L, J in both])
+            destroy(*made)
+        compliances, tied = [], 0
         for part, scale, is_tied in zip(self.parts, scales, held, strict=True):
             compliances.append(part.compliance.copy())
             compliances[-1].scale(0.0 if is_tied else scale)
-        compliance = compliances[0]
-        if len(compliances) > 1:
-            compliance = block_diagonal(compliances).convert("aij")
-            destroy(*compliances)
-        tied = sum(
-            part.closure.getSize()[0] for part, one in zip(self.parts, held, strict=True) if one
-        )
+            tied += part.closure.getSize()[0] if is_tied else 0
+        compliance = block_diagonal(compliances).convert("aij")
+        destroy(*compliances)
         border = None
         if (dependence := self._dependence(scales, held, closure)) is not None and dependence.size:
             border = dependence.border([part.compliance for part in self.parts], scales)
             tied -= dependence.within(held)
-        return Multipliers(closure, reaction, compliance, border, tied, stacked)
-
-    def _stacked(self, matrices: Sequence[Mat]) -> tuple[Mat, bool]:
-        """Matrices of all contacts as one, and whether it is a new one."""
-        if len(matrices) == 1:
-            return matrices[0], False
-        return one_below_the_other(matrices), True
+        return Multipliers(closure, reaction, compliance, border, tied)
 
     def _dependence(
         self, scales: Sequence[float], held: Sequence[bool], closure: Mat
@@ -157,11 +143,10 @@ def with_circulatory(contacts: Multipliers | None, circulatory: CirculatorySum) 
 
     L and J of a piece share its factor so that both are of one size.
     """
-    closures, reactions, compliances = [], [], []
+    closures, reactions, compliances, own = [], [], [], []
     if contacts is not None:
         closures, reactions = [contacts.closure], [contacts.reaction]
         compliances = [contacts.compliance]
-    own = []
     for factor, piece in circulatory.parts:
         of_right = sqrt(factor * piece.balance)
         closures.append(scaled_total([(of_right, piece.right)]))
@@ -180,4 +165,4 @@ def with_circulatory(contacts: Multipliers | None, circulatory: CirculatorySum) 
         border = one_below_the_other([contacts.border, below])
         destroy(below)
     tied = 0 if contacts is None else contacts.tied
-    return Multipliers(closure, reaction, compliance, border, tied, stacked=True)
+    return Multipliers(closure, reaction, compliance, border, tied)

@@ -16,8 +16,8 @@ from time import time
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cea.arrays import Floats
 from cea.errors import ConvergenceError
 from cea.matrices import dense, destroy
 from cea.petsc import PETSc
@@ -45,14 +45,8 @@ class Mumps:
     """LU, or LDL^T of a symmetric matrix, PETSc AIJ, by MUMPS; the matrix is destroyed with it.
 
     With ``inertia`` its negative eigenvalues may be asked for: null pivots are counted rather than
-    failed on, and with any of them systems should not be solved.
-
-    Raises
-    ------
-    SingularError
-        When the matrix is singular, or the factorisation fails.
-    MemoryError
-        When there is no memory for the factors.
+    failed on, and with any of them systems should not be solved. SingularError when the matrix is
+    singular, or the factorisation fails, MemoryError when there is no memory for the factors.
     """
 
     def __init__(self, matrix: Any, *, symmetric: bool, inertia: bool = False) -> None:
@@ -60,17 +54,12 @@ class Mumps:
         self._symmetric, self._inertia = symmetric, inertia
         if symmetric:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        self._pc = self._prepared(_ROOM[0])
-        self._factorise()
-
-    def _factorise(self) -> None:
-        self._set_up()
-        for room in _ROOM[1:]:
-            if self._pc.getFailedReason() != _NO_ROOM:
-                break
-            destroy(self._pc)
+        for room in _ROOM:
             self._pc = self._prepared(room)
             self._set_up()
+            if room == _ROOM[-1] or self._pc.getFailedReason() != _NO_ROOM:
+                break
+            destroy(self._pc)
         if self._pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
             rows = matrix_size(self.matrix)
             code = self._pc.getFactorMatrix().getMumpsInfog(1)
@@ -111,11 +100,14 @@ class Mumps:
             factor.setMumpsIcntl(33, 1)  # its determinant
         return pc
 
-    def solve_block(self, b: Floats, *, transposed: bool = False) -> Floats:
+    def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Solve for every column of b, the first rows of this rank: those that follow are zero.
 
-        The result has all rows of this rank, shape (n_local, columns).
+        The result has all rows of this rank, shape (n_local, columns), real or complex.
         """
+        if np.iscomplexobj(b):
+            both = self.solve_block(np.hstack([b.real, b.imag]), transposed=transposed)
+            return both[:, : b.shape[1]] + 1j * both[:, b.shape[1] :]
         layout, comm = self.matrix.getSizes()[0], self.matrix.comm
         solution = np.zeros((layout[0], b.shape[1]), order="F")
         if not b.shape[1]:  # which MUMPS refuses: an empty window has no eigenvectors
@@ -129,15 +121,10 @@ class Mumps:
         destroy(right, left)
         return solution
 
-    def negative_eigenvalues(self) -> int:
-        """Number of negative eigenvalues of a symmetric A, by its inertia."""
-        negative, _, _ = self._pc.getFactorMatrix().getInertia()
-        return int(negative)
-
-    def null_pivots(self) -> int:
-        """Number of pivots that count as zero, where inertia was asked for."""
-        _, zero, _ = self._pc.getFactorMatrix().getInertia()
-        return int(zero)
+    def inertia(self) -> tuple[int, int]:
+        """Numbers of negative eigenvalues of a symmetric A, and of pivots that count as zero."""
+        negative, null, _ = self._pc.getFactorMatrix().getInertia()
+        return int(negative), int(null)
 
     def sign(self) -> int:
         """Sign of the determinant of an unsymmetric A."""
@@ -146,6 +133,14 @@ class Mumps:
     def free(self) -> None:
         """Free the factors and the matrix."""
         destroy(self._pc, self.matrix)
+
+
+def inertia(matrix: Any) -> tuple[int, int]:
+    """The inertia of a symmetric matrix, as of its factors; the matrix is destroyed."""
+    factors = Mumps(matrix, symmetric=True, inertia=True)
+    found = factors.inertia()
+    factors.free()
+    return found
 
 
 def matrix_size(matrix: Any) -> int:

@@ -9,26 +9,33 @@ of K are never formed (:mod:`cea.eigen.unformed`). One object serves a single ru
 threshold, a derivative.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.arrays import Floats
+from cea.eigen.blocks import image_of, times, transposed_times
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.unformed import (
+    Circulatory,
     CirculatorySum,
-    CirculatoryTerm,
-    LowRankSum,
-    LowRankTerm,
-    circulatory_sum,
-    sum_of,
+    LowRank,
+    UnformedTerm,
+    low_rank_sum,
 )
 from cea.errors import InputError
-from cea.matrices import destroy, scaled_total
+from cea.matrices import absolute, destroy, scaled_total
 from cea.nodes import Nodes
 from cea.petsc import Mat
 
 Role = Literal["mass", "damping", "stiffness"]
+POWERS: dict[Role, int] = {"mass": 2, "damping": 1, "stiffness": 0}
+"""Powers of lambda that go with the pieces of a pencil."""
 
 FRICTION = "friction"
 """Name of the factor on the friction of a pencil made of given matrices."""
@@ -36,27 +43,13 @@ FRICTION = "friction"
 
 @dataclass(frozen=True)
 class Term:
-    """One piece of a pencil: c(t) A.
+    """One piece of a pencil: c(t) A."""
 
-    Parameters
-    ----------
-    role
-        The sum it belongs to.
-    matrix
-        A, PETSc AIJ (n x n).
-    coefficient
-        c.
-    symmetric
-        Whether A is symmetric, to the last bit.
-    contact
-        Whether A is the stiffness K_n of a contact, or what friction makes.
-    """
-
-    role: Role
-    matrix: Mat
-    coefficient: Dependence = CONSTANT
-    symmetric: bool = True
-    contact: bool = False
+    role: Role  # the sum it belongs to
+    matrix: Mat  # A, PETSc AIJ (n x n)
+    coefficient: Dependence = CONSTANT  # c
+    symmetric: bool = True  # whether A is symmetric, to the last bit
+    contact: bool = False  # whether A is the stiffness K_n of a contact, or what friction makes
 
 
 @dataclass(frozen=True)
@@ -70,7 +63,7 @@ class Matrices:
     damping: Mat | None = None  # symmetric part of C (N s/m)
     gyroscopic: Mat | None = None  # the rest of C, which rotation makes (N s/m)
     # pieces of C of low rank (N s/m) and circulatory ones of K (N/m), which are not in these
-    low_rank: LowRankSum | None = None
+    low_rank: LowRank | None = None
     circulatory: CirculatorySum | None = None
     contacts: tuple[tuple[float, Mat], ...] = ()  # pieces K_n with their coefficients (N/m)
     nodes: Nodes | None = None  # which unknowns belong together; None where that is not known
@@ -148,8 +141,8 @@ class Pencil:
         terms: Iterable[Term],
         parameters: Iterable[Parameter] = (),
         forces: Sequence[ForcesOfContact] = (),
-        low_rank: Iterable[LowRankTerm] = (),
-        circulatory: Iterable[CirculatoryTerm] = (),
+        low_rank: Iterable[UnformedTerm[LowRank]] = (),
+        circulatory: Iterable[UnformedTerm[Circulatory]] = (),
         *,
         leave_out: bool = True,
         nodes: Nodes | None = None,
@@ -210,13 +203,7 @@ class Pencil:
         return self.terms[0].matrix.comm
 
     def values(self, changes: Mapping[str, float] | None = None) -> dict[str, float]:
-        """Value of every parameter, some of them changed.
-
-        Raises
-        ------
-        InputError
-            When there is no such parameter, or it may not have the value.
-        """
+        """Value of every parameter, some of them changed; InputError when they cannot be."""
         values = {name: parameter.value for name, parameter in self.parameters.items()}
         for name, value in (changes or {}).items():
             values[name] = self.parameter(name).check(value)
@@ -235,13 +222,7 @@ class Pencil:
         return self.at_rest().names
 
     def check(self, changes: Mapping[str, float]) -> None:
-        """Refuse parameters at which a piece is not known, as modal damping of modes that move.
-
-        Raises
-        ------
-        InputError
-            When that is so, or there is no such parameter, or it may not have the value.
-        """
+        """Refuse parameters at which a piece is not known, as modal damping of modes that move."""
         values = self.values(changes)
         for piece in self.low_rank:
             piece.coefficient.at(values)
@@ -271,14 +252,25 @@ class Pencil:
             nodes=self.nodes,
         )
 
+    def products(self) -> Iterator[tuple[Role, Dependence, Callable[[Any], Any]]]:
+        """Roles, coefficients and products with blocks of vectors of all pieces but forces."""
+        for term in self.terms:
+            yield term.role, term.coefficient, partial(times, term.matrix)
+        for piece in self.circulatory:
+            yield "stiffness", piece.coefficient, piece.piece.times
+        for of_modes in self.low_rank:
+            yield "damping", of_modes.coefficient, partial(of_modes.piece.times, comm=self.comm)
+
     def circulatory_at(self, values: Mapping[str, float]) -> CirculatorySum | None:
         """Circulatory pieces at given values of all parameters; None where all vanish."""
-        return circulatory_sum((t.coefficient.at(values), t.piece) for t in self.circulatory)
+        parts = [(term.coefficient.at(values), term.piece) for term in self.circulatory]
+        kept = tuple(part for part in parts if part[0])
+        return CirculatorySum(kept) if kept else None
 
-    def low_rank_at(self, values: Mapping[str, float]) -> LowRankSum | None:
-        """Pieces of low rank at given values of all parameters; None where all vanish."""
+    def low_rank_at(self, values: Mapping[str, float]) -> LowRank | None:
+        """Sum B B^T of pieces of low rank at values of all parameters; None where all vanish."""
         parts = [(term.coefficient.at(values), term.piece) for term in self.low_rank]
-        return sum_of(parts, self.terms[0].matrix.getLocalSize()[0], self.comm)
+        return low_rank_sum(parts, self.terms[0].matrix.getLocalSize()[0])
 
     def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Mat | None:
         # What is damped by nothing is linear in kappa: that is never kept.
@@ -304,3 +296,83 @@ def release(matrices: Matrices) -> None:
     destroy(*(m for m in (*sums, matrices.damping, matrices.gyroscopic) if m))
     if matrices.multipliers is not None:
         matrices.multipliers.free()
+
+
+def internal_forces(
+    matrices: Matrices, x: NDArray[Any], f: NDArray[Any], *, transposed: bool = False
+) -> NDArray[Any]:
+    """K x + L^T f, or K^T x + J^T f, of displacements and contact forces, in blocks of columns."""
+    force = times(matrices.stiffness, x)
+    if matrices.unsymmetric is not None:
+        force += (transposed_times if transposed else times)(matrices.unsymmetric, x)
+    if matrices.circulatory is not None:
+        force += matrices.circulatory.times(x, transposed=transposed)
+    if (forces := matrices.multipliers) is not None:
+        force += transposed_times(forces.closure if transposed else forces.reaction, f)
+    return force
+
+
+class Damping:
+    """D = C + Y of a pencil at given parameters: a matrix and pieces of low rank."""
+
+    def __init__(self, matrices: Matrices) -> None:
+        pieces = [m for m in (matrices.damping, matrices.gyroscopic) if m is not None]
+        self._low_rank, self._comm = matrices.low_rank, matrices.mass.comm
+        self._matrix = scaled_total([(1.0, piece) for piece in pieces]) if pieces else None
+        self._absolute: Any | None = None
+
+    def times(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
+        """D x, or D^T x, for every column, the rows of this rank."""
+        product = transposed_times if transposed else times
+        force = np.zeros_like(x) if self._matrix is None else product(self._matrix, x)
+        if self._low_rank is not None:
+            force += self._low_rank.times(x, self._comm)
+        return force
+
+    def sizes(self, x: Floats) -> Floats:
+        """abs(D) x of displacements that are positive; of low rank abs(W) d abs(W)^T x."""
+        if self._matrix is not None and self._absolute is None:
+            self._absolute = absolute(self._matrix)
+        force = np.zeros_like(x) if self._absolute is None else image_of(self._absolute, x)
+        if self._low_rank is not None:
+            force += self._low_rank.sizes(x, self._comm)
+        return force
+
+    def free(self) -> None:
+        """Free the matrices."""
+        destroy(*(matrix for matrix in (self._matrix, self._absolute) if matrix is not None))
+
+
+class Sizes:
+    """Absolute values of the entries of a pencil, of D where it is given: rounding is of them."""
+
+    def __init__(self, matrices: Matrices, damping: Damping | None = None) -> None:
+        stiffness = (matrices.stiffness, matrices.unsymmetric)
+        self._stiffness = [absolute(each) for each in stiffness if each is not None]
+        self._mass = None if matrices.mass is None else absolute(matrices.mass)
+        self._damping, self._circulatory = damping, matrices.circulatory
+        forces = matrices.multipliers
+        self._reaction = None if forces is None else absolute(forces.reaction)
+
+    def forces(
+        self, x: NDArray[Any], f: NDArray[Any], values: NDArray[Any] | float = 0.0
+    ) -> Floats:
+        """What the parts of P(lambda) [x; f] come to, the rows of this rank, shape (n_local, n)."""
+        size, speed = np.abs(x), np.abs(values)
+        total = np.zeros(size.shape, order="F")
+        for part in self._stiffness:
+            total += image_of(part, size)
+        if self._circulatory is not None:
+            total += self._circulatory.sizes(x)
+        if self._reaction is not None:
+            total += transposed_times(self._reaction, np.abs(f))
+        if np.any(speed) and self._mass is not None:
+            total += image_of(self._mass, size) * speed**2
+        if np.any(speed) and self._damping is not None:
+            total += self._damping.sizes(size) * speed
+        return total
+
+    def free(self) -> None:
+        """Free the matrices but those of the damping."""
+        others = (self._mass, self._reaction)
+        destroy(*self._stiffness, *(each for each in others if each is not None))

@@ -26,9 +26,8 @@ from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
 from cea.eigen.blocks import all_inner, combined, image_of, times
-from cea.eigen.pencil import Matrices
+from cea.eigen.pencil import Damping, Matrices
 from cea.eigen.regions import outside_of_window, upper_end
-from cea.eigen.residuals import Damping
 from cea.eigen.shifted import Shifted
 
 MARGIN = 0.005
@@ -37,14 +36,14 @@ and the first mode beyond it, and conjugates of those next to the real axis."""
 
 
 class ShiftInvert:
-    """(K - sigma M)^-1 M, with M as inner product, of a window up to omega (1/s); SingularError.
+    """(K - sigma M)^-1 M, with M as inner product, about a shift sigma (1/s^2); SingularError.
 
     Attributes
     ----------
     rows, local, finite
         Rows of its vectors on all ranks and on this one, and number of finite eigenvalues.
-    reach
-        End of the window (1/s); infinite where all of a disc is wanted.
+    scale, reach
+        omega (1/s), and the end of the window (1/s), infinite where all of a disc is wanted.
     powers
         Times that OP must be applied to take infinite eigenvalues out of a vector.
     negligible
@@ -54,10 +53,17 @@ class ShiftInvert:
     damped, powers, negligible = False, 1, 1e-10
     damping: Damping | None = None
 
-    def __init__(self, matrices: Matrices, shift: float, end: float) -> None:
-        self.matrices, self.shift, self.scale, self.reach = matrices, shift, end, end
+    def __init__(
+        self,
+        matrices: Matrices,
+        shift: float,
+        scale: float,
+        reach: float = np.inf,
+        decay: float = np.inf,
+    ) -> None:
+        self.matrices, self.shift, self.scale = matrices, shift, scale
+        self.reach, self._decay, self._transposed = reach, decay, False
         self.factors = self._factorised()
-        self._transposed, self._decay = False, np.inf
         self.comm = matrices.stiffness.comm
         self.rank, self.symmetric = self.comm.rank, matrices.symmetric
         self.rows, self.finite = matrices.size, matrices.size - matrices.tied
@@ -134,9 +140,9 @@ class Companion(ShiftInvert):
     damped, powers, negligible = True, 2, 1e-6
     damping: Damping
 
-    def __init__(self, matrices: Matrices, shift: float, end: float, decay: float = np.inf) -> None:
-        super().__init__(matrices, shift, end)
-        self._decay, self.symmetric = decay, False
+    def __init__(self, matrices: Matrices, *places: float) -> None:
+        super().__init__(matrices, *places)
+        self.symmetric = False
         self.rows, self.finite, self.local = 2 * self.rows, 2 * self.finite, 2 * self.local
         self.damping = Damping(matrices)
 

@@ -25,58 +25,31 @@ class Window:
 
     A window holds the modes with 0 <= Im lambda <= omega of any growth. Without damping and
     rotation eigenvalues are kappa = -lambda^2 (1/s^2), with them lambda (1/s).
-
-    Parameters
-    ----------
-    max_frequency
-        omega / (2 pi) (Hz).
-    shift, radius
-        First disc in which every eigenvalue was found.
-    found
-        Number of eigenvalues found, in all discs and around them.
-    discs
-        Number of discs, this one included.
-    max_growth
-        Growth rate (1/s) up to which every mode of the window was found; infinite where none can
-        grow faster.
-    bounded
-        Whether it was shown that none can grow faster.
-    odd
-        Whether the sign of a determinant shows that a real eigenvalue was not found.
-    upper, found_below
-        Upper end of kappa for the count, a little above the window's, and eigenvalues found with
-        Re kappa below it; with damping omega (1/s), and those with 0 <= Im lambda <= omega.
-    symmetric_count
-        Eigenvalues below ``upper`` by inertia; None with friction, where nothing counts them.
-    growing_above
-        Frequency (Hz) and growth rate (1/s) of modes up to 5 percent above the window's end whose
-        growth is above their errors.
-    lowest
-        Frequency (Hz) of the lowest mode above an empty window, where it was found.
-    whole
-        Whether the system is so small that all eigenvalues were computed.
-    min_growth
-        With damping or rotation, growth rate (1/s) down to which every mode was found; modes that
-        decay faster are not listed. None without.
-    neighbours
-        Whether it is no window, but the eigenvalues nearest to a place were asked for.
     """
 
-    max_frequency: float
-    shift: float
+    max_frequency: float  # omega / (2 pi) (Hz)
+    shift: float  # of the first disc in which every eigenvalue was found
     radius: float
-    found: int
+    found: int  # eigenvalues in all discs and around them
     discs: int = 1
+    # growth rate (1/s) up to which every mode was found; infinite where none can grow faster
     max_growth: float = 0.0
-    bounded: bool = False
-    odd: bool = False
+    bounded: bool = False  # whether it was shown that none can grow faster
+    odd: bool = False  # whether the sign of a determinant shows that a real one was not found
+    # end of kappa for the count, a little above the window's, or with damping omega (1/s), and
+    # eigenvalues found below it, or with damping in the window
     upper: float = np.inf
     found_below: int = 0
-    symmetric_count: int | None = None
+    symmetric_count: int | None = None  # those below it by inertia; None where friction acts
+    # frequency (Hz) and growth rate (1/s) of modes that grow up to 5 percent above the end
     growing_above: tuple[tuple[float, float], ...] = field(default=(), kw_only=True)
+    # frequency (Hz) of the lowest mode above an empty window, where it was found
     lowest: float | None = field(default=None, kw_only=True)
+    # whether the system is so small that all eigenvalues were computed
     whole: bool = field(default=False, kw_only=True)
+    # with damping or rotation, growth rate (1/s) down to which every mode was found and is listed
     min_growth: float | None = field(default=None, kw_only=True)
+    # whether it is no window, but the eigenvalues nearest to a place were asked for
     neighbours: bool = field(default=False, kw_only=True)
 
     @property

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.residuals import Sizes
+from cea.eigen.pencil import Matrices, Pencil, Sizes, release
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import Vec
@@ -29,24 +28,10 @@ class Equilibrium:
 
 
 def solve_static(pencil: Pencil, load: Vec | None, timer: StageTimer | None = None) -> Equilibrium:
-    """Displacements under a load.
+    """Displacements under a load (N), PETSc vector, of a pencil at its own parameters.
 
-    Parameters
-    ----------
-    pencil
-        Its stiffness, at its own parameters; symmetric without friction.
-    load
-        Forces (N), PETSc vector.
-    timer
-        Counts assembly and factorisation.
-
-    Raises
-    ------
-    InputError
-        When there is no load.
-    ConvergenceError
-        When the stiffness is singular, or so nearly that nothing but rounding is left of the
-        displacements; they are attached.
+    InputError when there is no load, ConvergenceError when the stiffness is singular, or so nearly
+    that nothing but rounding is left of the displacements; they are attached.
     """
     if load is None:
         raise InputError("load", None, "forces: the system was coupled without")

@@ -11,20 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Self
-from warnings import catch_warnings
 
 import numpy as np
-from scipy.linalg import (
-    LinAlgError,
-    LinAlgWarning,
-    cholesky,
-    lu_factor,
-    lu_solve,
-    matrix_balance,
-    schur,
-    solve_triangular,
-    svd,
-)
+from scipy.linalg import LinAlgError, cholesky, matrix_balance, schur, solve_triangular, svd
 from scipy.linalg.lapack import dtrsen
 
 from cea.arrays import Complexes, Floats, Ints
@@ -32,15 +21,13 @@ from cea.eigen.blocks import beside, column_blocks, combined
 from cea.eigen.matching import connected
 from cea.eigen.shift_invert import ShiftInvert
 
-type Radius = Callable[[Complexes], float]
-"""Radius of the disc about the shift that is searched, from the theta that are known."""
+type Radius = Callable[[float, Complexes], float]
+"""Radius of the disc about a shift that is searched, from the theta that are known."""
 
 _EQUAL = 1e3
 """Distance of eigenvalues, in rounding of the matrix, up to which they may be equal."""
 _APART = 1e-2
 """Least singular value of unit eigenvectors that are told from each other."""
-_INVERSE_STEPS = 3
-"""Steps of inverse iteration by which vectors of equal eigenvalues are found."""
 _ROUNDING = 1e-13
 """theta relative to the largest that may be rounding of zero."""
 _GRADED = 64.0
@@ -151,7 +138,7 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
     """Mend vectors of equal eigenvalues of an unsymmetric matrix.
 
     Those of rigid motions, say, are what rounding makes of them, which may be one vector twice.
-    Where that is so orthonormal ones by inverse iteration stand for them, if they are as good.
+    Where that is so orthonormal ones of least residual stand for them, if they are as good.
     """
     rounding = _EQUAL * np.finfo(float).eps * float(np.linalg.norm(matrix))
     for members in connected(np.abs(values[:, None] - values) <= rounding):
@@ -161,10 +148,8 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
         if mean.imag < -rounding:
             continue  # corrected with their conjugates
         real = mean.imag <= rounding
-        shift = (mean.real if real else mean) + 0.1 * rounding
-        own = _near(matrix, shift, rounding / _EQUAL, len(members))
-        if own is None:
-            continue
+        shifted = matrix - (mean.real if real else mean) * np.eye(len(matrix))
+        own = svd(shifted)[2][-len(members) :].conj().T
         image = matrix @ own
         found = np.einsum("ij,ij->j", own.conj(), image)
         if np.linalg.norm(image - own * found, axis=0).max() <= rounding:
@@ -173,23 +158,8 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
                 vectors[:, members + 1], values[members + 1] = own.conj(), found.conj()
 
 
-def _near(matrix: Floats, shift: complex, least: float, count: int) -> Complexes | None:
-    """Orthonormal vectors by inverse iteration, no pivot below the least; None beyond all range."""
-    with catch_warnings(action="ignore", category=LinAlgWarning):  # of pivots that are zero
-        factors = lu_factor(matrix - shift * np.eye(len(matrix)))
-    pivots = np.einsum("ii->i", factors[0])
-    pivots[np.abs(pivots) < least] = least
-    own: Any = np.random.default_rng(0).standard_normal((len(matrix), count))
-    for _ in range(_INVERSE_STEPS):
-        own = lu_solve(factors, own)
-        if not np.isfinite(own).all():
-            return None
-        own = np.linalg.qr(own)[0]
-    return own
-
-
 def dense_subspace(
-    op: ShiftInvert, radius: Radius, *, disc_only: bool = False
+    op: ShiftInvert, radius: Callable[[Complexes], float], *, disc_only: bool = False
 ) -> InvariantSubspace:
     """The eigenvalues of a disc about the shift, and unless told all of the window; collective."""
     chosen = partial(_kept, op, radius, disc_only)
@@ -203,7 +173,7 @@ def dense_subspace(
         if factors.max() < _GRADED * factors.min():
             operator = operator / np.outer(1 / factors, factors)
             factors = np.ones(len(factors))
-        form, vectors = _leading(operator, chosen)
+        form, vectors = leading_schur_form(operator, chosen)
     basis = solve_triangular(root, factors[:, None] * vectors, trans="T", lower=True)
     own = np.asfortranarray(basis[rows])
     graded = bool(factors.max() > factors.min())
@@ -230,7 +200,9 @@ def _gathered(op: ShiftInvert) -> tuple[Floats, Floats, slice]:
     return scaled, root, rows
 
 
-def _kept(op: ShiftInvert, radius: Radius, disc_only: bool, theta: Complexes) -> Any:
+def _kept(
+    op: ShiftInvert, radius: Callable[[Complexes], float], disc_only: bool, theta: Complexes
+) -> Any:
     """Which of all theta are in the disc or in the window; infinite eigenvalues are not."""
     sizes = np.abs(theta)
     finite = np.zeros(len(theta), dtype=bool)
@@ -241,7 +213,9 @@ def _kept(op: ShiftInvert, radius: Radius, disc_only: bool, theta: Complexes) ->
     return finite & (disc | others)
 
 
-def _leading(operator: Floats, chosen: Callable[[Complexes], Any]) -> tuple[Floats, Floats]:
+def leading_schur_form(
+    operator: Floats, chosen: Callable[[Complexes], Any]
+) -> tuple[Floats, Floats]:
     """Schur form of OP on those eigenvalues, and its vectors."""
     form, vectors = schur(operator, output="real")
     every = np.ones(len(form), dtype=np.int32)

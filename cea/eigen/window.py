@@ -1,10 +1,10 @@
 """Search of a window: discs about real shifts, and what shows that none of its modes is missing.
 
-Modes that earlier discs hold are locked while a disc is searched. Without damping the first lies
-about the middle of the window, in kappa = -lambda^2. Where friction leaves no more than a cone
-about the real axis it covers the window; else further discs, left of all, cover it as far as
-friction may move eigenvalues (:mod:`cea.eigen.regions`). With damping or rotation the window holds
-the lambda with 0 <= Im lambda <= omega and Re lambda >= -d, and a disc about a real shift c > 0,
+Without damping the first lies about the middle of the window, in kappa = -lambda^2. Where friction
+leaves no more than a cone about the real axis it covers the window; else further discs, left of
+all, cover it as far as friction may move eigenvalues (:mod:`cea.eigen.regions`). With damping or
+rotation the window holds the lambda with 0 <= Im lambda <= omega and Re lambda >= -d, and a disc
+about a real shift c > 0,
 
     abs(lambda - c)^2 <= (c + d)^2 + omega^2,
 
@@ -13,7 +13,7 @@ Of small systems the first disc tells all (:mod:`cea.eigen.subspace`).
 """
 
 import sys
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Iterator
 from functools import cached_property
 from itertools import pairwise
@@ -22,20 +22,14 @@ import numpy as np
 
 from cea.arrays import Complexes
 from cea.eigen.corrected_tests import CorrectedTests
-from cea.eigen.field_of_values import (
-    FieldOfValues,
-    bounded_growth,
-    field_of_values,
-    largest_growth,
-)
-from cea.eigen.krylov_schur import ASIDE, ATTEMPTS, CrowdedError, KrylovOptions, krylov_schur
-from cea.eigen.left_vectors import SAME
-from cea.eigen.mumps import SingularError
+from cea.eigen.field_of_values import bounded_growth, field_of_values, largest_growth
+from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.pencil import Matrices
 from cea.eigen.regions import Disc, distance_of_cone, distance_within, touching_disc, upper_end
-from cea.eigen.shift_invert import MARGIN, Companion, ShiftInvert
+from cea.eigen.search import ATTEMPTS, SHIFT, Search
+from cea.eigen.shift_invert import MARGIN
 from cea.eigen.shifted import count_below
-from cea.eigen.subspace import InvariantSubspace
+from cea.eigen.spectrum import Window
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 
@@ -50,211 +44,104 @@ _AROUND = 1.5
 """Radius up to which a disc about the middle is searched, relative to that of the plain one."""
 _DECAY = 0.1
 """Decay d down to which a damped window is complete by default, relative to omega."""
-_LEAST_SHIFT, _SHIFT, _FARTHEST_SHIFT = 0.1, 0.25, 0.5
+_LEAST_SHIFT, _FARTHEST_SHIFT = 0.1, 0.5
 """First real shift relative to omega: the least, so that it is no eigenvalue of those that hardly
-grow, that where growth may be large, and the farthest, whose disc holds all that may grow."""
+grow, and the farthest, whose disc holds all that may grow."""
 _CROWDED, _FEW = 4, 100
 """Eigenvalues in a disc that are too many: modes of the window without damping, and a number."""
 _AWAY, _SLIM = 4.0, 2.0
 """Growth of a real shift where eigenvalues crowd, and the shift relative to omega from which on a
 disc reaches little beyond the decay asked for."""
-_INSIDE = 1 + SAME
-"""Radius of a disc of left eigenvalues relative to the farthest right one in it: those that are the
-same but for rounding, which is large of rigid motions and near coalescence, are inside."""
 
 
-class WindowSearch(ABC):
-    """Searches of one window of one pencil at given parameters, up to omega (1/s).
+class WindowSearch(Search):
+    """Searches of a window up to omega (1/s).
 
     Attributes
     ----------
-    found, discs
-        Invariant subspace of the eigenvalues found, of the companion form where something damps,
-        and the discs that were searched.
     growth, bounded
         Every eigenvalue of the window that grows at this rate or slower was found (1/s), and
         whether none grows faster.
-    counted
-        Without friction, eigenvalues below :func:`cea.eigen.regions.upper_end` by inertia.
-    factorisations
-        Factorisations made so far.
     """
+
+    growth, bounded = 0.0, False
+
+    def window(self, values: Complexes) -> Window:
+        """What was searched, and why it is believed complete, given all eigenvalues found."""
+        assert self.found is not None
+        upper, symmetric_count, found_below = self._count(values)
+        whole = self.found.whole
+        disc = self.discs[0] if self.discs else Disc(0.0, 0.0)
+        return Window(
+            max_frequency=self._end / (2 * np.pi),
+            shift=disc.centre,
+            radius=disc.radius,
+            found=len(values),
+            discs=len(self.discs),
+            max_growth=np.inf if whole or self.bounded else self.growth,
+            bounded=whole or self.bounded,
+            odd=symmetric_count is None and self.odd(),
+            upper=upper,
+            found_below=found_below,
+            symmetric_count=symmetric_count,
+            whole=whole,
+            min_growth=-self.decay if self._matrices.quadratic else None,
+        )
+
+    @abstractmethod
+    def _count(self, values: Complexes) -> tuple[float, int | None, int]:
+        """An end, the eigenvalues below it by inertia if known, and those that were found."""
+
+
+class UndampedSearch(WindowSearch):
+    """Searches of a window of K x = kappa M x."""
 
     def __init__(
         self, matrices: Matrices, end: float, options: KrylovOptions, timer: StageTimer
     ) -> None:
-        self._matrices, self._end, self._options, self._timer = matrices, end, options, timer
-        self.found: InvariantSubspace | None = None
-        self.discs: list[Disc] = []
-        self.growth, self.bounded = 0.0, False
-        self.counted: int | None = None
-        self.factorisations = 0
-        self._op: ShiftInvert | None = None
-        self._parities: dict[float, int] = {}
-        self._most, self._crowded = sys.maxsize, ""
-
-    def run(self) -> InvariantSubspace:
-        """Every eigenvalue of the window.
-
-        Raises
-        ------
-        ConvergenceError
-            When a disc cannot be searched; ``best`` is the invariant subspace so far.
-        """
-        for centre, radius in self._plan():
-            for attempt in range(ATTEMPTS):  # a shift steps aside where it is an eigenvalue
-                step = attempt * ASIDE
-                disc = Disc(centre * (1 + step), radius + step * abs(centre))
-                try:
-                    op = self.at(disc.centre)
-                    with self._timer("krylov"):
-                        self.found = krylov_schur(
-                            op,
-                            disc.radius,
-                            self._options,
-                            self.found,
-                            seed=len(self.discs),
-                            most=self._most,
-                        )
-                except SingularError:
-                    self._parities.pop(disc.centre, None)
-                    continue
-                except CrowdedError as error:
-                    self._crowded = str(error)
-                else:
-                    self._crowded = ""
-                    self.discs.append(disc)
-                break
-            else:
-                raise ConvergenceError(
-                    f"the pencil is singular at every shift near {centre:.4g}", best=self.found
-                )
-        assert self.found is not None
-        if self.found.whole:
-            self.growth, self.bounded = np.inf, True
-        return self.found
-
-    @abstractmethod
-    def _plan(self) -> Iterator[tuple[float, float]]:
-        """Centre and radius of each disc, once that before it was searched."""
-
-    @abstractmethod
-    def _operator(self, shift: float) -> ShiftInvert:
-        """The operator at a shift."""
-
-    @abstractmethod
-    def _beyond(self, values: Complexes, shift: float) -> int:
-        """Number of eigenvalues beyond a shift."""
-
-    def at(self, shift: float) -> ShiftInvert:
-        """The operator at a shift; that before it is freed."""
-        if self._op is None or self._op.shift != shift:
-            self.free()
-            self.factorisations += 1
-            with self._timer("factorisation"):
-                self._op = self._operator(shift)
-            if (parity := self._op.factors.parity()) is not None:
-                self._parities[shift] = parity
-        return self._op
-
-    @property
-    def near(self) -> ShiftInvert:
-        """An operator near the window, by which errors are estimated."""
-        near = [each.centre for each in self.discs[:2]]
-        if self._op is not None and (not near or self._op.shift in near):
-            return self._op
-        return self.at(self.discs[0].centre)
-
-    @property
-    def whole(self) -> bool:
-        """Whether everything in the window was found, however fast it grows."""
-        return self.found is not None and self.found.whole
-
-    def odd(self, shift: float | None = None) -> bool:
-        """Whether signs of determinants show another real eigenvalue beyond a shift, or any."""
-        if self.found is None:
-            return False
-        values = self.found.eigenvalues
-        chosen = self._parities if shift is None else {shift} & self._parities.keys()
-        return any(self._parities[s] != self._beyond(values, s) % 2 for s in chosen)
-
-    def left(self, rows: int) -> tuple[Complexes, Complexes]:
-        """Eigenvalues of the transposed pencil and so many rows of their vectors, of all found."""
-        assert self.found is not None
-        values, found = self.found.eigenvalues, None
-        discs = sorted(
-            self.discs, key=lambda each: self._op is None or each.centre != self._op.shift
-        )
-        beyond = [np.abs(values - disc.centre) - disc.radius for disc in discs]
-        nearest = np.argmin(beyond, axis=0)  # some converged outside of all discs
-        for number, disc in enumerate(discs):
-            distances = np.abs(values - disc.centre)
-            inside = self.whole | (distances < disc.radius * _INSIDE) | (nearest == number)
-            farthest = max(float(distances[inside].max(initial=0.0)), ASIDE * disc.radius)
-            op = self.at(disc.centre).transposed()
-            with self._timer("krylov"):
-                found = krylov_schur(op, _INSIDE * farthest, self._options, found, seed=len(values))
-        assert found is not None
-        return found.eigenpairs(rows)
-
-    def free(self) -> None:
-        """Free the factors."""
-        if self._op is not None:
-            self._op.free()
-            self._op = None
-
-
-class UndampedSearch(WindowSearch):
-    """Searches of K x = kappa M x."""
-
-    def __init__(
-        self,
-        matrices: Matrices,
-        end: float,
-        options: KrylovOptions,
-        timer: StageTimer,
-        counted: int | None,
-    ) -> None:
         super().__init__(matrices, end, options, timer)
-        self._top, self.counted = end**2, counted
+        self._top, self._upper = end**2, upper_end(end**2)
+        self._counted: int | None = None
 
-    def _operator(self, shift: float) -> ShiftInvert:
-        return ShiftInvert(self._matrices, shift, self._end)
-
-    def _beyond(self, values: Complexes, shift: float) -> int:
-        return int(np.sum(values.real < shift))
+    def _count(self, values: Complexes) -> tuple[float, int | None, int]:
+        return self._upper, self._counted, int(np.sum(values.real < self._upper))
 
     def _plan(self) -> Iterator[tuple[float, float]]:
-        return self._with_friction() if self.counted is None else self._symmetric(self.counted)
+        return self._symmetric() if self._matrices.symmetric else self._with_friction()
 
-    def _symmetric(self, counted: int) -> Iterator[tuple[float, float]]:
+    def _symmetric(self) -> Iterator[tuple[float, float]]:
         """Discs until all that the inertia counts was found."""
-        top, middle, upper = self._top, 0.5 * self._top, upper_end(self._top)
-        yield middle, upper - middle
+        top, middle = self._top, 0.5 * self._top
+        self.factorisations += 1
+        with self.timer("factorisation"):
+            counted = self._counted = count_below(self._matrices, self._upper)
+        yield middle, self._upper - middle
         depth = 0.0
-        while self._below(upper) < counted and len(self.discs) <= self._options.max_discs:
+        while self._below() < counted and len(self.discs) <= self._options.max_discs:
             depth = _FARTHER * max(depth, top)  # a stiffness that is not positive definite
             centre = touching_disc(top, depth)
-            yield centre, distance_within(top, centre, -depth, upper)
-        self.growth, self.bounded = float(np.sqrt(depth)), self._below(upper) == counted
+            yield centre, distance_within(top, centre, -depth, self._upper)
+        self.growth, self.bounded = float(np.sqrt(depth)), self._below() == counted
 
-    def _below(self, upper: float) -> int:
+    def _below(self) -> int:
         assert self.found is not None
-        return int(np.sum(self.found.eigenvalues.real < upper))
+        return int(np.sum(self.found.eigenvalues.real < self._upper))
 
     def _with_friction(self) -> Iterator[tuple[float, float]]:
         """Discs as far to the left as friction may move eigenvalues."""
         top, middle = self._top, 0.5 * self._top
-        plain = upper_end(top) - middle
+        plain = self._upper - middle
         if self._matrices.size <= self._options.dense_limit:
             yield middle, plain
             return
-        field = self._first_field()
-        radius = self._radius_of(field)
-        covers = radius <= _AROUND * plain
+        self.factorisations += 1
+        with self.timer("factorisation"):
+            field = field_of_values(self._matrices, _DEPTH * top, cone=True)
+        radius = distance_of_cone(top, middle, field.depth, field.slope)
+        covers = field.bounded and radius <= _AROUND * plain
         yield middle, max(plain, radius) if covers else plain
         if covers and not self.odd():
-            self.growth, self.bounded = float(np.sqrt(field.depth)), field.bounded
+            self.growth, self.bounded = float(np.sqrt(field.depth)), True
             return
         bounded, reached = field.bounded, -top
         depth = field.depth if bounded else _DEEP * top
@@ -265,28 +152,14 @@ class UndampedSearch(WindowSearch):
             bounded = bounded or self._bounds(reached)
             if bounded and not self.odd(self.discs[-1].centre):
                 break
-        if (tests := vars(self).get("_corrected")) is not None:
-            tests.free()
         self.growth, self.bounded = float(np.sqrt(max(reached, 0.0))), bounded
         for low, high in pairwise(sorted(self._parities)):  # a real one between two shifts
             if self.odd(low) != self.odd(high):
                 yield 0.5 * (low + high), 0.5 * (high - low)
 
-    def _radius_of(self, field: FieldOfValues) -> float:
-        """Radius of the disc about the middle that holds what a cone leaves of the window."""
-        if not field.bounded:
-            return np.inf
-        return distance_of_cone(self._top, 0.5 * self._top, field.depth, field.slope)
-
-    def _first_field(self) -> FieldOfValues:
-        """How far friction moves eigenvalues near the window: what its first disc rests on."""
-        with self._timer("factorisation"):
-            self.factorisations += 1
-            return field_of_values(self._matrices, _DEPTH * self._top, cone=True)
-
     def _bounds(self, depth: float) -> bool:
         """Whether nothing of the window has Re kappa < -depth: by as few tests as show it."""
-        with self._timer("factorisation"):
+        with self.timer("factorisation"):
             self.factorisations += 1
             if field_of_values(self._matrices, depth).bounded:
                 return True
@@ -300,9 +173,15 @@ class UndampedSearch(WindowSearch):
     def _corrected(self) -> CorrectedTests | None:
         return CorrectedTests.of(self._matrices)
 
+    def free(self) -> None:
+        """Free the factors and the test functions."""
+        super().free()
+        if (tests := vars(self).pop("_corrected", None)) is not None:
+            tests.free()
+
 
 class DampedSearch(WindowSearch):
-    """Searches of (lambda^2 M + lambda (C + Y) + K) x = 0.
+    """Searches of a window of (lambda^2 M + lambda (C + Y) + K) x = 0.
 
     The decay d (1/s) may be lessened where modes crowd, unless it is asked for.
     """
@@ -319,11 +198,8 @@ class DampedSearch(WindowSearch):
         self._asked = decay is not None
         self.decay = _DECAY * end if decay is None else decay
 
-    def _operator(self, shift: float) -> ShiftInvert:
-        return Companion(self._matrices, shift, self._end, self.decay)
-
-    def _beyond(self, values: Complexes, shift: float) -> int:
-        return int(np.sum(values.real > shift))
+    def _count(self, values: Complexes) -> tuple[float, int | None, int]:
+        return self._end, None, int(np.sum((values.imag >= 0) & (values.imag <= self._end)))
 
     def _radius(self, centre: float, left: float) -> float:
         """Radius of a disc that holds the window to the right of a real part."""
@@ -332,15 +208,20 @@ class DampedSearch(WindowSearch):
     def _plan(self) -> Iterator[tuple[float, float]]:
         """Discs from the decay to the right, as far as modes may grow."""
         end = self._end
-        with self._timer("factorisation"):
+        with self.timer("factorisation"):
             self.factorisations += 2
             largest = largest_growth(self._matrices, end)
         centre = max(_LEAST_SHIFT * end, 0.5 * (largest - self.decay))
-        yield from self._not_crowded(centre if centre <= _FARTHEST_SHIFT * end else _SHIFT * end)
+        yield from self._not_crowded(centre if centre <= _FARTHEST_SHIFT * end else SHIFT * end)
+        assert self.found is not None
         centre = self.discs[0].centre
         self.growth = 2 * centre + self.decay
         while True:
-            self.bounded = self.whole or self.growth >= largest or self._bounded(self.growth)
+            self.bounded = self.found.whole or self.growth >= largest
+            if not self.bounded:
+                self.factorisations += 1
+                with self.timer("factorisation"):
+                    self.bounded = bounded_growth(self._matrices, self.growth, end)
             if self.bounded and not self.odd(self.discs[-1].centre):
                 break
             if len(self.discs) > self._options.max_discs:
@@ -357,7 +238,7 @@ class DampedSearch(WindowSearch):
         """
         if self._matrices.size > self._options.dense_limit:  # else any number is affordable
             self.factorisations += 1
-            with self._timer("factorisation"):
+            with self.timer("factorisation"):
                 counted = count_below(self._matrices, self._end**2)
             self._most = _CROWDED * counted + _FEW
         for _ in range(ATTEMPTS):
@@ -373,9 +254,3 @@ class DampedSearch(WindowSearch):
             f"{self._crowded}: modes crowd near or above the growth rate {-self.decay:.4g} 1/s; "
             "a higher min_growth leaves them out"
         )
-
-    def _bounded(self, growth: float) -> bool:
-        """Whether no eigenvalue of the window grows at a rate or faster."""
-        self.factorisations += 1
-        with self._timer("factorisation"):
-            return bounded_growth(self._matrices, growth, self._end)

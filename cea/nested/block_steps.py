@@ -20,22 +20,26 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import eig
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, beside, column_blocks, columns_inner, combined, times
-from cea.eigen.pencil import Matrices
-from cea.eigen.residuals import Damping
+from cea.eigen.matching import DEGENERATE, assign
+from cea.eigen.pencil import Damping, Matrices
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
-from cea.nested.ritz import (
-    DEPENDENT,
-    Approximation,
-    growing,
-    matched,
-    one_of_each_pair,
-    quadratic_ritz,
-    ritz,
-)
+
+_DEPENDENT = 1e-13
+"""Singular value of inner products, relative to the largest, that is rounding."""
+
+
+@dataclass(frozen=True)
+class Approximation:
+    """Approximate lambda (1/s) with vectors x and y, y^H (lambda^2 M + lambda D + K) = 0."""
+
+    eigenvalues: Complexes
+    right: Complexes
+    left: Complexes
 
 
 @dataclass(frozen=True)
@@ -98,12 +102,12 @@ class BlockSteps:
         internal = right.forces + self.factors.kappa * right.inertia  # K V + L^T F
         works, masses = self._inner(W, internal), self._inner(W, right.inertia)
         if self.matrices.quadratic:
-            drags = self._inner(W, self._damping.times(V))
-            found, c, d = quadratic_ritz(works, drags, masses)
+            found, c, d = _ritz(works, masses, self._inner(W, self._damping.times(V)))
+        elif self.matrices.symmetric:
+            found, c, d = _symmetric_ritz(works, masses)
         else:
-            kappa, c, d = ritz(works, masses, symmetric=self.matrices.symmetric)
-            found = growing(kappa)
-        order = matched(wanted, found)
+            found, c, d = _ritz(works, masses)
+        order = assign(np.abs(wanted[:, None] - found))[1]
         c, d = (each[:, order] / np.linalg.norm(each[:, order], axis=0) for each in (c, d))
         return Approximation(found[order], V @ c, W @ d)
 
@@ -112,7 +116,7 @@ class BlockSteps:
     ) -> _Spanned:
         """What a step of vectors spans beside a space, in real numbers."""
         if not self.matrices.quadratic:
-            chosen = one_of_each_pair(values)
+            chosen = _one_of_each_pair(values)
             values, x = values[chosen], x[:, chosen]
         loads, alone = self._real_parts(values, self._forces(values, x, transposed=transposed))
         own = self._solved(loads, transposed=transposed)
@@ -126,7 +130,7 @@ class BlockSteps:
             new = _Spanned(new.rows - combined(space.rows, inside))
             gram = self._inner(new.own, new.inertia)
             sizes, axes = np.linalg.eigh(0.5 * (gram + gram.T))
-            kept = sizes > DEPENDENT
+            kept = sizes > _DEPENDENT
             new = _Spanned(combined(new.rows, axes[:, kept] / np.sqrt(sizes[kept])))
         return new
 
@@ -163,7 +167,51 @@ class BlockSteps:
         return all_inner(left, right, self.matrices.stiffness.comm)
 
 
-def middle_shift(eigenvalues: Complexes) -> float:
-    """Shift amid eigenvalues (1/s^2), about which steps shrink errors of all of them."""
-    kappa = -(eigenvalues**2).real
-    return float(0.5 * (kappa.min() + kappa.max()))
+def _one_of_each_pair(eigenvalues: Complexes) -> Ints:
+    """Modes without those that decay as others, conjugate in lambda^2, grow."""
+    decaying = np.flatnonzero((eigenvalues.real < 0) & (eigenvalues.imag > 0))
+    growing = eigenvalues[(eigenvalues.real > 0) & (eigenvalues.imag > 0)]
+    apart = np.abs(eigenvalues[decaying][:, None] + growing.conj())
+    apart /= np.abs(eigenvalues[decaying][:, None])
+    mirrored = decaying[assign(apart, DEGENERATE)[0]]
+    return np.setdiff1d(np.arange(len(eigenvalues)), mirrored)
+
+
+def _symmetric_ritz(works: Floats, masses: Floats) -> tuple[Complexes, Complexes, Complexes]:
+    """As :func:`_ritz` has it, of symmetric matrices: every kappa is real."""
+    sizes, axes = np.linalg.eigh(0.5 * (masses + masses.T))
+    large = sizes > _DEPENDENT * sizes.max()
+    basis = axes[:, large] / np.sqrt(sizes[large])
+    own = basis.T @ works @ basis
+    kappa, z = np.linalg.eigh(0.5 * (own + own.T))
+    vectors = (basis @ z).astype(complex)
+    return _lambda_of(kappa), vectors, vectors
+
+
+def _ritz(
+    works: Floats, masses: Floats, drags: Floats | None = None
+) -> tuple[Complexes, Complexes, Complexes]:
+    """Lambda, right and left vectors of lambda^2 masses + lambda drags + works.
+
+    Bases may be dependent: singular values of the masses that are rounding are left out.
+    """
+    u, sizes, vt = np.linalg.svd(masses)
+    count = int(np.sum(sizes > _DEPENDENT * sizes.max()))
+    U, V = u[:, :count] / sizes[:count], vt[:count].T
+    stiffness = U.T @ works @ V
+    if drags is None:
+        kappa, w, z = eig(stiffness, left=True)
+        return _lambda_of(kappa), V @ z + 0j, U @ w + 0j
+    scale = np.sqrt(np.abs(stiffness).max()) or 1.0
+    one, none = np.eye(count), np.zeros((count, count))
+    damping = U.T @ drags @ V
+    companion = np.block([[none, one], [-stiffness / scale**2, -damping / scale]])
+    found, w, z = eig(companion, left=True)
+    return scale * found, V @ z[:count] + 0j, U @ w[count:] + 0j
+
+
+def _lambda_of(kappa: NDArray[Any]) -> Complexes:
+    """Lambda of -lambda^2 with Im lambda >= 0; of real ones below zero, the one that grows."""
+    values = np.sqrt(-np.asarray(kappa, dtype=complex))
+    values = np.where(values.imag < 0, -values, values) + 0j
+    return np.where(values.imag == 0, np.abs(values.real), values)

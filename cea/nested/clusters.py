@@ -6,10 +6,11 @@ numbers where d > 0, and the pair flutters where d < 0.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats, Ints
+from cea.arrays import Complexes, Ints
 from cea.eigen.matching import connected
 
 NEAR = 2.0
@@ -21,22 +22,13 @@ class Cluster:
     """Eigenvalues that are judged together; most stand alone.
 
     Means and splittings are those of kappa = -lambda^2 (1/s^2) without damping, with damping or
-    rotation those of lambda (1/s).
-
-    Parameters
-    ----------
-    members
-        Modes, shape (n,).
-    mean, corrected_mean
-        Mean on the coarse mesh, and in the richer space.
-    splitting, corrected_splitting
-        Of pairs, ((a - b) / 2)^2; not a number for other sizes.
+    rotation those of lambda (1/s), on the coarse mesh and in the richer space.
     """
 
-    members: Ints
+    members: Ints  # modes, (n,)
     mean: complex
     corrected_mean: complex
-    splitting: complex
+    splitting: complex  # of pairs, ((a - b) / 2)^2; not a number for other sizes
     corrected_splitting: complex
 
     @property
@@ -65,16 +57,12 @@ class Cluster:
         return self.corrected_splitting.real < 0
 
 
-def clusters_of(coarse: Complexes, corrected: Complexes, errors: Floats) -> tuple[Cluster, ...]:
+def clusters_of(coarse: Complexes, corrected: Complexes) -> tuple[Cluster, ...]:
     """Sets of eigenvalues nearer to each other than their errors allow to tell apart.
 
-    Parameters
-    ----------
-    coarse, corrected
-        kappa without damping, lambda with, in the same order, shape (n,).
-    errors
-        Errors of the coarse ones, shape (n,).
+    The eigenvalues, kappa without damping, lambda with, are in the same order, shape (n,).
     """
+    errors = np.abs(corrected - coarse)
     reach = NEAR * (errors[:, None] + errors)
     linked = np.zeros(reach.shape, dtype=bool)
     for values in (coarse, corrected):
@@ -84,14 +72,15 @@ def clusters_of(coarse: Complexes, corrected: Complexes, errors: Floats) -> tupl
             members,
             complex(coarse[members].mean()),
             complex(corrected[members].mean()),
-            _splitting(coarse[members]),
-            _splitting(corrected[members]),
+            complex(splitting(coarse[members])),
+            complex(splitting(corrected[members])),
         )
         for members in connected(linked)
     )
 
 
-def _splitting(values: Complexes) -> complex:
-    if len(values) != 2:
-        return complex(np.nan, np.nan)
-    return complex(((values[0] - values[1]) / 2) ** 2)
+def splitting(values: Complexes) -> Any:
+    """((a - b) / 2)^2 of pairs along the last axis; not a number for other sizes."""
+    if values.shape[-1] != 2:
+        return np.nan * values[..., 0]
+    return ((values[..., 0] - values[..., 1]) / 2) ** 2

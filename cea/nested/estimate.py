@@ -17,14 +17,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Complexes, Floats
+from cea.eigen.blocks import times
 from cea.eigen.classify import Word, classify, thresholds
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Matrices
 from cea.errors import InputError
-from cea.nested.block_steps import BlockSteps, middle_shift
+from cea.nested.block_steps import Approximation, BlockSteps
 from cea.nested.clusters import Cluster, clusters_of
 from cea.nested.prolongation import Prolongation
-from cea.nested.ritz import Approximation
 
 
 @dataclass(frozen=True)
@@ -117,19 +117,23 @@ def error_estimate(
     start = prolonged(coarse, matrices, prolongation)
     if steps < 1:
         raise InputError("steps", steps, "1 or more")
-    work = BlockSteps(matrices, middle_shift(start.eigenvalues))
+    kappa = -(start.eigenvalues**2).real
+    work = BlockSteps(matrices, 0.5 * (kappa.min() + kappa.max()))
     try:
         improved, changes = work.improved(start, steps)
     finally:
         work.free()
     corrected, rounding = improved.eigenvalues, coarse.growth_uncertainties
+    both = coarse.eigenvalues, corrected
+    if not matrices.quadratic:
+        both = -(coarse.eigenvalues**2), -(corrected**2)
     falls = steps < 2 or changes[-1] <= np.maximum(changes[-2], rounding)
     return ErrorEstimate(
         coarse.eigenvalues,
         corrected,
         np.where(falls, changes[-1], np.inf),
         rounding,
-        _clusters(coarse.eigenvalues, corrected, damped=matrices.quadratic),
+        clusters_of(*both),
         damped=matrices.quadratic,
         symmetric=matrices.symmetric and not matrices.quadratic,
         dofs=matrices.size,
@@ -140,17 +144,11 @@ def prolonged(coarse: Modes, matrices: Matrices, prolongation: Prolongation) -> 
     """Modes of a coarse mesh as approximations on a finer one."""
     if not len(coarse):
         raise InputError("modes", 0, "at least one mode to begin with")
-    right = prolongation.apply(coarse.vectors)
+    right = times(prolongation.matrix, coarse.vectors)
     if coarse.left is not None:
-        left = prolongation.apply(coarse.left.vectors)
+        left = times(prolongation.matrix, coarse.left.vectors)
     elif matrices.symmetric and matrices.gyroscopic is None:
         left = right.conj()
     else:
         raise InputError("left", False, "True where coarse modes are solved for: left vectors")
     return Approximation(coarse.eigenvalues, right, left)
-
-
-def _clusters(coarse: Complexes, corrected: Complexes, *, damped: bool) -> tuple[Cluster, ...]:
-    if not damped:
-        coarse, corrected = -(coarse**2), -(corrected**2)
-    return clusters_of(coarse, corrected, np.abs(corrected - coarse))

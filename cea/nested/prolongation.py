@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array, eye_array, kron
 
 from cea.arrays import Floats
@@ -23,6 +22,7 @@ from cea.body import Body
 from cea.body.unknowns import free_operator
 from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy, gather, identity
+from cea.petsc import MPI
 
 
 @dataclass(frozen=True)
@@ -35,21 +35,6 @@ class Prolongation:
 
     matrix: Any
     defect: float
-
-    def apply(self, vectors: NDArray[Any]) -> NDArray[Any]:
-        """Fine displacements of coarse ones, the rows of this rank, shape (n_local, columns)."""
-        x, y = self.matrix.createVecs()
-        image: NDArray[Any] = np.empty(
-            (y.getLocalSize(), vectors.shape[1]), dtype=vectors.dtype, order="F"
-        )
-        parts = ("real", "imag") if np.iscomplexobj(vectors) else ("real",)
-        for i, column in enumerate(vectors.T):
-            for part in parts:
-                x.array[:] = getattr(column, part)
-                self.matrix.mult(x, y)
-                getattr(image, part)[:, i] = y.array_r
-        destroy(x, y)
-        return image
 
     def free(self) -> None:
         """Free the matrix."""
@@ -74,7 +59,7 @@ def of_body(coarse: Body, fine: Body) -> Prolongation:
     frames = fine.constraints.frames(first, last)
     matrix = free_operator(csr_array(frames.T @ full), coarse)
     held = _held_differently(matrix, full, coarse, fine)
-    return Prolongation(matrix, fine.comm.allreduce(max(defect, held), op=_larger))
+    return Prolongation(matrix, fine.comm.allreduce(max(defect, held), op=MPI.MAX))
 
 
 def of_system(parts: Sequence[Prolongation]) -> Prolongation:
@@ -105,7 +90,3 @@ def _held_differently(matrix: Any, full: csr_array, coarse: Body, fine: Body) ->
     difference = np.abs(found.array_r - wanted).max(initial=0.0)
     destroy(u, v, w, found)
     return float(difference)
-
-
-def _larger(one: float, other: float) -> float:
-    return max(one, other)

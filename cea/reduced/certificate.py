@@ -35,9 +35,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.left_vectors import POWERS
 from cea.eigen.matching import connected
-from cea.eigen.pencil import Role
+from cea.eigen.pencil import POWERS, Role
 
 _TOUCH = 10.0
 """Bound of an eigenvalue, in its distance from the next, from the inverse of which on they are

@@ -187,7 +187,7 @@ def line_of(
             model.free()
         rates = dict.fromkeys(names, 1.0)
         return ModelLine(model.small, lambda value: pencil.values(point(value)), rates)
-    damped = any(driver.quadratic(point(value)) for value in ends)
+    damped = any(driver.matrices(point(value)).quadratic for value in ends)
     window = Window(2 * np.pi * max_frequency, damped, decay=0.2 * np.pi * max_frequency)
     return FullLine(AtParameters(driver, names), window)
 
@@ -253,7 +253,7 @@ def _passes_zero(
 ) -> tuple[float, complex]:
     """What passes zero at a threshold, as :class:`Threshold` has it, and lambda."""
     near = (root or 1j * window.end * _ASIDE) * (1 + _ASIDE)
-    quadratic = driver.quadratic(point)
+    quadratic = driver.matrices(point).quadratic
     at = -(near**2) if quadratic else float(-(near**2).real)
     modes = driver.nearest(at, 1 if window.by_growth else _NEIGHBOURS, point)
     nearest = complex(modes.eigenvalues[np.argmin(np.abs(modes.eigenvalues - root))])

@@ -73,7 +73,7 @@ class Norms:
         own, self._forces = slice(0, pieces.displacements), slice(pieces.displacements, pieces.rows)
         self._stiffness = pieces.acting(lambda block: times(matrix, block), own, own)
         factors = self._kept(Mumps(matrix.copy(), symmetric=True, inertia=True))
-        if negative := factors.negative_eigenvalues():
+        if negative := factors.inertia()[0]:
             self.free()
             told = f"{negative} negative eigenvalues of its symmetric part"
             raise InputError("stiffness", told, "none, for a map, where parameters are least")
@@ -98,7 +98,7 @@ class Norms:
         parts = [scaled_total([(c, each.compliance)]) for c, each in softness]
         closure = one_below_the_other([each.closure for each in pencil.forces])
         compliance = block_diagonal(parts).convert("aij")
-        forces = Multipliers(closure, closure, compliance, None, 0, stacked=True)
+        forces = Multipliers(closure, closure, compliance, None, 0)
         destroy(*parts)
         factors = self._kept(Mumps(bordered(matrix, forces, symmetric=True), symmetric=True))
         n = pieces.displacements

@@ -22,7 +22,6 @@ from cea.eigen.multipliers import ForcesOfContact
 from cea.eigen.mumps import Mumps
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence
 from cea.eigen.pencil import Pencil, Role
-from cea.eigen.unformed import LowRank
 from cea.matrices import destroy, scaled_total
 from cea.petsc import PETSc
 
@@ -128,7 +127,7 @@ class Pieces:
     def _of_low_rank(self, pencil: Pencil) -> Iterator[Piece]:
         """Damping of modes one by one."""
         for term in pencil.low_rank:
-            product = _low_rank_product(term.piece, pencil.comm)
+            product = partial(term.piece.times, comm=pencil.comm)
             yield self._piece("damping", term.coefficient, product, product)
 
     def _of_circulatory(self, pencil: Pencil) -> Iterator[Piece]:
@@ -167,12 +166,3 @@ class Pieces:
 def _negative(coefficient: Coefficient) -> Coefficient:
     parts = (replace(each, factor=-each.factor) for each in coefficient.monomials)
     return Coefficient(tuple(parts))
-
-
-def _low_rank_product(piece: LowRank, comm: Any) -> Product:
-    def product(block: Floats) -> Floats:
-        image = np.zeros_like(block)
-        image[piece.rows] = piece.times(block, comm)
-        return image
-
-    return product

@@ -6,9 +6,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.left_vectors import POWERS
 from cea.eigen.parameters import Dependence
-from cea.eigen.pencil import Role
+from cea.eigen.pencil import POWERS, Role
 from cea.reduced.certificate import Residuals, Rounding, real_times
 from cea.reduced.following import Sample, Window
 from cea.reduced.pieces import Values

@@ -26,7 +26,7 @@ from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.blocks import image_of
 from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
-from cea.eigen.unformed import Circulatory, CirculatoryTerm, LowRank, LowRankTerm
+from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm
 from cea.elasticity import Elasticity
 from cea.material import Material
 from cea.matrices import (
@@ -82,10 +82,19 @@ class BodyTerms:
         return f"bodies.{self.name}"
 
     @cached_property
-    def pieces(self) -> tuple[Term | LowRankTerm | CirculatoryTerm, ...]:
-        """K and M, and what damping and rotation make of them."""
+    def pieces(self) -> tuple[Term | UnformedTerm[Circulatory], ...]:
+        """K and M, and what rotation and Rayleigh damping make of them."""
         own = (*self._of_body(), *self._of_constants(), *self._of_rotation())
-        return (*own, *self._of_modes(), *self._carried())
+        return (*own, *self._carried())
+
+    @cached_property
+    def modal(self) -> tuple[UnformedTerm[LowRank], ...]:
+        """Modal damping."""
+        modes = self._damped_modes
+        if modes is None or not self.with_mass:
+            return ()
+        piece = LowRank(modes.images, modes.weights, self._first)
+        return (UnformedTerm(piece, modes.coefficient),)
 
     def parameters(self) -> Iterator[Parameter]:
         """Parameters of the body."""
@@ -119,7 +128,7 @@ class BodyTerms:
         if damping is None or rotation is None or not damping.beta * rotation.rate:
             return None
         term = self.pieces[-1]
-        assert isinstance(term, CirculatoryTerm)
+        assert not isinstance(term, Term)
         free, full = self.body.expansion.createVecs()
         free.array[:] = damping.beta * rotation.rate * term.piece.inner(x.array_r[:, None])[:, 0]
         self.body.expansion.mult(free, full)
@@ -208,14 +217,7 @@ class BodyTerms:
             Z = self.placed(self.body.convective_stiffness(rotation))
             yield Term("stiffness", Z, self._mass.times(rate, 2.0, factor=-1.0))
 
-    def _of_modes(self) -> Iterator[LowRankTerm]:
-        """Modal damping."""
-        modes = self._damped_modes
-        if modes is not None and self.with_mass:
-            piece = LowRank(modes.images, modes.weights, self._first)
-            yield LowRankTerm(piece, modes.coefficient)
-
-    def _carried(self) -> Iterator[Term | CirculatoryTerm]:
+    def _carried(self) -> Iterator[Term | UnformedTerm[Circulatory]]:
         """What damping that a rotation carries along makes: the sparse piece, and full ones."""
         rotation, damping, modes = self.motion.rotation, self.motion.damping, self._damped_modes
         if rotation is None or not self.motion.circulates:
@@ -229,7 +231,7 @@ class BodyTerms:
             right = turned.transpose(PETSc.Mat())
             destroy(turned)
             piece = Circulatory(left, identity(left.getLocalSize()[1], left.comm), right)
-            yield CirculatoryTerm(piece, modes.coefficient.times(rate))
+            yield UnformedTerm(piece, modes.coefficient.times(rate))
         if damping is None:
             return
         K, springs = self.body.stiffness(), self.body.spring_stiffness()
@@ -239,7 +241,7 @@ class BodyTerms:
         yield Term("stiffness", self.placed(B), alpha, symmetric=False)
         left, right = self.placed(K, columns=False), self.placed(B, rows=False)
         beta = self._stiffness.times(f"{self.path}.damping.beta").times(rate)
-        yield CirculatoryTerm(Circulatory(left, self.body.mass(), right), beta)
+        yield UnformedTerm(Circulatory(left, self.body.mass(), right), beta)
 
     @cached_property
     def _damped_modes(self) -> "DampedModes | None":

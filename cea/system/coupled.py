@@ -19,7 +19,6 @@ from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
 from cea.eigen.parameters import Parameter
 from cea.eigen.pencil import Pencil, Term
-from cea.eigen.unformed import CirculatoryTerm, LowRankTerm
 from cea.errors import InputError, ResultWarning
 from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
@@ -165,8 +164,8 @@ class CoupledSystem:
             terms,
             self._parameters(),
             list(forces_of_contacts(with_forces, self.stiffness_diagonal)),
-            [piece for piece in pieces if isinstance(piece, LowRankTerm)],
-            [piece for piece in pieces if isinstance(piece, CirculatoryTerm)],
+            [term for each in self.pieces.values() for term in each.modal],
+            [piece for piece in pieces if not isinstance(piece, Term)],
             leave_out=leave_out,
             nodes=self._nodes,
         )

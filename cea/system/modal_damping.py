@@ -15,12 +15,14 @@ from cea.body import Body
 from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.driver import solve_modes
-from cea.eigen.krylov_schur import KrylovOptions, nearest
+from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.search import NearestSearch
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
+from cea.timing import StageTimer
 
 _SAME = 1e-8  # relative distance up to which frequencies are those of one multiple eigenvalue
 _MOST = 2000  # most modes of a body that are damped one by one
@@ -149,9 +151,13 @@ def _elastic_modes(
         least = float(np.sqrt(_BELOW * largest)) / (2 * np.pi)
         if end is None:  # so many elastic modes, and one more if any
             count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-            found, op = nearest(matrices, -_BELOW * largest, count, KrylovOptions())
-            op.free()
-            end = float(np.sqrt(np.sort(found.eigenvalues.real)[count - 1])) / (2 * np.pi)
+            options, timer = KrylovOptions(), StageTimer()
+            search = NearestSearch(matrices, -_BELOW * largest, count, options, timer)
+            try:
+                kappa = np.sort(search.run().eigenvalues.real)
+            finally:
+                search.free()
+            end = float(np.sqrt(kappa[count - 1])) / (2 * np.pi)
         end = max((1 + _BEYOND) * end, least)
         modes_below = count_below(matrices, (2 * np.pi * end) ** 2)
         if modes_below > _MOST:

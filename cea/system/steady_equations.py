@@ -19,8 +19,7 @@ import numpy as np
 from cea.arrays import Floats
 from cea.contact.contact import Contact
 from cea.contact.laws import NormalCompliance
-from cea.eigen.pencil import Matrices, release
-from cea.eigen.residuals import Sizes, internal_forces
+from cea.eigen.pencil import Matrices, Sizes, internal_forces, release
 from cea.eigen.shifted import Shifted, count_below
 from cea.eigen.static import rounding_uncertainty
 from cea.errors import ConvergenceError

@@ -187,7 +187,7 @@ def _margin(tangent: Matrices, factors: Shifted) -> float:
     for _ in range(_STEPS):
         x.normalize()
         S.mult(x, y)
-        factors.solve(y, x)
+        x.array[:] = factors.solve_block(y.array[:, None])[:, 0]
         growths.append(x.norm())
     destroy(x, y)
     late = np.array(growths[_STEPS // 2 :])

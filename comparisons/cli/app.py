@@ -15,6 +15,7 @@ from traceback import format_exception
 from typing import Annotated, Any
 
 import typer
+from typer import Option
 
 import cea
 from cea.errors import ConvergenceError, InputError, WriteError
@@ -27,8 +28,7 @@ COMMANDS = {
     "sweep": ("sweep:sweep", "Follow the modes of a scene along its fields: what grows where."),
     "threshold": ("sweep:threshold", "Find where flutter begins and ends along a field."),
     "study": ("study:app", "Run a study: both backends, formulations, accuracy, damping, ..."),
-    "figure": ("study:figure", "Make a figure of the paper."),
-    "claims": ("study:claims", "Judge the paper's claims by the figures' data."),
+    "paper": ("study:paper", "Make figures of the paper, and judge its claims."),
     "bench": ("study:bench", "Time and memory beside other programs and methods."),
     "scene": ("scene:app", "Look at scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
@@ -38,10 +38,12 @@ COMMANDS = {
 RENAMED = {
     "accuracy": "study accuracy",
     "brake": "study brake",
+    "claims": "paper claims",
     "damping": "study damping",
     "stability": "study stability",
     "compare": "study agreement",
     "export": "scene export",
+    "figure": "paper",
     "formulations": "study formulations",
     "peers": "bench calculix",
     "race": "bench matrices",
@@ -56,9 +58,7 @@ class _Commands(LazyGroup):
     Typer brings it to find what an option means that is not given; ``--help`` then means no.
     """
 
-    def helps(self) -> dict[str, str]:
-        """Help of each command."""
-        return {name: help for name, (_, help) in COMMANDS.items()}
+    table = COMMANDS
 
     def get_help_option(self, ctx: Any) -> Any:
         """The option ``--help``, no by default."""
@@ -84,7 +84,7 @@ class _Commands(LazyGroup):
 
     def make(self, name: str) -> Any:
         """A command, imported now."""
-        module, _, attribute = COMMANDS[name][0].partition(":")
+        module, _, attribute = self.table[name][0].partition(":")
         return getattr(import_module(f"comparisons.cli.{module}"), attribute)
 
 
@@ -100,8 +100,7 @@ def _tell_version(wanted: bool) -> None:
 @app.callback()
 def _command(
     version: Annotated[
-        bool,
-        typer.Option("--version", callback=_tell_version, is_eager=True, help="Tell the version."),
+        bool, Option("--version", callback=_tell_version, is_eager=True, help="Tell the version.")
     ] = False,
 ) -> None:
     """Friction-induced flutter by complex eigenvalue analysis."""

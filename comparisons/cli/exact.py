@@ -1,7 +1,7 @@
 """The command line ``cea exact``: reference eigenvalues for any parameters."""
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -22,12 +22,22 @@ _HELP = {
     "mu0": "Friction mu0 sin(pi x / length) [0.3].",
     "thresholds": "Instead: exceptional points up to mu0.",
     "kz": "Wave number in z, e.g. pi/2; none: plane strain.",
-    **{"E": "Young's modulus", "nu": "Poisson's ratio", "rho": "Density", "height": "Thickness"},
-    **{"inner": "Inner radius.", "interface": "Radius of the interface.", "outer": "Outer radius."},
+    "E": "Young's modulus",
+    "nu": "Poisson's ratio",
+    "rho": "Density",
+    "height": "Thickness",
+    "inner": "Inner radius.",
+    "interface": "Radius of the interface.",
+    "outer": "Outer radius.",
     "length": "Distance of the roller walls.",
-    **{"k11": "Stiffness.", "k12": "Coupling.", "k22": "Stiffness.", "k3": "That of the contact."},
-    **{f"k{i}": f"Stiffness of contact {i}." for i in (1, 2)},
-    **{f"c{i}": f"Damping of contact {i}." for i in (1, 2)},
+    "k11": "Stiffness.",
+    "k12": "Coupling.",
+    "k22": "Stiffness.",
+    "k3": "That of the contact.",
+    "k1": "Stiffness of contact 1.",
+    "k2": "Stiffness of contact 2.",
+    "c1": "Damping of contact 1.",
+    "c2": "Damping of contact 2.",
     "rotation": "Speed of the frame.",
     "max_frequency": "List all eigenvalues with Im up to this, Re to half.",
     "count": "Or: list so many, lowest first.",
@@ -35,14 +45,22 @@ _HELP = {
 }
 """Help of options; of those that end in _a and _b it is that of the name before, of each body."""
 _TYPES: Mapping[str, Any] = {
-    **{"m": list[int], "thresholds": bool, "count": int | None, "json": Path | None},
-    **{"max_frequency": float | None, "mu0": str | None, "kz": str | None},
+    "m": list[int],
+    "thresholds": bool,
+    "count": int | None,
+    "json": Path | None,
+    "max_frequency": float | None,
 }
 """Types of options that are no text; numbers are texts, which keep all their digits."""
 
 _ELASTIC = {"E_a": "0.1", "nu_a": "0.25", "rho_a": "0.35", "E_b": "1", "nu_b": "0.3", "rho_b": "1"}
-_BRAKE = {"E_a": "1e10", "nu_a": "0.25", "rho_a": "2500"} | {
-    **{"E_b": "2.1e11", "nu_b": "0.3", "rho_b": "7800"}
+_BRAKE = {
+    "E_a": "1e10",
+    "nu_a": "0.25",
+    "rho_a": "2500",
+    "E_b": "2.1e11",
+    "nu_b": "0.3",
+    "rho_b": "7800",
 }
 _LIST = {"max_frequency": None, "count": None, "json": None}
 
@@ -106,50 +124,39 @@ def _hulten(o: Any) -> "list[Entry]":
     return [entries.lumped_system(lumped.hulten(o.mu, *contacts, o.rotation), info)]
 
 
-_PROBLEMS: dict[str, tuple[Callable[[Any], "list[Entry]"], dict[str, Any]]] = {
-    "drum": (
-        _drum,
-        {"m": ..., "p": "1", "mu": "0.3", "kz": None}
-        | _ELASTIC
-        | {"inner": "0.5", "interface": "1", "outer": "1.5"}
-        | _LIST,
-    ),
-    "blocks": (
-        _blocks,
-        {"p": "1", "mu0": None, "mu": None, "thresholds": False, "kz": None}
-        | _ELASTIC
-        | {"height_a": "0.5", "height_b": "1", "length": "2"}
-        | _LIST,
-    ),
-    "ring": (
-        _ring,
-        {"m": ..., "p": "1e12", "mu": "0.3"}
-        | _BRAKE
-        | {"inner": "0.08", "outer": "0.16", "height_a": "0.01", "height_b": "0.02"}
-        | _LIST,
-    ),
-    "hoffmann": (
-        _hoffmann,
-        {"mu": "0.3", "k11": "2.5", "k12": "0.5", "k22": "2", "k3": "4/3", "json": None},
-    ),
-    "hulten": (
-        _hulten,
-        {"mu": "0.3", "k1": "1", "k2": "1.44", "c1": "0", "c2": "0", "rotation": "0", "json": None},
-    ),
+_DEFAULTS: dict[str, dict[str, Any]] = {
+    "drum": {"m": ..., "p": "1", "mu": "0.3", "kz": None}
+    | _ELASTIC
+    | {"inner": "0.5", "interface": "1", "outer": "1.5"}
+    | _LIST,
+    "blocks": {"p": "1", "mu0": None, "mu": None, "thresholds": False, "kz": None}
+    | _ELASTIC
+    | {"height_a": "0.5", "height_b": "1", "length": "2"}
+    | _LIST,
+    "ring": {"m": ..., "p": "1e12", "mu": "0.3"}
+    | _BRAKE
+    | {"inner": "0.08", "outer": "0.16", "height_a": "0.01", "height_b": "0.02"}
+    | _LIST,
+    "hoffmann": {"mu": "0.3", "k11": "2.5", "k12": "0.5", "k22": "2", "k3": "4/3", "json": None},
+    "hulten": {"mu": "0.3", "k1": "1", "k2": "1.44", "c1": "0", "c2": "0", "rotation": "0"}
+    | {"json": None},
 }
-"""What makes the entries of each problem, and its options with their defaults."""
+"""Options of each problem with their defaults."""
+_PROBLEMS = {
+    made.__name__[1:]: (made, inspect.getdoc(made) or "")
+    for made in (_drum, _blocks, _ring, _hoffmann, _hulten)
+}
+"""What makes the entries of each problem, and its help."""
 
 
 class _Problems(LazyGroup):
     """A command for each problem."""
 
-    def helps(self) -> dict[str, str]:
-        """Help of each problem."""
-        return {name: inspect.getdoc(make) or "" for name, (make, _) in _PROBLEMS.items()}
+    table = _PROBLEMS
 
     def make(self, name: str) -> Any:
         """Command of a problem."""
-        make, defaults = _PROBLEMS[name]
+        make, _ = self.table[name]
 
         def call(**given: Any) -> None:
             from cea.files import check_writable
@@ -160,7 +167,7 @@ class _Problems(LazyGroup):
 
         call.__doc__ = make.__doc__
         options = {}
-        for option, default in defaults.items():
+        for option, default in _DEFAULTS[name].items():
             quantity, _, body = option.rpartition("_")
             text = f"{_HELP[quantity]} of body {body}." if body in ("a", "b") else _HELP[option]
             kind = str | None if default is None else str
@@ -189,10 +196,18 @@ def _window(o: Any, default: int) -> tuple[float | None, int | None]:
     return o.max_frequency, count
 
 
-_NOT_IN_LINE = {
-    *("lam", "lam_contact_free", "digits_each", "M", "C", "K"),
-    *("window", "a", "b", "sizes"),
-}
+_NOT_IN_LINE = (
+    "lam",
+    "lam_contact_free",
+    "digits_each",
+    "M",
+    "C",
+    "K",
+    "window",
+    "a",
+    "b",
+    "sizes",
+)
 """What an entry holds beside what its first line shows."""
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import typer
+from typer import Argument, Option
 from typer.core import TyperGroup
 from typer.main import get_command
 
@@ -14,19 +15,13 @@ from cea.errors import InputError
 
 Backend = Literal["fe", "iga"]
 
-SceneName = Annotated[str, typer.Argument(help="TOML file, or the name of a scene.")]
-Settings = Annotated[
-    list[str] | None, typer.Option("--set", help="Override, e.g. contacts.pad_disc.mu=0.3")
-]
-OnBackend = Annotated[Backend | None, typer.Option(help="Backend for every body.")]
-Data = Annotated[
-    str | None, typer.Option(help="Folder of the files that a scene of matrices names.")
-]
-Out = Annotated[Path, typer.Option(help="Folder of the result.")]
-Redraw = Annotated[
-    bool, typer.Option("--redraw", help="Draw the result in --out anew, run nothing.")
-]
-Anew = Annotated[bool, typer.Option("--anew", help="Run every case, also those that are stored.")]
+SceneName = Annotated[str, Argument(help="TOML file, or the name of a scene.")]
+Settings = Annotated[list[str] | None, Option("--set", help="E.g. contacts.pad_disc.mu=0.3")]
+OnBackend = Annotated[Backend | None, Option(help="Backend for every body.")]
+Data = Annotated[str | None, Option(help="Folder of the files that a scene of matrices names.")]
+Out = Annotated[Path, Option(help="Folder of the result.")]
+Redraw = Annotated[bool, Option("--redraw", help="Draw the result in --out anew, run nothing.")]
+Anew = Annotated[bool, Option("--anew", help="Run every case, also those that are stored.")]
 
 PLAIN: Mapping[str, Any] = {"add_completion": False, "rich_markup_mode": None}
 """Options of every group: help in colours takes as long as all else that `cea --help` does."""
@@ -42,9 +37,8 @@ _MODULES = {
 class LazyGroup(TyperGroup):
     """Commands that are made when they are called, and told without being made."""
 
-    def helps(self) -> dict[str, str]:
-        """Help of each command by its name."""
-        raise NotImplementedError
+    table: Mapping[str, tuple[Any, str]] = {}
+    """What makes each command by its name, and its help."""
 
     def make(self, name: str) -> Any:
         """A command: a function, a group of Typer, or one of click."""
@@ -52,11 +46,11 @@ class LazyGroup(TyperGroup):
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Names of the commands."""
-        return list(self.helps())
+        return list(self.table)
 
     def get_command(self, ctx: Any, name: str) -> Any:
         """A command, made now."""
-        if name not in self.helps():
+        if name not in self.table:
             return None
         made = self.make(name)
         if inspect.isfunction(made):
@@ -68,7 +62,7 @@ class LazyGroup(TyperGroup):
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write names and help."""
         with formatter.section("Commands"):
-            formatter.write_dl(list(self.helps().items()))
+            formatter.write_dl([(name, text) for name, (_, text) in self.table.items()])
 
 
 class MissingExtraError(Exception):
@@ -98,12 +92,9 @@ def command_with(
     """A command with an option for each name: its type, default and help."""
     one, parameters = typer.Typer(**PLAIN), []
     for option, (kind, default, text) in options.items():
-        given = typer.Option(default, f"--{option.replace('_', '-')}", help=text)
-        parameters.append(
-            inspect.Parameter(
-                option, inspect.Parameter.KEYWORD_ONLY, annotation=kind, default=given
-            )
-        )
+        given = Option(default, f"--{option.replace('_', '-')}", help=text)
+        only = inspect.Parameter.KEYWORD_ONLY
+        parameters.append(inspect.Parameter(option, only, annotation=kind, default=given))
     call.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     call.__annotations__ = {option: kind for option, (kind, _, _) in options.items()}
     one.command(name)(call)
@@ -134,12 +125,9 @@ def with_backend(scene: str, overrides: Sequence[str], backend: Backend | None) 
     """Overrides that put every body of a scene on one backend, behind others."""
     if backend is None:
         return tuple(overrides)
-    from scenes.spec.plain import is_of_matrices
-    from scenes.spec.reading import load_scene
+    from scenes.spec.reading import load_any
 
-    if is_of_matrices(scene):
-        refuse({"backend": backend}, "of a scene of matrices, which has no bodies")
-    bodies = load_scene(scene, overrides, backend).bodies
+    bodies = getattr(load_any(scene, overrides, backend), "bodies", ())
     return (*overrides, *(f'bodies.{name}.backend="{backend}"' for name in bodies))
 
 

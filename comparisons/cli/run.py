@@ -4,8 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer import Option
 
-from comparisons.cli.options import Data, OnBackend, Out, SceneName, Settings, need, refuse
+from comparisons.cli.options import Data, OnBackend, Out, SceneName, Settings, need
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -13,14 +14,10 @@ if TYPE_CHECKING:
     from comparisons.cli.output import Working
     from scenes import Result
     from scenes.spec.matrices import MatrixScene
-    from scenes.spec.reading import Scene
+    from scenes.spec.reading import OutputSpec, Scene
 
-_Overwrite = Annotated[
-    bool, typer.Option("--overwrite", help="Let go of another scene's result there.")
-]
-_Report = Annotated[
-    bool, typer.Option("--report", help="Write report.html too: one file, to be played with.")
-]
+_Overwrite = Annotated[bool, Option("--overwrite", help="Let go of another scene's result there.")]
+_Report = Annotated[bool, Option("--report", help="Write report.html too.")]
 
 
 def run(
@@ -29,57 +26,36 @@ def run(
     backend: OnBackend = None,
     data: Data = None,
     out: Annotated[
-        Path | None,
-        typer.Option(help="Folder for result.json and all else; results/NAME by default."),
+        Path | None, Option(help="Folder of the result; results/NAME by default.")
     ] = None,
     overwrite: _Overwrite = False,
     report: _Report = False,
-    explain: Annotated[
-        bool, typer.Option("--explain", help="Tell why each thing was left out.")
-    ] = False,
+    explain: Annotated[bool, Option("--explain", help="Tell why each thing was left out.")] = False,
 ) -> None:
     """Run one scene and write its result.json."""
     from comparisons.cli.output import working
     from scenes.spec.body import file_name
-    from scenes.spec.plain import is_of_matrices
+    from scenes.spec.reading import Scene, load_any
 
+    with working("reading the scene"):
+        chosen = load_any(scene, set_ or (), backend, data)
     inputs: dict[str, Any] = {"scene": scene, "set": set_ or [], "backend": backend}
-    chosen: Scene | MatrixScene
-    if is_of_matrices(scene):
-        from scenes.spec.matrices import load_matrices
-
-        refuse({"backend": backend}, "of a scene of matrices, which has no bodies")
-        chosen = load_matrices(scene, set_ or (), data)
+    if not isinstance(chosen, Scene):
         inputs["data"] = data
-    else:
-        from scenes.spec.reading import load_scene
-
-        refuse({"data": data}, "of a scene of bodies, which reads no matrices")
-        with working("reading the scene"):
-            chosen = load_scene(scene, set_ or (), backend)
     out = out or Path("results") / file_name(chosen.name)
     _run(chosen, out, inputs, overwrite=overwrite, report=report, explain=explain)
 
 
 def solve(
-    mass: Annotated[str, typer.Option(help="File of M: .mat, .mtx, .mtx.gz, .npz, PETSc binary.")],
-    stiffness: Annotated[str, typer.Option(help="File of K, FILE.mat:NAME where it holds more.")],
-    max_frequency: Annotated[float, typer.Option(help="Upper end of the window (Hz).")],
-    damping: Annotated[
-        str | None, typer.Option(help="File of C, damping and gyroscopic parts alike.")
-    ] = None,
-    symmetric: Annotated[
-        bool | None,
-        typer.Option(help="Mirror files of one triangle, or take them as they are."),
-    ] = None,
+    mass: Annotated[str, Option(help="File of M: .mat, .mtx, .mtx.gz, .npz, PETSc binary.")],
+    stiffness: Annotated[str, Option(help="File of K, FILE.mat:NAME where it holds more.")],
+    max_frequency: Annotated[float, Option(help="Upper end of the window (Hz).")],
+    damping: Annotated[str | None, Option(help="File of C, gyroscopic parts too.")] = None,
+    symmetric: Annotated[bool | None, Option(help="Mirror files of one triangle.")] = None,
     growth_threshold: Annotated[
-        float | None,
-        typer.Option(help="Growth rate (1/s) above which a mode is unstable; 1e-4 of |lambda|."),
+        float | None, Option(help="Growth rate (1/s) of unstable modes.")
     ] = None,
-    min_growth: Annotated[
-        float | None,
-        typer.Option(help="Growth rate (1/s), zero or less, down to which damped modes count."),
-    ] = None,
+    min_growth: Annotated[float | None, Option(help="Least growth rate (1/s) of modes.")] = None,
     out: Out = Path("results/solve"),
     overwrite: _Overwrite = False,
     report: _Report = False,
@@ -87,24 +63,22 @@ def solve(
     """Solve (lambda^2 M + lambda C + K) x = 0 for matrices from files."""
     from scenes.spec.matrices import read_matrix_scene
 
-    files = {"M": mass, "K": stiffness} | ({"C": damping} if damping is not None else {})
-    limits = {"growth_threshold": growth_threshold, "min_growth": min_growth}
-    analysis = {"kind": "cea", "max_frequency": max_frequency, **limits}
-    scene = read_matrix_scene(
-        {
-            "name": "solve",
-            "files": files,
-            "symmetric": None if symmetric is None else dict.fromkeys(files, symmetric),
-            "mass": {"M": 1.0},
-            "damping": {"C": 1.0} if damping is not None else {},
-            "stiffness": {"K": 1.0},
-            "analysis": analysis,
-        }
-    )
-    inputs: dict[str, Any] = {"mass": mass, "damping": damping, "stiffness": stiffness}
+    roles = {"mass": mass, "stiffness": stiffness, "damping": damping}
+    files = {role: file for role, file in roles.items() if file is not None}
+    analysis = {
+        "kind": "cea",
+        "max_frequency": max_frequency,
+        "growth_threshold": growth_threshold,
+        "min_growth": min_growth,
+    }
+    data = {"name": "solve", "files": files, "analysis": analysis}
+    sums = {role: {role: 1.0} for role in files}
+    inputs: dict[str, Any] = {**roles, **analysis}
     if symmetric is not None:
+        data["symmetric"] = dict.fromkeys(files, symmetric)
         inputs["symmetric"] = symmetric
-    _run(scene, out, {**inputs, **analysis}, overwrite=overwrite, report=report)
+    scene = read_matrix_scene(data | sums)
+    _run(scene, out, inputs, overwrite=overwrite, report=report)
 
 
 def _run(
@@ -121,17 +95,18 @@ def _run(
     from scenes.results.folder import RESULT, check_run_out, new_folder
     from scenes.results.record import save_result
     from scenes.running.analysis import run_scene
+    from scenes.spec.reading import OutputSpec
 
-    output = getattr(scene, "output", None)
+    output = getattr(scene, "output", OutputSpec())
     with working("") as work:
         check_run_out(out, inputs, overwrite=overwrite)
-        if report or (output is not None and (output.pictures or output.paraview)):
+        if report or output.pictures or output.paraview:
             need("pictures")
         result = run_scene(scene, listener=work.stage)
     print_result(result, explain=explain)
     page = None
     with working("writing") as work, new_folder(out, root=result.comm.rank == 0) as new:
-        drawn = {} if output is None else _draw(result, new.part, work)
+        drawn = _draw(result, output, new.part, work)
         record = save_result(result, new.part / RESULT, inputs=inputs, data=drawn)
         if report:
             from comparisons.run_report import write_run_report
@@ -144,19 +119,18 @@ def _run(
         typer.echo(f"The page to open: {page}")
 
 
-def _draw(result: "Result", folder: Path, work: "Working") -> dict[str, list[str]]:
+def _draw(
+    result: "Result", output: "OutputSpec", folder: Path, work: "Working"
+) -> dict[str, list[str]]:
     """Write the pictures and files for ParaView that a scene asks for; their names."""
     files: dict[str, list[Path]] = {}
-    output = result.scene.output
     if output.pictures:
         from comparisons.contact_pictures import draw_contacts
 
         work.stage("pictures")
         files["pictures"] = draw_contacts(result, folder)
         if result.spectrum is not None:
-            from scenes.export.pictures import write_modes
-
-            files["pictures"] += write_modes(result, output.pictures, folder)
+            files["pictures"] += result.draw(output.pictures, folder)
     if output.paraview:
         from scenes.export.paraview import write_load_steps, write_paraview
 

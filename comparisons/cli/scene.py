@@ -1,15 +1,19 @@
 """Commands of scenes: check, list, export, reference, schema."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
+from typer import Option
 
 from comparisons.cli.options import PLAIN, Data, OnBackend, Out, SceneName, Settings, need
 
+if TYPE_CHECKING:
+    from scenes.spec.reading import Scene
+
 app = typer.Typer(no_args_is_help=True, **PLAIN)
 
-_File = Annotated[Path | None, typer.Option(help="File to write instead.")]
+_File = Annotated[Path | None, Option(help="File to write instead.")]
 
 
 @app.callback()
@@ -23,43 +27,36 @@ def check(
     set_: Settings = None,
     backend: OnBackend = None,
     data: Data = None,
-    picture: Annotated[
-        bool, typer.Option("--picture/--no-picture", help="Draw bodies, supports, contact points.")
-    ] = True,
+    picture: Annotated[bool, Option("--picture/--no-picture", help="Draw the scene.")] = True,
     out: Out = Path("results/check"),
 ) -> None:
     """Tell every fault of a scene, else what it would take; nothing is solved."""
-    from scenes.spec.plain import is_of_matrices
+    from scenes.spec.reading import Scene, load_any
 
-    if is_of_matrices(scene):
+    chosen = load_any(scene, set_ or [], backend, data)
+    if isinstance(chosen, Scene):
+        _check_bodies(chosen, out / f"{Path(scene).stem}.png" if picture else None)
+    else:
         from scenes.matrices.pencil import matrix_pencil, read_pieces
-        from scenes.spec.matrices import load_matrices
 
-        chosen = load_matrices(scene, set_ or [], data)
         pieces = read_pieces(chosen)
         matrix_pencil(chosen, pieces)
         typer.echo(f"matrices: {', '.join(pieces)}")
-    else:
-        file = out / f"{Path(scene).stem}.png" if picture else None
-        _check_bodies(scene, set_ or [], backend, file)
     typer.echo("no faults")
 
 
-def _check_bodies(
-    scene: str, set_: list[str], backend: Literal["fe", "iga"] | None, file: Path | None
-) -> None:
+def _check_bodies(scene: "Scene", file: Path | None) -> None:
     """Look at a scene of bodies; faults end the command with their lines."""
     from cea.files import check_writable
     from comparisons.cli.output import print_skipped, print_warnings, working
     from scenes.checking.check import inspect_scene, told
-    from scenes.spec.problems import SceneError
-    from scenes.spec.reading import load_scene
+    from scenes.spec.problems import refuse
 
     if file is not None:
         need("pictures")
         check_writable(file, "out")
     with working("bodies and contact points"):
-        inspection = inspect_scene(load_scene(scene, set_, backend))
+        inspection = inspect_scene(scene)
     for line in told(inspection):
         typer.echo(line)
     print_warnings(warning.plain() for warning in inspection.warnings)
@@ -68,8 +65,7 @@ def _check_bodies(
         from scenes.pictures.scene import draw_scene
 
         typer.echo(f"The picture to open: {draw_scene(inspection, file)}")
-    if inspection.faults:
-        raise SceneError(inspection.faults)
+    refuse(inspection.faults)
 
 
 @app.command(name="list")
@@ -100,14 +96,10 @@ def _first(description: str) -> str:
 @app.command()
 def export(
     scene: SceneName,
-    to: Annotated[
-        Literal["inp"], typer.Option(help="Form: inp, decks of CalculiX and Abaqus.")
-    ] = "inp",
+    to: Annotated[Literal["inp"], Option(help="Form: inp, decks of CalculiX and Abaqus.")] = "inp",
     set_: Settings = None,
-    backend: Annotated[
-        Literal["fe"] | None, typer.Option(help="Backend for every body; decks need fe.")
-    ] = None,
-    modes: Annotated[int, typer.Option(help="Modes that the decks ask for.")] = 20,
+    backend: Annotated[Literal["fe"] | None, Option(help="Backend for every body.")] = None,
+    modes: Annotated[int, Option(help="Modes that the decks ask for.")] = 20,
     out: Out = Path("results/export"),
 ) -> None:
     """Write a scene of Lagrange elements as input decks of CalculiX and Abaqus."""
@@ -131,9 +123,7 @@ def reference(out: _File = None) -> None:
 
 @app.command()
 def schema(
-    matrices: Annotated[
-        bool, typer.Option("--matrices", help="That of scenes of matrices.")
-    ] = False,
+    matrices: Annotated[bool, Option("--matrices", help="That of scenes of matrices.")] = False,
     out: _File = None,
 ) -> None:
     """JSON Schema of scenes, with which editors complete and check them."""

@@ -12,35 +12,35 @@ from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
+from typer import Argument, Option
 
-from cea.errors import InputError
+from cea.errors import require
 from comparisons.cli.options import PLAIN, Anew, LazyGroup, Out, command_with, need
 
 if TYPE_CHECKING:
     from comparisons.study.result import StudyResult
     from comparisons.study.study import Study
 
-STUDIES: dict[str, tuple[str, str, tuple[str, ...]]] = {
-    "agreement": ("agreement:STUDY", "Both backends on disc and pad, in every pairing.", ()),
-    "accuracy": ("accuracy.study:STUDY", "Error of every method against run time.", ("exact",)),
+STUDIES = {
+    "agreement": ("agreement", "Both backends on disc and pad, in every pairing."),
+    "accuracy": ("accuracy.study", "Error of every method against run time."),
     "formulations": (
-        *("formulations.study:STUDY", "Which formulations pass patch tests, lock, keep momentum."),
-        ("exact",),
+        "formulations.study",
+        "Which formulations pass patch tests, lock, keep momentum.",
     ),
-    "stability": (
-        *("stability.study:STUDY", "Stiff and extreme scenes beside references."),
-        ("exact",),
-    ),
-    "brake": ("brake.study:STUDY", "A ventilated brake on several meshes.", ()),
-    "damping": ("damping:STUDY", "How damping moves the threshold of flutter.", ("exact",)),
+    "stability": ("stability.study", "Stiff and extreme scenes beside references."),
+    "brake": ("brake.study", "A ventilated brake on several meshes."),
+    "damping": ("damping", "How damping moves the threshold of flutter."),
 }
-"""Place of each study below comparisons, its help, and the extras that it needs beside pictures."""
-BENCHMARKS: dict[str, tuple[str, str, tuple[str, ...]]] = {
-    "assembly": ("bench.assembly:STUDY", "Stiffness and mass, beside dolfinx.", ()),
-    "solve": ("bench.solve:STUDY", "Modes of disc_pad, beside SLEPc, scipy, projection.", ()),
-    "scaling": ("bench.scaling:STUDY", "More ranks and finer meshes.", ()),
-    "matrices": ("bench.matrices:STUDY", "Matrices from files, beside scipy.", ()),
-    "calculix": ("bench.calculix:STUDY", "CalculiX on the same meshes.", ()),
+"""Module of each study below comparisons, and its help."""
+_BESIDE_EXACT = ("accuracy", "formulations", "stability", "damping")
+"""Studies that need exact eigenvalues."""
+BENCHMARKS = {
+    "assembly": ("bench.assembly", "Stiffness and mass, beside dolfinx."),
+    "solve": ("bench.solve", "Modes of disc_pad, beside SLEPc, scipy, projection."),
+    "scaling": ("bench.scaling", "More ranks and finer meshes."),
+    "matrices": ("bench.matrices", "Matrices from files, beside scipy."),
+    "calculix": ("bench.calculix", "CalculiX on the same meshes."),
 }
 """Benchmarks: time and memory beside other programs and methods, on this machine."""
 
@@ -52,10 +52,9 @@ _COMMON: dict[str, tuple[Any, Any, str]] = {
 }
 
 
-def study_at(place: str) -> "Study":
-    """The study that a name of a module and of a variable gives."""
-    module, _, name = place.partition(":")
-    return getattr(import_module(module), name)
+def study_in(module: str) -> "Study":
+    """The study of a module below comparisons."""
+    return import_module(f"comparisons.{module}").STUDY
 
 
 class Studies(LazyGroup):
@@ -63,15 +62,26 @@ class Studies(LazyGroup):
 
     table = STUDIES
 
-    def helps(self) -> dict[str, str]:
-        """Help of each study."""
-        return {name: help for name, (_, help, _) in self.table.items()}
-
     def make(self, name: str) -> Any:
-        """Command of a study."""
-        place, _, extras = self.table[name]
-        need("pictures", *extras)
-        return command_of(f"comparisons.{place}")
+        """Command with the options of a study and those that all have."""
+        need("pictures", *(["exact"] if name in _BESIDE_EXACT else []))
+        study = study_in(self.table[name][0])
+        help_of, hints = _described(study.options), get_type_hints(study.options)
+        shown: dict[str, tuple[Any, Any, str]] = {}
+        for each in fields(study.options):
+            kind = _type_of_option(hints[each.name])
+            if kind is not None:  # left out, the study's own default stands
+                shown[each.name] = (kind, None, help_of.get(each.name, ""))
+        out = Path("results", *study.name.split())
+        shown |= _COMMON | {"out": (Path, out, "Folder of the result.")}
+
+        def call(**given: Any) -> None:
+            common = {name: given.pop(name) for name in (*_COMMON, "out")}
+            chosen = {name: value for name, value in given.items() if value not in (None, [])}
+            run_study(study, chosen, **common)
+
+        call.__doc__ = f"{study.title}."
+        return command_with(call, shown)
 
 
 class Benchmarks(Studies):
@@ -80,40 +90,16 @@ class Benchmarks(Studies):
     table = BENCHMARKS
 
 
-def command_of(place: str) -> Any:
-    """Command with the options of a study and those that all have."""
-    study = study_at(place)
-    help_of, hints = _described(study.options), get_type_hints(study.options)
-    shown: dict[str, tuple[Any, Any, str]] = {
-        f.name: (*_option(hints[f.name]), help_of.get(f.name, ""))
-        for f in fields(study.options)
-        if _option(hints[f.name])[0] is not None
-    }
-    out = Path("results", *study.name.split())
-    shown |= _COMMON | {"out": (Path, out, "Folder of the result.")}
-
-    def call(**given: Any) -> None:
-        common = {name: given.pop(name) for name in (*_COMMON, "out")}
-        run_study(study, {name: v for name, v in given.items() if v not in (None, [])}, **common)
-
-    call.__doc__ = f"{study.title}."
-    return command_with(call, shown)
-
-
-def _option(hint: Any) -> tuple[Any, Any]:
-    """Type of an option and its default, None where the study's own stands; no type, no option."""
+def _type_of_option(hint: Any) -> Any:
+    """Type of the option for a field of a study's options; None where it is no option."""
     origin, parts = get_origin(hint), get_args(hint)
     if origin is UnionType and type(None) in parts:
-        return _option(next(part for part in parts if part is not type(None)))
-    if origin is tuple and len(parts) == 2 and parts[1] is Ellipsis:
-        kind = _option(parts[0])[0]
-        lists = {int: list[int], float: list[float], str: list[str]}
-        return lists.get(kind), None
-    if origin is tuple:
-        return hint, None
-    if hint is bool:
-        return bool, None
-    return (hint if hint in (int, float, str) else None), None
+        return _type_of_option(next(part for part in parts if part is not type(None)))
+    if hint is bool or (origin is tuple and parts[-1] is not Ellipsis):
+        return hint
+    kind = parts[0] if origin is tuple else hint
+    lists: dict[type, Any] = {int: list[int], float: list[float], str: list[str]}
+    return lists.get(kind) if origin is tuple or kind not in lists else kind
 
 
 def _described(options: type) -> dict[str, str]:
@@ -146,7 +132,7 @@ def run_study(
         result = read(study.name, out)
     else:
         check_out(out)
-        result = _run(study, given, out, quick, _labels(only or []), anew)
+        result = _run(study, given, out, quick, only or [], anew)
     with new_folder(out, root=MPI.COMM_WORLD.rank == 0) as new:
         page = write_study(study, result, new.part) if MPI.COMM_WORLD.rank == 0 else None
     if page is None:
@@ -161,17 +147,20 @@ def run_study(
 
 
 def _run(
-    study: "Study", given: dict[str, Any], out: Path, quick: bool, only: dict[str, str], anew: bool
+    study: "Study", given: dict[str, Any], out: Path, quick: bool, only: list[str], anew: bool
 ) -> "StudyResult":
     from comparisons.cli.output import working
     from comparisons.study.progress import Progress
     from comparisons.study.run import run, selected
 
+    for each in only:
+        require("=" in each, "only", each, "LABEL=VALUE")
+    labels = dict(each.split("=", 1) for each in only)
     values = {name: tuple(v) if isinstance(v, list) else v for name, v in given.items()}
     options = study.options(**{**(study.quick if quick else {}), **values})
-    with working(study.name, steps=len(selected(study, options, only))) as work:
+    with working(study.name, steps=len(selected(study, options, labels))) as work:
         progress = Progress(step=work.step, stage=work.stage)
-        return run(study, options, out, anew=anew, only=only, progress=progress)
+        return run(study, options, out, anew=anew, only=labels, progress=progress)
 
 
 def _print(study: "Study", result: "StudyResult") -> None:
@@ -191,13 +180,6 @@ def _print(study: "Study", result: "StudyResult") -> None:
         typer.echo(f"{failed} of {len(result.cases)} cases failed: see the report")
 
 
-def _labels(only: list[str]) -> dict[str, str]:
-    for each in only:
-        if "=" not in each:
-            raise InputError("only", each, "LABEL=VALUE")
-    return dict(each.split("=", 1) for each in only)
-
-
 app = typer.Typer(cls=Studies, no_args_is_help=True, **PLAIN)
 
 
@@ -214,28 +196,17 @@ def _bench() -> None:
     """Time and memory beside other programs and methods, on this machine."""
 
 
-_PAPER = "comparisons.paper.study:STUDY"
-
-
-def figure(
+def paper(
     names: Annotated[
-        list[str], typer.Argument(help="Numbers of figures, studies by name, or all.")
-    ],
-    only: Annotated[
-        list[str] | None,
-        typer.Option(help="mesh=NURBS: what to compute; what is stored is shown too."),
+        list[str] | None, Argument(help="Figures by number or name, or claims.")
     ] = None,
+    only: Annotated[list[str] | None, Option(help="Cases to compute, e.g. mesh=NURBS.")] = None,
     anew: Anew = False,
-    out: Out = Path("results/figures"),
+    out: Out = Path("results/paper"),
 ) -> None:
-    """Make figures of the paper on every kind of mesh: data, pictures, its numbers beside ours."""
+    """Make figures of the paper on every kind of mesh, and judge its claims by their numbers."""
     need("pictures")
-    given = {"figures": () if names == ["all"] else tuple(names)}
-    run_study(study_at(_PAPER), given, out=out, only=only, anew=anew)
-
-
-def claims(anew: Anew = False, out: Out = Path("results/claims")) -> None:
-    """Judge the paper's claims by the numbers of all figures; what is not stored is computed."""
-    need("pictures")
-    paper = study_at(_PAPER)
-    run_study(replace(paper, sections=paper.sections[:1]), {}, out=out, anew=anew)
+    made, given = study_in("paper.study"), {"figures": tuple(names or ())}
+    if names == ["claims"]:
+        made, given = replace(made, sections=made.sections[:1]), {}
+    run_study(made, given, out=out, only=only, anew=anew)

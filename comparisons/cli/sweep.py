@@ -5,6 +5,7 @@ from time import perf_counter
 from typing import Annotated, Any, Literal
 
 import typer
+from typer import Argument, Option
 
 from comparisons.cli.options import (
     Data,
@@ -33,7 +34,7 @@ def sweep(
     scene: SceneName,
     axes: Annotated[
         list[str],
-        typer.Argument(
+        Argument(
             help="What varies: field=first:last:count, or ...:last:log:count; or how it is spread: "
             "field~normal:mean:deviation, ~lognormal:median:deviation, ~uniform:low:high."
         ),
@@ -41,21 +42,13 @@ def sweep(
     set_: Settings = None,
     backend: OnBackend = None,
     data: Data = None,
-    samples: Annotated[
-        int | None, typer.Option(help="Samples of fields that are spread; 2,000 by default.")
-    ] = None,
-    seed: Annotated[int | None, typer.Option(help="Seed of the samples; 0 by default.")] = None,
-    full: Annotated[
-        bool, typer.Option("--full", help="Solve each value in full, on no basis.")
-    ] = False,
-    tolerance: Annotated[
-        float, typer.Option(help="Error of lambda, relative, up to which a value is certified.")
-    ] = 1e-8,
-    solves: Annotated[int, typer.Option(help="Most full solves of a basis.")] = 150,
-    checks: Annotated[int, typer.Option(help="Full solves at random values that test a map.")] = 2,
-    confirm: Annotated[
-        int, typer.Option(help="Thresholds of a map that full solves confirm.")
-    ] = _CONFIRM,
+    samples: Annotated[int | None, Option(help="Samples of distributions; 2,000.")] = None,
+    seed: Annotated[int | None, Option(help="Seed of the samples; 0 by default.")] = None,
+    full: Annotated[bool, Option("--full", help="Solve each value in full, on no basis.")] = False,
+    tolerance: Annotated[float, Option(help="Largest relative error of lambda.")] = 1e-8,
+    solves: Annotated[int, Option(help="Most full solves of a basis.")] = 150,
+    checks: Annotated[int, Option(help="Full solves at random values that test a map.")] = 2,
+    confirm: Annotated[int, Option(help="Thresholds that full solves confirm.")] = _CONFIRM,
     redraw: Redraw = False,
     out: Out = Path("results/sweep"),
 ) -> None:
@@ -100,10 +93,7 @@ def sweep(
 
 def threshold(
     scene: SceneName,
-    axes: Annotated[
-        list[str],
-        typer.Argument(help="What varies, the field of the thresholds first, as in cea sweep."),
-    ],
+    axes: Annotated[list[str], Argument(help="Fields as in cea sweep, that of thresholds first.")],
     set_: Settings = None,
     backend: OnBackend = None,
     data: Data = None,
@@ -163,21 +153,16 @@ def _sweep(asked: Any, out: Path) -> None:
 
 def converge(
     scene: SceneName,
-    digits: Annotated[int, typer.Option(help="Significant digits of frequencies.")] = 3,
-    growth_digits: Annotated[
-        int | None, typer.Option(help="Those of growth rates; one less by default.")
-    ] = None,
+    digits: Annotated[int, Option(help="Significant digits of frequencies.")] = 3,
+    growth_digits: Annotated[int | None, Option(help="Of growth rates; one less.")] = None,
     backend: Annotated[
-        Literal["both", "fe", "iga"], typer.Option(help="Backends that are refined.")
+        Literal["both", "fe", "iga"], Option(help="Backends that are refined.")
     ] = "both",
-    budget: Annotated[float, typer.Option(help="Seconds that all of it may take.")] = 900.0,
+    budget: Annotated[float, Option(help="Seconds that all of it may take.")] = 900.0,
     unstable: Annotated[
-        bool,
-        typer.Option("--unstable", help="Only modes not known to be stable must hold digits."),
+        bool, Option("--unstable", help="Only modes not known to be stable count.")
     ] = False,
-    sweep_digits: Annotated[
-        int, typer.Option(help="Digits that the mesh written for sweeps holds.")
-    ] = 2,
+    sweep_digits: Annotated[int, Option(help="Digits of the mesh for sweeps.")] = 2,
     set_: Settings = None,
     redraw: Redraw = False,
     out: Out = Path("results/converge"),

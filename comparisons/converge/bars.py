@@ -15,6 +15,7 @@ from math import inf, isfinite, sqrt
 import numpy as np
 
 from cea.arrays import Complexes
+from cea.nested.clusters import splitting
 from comparisons.converge.ladder import MESHES, RATIO
 
 FACTOR = 2.0
@@ -39,20 +40,13 @@ def bar_of(
 ) -> Bar:
     """Error bar of the last of the numbers on some meshes, coarsest first.
 
-    Parameters
-    ----------
-    numbers
-        The numbers; Richardson's error takes the last three, of meshes of the same ratio.
-    corrected
-        The last one corrected in a richer space; without that there is no bar.
-    degree
-        Degree p of the elements: differences fall by the ratio to 2 p at most.
-    rounding
-        Error of each number by rounding.
+    Richardson's error takes the last three, of meshes of the same ratio; differences fall by it to
+    twice the degree at most. Without a correction in a richer space there is no bar. Each number
+    has an error by rounding.
     """
-    change = None if corrected is None else abs(corrected - numbers[-1])
-    if change is None:
+    if corrected is None:
         return Bar(inf, estimates=0)
+    change = abs(corrected - numbers[-1])
     if len(numbers) < MESHES:
         return Bar(FACTOR * change + rounding, estimates=1)
     first, second = np.abs(np.diff(numbers[-MESHES:])).tolist()
@@ -108,17 +102,17 @@ def pair(
     below minus its bar, and else grow by no more than what the splitting minus its bar gives.
     """
     z = values if damped else values**2
-    mean, splitting = z.mean(axis=1), ((z[:, 0] - z[:, 1]) / 2) ** 2
+    means, splittings = z.mean(axis=1), splitting(z)
     richer: tuple[complex | None, complex | None] = (None, None)
     if corrected is not None:
         own = corrected if damped else corrected**2
-        richer = complex(own.mean()), complex(((own[0] - own[1]) / 2) ** 2)
-    size, root = abs(mean[-1]), abs(splitting[-1])
+        richer = complex(own.mean()), complex(splitting(own))
+    size, root = abs(means[-1]), abs(splittings[-1])
     of_member = rounding if damped else 2 * sqrt(size) * rounding + rounding**2
-    of_mean = bar_of(mean.tolist(), richer[0], degree, of_member)
+    of_mean = bar_of(means.tolist(), richer[0], degree, of_member)
     of_splitting = 2 * sqrt(root) * of_member + of_member**2
-    of_root = bar_of(splitting.tolist(), richer[1], degree, of_splitting)
-    copies = bool((np.abs(splitting) <= of_splitting).all())
+    of_root = bar_of(splittings.tolist(), richer[1], degree, of_splitting)
+    copies = bool((np.abs(splittings) <= of_splitting).all())
     error = root_error(root, of_root.size)
     converges = of_mean.converges and of_root.converges
     estimates = min(of_mean.estimates, of_root.estimates)
@@ -139,9 +133,12 @@ def pair(
     return found[0], found[1]
 
 
-def opened(one: Estimated, splitting: float, bar: float) -> Estimated:
-    """An eigenvalue that was still, beside one with which it may have coalesced."""
-    growth = sqrt(splitting + bar) / (2 * abs(one.value)) if isfinite(bar) else inf
+def opened(one: Estimated, apart: float, bar: float) -> Estimated:
+    """An eigenvalue that was still, beside one with which it may have coalesced.
+
+    Their splitting has a size and a bar.
+    """
+    growth = sqrt(apart + bar) / (2 * abs(one.value)) if isfinite(bar) else inf
     return replace(one, growth_bar=max(one.growth_bar, growth), still=False, is_open=True)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Ints
 from cea.eigen.matching import assign, connected
+from cea.nested.clusters import splitting
 from comparisons.converge.bars import Estimated, bar_of, opened, pair, single
 from comparisons.converge.ladder import Ladder, Mesh
 from scenes.results.matching import match_runs
@@ -99,13 +100,12 @@ def _open_where_bars_meet(
         if copies or apart > a.frequency_bar + b.frequency_bar:
             continue
         count = min(len(histories[i]), len(histories[j]))
-        squares = [histories[k][-count:] ** 2 for k in (i, j)]
-        splitting = ((squares[0] - squares[1]) / 2) ** 2
+        squares = np.column_stack([histories[k][-count:] ** 2 for k in (i, j)])
         richer = None
         if mesh.corrected is not None:
-            own = mesh.corrected[[i, j]] ** 2
-            richer = complex(((own[0] - own[1]) / 2) ** 2)
-        bar, root = bar_of(splitting.tolist(), richer, degree), abs(complex(splitting[-1]))
+            richer = complex(splitting(mesh.corrected[[i, j]] ** 2))
+        splittings = splitting(squares).tolist()
+        bar, root = bar_of(splittings, richer, degree), abs(splittings[-1])
         if root <= bar.size or not isfinite(bar.size):
             for k in (i, j):
                 found[k] = opened(found[k], root, bar.size)

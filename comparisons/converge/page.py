@@ -76,13 +76,15 @@ MODES = Table(
     "modes",
     "Modes with error bars. Unstable: growth above its bar and above the threshold; it grows "
     "slowly above its bar alone; undecided where its bar holds zero.",
-    *(modes, COLUMNS),
+    modes,
+    COLUMNS,
 )
 LEVELS = Table(
     "levels",
     "Every mesh. Errors are the largest distances of lambda from the final values, relative; those "
     "of the meshes that gave the final values are their bars.",
-    *(levels, COLUMNS),
+    levels,
+    COLUMNS,
 )
 SECTIONS = [
     Section(

@@ -10,8 +10,8 @@ from cea.petsc import MPI
 from comparisons.converge.combine import combine
 from comparisons.converge.follow import Followed, estimated
 from comparisons.converge.ladder import Ladder, Mesh, window_of
+from comparisons.converge.record import data_of
 from comparisons.converge.request import Request
-from comparisons.converge.told import data_of
 from comparisons.study.progress import Progress
 from scenes.refinement.meshes import from_file
 from scenes.results.record import record
@@ -85,23 +85,20 @@ class Course:
         try:
             if number >= self.ladder.least and self.holds:
                 self.done = True
-            elif self._next_fits(clock):
-                self._add(number, clock, progress)
-            else:
-                more = self.ladder.seconds(number)
+                return
+            seconds = self.ladder.seconds(number)
+            if seconds is None:
                 reason = "elements on the cells of mesh files have degree 4 at most"
-                if more is not None:
-                    reason = f"one more mesh would take about {more:.2g} s"
                 self._end(clock, progress, reason)
+            elif seconds > clock.left:
+                self._end(clock, progress, f"one more mesh would take about {seconds:.2g} s")
+            else:
+                self._add(number, clock, progress)
         except (InputError, ConvergenceError) as error:
             self._end(clock, progress, f"no further mesh: {error}")
         except _OutOfTimeError:
             self.ended = "the budget: a mesh that took longer than expected was given up"
         self.done = self.done or bool(self.ended)
-
-    def _next_fits(self, clock: _Clock) -> bool:
-        seconds = self.ladder.seconds(len(self.followed.meshes))
-        return seconds is not None and seconds <= clock.left
 
     def _add(self, number: int, clock: _Clock, progress: Progress) -> None:
         """A further mesh; those that bars are made of count once they are corrected."""
@@ -142,26 +139,11 @@ def run_converge(
 ) -> dict[str, Any]:
     """Refine a scene on each backend by turns until bars hold the digits asked for; collective.
 
-    Parameters
-    ----------
-    request
-        What is asked for.
-    progress
-        Told what is being run and the time left.
-    begun
-        When the command began, by :func:`time.perf_counter`; None takes now.
-
-    Returns
-    -------
-    dict
-        Record with ``first``: the digits held and what more would cost; ``held``; ``words``: how
-        many modes have which word; ``modes``, each with value, bars and verdict; ``levels``, every
-        mesh; ``backends``: why each ended; ``scenes``: meshes as text of scene files.
-
-    Raises
-    ------
-    InputError
-        When the scene cannot be refined.
+    The command began when :func:`time.perf_counter` was ``begun``, by default now. The record has
+    ``first``: the digits held and what more would cost; ``held``; ``words``: how many modes have
+    which word; ``modes``, each with value, bars and verdict; ``levels``, every mesh; ``ended``: why
+    each backend ended; ``scenes``: meshes as text of scene files. A scene that cannot be refined is
+    refused.
     """
     clock = _Clock(request.budget, begun)
     scene = load_scene(Path(request.scene), list(request.overrides))

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag, eigh, eigvals, svd
-from scipy.sparse import csr_array, diags_array
+from scipy.sparse import csr_array
 
 from cea.arrays import Complexes, Floats
 from cea.contact.contact import Contact
@@ -155,25 +155,23 @@ def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
 
     Where it is tied, C is that of a stiffness of 1 N/m over the whole interface.
     """
-    half, points = contact, contact.interface.points
-    tied = np.isinf(half.slope).any()
-    closed = half.slope > 0  # points that have lifted off bear no force
+    points, friction = contact.interface.points, contact.friction
+    bonded = contact.coupling == "bonded"
+    tied = np.isinf(contact.slope).any()
+    closed = contact.slope > 0  # points that have lifted off bear no force
     compliance = np.zeros(len(points))
-    compliance[closed] = points.weight.sum() if tied else 1 / half.slope[closed]
-    normal, copies = points.normal, 1
-    if half.coupling == "bonded":
-        copies = normal.shape[1]
-        axes = [np.tile(axis, (len(points), 1)) for axis in np.eye(copies)]
-        gap = np.vstack([jump(system, contact, axis) for axis in axes])
-    else:
-        gap = jump(system, contact, normal)
+    compliance[closed] = points.weight.sum() if tied else 1 / contact.slope[closed]
+    normal = points.normal
+    axes = np.eye(normal.shape[1])[:, None] if bonded else normal[None]
+    copies = len(axes)
+    gap = np.vstack([jump(system, contact, np.broadcast_to(n, normal.shape)) for n in axes])
     slip = np.zeros_like(gap)
-    if half.friction is not None and half.friction.acts:
-        mu = np.broadcast_to(half.friction.mu, len(points))
-        slip = mu[:, None] * jump(system, contact, half.friction.direction.at(points.x, normal))
-    if half.coupling in ("mortar", "bonded"):
-        a = half.interface.a
-        trace = (a.trace if half.coupling == "bonded" else a.split_trace)(points.at)
+    if friction is not None and friction.acts:
+        mu = np.broadcast_to(friction.mu, len(points))
+        slip = mu[:, None] * jump(system, contact, friction.direction.at(points.x, normal))
+    if contact.coupling in ("mortar", "bonded"):
+        a = contact.interface.a
+        trace = (a.trace if bonded else a.split_trace)(points.at)
         if not closed.all():
             return _projected(points.weight, compliance, trace.toarray(), gap, slip)
         psi = trace[:, np.unique(trace.indices)].toarray()
@@ -222,19 +220,16 @@ def _tied(parts: list[Constraint]) -> Constraint:
 
 def jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
     """Jump along a direction at every point, on the unknowns of the system, shape (points, n)."""
-    interface, start = contact.interface, 0
-    columns = {}
+    interface, parts = contact.interface, []
     for name, body in system.bodies.items():
-        columns[name] = slice(start, start + body.expansion.getSizes()[1][1])
-        start = columns[name].stop
-    jumps = np.zeros((len(direction), system.size))
-    for name, trace, sign in (
-        (contact.a, interface.trace_a, 1.0),
-        (contact.b, interface.trace_b, -1.0),
-    ):
-        full = diags_array(np.full(len(direction), sign)) @ along(trace, direction)
-        jumps[:, columns[name]] += (full @ _sparse(system.bodies[name].expansion)).toarray()
-    return jumps
+        expansion = _sparse(body.expansion)
+        part = np.zeros((len(direction), expansion.shape[1]))
+        if name == contact.a:
+            part += (along(interface.trace_a, direction) @ expansion).toarray()
+        if name == contact.b:
+            part -= (along(interface.trace_b, direction) @ expansion).toarray()
+        parts.append(part)
+    return np.hstack(parts)
 
 
 def _sparse(matrix: Any) -> csr_array:
@@ -300,14 +295,13 @@ def _of_body(spec: DampingSpec, M: Floats, K: Floats, springs: Floats) -> Floats
         kappa, vectors = eigh(K, M)
         elastic = kappa > _RIGID * kappa[-1]
         omega, images = np.sqrt(kappa[elastic]), M @ vectors[:, elastic]
-        ratios = np.zeros_like(omega)
+        frequencies, ratios = omega / (2 * np.pi), np.zeros_like(omega)
         if modal.max_frequency is not None:
-            ratios[omega <= 2 * np.pi * modal.max_frequency] = modal.ratio
+            ratios[frequencies <= modal.max_frequency] = modal.ratio
         elif modal.frequencies is None:
             ratios[: len(modal.ratios or ())] = modal.ratios
         else:
-            table = 2 * np.pi * np.asarray(modal.frequencies)
-            ratios = np.interp(omega, table, np.asarray(modal.ratios), right=0.0)
+            ratios = np.interp(frequencies, modal.frequencies, modal.ratios or (), right=0.0)
         damping += (images * (2 * ratios * omega)) @ images.T
     return damping
 
@@ -318,7 +312,11 @@ def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floa
     assert friction is not None
     x, n = points.x, points.normal
     share = 1 / sum(other.pair == contact.pair for other in system.contacts)
-    given = {name: _at(value, x) for name, value in spec.fields.items() if value is not None}
+    given = {
+        name: evaluate(Expression(value) if isinstance(value, str) else value, x)
+        for name, value in spec.fields.items()
+        if value is not None
+    }
     load = share * points.weight * given["pressure"]
     k = friction.direction.at(x, n)
     along = jump(system, contact, k)
@@ -327,10 +325,6 @@ def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floa
         across = jump(system, contact, np.cross(n, k))
         damping += across.T @ ((load * friction.mu / given["speed"])[:, None] * across)
     return damping
-
-
-def _at(value: float | str, x: Floats) -> Floats:
-    return evaluate(Expression(value) if isinstance(value, str) else value, x)
 
 
 def carried_eigenvalues(data: Mapping[str, Any]) -> Complexes:

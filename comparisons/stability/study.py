@@ -154,21 +154,13 @@ def not_met(result: StudyResult) -> pd.DataFrame:
 
 def by_case(result: StudyResult) -> pd.DataFrame:
     """How many runs of each case gave which verdict, and the worst of its answers."""
-    rows = []
-    for (title, name), own in runs(result).groupby(["title", "case"], sort=False):
-        counts = own["verdict"].value_counts()
-        rows.append(
-            {
-                "title": title,
-                "case": name,
-                "runs": len(own),
-                **{verdict: int(counts.get(verdict, 0)) for verdict in VERDICTS},
-                "not_met": int((~own["met"].astype(bool)).sum()),
-                "digits": own.loc[own["verdict"] == "accurate", "digits"].min(),
-                **{key: own[key].max() for key in ("residual", "condition", "seconds")},
-            }
-        )
-    return pd.DataFrame(rows)
+    frame = runs(result)
+    gave = {verdict: frame["verdict"] == verdict for verdict in VERDICTS}
+    accurate = frame["digits"].where(gave["accurate"])
+    frame = frame.assign(**gave, runs=1, not_met=~frame["met"].astype(bool), digits=accurate)
+    how = dict.fromkeys(["runs", *VERDICTS, "not_met"], "sum") | {"digits": "min"}
+    how |= dict.fromkeys(["residual", "condition", "seconds"], "max")
+    return frame.groupby(["title", "case"], sort=False, as_index=False).agg(how)
 
 
 def headline(result: StudyResult) -> str:
@@ -221,7 +213,10 @@ STUDY = Study(
             [
                 Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS),
                 Table(
-                    *("not_met", "Runs that are not as the catalogue says.", not_met, COLUMNS),
+                    "not_met",
+                    "Runs that are not as the catalogue says.",
+                    not_met,
+                    COLUMNS,
                     printed=True,
                 ),
             ],

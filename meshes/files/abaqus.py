@@ -5,8 +5,9 @@ use may be of a kind that is not known here.
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from typing import Literal
 
@@ -26,7 +27,7 @@ from meshes.files.content import (
     rows_of,
     without_nodes,
 )
-from meshes.files.elements import FACES, KINDS
+from meshes.files.elements import KINDS
 
 Type = Literal["node", "element", "surface"]
 
@@ -37,14 +38,9 @@ _OTHER_SOLIDS = ("C3D15V", "C3D27")
 """Wedges and hexahedra that may have nodes in the middles of some faces, not of others."""
 _NAMES = {(kind.reference.shape[1], len(kind.groups)): name for name, kind in KINDS.items()}
 """Names in the table of kinds by dimension and number of nodes."""
-_NOT_READ = (
-    *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM"),
-    *("PARAMETER", "IMPORT", "IMPERFECTION"),
-)
+_NOT_READ = re.compile("NGEN|NFILL|NCOPY|NMAP|ELGEN|ELCOPY|SYSTEM|PARAMETER|IMPORT|IMPERFECTION")
 """Keywords that make, move or bring along nodes and elements."""
 _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INPUT")
-_DEEPEST = 20
-"""Sets that are members of one another."""
 
 
 @dataclass(eq=False)
@@ -64,6 +60,12 @@ class Scope:
     numbers: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     first_node: int = 0
     first_element: int = 0
+
+    def placed(self, name: str, placing: list[list[str]]) -> "Scope":
+        """An instance of the part, to which its own nodes, elements and sets are added."""
+        nodes, elements, sets = [*self.nodes], [*self.elements], [*self.sets]
+        own = replace(self, nodes=nodes, elements=elements, sets=sets)
+        return replace(own, name=name, placing=placing)
 
     def take(self, keyword: Keyword) -> None:
         """Take in what a keyword holds; keywords that say nothing of the mesh are passed over."""
@@ -86,7 +88,7 @@ class Scope:
                 self.sets.append(("element", keyword.needed("ELSET"), keyword))
             case "SURFACE":
                 self._take_surface(keyword)
-            case name if name in _NOT_READ:
+            case name if _NOT_READ.fullmatch(name):
                 allowed = "a deck that lists nodes and elements: write it out without this keyword"
                 raise InputError("file", f"*{name}", allowed)
 
@@ -126,21 +128,19 @@ class Scope:
     def _moved(self, points: Floats) -> Floats:
         """Points of a part where its instance stands: shifted, then turned about an axis."""
         try:
-            lines = [[float(each) for each in line if each] for line in self.placing]
+            lines = [np.array([float(each) for each in line if each]) for line in self.placing]
         except ValueError:
-            lines = [[]]
-        told, allowed = (
-            f"*INSTANCE, NAME={self.name}",
-            ("a line of a translation, and one of two points of an axis and an angle"),
-        )
+            lines = [np.empty(0)]
+        told = f"*INSTANCE, NAME={self.name}"
+        allowed = "a line of a translation, and one of two points of an axis and an angle"
         require([*map(len, lines)] in ([], [3], [3, 7]), "file", told, allowed)
         if lines:
             points = points + lines[0]
         if len(lines) > 1:
-            start, end, angle = np.array(lines[1][:3]), np.array(lines[1][3:6]), lines[1][6]
-            axis = end - start
+            start, axis = lines[1][:3], lines[1][3:6] - lines[1][:3]
             require(bool(np.any(axis)), "file", told, allowed)
-            turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis), degrees=True)
+            vector = lines[1][6] * axis / np.linalg.norm(axis)
+            turn = Rotation.from_rotvec(vector, degrees=True)
             points = start + turn.apply(points - start)
         return points
 
@@ -204,17 +204,13 @@ def _scopes(file: Path) -> list[Scope]:
             case "INSTANCE":
                 keyword.check("NAME", "PART", "NSET", "ELSET", "INTERNAL")
                 name, part = keyword.needed("NAME"), keyword.needed("PART")
-                known = ", ".join(parts) or "none"
-                told = f"*INSTANCE, PART={part}"
+                told, known = f"*INSTANCE, PART={part}", ", ".join(parts) or "none"
                 require(part.upper() in parts, "file", told, f"one of {known}")
-                inside = replace(parts[part.upper()], name=name, placing=keyword.lines)
-                for each in ("nodes", "elements", "sets"):  # to which its own are added
-                    setattr(inside, each, [*getattr(inside, each)])
+                inside = parts[part.upper()].placed(name, keyword.lines)
                 instances.append(inside)
                 for kind in ("NSET", "ELSET"):  # all that the instance has
                     if kind in keyword.parameters:
-                        whole = keyword.needed(kind)
-                        flat.take(Keyword(kind, {str(kind): whole}, name))
+                        flat.take(Keyword(kind, {str(kind): keyword.needed(kind)}, name))
             case "END PART" | "END INSTANCE" | "ASSEMBLY" | "END ASSEMBLY":
                 inside = flat
             case "STEP":
@@ -233,8 +229,7 @@ class _Resolver:
 
     def __init__(self, content: FileContent, scopes: dict[str, Scope]) -> None:
         self.content, self.scopes = content, scopes
-        self._open: list[tuple[Type, str, str]] = []
-        self._made: dict[tuple[Type, str, str], Ints] = {}
+        self.members = cache(self._members)
 
     def with_sets(self) -> FileContent:
         """The content with its sets, after a look at the names in them."""
@@ -255,17 +250,20 @@ class _Resolver:
         for key, scope in self.scopes.items():
             own = [name for of, name, _ in scope.sets if of == kind]
             names += [*own, *(f"{scope.name}.{name}" for name in own if key)]
-        if kind == "element":
-            names += [scope.name for key, scope in self.scopes.items() if key]
+            if kind == "element" and key:
+                names.append(scope.name)
         return Sets(names, lambda name: self._of_all(kind, name), any_case=True)
 
     def _of_all(self, kind: Type, name: str) -> Ints:
         """Members of the sets of a name in all instances, or of one inside an instance."""
         keys = [key for key, scope in self.scopes.items() if scope.of(kind, name)] or [""]
-        parts = [self.members(kind, key, name) for key in keys]
+        try:
+            parts = [self.members(kind, key, name) for key in keys]
+        except RecursionError:
+            raise InputError("file", name, "sets that are not inside each other") from None
         return np.unique(np.concatenate(parts), axis=0)
 
-    def members(self, kind: Type, key: str, name: str) -> Ints:
+    def _members(self, kind: Type, key: str, name: str) -> Ints:
         """Rows of nodes, elements, or faces (n, 2) of a set that a scope has or names."""
         listed = self.scopes[key].of(kind, name)
         if not listed:
@@ -278,17 +276,8 @@ class _Resolver:
             if kind == "surface" or whole is None:
                 raise InputError("file", name, f"a set of {kind}s that the deck has")
             return whole.rows(kind)
-        mark = kind, key, name.upper()
-        if mark not in self._made:
-            allowed = f"sets that are not inside each other, and at most {_DEEPEST} deep"
-            require(mark not in self._open and len(self._open) < _DEEPEST, "file", name, allowed)
-            self._open.append(mark)
-            try:
-                parts = [self._of_listed(kind, key, each) for each in listed]
-                self._made[mark] = np.unique(np.concatenate(parts), axis=0)
-            finally:
-                self._open.pop()
-        return self._made[mark]
+        parts = [self._of_listed(kind, key, each) for each in listed]
+        return np.unique(np.concatenate(parts), axis=0)
 
     def _of_listed(self, kind: Type, key: str, listed: Keyword | Ints) -> Ints:
         """Rows, or faces, that a keyword lists."""
@@ -300,11 +289,12 @@ class _Resolver:
         inside = self._inside(key, listed)
         if kind == "node" and "ELSET" in listed.parameters:
             elements = self.members("element", inside, listed.parameters["ELSET"])
-            return _joined(b.nodes[rows].ravel() for b, rows in self._by_block(elements))
-        return self._listed(kind, inside, *listed.members())
+            return _joined(b.nodes[rows].ravel() for b, rows in self.content.by_block(elements))
+        return self._listed(kind, inside, listed)
 
-    def _listed(self, kind: Type, key: str, numbers: Ints, names: Iterable[str]) -> Ints:
-        """Rows of nodes or elements by their numbers, and of sets by their names."""
+    def _listed(self, kind: Type, key: str, keyword: Keyword) -> Ints:
+        """Rows of nodes or elements that a keyword lists by numbers and by names of sets."""
+        numbers, names = keyword.members()
         of_sets = (self.members(kind, key, name) for name in names)
         return _joined([self.scopes[key].rows(kind, numbers), *of_sets])
 
@@ -322,11 +312,6 @@ class _Resolver:
                 known = name.partition(".")[0].upper() in self.scopes
                 if not known and not self.scopes[inside].of(kind, name):
                     raise InputError("file", name, f"a set of {kind}s that the deck has")
-
-    def _by_block(self, elements: Ints) -> Iterator[tuple[ElementBlock, Ints]]:
-        """Elements of each kind among given ones, as rows of its block."""
-        for each, start in zip(self.content.blocks, self.content.starts, strict=False):
-            yield each, elements[(elements >= start) & (elements < start + len(each))] - start
 
     def _faces(self, key: str, keyword: Keyword) -> Ints:
         """Elements and their faces that a surface has, -1 for all free ones, (n, 2)."""
@@ -347,12 +332,6 @@ class _Resolver:
         for line in keyword.lines:
             of_sides.setdefault("".join(line[1:2]).upper(), []).append(line[0])
         for label, names in of_sides.items():
-            named = Keyword("SURFACE", {}, "\n".join(names))
-            elements = self._listed("element", key, *named.members())
-            side = int(label[1:]) - 1 if re.fullmatch("S[1-9]", label) else -1
-            for each, rows in self._by_block(elements):
-                count = len(FACES.get(each.cell, ()))
-                fits = not label or 0 <= side < count or not len(rows)
-                require(fits, "file", label, f"faces S1 to S{count} of {each.kind}")
-            found.append(np.stack([elements, np.full(len(elements), side)], axis=1))
+            elements = self._listed("element", key, Keyword("SURFACE", {}, "\n".join(names)))
+            found.append(self.content.sided(elements, label))
         return np.concatenate(found)

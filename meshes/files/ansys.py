@@ -58,26 +58,25 @@ def ansys_content(file: Path) -> FileContent:
     heads = data[starts[:, None] + np.arange(_HEAD)]
     types = dict(arrays["types"].tolist())
     kinds = [types.get(number, 0) for number in heads[:, 1].tolist()]
-    blocks, places = [], []
+    blocks: list[ElementBlock] = []
     for kind, nodes in sorted(set(zip(kinds, count.tolist(), strict=True))):
         rows = np.flatnonzero((np.array(kinds) == kind) & (count == nodes))
         listed = data[starts[rows, None] + _HEAD + np.arange(nodes)]
-        for own, each in _blocks(kind, heads[rows, 8], listed, numbers):
-            blocks.append(each)
-            places.append(rows[own])
-    order = np.empty(len(heads), dtype=np.int64)
-    order[np.concatenate(places)] = np.arange(len(heads))
-    node_sets = _components(arrays, "node", numbers)
-    return FileContent(points, numbers, blocks, _element_sets(arrays, heads, order), node_sets)
+        blocks += _blocks(kind, heads[rows, 8], listed, numbers)
+    ids = np.concatenate([block.numbers for block in blocks])
+    sets = _components(arrays, "element", ids)
+    for column, word in ((0, "material"), (1, "type")):
+        for value in np.unique(heads[:, column]):
+            own = heads[heads[:, column] == value, 8]
+            sets.setdefault(f"{word} {value}", known_rows(ids, own))
+    return FileContent(points, numbers, blocks, sets, _components(arrays, "node", numbers))
 
 
-def _blocks(
-    kind: int, numbers: Ints, nodes: Ints, known: Ints
-) -> Iterator[tuple[Any, ElementBlock]]:
-    """Elements of a type, those of each cell: which they are, and their block."""
+def _blocks(kind: int, numbers: Ints, nodes: Ints, known: Ints) -> Iterator[ElementBlock]:
+    """Elements of a type, those of each cell."""
     name, count = f"type {kind}", _SOLIDS.get(kind, 1000)
     if nodes.shape[1] < count:
-        yield slice(None), without_nodes(name, numbers, "mark" if kind in _MARKS else "structural")
+        yield without_nodes(name, numbers, "mark" if kind in _MARKS else "structural")
         return
     cells = np.full(len(nodes), "tetrahedron")
     if count in (8, 20):
@@ -94,7 +93,7 @@ def _blocks(
             worst = f"element {int(numbers[own][np.argmax(lacks)])}"
             raise InputError("file", worst, "elements with the middles of all edges")
         rows = rows_of(known, listed, "a node")
-        yield own, block(name, f"{cell}{listed.shape[1]}", numbers[own], rows)
+        yield block(name, f"{cell}{listed.shape[1]}", numbers[own], rows)
 
 
 def _components(arrays: Mapping[str, Any], kind: str, numbers: Ints) -> dict[str, Ints]:
@@ -104,16 +103,6 @@ def _components(arrays: Mapping[str, Any], kind: str, numbers: Ints) -> dict[str
         for name, members in arrays.items()
         if name.startswith(f"{kind} ")
     }
-
-
-def _element_sets(arrays: Mapping[str, Any], heads: Ints, place: Ints) -> dict[str, Ints]:
-    """Elements of each component, material and type, counted through the blocks."""
-    components = _components(arrays, "element", heads[:, 8])
-    sets = {name: place[rows] for name, rows in components.items()}
-    for column, word in ((0, "material"), (1, "type")):
-        for value in np.unique(heads[:, column]):
-            sets.setdefault(f"{word} {value}", place[heads[:, column] == value])
-    return sets
 
 
 def _write_arrays(archive: str, arrays: str) -> None:

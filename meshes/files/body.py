@@ -78,12 +78,6 @@ def check_elements(cell: Cell, order: int, points: Floats, cells: Ints, numbers:
         raise InputError("file", value, f"{allowed}nodes in another order than the format has")
 
 
-def _corner_places(cell: Cell, order: int) -> Ints:
-    """Places of the corners among the nodes of a cell, in C order of the reference cell."""
-    places = lattice(DIMENSION[cell], order, cell in SIMPLICES)
-    return np.flatnonzero((places % order == 0).all(axis=1))
-
-
 def check_matching(cell: Cell, order: int, cells: Ints, numbers: Ints) -> None:
     """Refuse cells whose edges or faces do not match those of their neighbours.
 
@@ -93,7 +87,8 @@ def check_matching(cell: Cell, order: int, cells: Ints, numbers: Ints) -> None:
     marks = node_marks(int(cells.max()) + 1)
     wrong = _middles_apart(cell, cells, marks) if order == 2 else None
     if wrong is None and cell == "tetrahedron":
-        wrong = _crossing(cells[:, _corner_places(cell, order)], marks)
+        are_corners = (reference_nodes(cell, order) % 1 == 0).all(axis=1)
+        wrong = _crossing(cells[:, are_corners], marks)
     if wrong is not None:
         allowed = "elements whose edges and faces match those of their neighbours"
         raise InputError("file", f"element {int(numbers[wrong])}", allowed)

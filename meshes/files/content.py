@@ -1,5 +1,6 @@
 """Content of a mesh file, the same for every format: nodes, elements, sets of both, faces."""
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
@@ -11,9 +12,9 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.mesh import Mesh, facet_nodes
-from meshes.files.elements import CORNERS, KINDS, full_kind
+from meshes.files.elements import CORNERS, FACES, KINDS, full_kind
 
 Role = Literal["solid", "mark", "structural"]
 
@@ -136,10 +137,19 @@ class FileContent:
         """Names of all sets."""
         return tuple(dict.fromkeys([*self.face_sets, *self.element_sets, *self.node_sets]))
 
-    def with_others(self, kinds: Sequence[str]) -> "FileContent":
-        """The content with a structural element of each kind that was not read."""
-        others = [without_nodes(kind, np.zeros(1, dtype=np.int64), "structural") for kind in kinds]
-        return replace(self, blocks=[*self.blocks, *others])
+    def by_block(self, elements: Ints) -> Iterator[tuple[ElementBlock, Ints]]:
+        """Elements of each block among given ones, as rows of the block."""
+        for block, start in zip(self.blocks, self.starts, strict=False):
+            yield block, elements[(elements >= start) & (elements < start + len(block))] - start
+
+    def sided(self, elements: Ints, label: str) -> Ints:
+        """Elements and their face that a label S1, S2, ... names, -1 without one, (n, 2)."""
+        side = int(label[1:]) - 1 if re.fullmatch("S[1-9]", label) else -1
+        for block, rows in self.by_block(elements):
+            count = len(FACES.get(block.cell, ()))
+            fits = not label or 0 <= side < count or not len(rows)
+            require(fits, "file", label, f"faces S1 to S{count} of {block.kind}")
+        return np.stack([elements, np.full(len(elements), side)], axis=1)
 
 
 def without_copies(content: FileContent) -> FileContent:
@@ -218,15 +228,9 @@ def first_of_near(points: Floats, distance: float) -> Ints:
 
 def named_sides(mesh: Mesh) -> dict[str, NDArray[np.bool_]]:
     """Which facets of which cells have each name, (n_cells, n_facets)."""
-    of_cell = facet_nodes(mesh.cell, mesh.order)
-    found = {name: np.zeros((len(mesh.cells), len(of_cell)), dtype=bool) for name in mesh.surfaces}
-    for side, local in enumerate(of_cell):
-        nodes = np.sort(mesh.cells[:, local], axis=1)
-        for name, facets in mesh.surfaces.items():
-            found[name][np.isin(_keys(nodes), _keys(np.sort(facets, axis=1))), side] = True
-    return found
-
-
-def _keys(rows: Ints) -> NDArray[np.void]:
-    """Rows as single values, equal for equal rows, (n,)."""
-    return np.ascontiguousarray(rows).view([("", rows.dtype)] * rows.shape[1]).ravel()
+    marks = node_marks(len(mesh.points))
+    of_cell = [mesh.cells[:, local] for local in facet_nodes(mesh.cell, mesh.order)]
+    sums = np.stack([marks[nodes].sum(axis=1) for nodes in of_cell], axis=1)
+    return {
+        name: np.isin(sums, marks[facets].sum(axis=1)) for name, facets in mesh.surfaces.items()
+    }

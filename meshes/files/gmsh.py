@@ -16,15 +16,21 @@ from meshes.files.elements import DIVIDED, full_kind
 from meshes.files.sandbox import arrays_of
 
 _CELLS = {
-    **{"Triangle": "triangle", "Quadrilateral": "quadrilateral", "Tetrahedron": "tetrahedron"},
-    **{"Pyramid": "pyramid", "Prism": "wedge", "Hexahedron": "hexahedron"},
+    "Triangle": "triangle",
+    "Quadrilateral": "quadrilateral",
+    "Tetrahedron": "tetrahedron",
+    "Pyramid": "pyramid",
+    "Prism": "wedge",
+    "Hexahedron": "hexahedron",
 }
 """Cells by the first word of gmsh's names."""
 _WORDS = {1: "curve", 2: "surface", 3: "volume"}
 """What groups without a name are called, before their number."""
 _FROM = {
-    **{"quadrilateral": [-1, -1], "hexahedron": [-1] * 3},
-    **{"pyramid": [-1, -1, 0], "wedge": [0, 0, -1]},
+    "quadrilateral": [-1, -1],
+    "hexahedron": [-1, -1, -1],
+    "pyramid": [-1, -1, 0],
+    "wedge": [0, 0, -1],
 }
 """Where gmsh's reference cells begin that are not those from 0 to 1; all end at 1."""
 

@@ -17,9 +17,9 @@ import numpy as np
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
-from meshes.files.content import ElementBlock, FileContent, Role, block, rows_of
-from meshes.files.decks import text_with_included
+from meshes.files.content import ElementBlock, FileContent, Role, block, rows_of, without_nodes
 from meshes.files.elements import CORNERS
+from meshes.files.sandbox import text_with_included
 
 _NAME = re.compile(r"[A-Z][A-Z0-9]*")
 _REAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+))(?:[DE]?([+-]\d+)|[DE](\d+))?", re.ASCII)
@@ -48,7 +48,7 @@ class Card(NamedTuple):
         if not text and default is not None:
             return default
         if not re.fullmatch(r"[+-]?\d{1,18}", text, re.ASCII):
-            raise self.not_as(place, "a whole number")
+            raise self.refuse("a whole number", place)
         return int(text)
 
     def reals(self, first: int) -> list[float]:
@@ -59,16 +59,14 @@ class Card(NamedTuple):
         match = _REAL.fullmatch(self.text(place).upper() or "0")
         value = float(f"{match[1]}E{match[2] or match[3] or 0}") if match else np.inf
         if not abs(value) < np.inf:
-            raise self.not_as(place, "a number")
+            raise self.refuse("a number", place)
         return value
 
-    def refuse(self, allowed: str) -> InputError:
-        """What is wrong with it, told by its name and number."""
+    def refuse(self, allowed: str, place: int | None = None) -> InputError:
+        """What is wrong with it or one of its fields, told by its name and number."""
+        if place is not None:
+            allowed += f" in field {place + 1} after its name, not '{self.text(place)}'"
         return InputError("file", f"{self.name} {self.text(0)}".strip(), allowed)
-
-    def not_as(self, place: int, what: str) -> InputError:
-        """What is wrong with a field."""
-        return self.refuse(f"{what} in field {place + 1} after its name, not '{self.text(place)}'")
 
 
 def cards_of(file: Path) -> Iterator[Card]:
@@ -205,9 +203,10 @@ def nastran_content(file: Path) -> FileContent:
         of_elements += [(3 if name in _SOLIDS else 2, of) for of in of_each]
     rows_of(np.concatenate([b.numbers for b in blocks]), np.empty(0, dtype=int), "an element")
     known = {*_SOLIDS, *_SHELLS, *_SYSTEMS, "GRID", "GRDSET"}
-    others = {name for name, found in cards.items() if found} - known
-    content = FileContent(points, numbers, blocks, _sets(cards, np.array(of_elements)))
-    return content.with_others(sorted(n for n in others if not _OF_THE_SCENE.fullmatch(n)))
+    for name in sorted({name for name, found in cards.items() if found} - known):
+        if not _OF_THE_SCENE.fullmatch(name):  # an element of each kind that is not read
+            blocks.append(without_nodes(name, np.zeros(1, dtype=np.int64), "structural"))
+    return FileContent(points, numbers, blocks, _sets(cards, np.array(of_elements)))
 
 
 def _sets(cards: Cards, of_elements: Ints) -> dict[str, Ints]:
@@ -257,54 +256,56 @@ def _positions(cards: Cards) -> tuple[Ints, Floats]:
     numbers = np.array([card.whole(0) for card in grids], dtype=np.int64)
     systems = np.array([card.whole(1, default=default) for card in grids])
     points = np.array([card.reals(2) for card in grids])
-    own = dict(
-        zip(numbers.tolist(), zip(systems.tolist(), points.copy(), strict=True), strict=True)
-    )
+    grid_of = {number: i for i, number in enumerate(numbers.tolist())}
+
+    def basic(number: int, x: Floats, outer: tuple[int, ...] = ()) -> Floats:
+        """Positions in the basic system, (n, 3), of coordinates in another; angles in degrees.
+
+        ``outer`` are the systems that are given in this one.
+        """
+        if number == 0:
+            return x
+        require(number in given, "file", f"CP {number}", "a coordinate system of the file")
+        card, start = given[number]
+        if number in outer:
+            raise card.refuse("a coordinate system that is not defined by itself")
+        if card.name[4] == "1":
+            named = [card.whole(start + i) for i in (1, 2, 3)]
+            if unknown := [each for each in named if each not in grid_of]:
+                raise card.refuse(f"a point of the file, not {unknown[0]}")
+            rows = [grid_of[each] for each in named]
+            corners = [(int(systems[row]), own[row]) for row in rows]
+        else:
+            corners = [(card.whole(1, default=0), np.array(card.reals(i))) for i in (2, 5, 8)]
+        three = [basic(of, corner[None], (*outer, number))[0] for of, corner in corners]
+        axes = _axes(*three)
+        if axes is None:
+            raise card.refuse("three points that are not on one line")
+        return three[0] + _cartesian(card.name[5], x) @ axes
+
+    own = points.copy()
     for number in np.unique(systems).tolist():
         inside = systems == number
-        points[inside] = _from_system(number, points[inside], given, own, ())
+        points[inside] = basic(number, own[inside])
     return numbers, points
 
 
-def _from_system(
-    number: int,
-    given: Floats,
-    cards: Mapping[int, tuple[Card, int]],
-    grids: Mapping[int, tuple[int, Floats]],
-    outer: tuple[int, ...],
-) -> Floats:
-    """Positions in the basic system, (n, 3), of coordinates in another; angles are in degrees.
-
-    Of each system its card and where on it it begins, of each point its system and coordinates;
-    ``outer`` are the systems that are given in this one.
-    """
-    if number == 0:
-        return given
-    require(number in cards, "file", f"CP {number}", "a coordinate system of the file")
-    card, start = cards[number]
-    if number in outer:
-        raise card.refuse("a coordinate system that is not defined by itself")
-    if card.name[4] == "1":
-        named = [card.whole(start + i) for i in (1, 2, 3)]
-        if unknown := [each for each in named if each not in grids]:
-            raise card.refuse(f"a point of the file, not {unknown[0]}")
-        corners = [grids[each] for each in named]
-    else:
-        outside = card.whole(1, default=0)
-        corners = [(outside, np.array(card.reals(2 + 3 * i))) for i in range(3)]
-    origin, on_axis, in_plane = (
-        _from_system(of, x[None], cards, grids, (*outer, number))[0] for of, x in corners
-    )
+def _axes(origin: Floats, on_axis: Floats, in_plane: Floats) -> Floats | None:
+    """Axes x, y, z of a system, (3, 3), of its origin and points on z and in the plane x, z."""
     up, across = on_axis - origin, in_plane - origin
     side = np.cross(up, across)
     if not np.linalg.norm(side) > _FLAT * np.linalg.norm(up) * np.linalg.norm(across):
-        raise card.refuse("three points that are not on one line")
+        return None
     z, y = up / np.linalg.norm(up), side / np.linalg.norm(side)
-    a, b, c = given[:, 0], np.radians(given[:, 1]), given[:, 2]
-    local = given
-    if card.name[5] == "C":
-        local = np.stack([a * np.cos(b), a * np.sin(b), c], axis=1)
-    if card.name[5] == "S":
+    return np.stack([np.cross(y, z), y, z])
+
+
+def _cartesian(kind: str, x: Floats) -> Floats:
+    """Cartesian coordinates of such, R, of cylindrical, C, or of spherical ones, S, (n, 3)."""
+    a, b, c = x[:, 0], np.radians(x[:, 1]), x[:, 2]
+    if kind == "C":
+        return np.stack([a * np.cos(b), a * np.sin(b), c], axis=1)
+    if kind == "S":
         c, r = np.radians(c), a * np.sin(b)
-        local = np.stack([r * np.cos(c), r * np.sin(c), a * np.cos(b)], axis=1)
-    return origin + local @ np.stack([np.cross(y, z), y, z])
+        return np.stack([r * np.cos(c), r * np.sin(c), a * np.cos(b)], axis=1)
+    return x

@@ -25,15 +25,13 @@ _KEPT = 4
 """Files whose content is kept, for the bodies of a scene."""
 _FARTHEST = 1e50
 """Coordinates whose squares and cubes are numbers."""
-_LARGEST = 2**33
-"""Bytes of a file."""
 _WORDLESS = (TypeError, LookupError, AttributeError, AssertionError)
 """Errors of libraries that say nothing of the file."""
 
 
 def read_mesh_file(file: Path, merge: float | None = None) -> FileContent:
     """Content of a mesh file."""
-    content = _content(*checked_state(file, "a mesh file", _LARGEST))
+    content = _content(*checked_state(file, "a mesh file"))
     return content if merge is None else _merged(content, merge)
 
 

@@ -1,10 +1,12 @@
-"""Files looked at before they are read, and libraries run as programs of their own.
+"""Files looked at before they are read, files that include others, libraries run as programs.
 
-A broken file may crash a library, or keep it for ever.
+A broken file may crash a library, or keep it for ever: it runs as a program of its own.
 """
 
+import re
 import sys
-from pathlib import Path
+from collections.abc import Callable
+from pathlib import Path, PureWindowsPath
 from resource import RLIMIT_AS, RLIMIT_CPU, prlimit
 from subprocess import DEVNULL, PIPE, STDOUT, Popen
 from tempfile import TemporaryDirectory
@@ -19,9 +21,13 @@ _SECONDS, _SECONDS_A_BYTE = 5, 2e-5
 """Time on a core that reading may take: ten times what it does, and more."""
 _BYTES, _BYTES_A_BYTE = 2**32, 300
 """Memory that it may take."""
+_LARGEST = 2**33
+"""Bytes of a file."""
+_DEEPEST = 10
+"""Files that include one another."""
 
 
-def checked_state(file: Path, what: str, largest: int) -> tuple[Path, int, int]:
+def checked_state(file: Path, what: str, largest: int = _LARGEST) -> tuple[Path, int, int]:
     """Path of a file, time of its last change (ns) and size (bytes); refused when it is none."""
     try:
         state = regular(file).stat()
@@ -50,3 +56,41 @@ def arrays_of(program: Path, file: Path) -> dict[str, Any]:
             raise InputError("file", str(file), allowed)
         with np.load(arrays, allow_pickle=False) as read:
             return dict(read)
+
+
+def text_with_included(
+    file: Path,
+    pattern: re.Pattern[str],
+    included: Callable[[re.Match[str]], tuple[str, str] | None],
+    clean: Callable[[str], str] = str,
+    chain: tuple[Path, ...] = (),
+) -> str:
+    """Text of a file with those that it includes in their places.
+
+    Of a match of the pattern, ``included`` gives the text that stays before the file and its path;
+    None where it includes none. Paths are counted from the folder of the first file, as solvers
+    do, then from that of the file that names them; backslashes separate folders.
+    """
+    allowed = f"files that do not include each other, at most {_DEEPEST} deep"
+    require(file not in chain and len(chain) < _DEEPEST, "file", str(file), allowed)
+    chain = (*chain, file)
+
+    def spliced(match: re.Match[str]) -> str:
+        if (found := included(match)) is None:
+            return match[0]
+        other = _named(found[1], chain)
+        return f"{found[0]}{text_with_included(other, pattern, included, clean, chain)}\n"
+
+    text = file.read_text("utf-8-sig", "replace")
+    return pattern.sub(spliced, clean(text))
+
+
+def _named(name: str, chain: tuple[Path, ...]) -> Path:
+    """A file that another one names."""
+    path = PureWindowsPath(name).as_posix()
+    for folder in (chain[0].parent, chain[-1].parent):
+        for each in (folder / name, folder / path):
+            if each.exists():
+                return checked_state(each, "a file that is included")[0]
+    allowed = "a file that is included, in capitals and small letters as it is named"
+    raise InputError("file", str(chain[0].parent / path), allowed)

@@ -1,5 +1,6 @@
 """Named faces of a body from sets of a mesh file: of faces, of elements, of nodes."""
 
+import re
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 
@@ -69,6 +70,9 @@ class Faces:
             return self._of_elements(self.content.element_sets[name])
         if kind == "faces":
             return self._of_faces(self.content.face_sets[name])
+        if kind == "sides":
+            elements, _, label = name.rpartition(":")
+            return self._of_faces(self.content.sided(self.content.element_sets[elements], label))
         inside = np.zeros(len(self.content.points), dtype=bool)
         inside[self.content.node_sets[name]] = True
         on = np.zeros(self.free.shape, dtype=bool)
@@ -79,8 +83,7 @@ class Faces:
     def _of_elements(self, elements: Ints) -> Bools:
         """Faces that elements mark; of solid elements all free ones."""
         marked = np.zeros(self.free.shape, dtype=bool)
-        for block, start in zip(self.content.blocks, self.content.starts, strict=False):
-            rows = elements[(elements >= start) & (elements < start + len(block))] - start
+        for block, rows in self.content.by_block(elements):
             if block.dim == self.part.dim - 1 and len(rows):
                 wanted = self._marks[block.corners[rows]].sum(axis=1, dtype=np.uint64)
                 marked |= self._there & np.isin(self._sums, wanted)
@@ -132,10 +135,15 @@ def marks_of(content: FileContent, faces: Mapping[str, Sequence[str]]) -> list[s
 
 
 def _meaning(content: FileContent, text: str) -> tuple[list[str], str]:
-    """Kinds of the sets that a text names, and their name; first all of it as a name."""
+    """Kinds of the sets that a text names, and their name; first all of it as a name.
+
+    ``SET:S3`` are the third faces, as Abaqus counts them, of the elements of a set.
+    """
     kind, _, rest = text.partition(":")
     for kinds, name in ((_KINDS, text), ((kind,) if kind in _KINDS else (), rest)):
         there = [each for each in kinds if name in content.sets(each)]
         if there:
             return there, name
-    return [], ""
+    elements, _, label = text.rpartition(":")
+    is_side = elements in content.element_sets and re.fullmatch("S[1-6]", label)
+    return (["sides"], text) if is_side else ([], "")

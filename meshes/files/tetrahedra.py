@@ -12,7 +12,6 @@ node there, its own (serendipity) shape functions put one.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,26 +21,18 @@ from meshes.files.content import ElementBlock, node_marks
 from meshes.files.elements import CORNERS, FACES, full_kind
 
 
-class Tetrahedra(NamedTuple):
-    """Elements divided into tetrahedra.
+def tetrahedra(points: Floats, blocks: Sequence[ElementBlock]) -> tuple[Floats, Ints, Ints, Ints]:
+    """Divide solid elements of a body, all of order 1 or all of order 2, into tetrahedra.
 
     Points (n, 3), those that were added last; nodes of the tetrahedra as :class:`cea.mesh.Mesh`
     lists them; the element that each is a part of, rising, (m,); the face of that element, 0 for
     its S1, that each of its facets lies on, -1 inside, (m, 4).
     """
-
-    points: Floats
-    cells: Ints
-    elements: Ints
-    sides: Ints
-
-
-def tetrahedra(points: Floats, blocks: Sequence[ElementBlock]) -> Tetrahedra:
-    """Divide solid elements of a body, all of order 1 or all of order 2, into tetrahedra."""
     points, full = completed(points, blocks)
     starts = np.cumsum([0, *map(len, blocks)])
     parts = [_divided(block, int(start)) for block, start in zip(full, starts, strict=False)]
-    return Tetrahedra(points, *(np.concatenate(part) for part in zip(*parts, strict=True)))
+    cells, elements, sides = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return points, cells, elements, sides
 
 
 def completed(

@@ -30,7 +30,7 @@ from cea.timing import StageTimer
 from meshes.breaks import breaks_of
 from meshes.mesh_file import MeshFile
 from meshes.true_surfaces import true_surfaces
-from scenes.spec.body import BodySpec, IgaMesh, LoadSpec
+from scenes.spec.body import BodySpec, LoadSpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
@@ -93,52 +93,43 @@ def build_body(
     name: str, spec: BodySpec, loads: Sequence[LoadSpec] = (), surfaces: Sequence[str] = ()
 ) -> Body:
     """One body of a scene on its backend; of a mesh file it has the surfaces that are asked for."""
-    if spec.backend == "fe" and spec.fe_degree is not None:
-        space = _lagrange_space(name, spec, spec.fe_degree, surfaces)
-    elif spec.backend == "iga" and spec.mesh.iga is not None:
-        space = _nurbs_space(name, spec, spec.mesh.iga)
+    field, mesh, degree = f"bodies.{name}", spec.mesh.iga, spec.fe_degree
+    space: Space
+    if spec.backend == "fe" and degree is not None:
+        from fe_cea import LagrangeSpace
+
+        space = LagrangeSpace.from_mesh(
+            made_on_first(MPI.COMM_WORLD, lambda: body_mesh(name, spec, surfaces)),
+            degree=degree,
+            true_surfaces=true_surfaces(spec.geometry, spec.placement),
+            field=field,
+        )
+    elif spec.backend == "iga" and mesh is not None:
+        from iga_cea import NurbsSpace
+        from meshes.nurbs_shapes import nurbs_shape
+
+        breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
+        shape, c = nurbs_shape(spec.geometry, breaks, spec.placement), mesh.continuity
+        space = NurbsSpace(shape.patches, shape.faces, mesh.degree, continuity=c, field=field)
     else:
-        raise InputError(f"bodies.{name}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
-    places = [load.surface and load.surface.split(".")[1] for load in loads]
-    pairs = list(zip(loads, places, strict=True))
+        raise InputError(f"{field}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
+    pressures, forces = [], []
+    for load in loads:
+        place = load.surface.split(".")[1] if load.surface is not None else None
+        force = load.force or load.body_force
+        if place is not None and load.pressure is not None:
+            pressures.append(Pressure(place, load.pressure))
+        if force is not None:
+            forces.append(Force(force, place))
     return Body(
         name,
         space,
         spec.material,
         supports=[each.support() for each in spec.supports],
         springs=spec.springs,
-        pressures=[
-            Pressure(place, load.pressure)
-            for load, place in pairs
-            if place is not None and load.pressure is not None
-        ],
-        forces=[
-            Force(force, place)
-            for load, place in pairs
-            if (force := load.force or load.body_force) is not None
-        ],
+        pressures=pressures,
+        forces=forces,
     )
-
-
-def _lagrange_space(name: str, spec: BodySpec, degree: int, surfaces: Sequence[str]) -> Space:
-    from fe_cea import LagrangeSpace
-
-    return LagrangeSpace.from_mesh(
-        made_on_first(MPI.COMM_WORLD, lambda: body_mesh(name, spec, surfaces)),
-        degree=degree,
-        true_surfaces=true_surfaces(spec.geometry, spec.placement),
-        field=f"bodies.{name}",
-    )
-
-
-def _nurbs_space(name: str, spec: BodySpec, mesh: IgaMesh) -> Space:
-    from iga_cea import NurbsSpace
-    from meshes.nurbs_shapes import nurbs_shape
-
-    breaks = breaks_of(spec.geometry, mesh.elements, mesh.through)
-    shape, field = nurbs_shape(spec.geometry, breaks, spec.placement), f"bodies.{name}"
-    continuity = mesh.continuity
-    return NurbsSpace(shape.patches, shape.faces, mesh.degree, continuity=continuity, field=field)
 
 
 def used_surfaces(scene: Scene, body: str) -> list[str]:
@@ -257,11 +248,9 @@ def _contact(half: _Half, interface: Interface) -> Contact:
         law: NormalLaw
         if spec.law is not None:
             law = replace(spec.law, c=half.share * spec.law.c)
-        elif spec.p is not None:
-            law = LinearLaw(half.share * _values("p", spec.p, points.x))
         else:
-            P = spec.P or 0.0  # one of the three is given
-            law = LinearLaw(half.share * np.full(len(points), P / points.weight.sum()))
+            p = spec.p if spec.p is not None else (spec.P or 0.0) / float(points.weight.sum())
+            law = LinearLaw(half.share * _values("p", p, points.x))
         sliding = None
         if spec.sliding is not None:
             given = {n: value for n, value in spec.sliding.fields.items() if value is not None}
@@ -316,8 +305,8 @@ def build_system(
     static = scene.analysis.kind == "static"
     motions = {}
     for name, body in scene.bodies.items():
+        damping = body.damping
         if not static or body.rotation is not None:  # at rest nothing else moves
-            damping = body.damping
             rayleigh, modal = (damping.rayleigh(), damping.modal) if damping else (None, None)
             motions[name] = Motion(rayleigh, body.rotation, modal)
     with timer("assembly"):

@@ -72,9 +72,16 @@ def inspect_scene(scene: Scene) -> Inspection:
         bodies = build_bodies(scene, StageTimer())
     except InputError as error:
         faults.append(error)
-    for name in scene.contacts if bodies else ():
+    for name, contact in scene.contacts.items() if bodies else ():
+        alone = replace(scene, contacts={name: contact})
         try:
-            halves |= _halves_of(scene, name, bodies)
+            contacts = build_contacts(alone, build_interfaces(alone, bodies, StageTimer()))
+            for half in contacts:
+                if half.friction is not None:  # it has a direction everywhere
+                    points = half.interface.points
+                    with below(f"contacts.{name}"):
+                        half.friction.direction.at(points.x, points.normal)
+            halves |= {half.name: half for half in contacts}
         except InputError as error:
             faults.append(error)
     warnings = [*doubtful_numbers(scene), *overlapping_bodies(scene, bodies)]
@@ -84,18 +91,6 @@ def inspect_scene(scene: Scene) -> Inspection:
         if not of_stiffness or scene.contacts[warning.data["contact"]].c_n is None:
             warnings.append(warning)
     return Inspection(scene, tuple(faults), skipped_by(scene), tuple(warnings), bodies, halves)
-
-
-def _halves_of(scene: Scene, name: str, bodies: Mapping[str, Body]) -> dict[str, Contact]:
-    """Half passes of one contact, whose friction has a direction everywhere."""
-    alone = replace(scene, contacts={name: scene.contacts[name]})
-    contacts = build_contacts(alone, build_interfaces(alone, bodies, StageTimer()))
-    for half in contacts:
-        if half.friction is not None:
-            points = half.interface.points
-            with below(f"contacts.{name}"):
-                half.friction.direction.at(points.x, points.normal)
-    return {contact.name: contact for contact in contacts}
 
 
 def gaps(half: Contact) -> np.ndarray:
@@ -116,7 +111,6 @@ def told(inspection: Inspection) -> Iterator[str]:
             f"contacts.{name}: {len(half.interface.points)} points ({statuses}), sides up to "
             f"{np.abs(gaps(half)).max(initial=0.0):.3g} m apart"
         )
-    memory, about = estimated_memory(inspection.scene).bytes / 1e9, ""
-    if not inspection.bodies:
-        about = "about "
+    memory = estimated_memory(inspection.scene).bytes / 1e9
+    about = "" if inspection.bodies else "about "
     yield f"{about}{inspection.dofs} unknowns, about {memory:.2g} GB of memory"

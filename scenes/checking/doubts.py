@@ -36,7 +36,7 @@ _STRAIN = 0.1
 Green-Lagrange strain e + e^2 / 2 (Wriggers, Nonlinear Finite Element Methods, 2008), are 5 %."""
 _NEAR_ONE = (1e-3, 1e2)
 """Range of E and rho in scenes without units."""
-_ASKED = "are all numbers in SI units (m, kg, s)? A scene in others says units = 'other'"
+_ASKED = "a scene whose numbers are not in SI units says units = 'other'"
 _FLAT = 1e-12
 """Volume of a simplex, relative to a cube about it, below which it is one of a collapsed cell."""
 _SIMPLICES = {
@@ -73,18 +73,13 @@ def doubtful_numbers(scene: Scene) -> Iterator[ResultWarning]:
             doubts["sqrt(E/rho)"] = speed, not slow <= speed <= fast, bound
         for field, (value, doubted, bound) in doubts.items():
             if doubted:
-                yield ResultWarning(
-                    "doubtful-units",
-                    f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}",
-                    {"body": name, "field": field, "value": value},
-                )
+                told = f"bodies.{name}.material.{field} = {value:g}: no solid has {bound}; {_ASKED}"
+                data = {"body": name, "field": field, "value": value}
+                yield ResultWarning("doubtful-units", told, data)
         length, (low, high) = max(body.lengths), _LENGTHS
         if not low <= length <= high:
-            yield ResultWarning(
-                "doubtful-size",
-                f"bodies.{name} is {length:.3g} m long, not {low:g} to {high:g} m; {_ASKED}",
-                {"body": name, "length": length},
-            )
+            told = f"bodies.{name} is {length:.3g} m long, not {low:g} to {high:g} m; {_ASKED}"
+            yield ResultWarning("doubtful-size", told, {"body": name, "length": length})
 
 
 def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[ResultWarning]:
@@ -95,19 +90,14 @@ def doubtful_motions(scene: Scene, system: CoupledSystem, x: Any) -> Iterator[Re
         found = made_on_first(body.comm, partial(_motion, cells, full))
         motion, length, strain = body.comm.bcast(found)
         if motion > length:
-            yield ResultWarning(
-                "large-displacement",
-                f"bodies.{name} is displaced by up to {motion:.3g} m and is {length:.3g} m "
-                "long: displacements are taken to be small",
-                {"body": name, "displacement": motion, "length": length},
+            told = (
+                f"bodies.{name} is displaced by {motion:.3g} m, more than its length {length:.3g} m"
             )
+            data = {"body": name, "displacement": motion, "length": length}
+            yield ResultWarning("large-displacement", told, data)
         if strain > _STRAIN:
-            yield ResultWarning(
-                "large-strain",
-                f"bodies.{name} is strained by up to {strain:.3g}, which is above {_STRAIN:g}: "
-                "strains are taken to be small",
-                {"body": name, "strain": strain},
-            )
+            told = f"bodies.{name} is strained by up to {strain:.3g}: only small strains are right"
+            yield ResultWarning("large-strain", told, {"body": name, "strain": strain})
 
 
 def _motion(sample: StraightCells, full: Floats) -> tuple[float, float, float]:
@@ -131,12 +121,9 @@ def overlapping_bodies(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Res
         counted = partial(_middles_inside, samples[one], samples[other])
         cells = bodies[one].comm.bcast(made_on_first(bodies[one].comm, counted))
         if cells:
-            yield ResultWarning(
-                "bodies-overlap",
-                f"bodies.{one} and bodies.{other} overlap ({cells} elements have "
-                "their middle in the other body), and no contact joins them",
-                {"body": one, "other": other, "elements": cells},
-            )
+            told = f"bodies.{one} and bodies.{other} overlap by {cells} elements without a contact"
+            data = {"body": one, "other": other, "elements": cells}
+            yield ResultWarning("bodies-overlap", told, data)
 
 
 def _middles_inside(one: StraightCells, other: StraightCells) -> int:

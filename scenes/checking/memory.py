@@ -8,13 +8,15 @@ front of its own nodes beside those around its box that were cut before.
 import os
 import resource
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from math import factorial, inf, prod
 from pathlib import Path
 from shutil import disk_usage
 from tempfile import gettempdir
 from typing import Any
+
+import numpy as np
 
 from cea.eigen.mumps import factors_on_disk
 from cea.errors import InputError, ResultWarning
@@ -120,32 +122,25 @@ def _node_counts(body: BodySpec) -> list[tuple[float, ...]]:
     if iga is None:
         return []
     given = shape.given if isinstance(shape, NurbsFile) else shape
-    inner = [(0,) * len(lengths)]  # knots that a geometry brings along
+    inner = [[0] * len(lengths)]  # knots that a geometry brings along
     if isinstance(given, Patches):
         inner = [
-            tuple(len(k) - 2 * p - 2 for k, p in zip(patch.knots, patch.degrees, strict=True))
+            [len(k) - 2 * p - 2 for k, p in zip(patch.knots, patch.degrees, strict=True)]
             for patch in given.patches
         ]
-    continuity = iga.continuity or tuple(p - 1 for p in iga.degree)
-    along_each = list(zip(iga.degree, continuity, iga.elements, strict=True))
-    return [
-        tuple(
-            float((p - c) * (n + k) + c + 1) for (p, c, n), k in zip(along_each, knots, strict=True)
-        )
-        for knots in inner
-    ]
+    p, c = np.array(iga.degree), np.array(iga.continuities)
+    counts = (p - c) * (np.array(iga.elements) + np.array(inner)) + c + 1.0
+    return [tuple(patch) for patch in counts.tolist()]
 
 
 def _couplings(body: BodySpec) -> tuple[float, float]:
     """Nodes along a direction that one is coupled to, and layers of them that part a body."""
-    iga, degree = body.mesh.iga, body.fe_degree
+    fe, iga = body.mesh.fe, body.mesh.iga
     if body.backend == "iga" and iga is not None:
-        p = max(iga.degree)
-        c = min(iga.continuity) if iga.continuity is not None else p - 1
-        return 2.0 * (p + 1) - (p - c), c + 1.0
-    fe = body.mesh.fe
+        p, c = max(iga.degree), min(iga.continuities)
+        return p + c + 2.0, c + 1.0
     simplices = fe is not None and fe.cell in SIMPLICES
-    return ((degree or 1) + 2.0) * (0.82 if simplices else 1.0), 1.0
+    return ((body.fe_degree or 1) + 2.0) * (0.82 if simplices else 1.0), 1.0
 
 
 def _dissected(box: tuple[float, ...], width: float) -> float:
@@ -172,7 +167,8 @@ def available_memory() -> float:
     """
     soft = resource.getrlimit(resource.RLIMIT_AS)[0]
     limits = [float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))]
-    limits += [] if soft == resource.RLIM_INFINITY else [float(soft)]
+    if soft != resource.RLIM_INFINITY:
+        limits.append(float(soft))
     for file in ("memory.max", "memory/memory.limit_in_bytes"):
         try:
             limits.append(float((Path("/sys/fs/cgroup") / file).read_text()))
@@ -218,11 +214,12 @@ def check_memory(
         factors, rest = _gigabytes(estimate.factors), _gigabytes(estimate.bytes_with_files)
         if estimate.bytes_with_files <= available and estimate.factors <= disk:
             message = (
-                f"factors were kept on disk, about {factors}: in memory the scene takes about "
-                f"{needed} of {there}"
+                f"about {factors} of factors were on disk: the scene takes {needed} of {there}"
             )
             data = {
-                **{"memory": estimate.bytes, "available": available, "files": estimate.factors},
+                "memory": estimate.bytes,
+                "available": available,
+                "files": estimate.factors,
                 "memory_with_files": estimate.bytes_with_files,
             }
             return (ResultWarning("factors-on-disk", message, data),)
@@ -243,10 +240,7 @@ def room_for_factors(scene: Scene) -> Iterator[tuple[ResultWarning, ...]]:
     The result must be read with the warnings; the factors must be freed before it ends.
     """
     warnings = check_memory(scene)
-    if not warnings:
-        yield ()
-        return
-    with factors_on_disk():
+    with factors_on_disk() if warnings else nullcontext():
         yield warnings
 
 

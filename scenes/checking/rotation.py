@@ -9,6 +9,7 @@ from cea.body import Body
 from cea.contact.contact import Contact
 from cea.errors import ResultWarning
 from cea.rotation import Rotation
+from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
 
 _SURFACE_WAVES = 0.8
@@ -18,44 +19,37 @@ at 0.87 (nu = 0) to 0.96 (nu = 0.5), short ones of a mesh a little slower."""
 
 def rotation_warnings(scene: Scene, contacts: Sequence[Contact]) -> Iterator[ResultWarning]:
     """Warnings of small motions of bodies that rotate, before anything is solved."""
-    yield from _centrifugal_stresses(scene)
-    yield from _against_rotation(scene, contacts)
-
-
-def _centrifugal_stresses(scene: Scene) -> Iterator[ResultWarning]:
-    """A convective stiffness without the geometric stiffness that goes with it."""
     for name, body in scene.bodies.items():
         rotation = body.rotation
         if rotation is not None and rotation.convective_stiffness and rotation.coriolis:
-            yield ResultWarning(
-                "centrifugal-stresses",
-                f"bodies.{name} has the convective stiffness of its rotation, not the geometric "
-                "stiffness of its centrifugal stresses, which is of the same order: lambda is "
-                f"uncertain by (rate / |lambda|)^2, and growth rates up to {rotation.rate:g} 1/s "
-                "of nearly rigid motions may come of it",
-                {"body": name, "rate": rotation.rate},
+            told = (
+                f"bodies.{name} has the convective stiffness of its rotation without the geometric "
+                "stiffness of its centrifugal stresses: lambda is uncertain by (rate / |lambda|)^2"
             )
-
-
-def _against_rotation(scene: Scene, contacts: Sequence[Contact]) -> Iterator[ResultWarning]:
-    """Friction that pushes side a along its motion over side b, as bodies rotate."""
+            data = {"body": name, "rate": rotation.rate}
+            yield ResultWarning("centrifugal-stresses", told, data)
     for name, spec in scene.contacts.items():
         half = next(contact for contact in contacts if contact.pair == name)
-        rotations = [scene.bodies[body].rotation for body in (half.a, half.b)]
-        acts = spec.mu != 0 or spec.sliding is not None
-        if half.friction is None or not acts or not any(rotations):
-            continue
-        points = half.interface.points
-        on_a, on_b = (_velocity(rotation, points.x) for rotation in rotations)
-        k = half.friction.direction.at(points.x, points.normal)
-        power = float(points.weight @ ((on_a - on_b) * k).sum(axis=1))
-        if power > 0:
-            yield ResultWarning(
-                "against-rotation",
-                f"friction_direction_on_a of contacts.{name} is along the velocity of side a "
-                "relative to side b as the bodies rotate; friction acts against it",
-                {"contact": name, "mean_velocity": power / float(points.weight.sum())},
-            )
+        if half.friction is not None and (spec.mu != 0 or spec.sliding is not None):
+            yield from _against_rotation(name, half, scene.bodies)
+
+
+def _against_rotation(
+    name: str, half: Contact, bodies: Mapping[str, BodySpec]
+) -> Iterator[ResultWarning]:
+    """Friction that pushes side a along its motion over side b, as bodies rotate."""
+    assert half.friction is not None
+    points = half.interface.points
+    on_a, on_b = (_velocity(bodies[body].rotation, points.x) for body in (half.a, half.b))
+    k = half.friction.direction.at(points.x, points.normal)
+    power = float(points.weight @ ((on_a - on_b) * k).sum(axis=1))
+    if power > 0:
+        told = (
+            f"friction_direction_on_a of contacts.{name} is along the velocity of side a "
+            "relative to side b as the bodies rotate; friction acts against it"
+        )
+        data = {"contact": name, "mean_velocity": power / float(points.weight.sum())}
+        yield ResultWarning("against-rotation", told, data)
 
 
 def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[ResultWarning]:
@@ -68,19 +62,17 @@ def faster_than_waves(scene: Scene, bodies: Mapping[str, Body]) -> Iterator[Resu
         rotation = scene.bodies[name].rotation
         if rotation is None or not rotation.convective_stiffness or body.material.rho is None:
             continue
-        speeds = np.linalg.norm(
-            _velocity(rotation, body.space.volume_cells().straight().points), axis=1
-        )
-        speed = float(max(body.comm.allgather(speeds.max(initial=0.0))))
+        velocities = _velocity(rotation, body.space.volume_cells().straight().points)
+        fastest = np.linalg.norm(velocities, axis=1).max(initial=0.0)
+        speed = float(max(body.comm.allgather(fastest)))
         wave = float(np.sqrt(body.material.means[1] / body.material.rho))
         if speed > _SURFACE_WAVES * wave:
-            yield ResultWarning(
-                "faster-than-waves",
-                f"bodies.{name} moves at up to {speed:.3g} m/s past the frame, near or above the "
-                f"speed of its surface waves (shear waves {wave:.3g} m/s): short waves of its mesh "
-                "may grow where the body itself is stable",
-                {"body": name, "speed": speed, "wave_speed": wave},
+            told = (
+                f"bodies.{name} moves at up to {speed:.3g} m/s, near the speed of its surface "
+                f"waves or above (shear waves {wave:.3g} m/s): short waves of its mesh may grow"
             )
+            data = {"body": name, "speed": speed, "wave_speed": wave}
+            yield ResultWarning("faster-than-waves", told, data)
 
 
 def _velocity(rotation: Rotation | None, x: Floats) -> Floats:

@@ -62,20 +62,16 @@ def _unused(scene: Scene) -> Iterator[tuple[str, str]]:
             yield "loads", "the stiffness of every contact is given, so that loads change no mode"
         if analysis.min_growth is not None and not (scene.damped or scene.rotates):
             yield "analysis.min_growth", "nothing damps or rotates, and every growth is sought"
-    for name, contact in scene.contacts.items():
-        if contact.mu != 0:
-            continue
+    without_friction = [item for item in scene.contacts.items() if item[1].mu == 0]
+    for name, contact in without_friction:
         if contact.sliding is None and contact.friction_direction_on_a is not None:
             yield f"contacts.{name}.friction_direction_on_a", "mu = 0"
         elif contact.sliding is not None and contact.sliding.speed is not None:
             reason = "mu = 0: no friction turns with the direction of sliding"
             yield f"contacts.{name}.sliding.speed", reason
     for other, backend in (("fe", "iga"), ("iga", "fe")):
-        names = [
-            name
-            for name, body in scene.bodies.items()
-            if body.backend == backend and getattr(body.mesh, other) is not None
-        ]
+        bodies = [item for item in scene.bodies.items() if item[1].backend == backend]
+        names = [name for name, body in bodies if getattr(body.mesh, other) is not None]
         if names:
             yield f"bodies.*.mesh.{other}", f"{', '.join(names)}: on the backend {backend}"
 
@@ -86,20 +82,14 @@ def _changed_elements(scene: Scene) -> dict[str, str]:
     parts = {name: file.elements for name, file in files.items()}
     divided = [name for name, part in parts.items() if part.is_divided]
     filled = [name for name, part in parts.items() if part.incomplete and name not in divided]
+    left_out = [f"{name}: {each}" for name, file in files.items() for each in file.content.told]
     told = {}
     if filled:
-        told["serendipity"] = (
-            f"{CHANGED}elements of {', '.join(filled)} get the middles of faces and cells: the "
-            "same geometry, displacements of the Lagrange space"
-        )
+        of_files = f"{CHANGED}elements of {', '.join(filled)}"
+        told["serendipity"] = f"{of_files} get the middles of faces and cells"
     if divided:
-        told["mixed elements"] = (
-            f"{CHANGED}elements of {', '.join(divided)}, of several kinds, are divided into "
-            "tetrahedra: nodes are kept, those on diagonals are put by the elements' own shape "
-            "functions"
-        )
-    if left_out := [
-        f"{name}: {each}" for name, file in files.items() for each in file.content.told
-    ]:
+        of_files = f"{CHANGED}elements of several kinds of {', '.join(divided)}"
+        told["mixed elements"] = f"{of_files} are divided into tetrahedra"
+    if left_out:
         told["mesh files"] = f"{GIVEN}not taken from the file of {'; '.join(left_out)}"
     return told

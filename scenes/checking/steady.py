@@ -17,8 +17,8 @@ Below 0.6 unstable modes were missed, above it none; in space errors along both 
 With laws as stiff as p W / E = 1e7, 20 functions across left 1 % with mortar.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -33,7 +33,6 @@ from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
-from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
 
 _NOISE = 4.0
@@ -47,12 +46,8 @@ def steady_warnings(
     if steady.uniqueness is not None:
         yield from steady.uniqueness.warnings()
     if steady.residual > LEFT_OVER:
-        yield ResultWarning(
-            "equilibrium-rounding",
-            f"rounding leaves {steady.residual:.1e} of the load of steady sliding over: contact "
-            "pressures have no more digits",
-            {"residual": steady.residual},
-        )
+        told = f"rounding leaves {steady.residual:.1e} of the load of steady sliding over"
+        yield ResultWarning("equilibrium-rounding", told, {"residual": steady.residual})
     largest = max(-steady.displacement.min()[1], steady.displacement.max()[1])
     for contact in system.contacts:
         if contact.name in steady.contacts:
@@ -60,30 +55,23 @@ def steady_warnings(
             yield from _undecided(contact, state, _NOISE * steady.uncertainty * largest)
             yield from _geometry_error(system, steady, contact, state)
             halves = sum(each.pair == contact.pair for each in system.contacts)
-            yield from _coarse_closed_zone(scene.bodies, contact, state, halves)
+            yield from _coarse_closed_zone(scene, contact, state, halves)
 
 
 def _undecided(contact: Contact, state: ContactState, noise: float) -> Iterator[ResultWarning]:
     """A contact that is open, or of which rounding decides where it is, as its stiffness jumps."""
-    about = {"contact": contact.pair, "half": contact.name}
+    about, law = {"contact": contact.pair, "half": contact.name}, contact.law
     if not state.closed_area:
-        yield ResultWarning(
-            "contact-open",
-            f"contacts.{contact.name} is open in steady sliding: it carries nothing",
-            about,
-        )
-    law = contact.law
-    if not isinstance(law, NormalCompliance) or law.m > 1:
-        return
+        told = f"contacts.{contact.name} is open in steady sliding: it carries nothing"
+        yield ResultWarning("contact-open", told, about)
     points = np.abs(state.closure) <= noise
     fraction = float(contact.interface.points.weight[points].sum()) / state.area
-    if fraction:
-        yield ResultWarning(
-            "closure-undecided",
+    if fraction and isinstance(law, NormalCompliance) and law.m == 1:
+        told = (
             f"rounding decides whether {fraction:.2g} of the area of contacts.{contact.name} is "
-            "open; with m_n = 1 its stiffness jumps there",
-            about | {"fraction": fraction},
+            "open; with m_n = 1 its stiffness jumps there"
         )
+        yield ResultWarning("closure-undecided", told, about | {"fraction": fraction})
 
 
 _ALLOWED = 0.01
@@ -107,16 +95,18 @@ def gaps_as_zero(contact: Contact) -> Iterator[ResultWarning]:
     largest, error = (float(np.concatenate(parts).max(initial=0.0)) for parts in (gaps, errors))
     if largest > _ROUNDED * min(interface.a.mesh_size, interface.b.mesh_size):
         fraction = float(sum(areas) / interface.points.weight.sum())
-        yield ResultWarning(
-            "gaps-as-zero",
+        told = (
             f"initial gaps up to {largest:.2g} m, on {100 * fraction:.3g} % of the area of "
-            f"contacts.{contact.name}, are not above the error of its mesh from a file, up to "
-            f"{error:.2g} m, and count as zero",
-            {
-                **{"contact": contact.pair, "half": contact.name, "gap": largest},
-                **{"geometry_error": error, "fraction": fraction},
-            },
+            f"contacts.{contact.name}, count as zero: its mesh has errors up to {error:.2g} m"
         )
+        data = {
+            "contact": contact.pair,
+            "half": contact.name,
+            "gap": largest,
+            "geometry_error": error,
+            "fraction": fraction,
+        }
+        yield ResultWarning("gaps-as-zero", told, data)
 
 
 def _geometry_error(
@@ -138,16 +128,18 @@ def _geometry_error(
     of_gaps = float(np.sqrt(force @ error**2 / force.sum()))
     relative = law.m * of_gaps / closure
     if relative > _ALLOWED:
-        yield ResultWarning(
-            "geometry-error",
-            f"closures of contacts.{contact.name}, {closure:.2g} m in the mean, are not far above "
-            f"what its curved facets leave undecided, {of_gaps:.2g} m: pressures at its points are "
-            f"off by {100 * relative:.2g} % in the mean square, or more",
-            {
-                **{"contact": contact.pair, "half": contact.name, "closure": closure},
-                **{"geometry_error": of_gaps, "relative": relative},
-            },
+        told = (
+            f"curved facets leave {of_gaps:.2g} m of the closures of contacts.{contact.name} "
+            f"undecided, {closure:.2g} m in the mean: pressures are off by {100 * relative:.2g} %"
         )
+        data = {
+            "contact": contact.pair,
+            "half": contact.name,
+            "closure": closure,
+            "geometry_error": of_gaps,
+            "relative": relative,
+        }
+        yield ResultWarning("geometry-error", told, data)
 
 
 _FEWEST = {2: 0.6, 3: 1.0}
@@ -156,19 +148,12 @@ _ENOUGH = 20.0
 """Trace functions across that are enough however stiff the law is."""
 
 
-@dataclass(frozen=True)
-class ClosedZone:
+class ClosedZone(NamedTuple):
     """The largest circle within the closed part of a contact; a stretch in the plane.
 
-    Parameters
-    ----------
-    width
-        Its diameter (m). A zone that ends at the rim of the contact, as at a plane of symmetry,
-        counts as if it went on beyond it alike.
-    across
-        Unit vector from its centre to the nearest open point, shape (dim,).
-    points
-        Closed points in it (m), shape (n, dim).
+    It has its diameter (m), the unit vector from its centre to the nearest open point, and the
+    closed points in it. A zone that ends at the rim of the contact, as at a plane of symmetry,
+    counts as if it went on beyond it alike.
     """
 
     width: float
@@ -201,7 +186,7 @@ def closed_zone(x: Floats, closure: Floats) -> ClosedZone | None:
 
 
 def _coarse_closed_zone(
-    bodies: Mapping[str, BodySpec], contact: Contact, state: ContactState, halves: int
+    scene: Scene, contact: Contact, state: ContactState, halves: int
 ) -> Iterator[ResultWarning]:
     """A closed zone that ends inside a contact and has too few elements across for its law."""
     interface = contact.interface
@@ -212,29 +197,26 @@ def _coarse_closed_zone(
     stiffness = halves * float(force @ state.stiffness / force.sum())
     sides = []
     for name, surface in ((contact.a, interface.a), (contact.b, interface.b)):
-        relative = stiffness * zone.width / bodies[name].material.means[0]
-        needed = min(_FEWEST[surface.dim] * relative ** (1 / 3), _ENOUGH) / _functions(bodies[name])
+        body = scene.bodies[name]
+        relative = stiffness * zone.width / body.material.means[0]
+        functions, iga = body.fe_degree, body.mesh.iga
+        if body.backend == "iga" and iga is not None:
+            functions = min(p - c for p, c in zip(iga.degree, iga.continuities, strict=True))
+        needed = min(_FEWEST[surface.dim] * relative ** (1 / 3), _ENOUGH) / (functions or 1)
         sides.append((zone.elements(surface), needed, relative, f"{name}.{surface.name}"))
     elements, needed, relative, place = min(sides, key=lambda side: side[0] / side[1])
     if elements < needed:
-        yield ResultWarning(
-            "coarse-closed-zone",
-            f"the closed zone of contacts.{contact.name} is {zone.width:.2g} m wide, "
-            f"{elements:.2g} elements of {place}; with so stiff a law, p W / E = {relative:.2g}, "
-            f"fewer than {needed:.2g} give no pressures or growth rates to rely on",
-            {
-                **{"contact": contact.pair, "half": contact.name, "side": place},
-                **{"width": zone.width, "elements": elements, "needed": needed},
-                "stiffness": relative,
-            },
+        told = (
+            f"the closed zone of contacts.{contact.name} is {elements:.2g} elements of {place} "
+            f"wide; its law, p W / E = {relative:.2g}, needs {needed:.2g} for right pressures"
         )
-
-
-def _functions(body: BodySpec) -> int:
-    iga = body.mesh.iga
-    if body.backend == "fe" and body.fe_degree is not None:
-        return body.fe_degree
-    assert iga is not None
-    if iga.continuity is None:
-        return 1
-    return min(p - c for p, c in zip(iga.degree, iga.continuity, strict=True))
+        data = {
+            "contact": contact.pair,
+            "half": contact.name,
+            "side": place,
+            "width": zone.width,
+            "elements": elements,
+            "needed": needed,
+            "stiffness": relative,
+        }
+        yield ResultWarning("coarse-closed-zone", told, data)

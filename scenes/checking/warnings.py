@@ -21,7 +21,7 @@ from cea.expressions import Expression, evaluate
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from meshes.mesh_file import MeshFile
-from meshes.ventilated_disc import VentilatedDisc
+from meshes.shapes import Shape, VentilatedDisc
 from scenes.building.build import used_surfaces
 from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
@@ -77,8 +77,7 @@ problem is a relative stiffness of 6 in blocks and drum, of 1 in ring.
 
 def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWarning, ...]:
     """Warnings of bodies and contacts, before anything is solved; collective."""
-    found = [w for name, body in scene.bodies.items() for w in volumetric_locking(name, body)]
-    found += nodes_left_out(scene)
+    found = [*_volumetric_locking(scene), *_nodes_left_out(scene)]
     if scene.analysis.kind == "cea" and scene.rotates:
         from scenes.checking.rotation import rotation_warnings
 
@@ -86,79 +85,73 @@ def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWar
     for name, spec in scene.contacts.items():
         halves = [contact for contact in contacts if contact.pair == name]
         if spec.c_n is None:
-            found += gap_closed(name, halves)
+            found += _gap_closed(name, halves)
         else:
             from scenes.checking.steady import gaps_as_zero
 
             found += [warning for contact in halves for warning in gaps_as_zero(contact)]
-        found += partly_uncovered(name, spec, halves)
+        found += _partly_uncovered(name, spec, halves)
         if halves[0].coupling not in ("mortar", "bonded"):
-            found += sampled(name, scene, halves)
+            found += _sampled(name, scene, halves)
             if scene.analysis.kind == "cea" and spec.mu:
                 found += point_rule(name, scene, halves)
     return tuple(found)
 
 
-def nodes_left_out(scene: Scene) -> Iterator[ResultWarning]:
+def _nodes_left_out(scene: Scene) -> Iterator[ResultWarning]:
     """Sets of nodes that hold more of a body than the faces that they are used for."""
     for body, spec in scene.bodies.items():
         if isinstance(spec.geometry, MeshFile):
             counts = spec.geometry.nodes_left_out(used_surfaces(scene, body))
             for surface, count in counts.items():
-                yield ResultWarning(
-                    "nodes-left-out",
-                    f"{count} nodes of the set of {body}.{surface} make no face with others of the "
-                    "set and are left out: supports, springs, loads and contacts act on faces",
-                    {"body": body, "surface": surface, "nodes": count},
-                )
+                told = f"{count} nodes of {body}.{surface} make no face of the set and are left out"
+                data = {"body": body, "surface": surface, "nodes": count}
+                yield ResultWarning("nodes-left-out", told, data)
 
 
-def volumetric_locking(name: str, body: BodySpec) -> Iterator[ResultWarning]:
-    """A material that keeps its volume, in elements of a degree too low for it."""
-    degree, smooth = _degree(body)
-    limit = _INCOMPRESSIBLE.get(("iga" if smooth else "fe", degree), inf)
-    nu = body.material.means[2]
-    if nu >= limit:
-        yield ResultWarning(
-            "volumetric-locking",
-            f"bodies.{name} is nearly incompressible (nu = {nu:g}); elements of "
-            f"degree {degree} are too stiff from nu = {limit:g} on",
-            {"body": name, "nu": nu, "degree": degree, "limit": limit},
-        )
+def _volumetric_locking(scene: Scene) -> Iterator[ResultWarning]:
+    """Materials that keep their volume, in elements of a degree too low for them."""
+    for name, body in scene.bodies.items():
+        degree, smooth = _degree(body)
+        limit = _INCOMPRESSIBLE.get(("iga" if smooth else "fe", degree), inf)
+        nu = body.material.means[2]
+        if nu >= limit:
+            told = (
+                f"bodies.{name} is nearly incompressible (nu = {nu:g}); elements of "
+                f"degree {degree} are too stiff from nu = {limit:g} on"
+            )
+            data = {"body": name, "nu": nu, "degree": degree, "limit": limit}
+            yield ResultWarning("volumetric-locking", told, data)
 
 
-def gap_closed(name: str, halves: Sequence[Contact]) -> Iterator[ResultWarning]:
+def _gap_closed(name: str, halves: Sequence[Contact]) -> Iterator[ResultWarning]:
     """Sides that do not touch and are taken to be in contact."""
     interfaces = [contact.interface for contact in halves]
     farthest = max(interface.largest_distance for interface in interfaces)
     size = min(min(i.a.mesh_size, i.b.mesh_size) for i in interfaces)
     if farthest > _CLOSED * size:
-        yield ResultWarning(
-            "gap-closed",
-            f"the sides of contacts.{name} are up to {farthest:.3g} m apart, or as far inside "
-            "each other, and are taken to touch",
-            {"contact": name, "distance": farthest, "mesh_size": size},
+        told = (
+            f"the sides of contacts.{name} are up to {farthest:.3g} m apart, or as far inside each "
+            "other, and are taken to touch"
         )
+        data = {"contact": name, "distance": farthest, "mesh_size": size}
+        yield ResultWarning("gap-closed", told, data)
 
 
-def partly_uncovered(
+def _partly_uncovered(
     name: str, spec: ContactSpec, halves: Sequence[Contact]
 ) -> Iterator[ResultWarning]:
     """A part of side a that found nothing; the larger side of a full pass is meant to."""
-    interface = min((c.interface for c in halves), key=lambda each: each.a.area)
-    if not spec.full_pass:
-        interface = halves[0].interface
+    interface = halves[0].interface
+    if spec.full_pass:
+        interface = min((c.interface for c in halves), key=lambda each: each.a.area)
     fraction = 1 - float(interface.points.weight.sum()) / interface.a.area
     if fraction > _UNCOVERED:
-        yield ResultWarning(
-            "partly-uncovered",
-            f"{100 * fraction:.2g} % of {interface.a.name} in contacts.{name} find nothing on the "
-            "other side and carry nothing",
-            {"contact": name, "fraction": fraction},
-        )
+        told = f"{100 * fraction:.2g} % of {interface.a.name} in contacts.{name} find no other side"
+        yield ResultWarning("partly-uncovered", told, {"contact": name, "fraction": fraction})
 
 
-def sampled(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[ResultWarning]:
+def _sampled(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[ResultWarning]:
     """Points too few for the traces of a side; or too many, at a stiffness at which they lock."""
     counts = [sampling(contact.interface) for contact in halves]
     points = sum(count.points for count in counts)
@@ -166,45 +159,46 @@ def sampled(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[Resu
         halves[0].a: max([counts[0].functions_a, *(c.functions_b for c in counts[1:])]),
         halves[0].b: max([counts[0].functions_b, *(c.functions_a for c in counts[1:])]),
     }
+    most = max(functions.values())
     data = {"contact": name, "points": points, "functions": functions}
-    if points < max(functions.values()):
+    if points < most:
         needed = " and ".join(f"{needed} of {body}" for body, needed in functions.items())
-        yield ResultWarning(
-            "under-sampled",
-            f"{points} points of contacts.{name} cannot resist the gaps of all trace functions "
-            f"there: {needed}",
-            data,
+        told = f"{points} points of contacts.{name} cannot resist all gaps of its traces: {needed}"
+        yield ResultWarning("under-sampled", told, data)
+    # P h / E with the mesh size h and E of the side for which h / E is larger
+    spec, interface = scene.contacts[name], halves[0].interface
+    sides = zip((spec.a, spec.b), (interface.a, interface.b), strict=True)
+    yields = (s.mesh_size / scene.bodies[side.split(".")[0]].material.means[0] for side, s in sides)
+    stiffness = _mean(spec, halves) * max(yields)
+    if points > most and stiffness > _LOCKS and not nested(interface):
+        told = (
+            f"{points} points of contacts.{name} lock its {most} trace functions; mortar does not"
         )
-    stiffness = stiffness_in_the_mesh(scene, name, halves)
-    if points > max(functions.values()) and stiffness > _LOCKS and not nested(halves[0].interface):
-        yield ResultWarning(
-            "over-constrained",
-            f"{points} points of contacts.{name} ask more of stiff sides than their "
-            f"{max(functions.values())} trace functions can give: they lock, mortar does not",
-            data | {"stiffness": stiffness},
-        )
+        yield ResultWarning("over-constrained", told, data | {"stiffness": stiffness})
 
 
 def point_rule(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[ResultWarning]:
     """A rule that the study of accuracy found too crude at such a stiffness of the contact."""
     spec, dim = scene.contacts[name], halves[0].interface.a.dim
     rule, backend = spec.formulation, scene.bodies[spec.a.split(".")[0]].backend
-    stiffness = relative_stiffness(scene, name, halves)
+    stiffness = _relative_stiffness(scene, spec, halves)
     if rule.coupling == "lumped":
         limit = _LUMPED[backend, dim]
         crude, when = stiffness > limit, "above"
     else:
-        limit = _COLLOCATION.get((_kind(rule.method, getattr(rule, "weights", "")), dim), 0.0)
+        weights = getattr(rule, "weights", "")
+        of_nodes = {"node_to_surface/equal": "nodes", "grid/": "grid"}
+        abscissae = weights if rule.method in ("greville", "botella") else ""
+        kind = of_nodes.get(f"{rule.method}/{weights}", abscissae)
+        limit = _COLLOCATION.get((kind, dim), 0.0)
         crude, when = stiffness < limit, "below"
     if crude:
-        always = limit in (0.0, inf)
-        yield ResultWarning(
-            "point-rule",
-            f"{rule.label} in contacts.{name} is too crude for growth rates "
-            + ("at any stiffness" if always else f"{when} a relative stiffness of {limit:g}")
-            + f"; here p L / E = {stiffness:.2g}",
-            {"contact": name, "rule": rule.label, "stiffness": stiffness, "limit": limit},
-        )
+        where = f"{when} p L / E = {limit:g}, here {stiffness:.2g}"
+        if limit in (0.0, inf):
+            where = f"at any stiffness, here p L / E = {stiffness:.2g}"
+        told = f"{rule.label} in contacts.{name} is too crude for growth rates {where}"
+        data = {"contact": name, "rule": rule.label, "stiffness": stiffness, "limit": limit}
+        yield ResultWarning("point-rule", told, data)
 
 
 def short_modes(
@@ -229,15 +223,10 @@ def short_modes(
             worst = max(worst, float(phases[found].max(initial=0.0)))
     if not short.any():
         return ()
-    numbers = (np.flatnonzero(short) + 1).tolist()
-    return (
-        ResultWarning(
-            "short-modes",
-            f"{len(numbers)} modes have waves too short for the elements of their contact, down "
-            f"to {2 * np.pi / worst:.2g} elements for a wave",
-            {"modes": numbers, "elements_per_wave": 2 * np.pi / worst},
-        ),
-    )
+    numbers, elements = (np.flatnonzero(short) + 1).tolist(), 2 * np.pi / worst
+    told = f"{len(numbers)} modes have waves of down to {elements:.2g} elements of their contact"
+    data = {"modes": numbers, "elements_per_wave": elements}
+    return (ResultWarning("short-modes", told, data),)
 
 
 def _waves(surface: Surface, shapes: Shapes) -> tuple[Floats, Floats]:
@@ -288,17 +277,10 @@ def _unresolved(phases: Floats, degree: int, *, smooth: bool, error: float) -> N
 
 def _degree(body: BodySpec) -> tuple[int, bool]:
     """Lowest degree of a body's elements, and whether they are smooth splines."""
-    degree, iga = body.fe_degree, body.mesh.iga
-    if body.backend == "fe" and degree is not None:
-        return degree, False
-    assert iga is not None
-    return min(iga.degree), iga.continuity is None or min(iga.continuity) > 0
-
-
-def _kind(method: str, weights: str) -> str:
-    if method in ("greville", "botella"):
-        return weights
-    return {"node_to_surface/equal": "nodes", "grid/": "grid"}.get(f"{method}/{weights}", "")
+    iga = body.mesh.iga
+    if body.backend == "fe" or iga is None:
+        return body.fe_degree or 0, False
+    return min(iga.degree), min(iga.continuities) > 0
 
 
 _ENDS = {
@@ -310,45 +292,35 @@ _ENDS = {
 """Surfaces that end a body along each direction of its shape."""
 
 
-def relative_stiffness(scene: Scene, name: str, halves: Sequence[Contact]) -> float:
+def _relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact]) -> float:
     """P (L_a / E_a + L_b / E_b): how much more the bodies yield than the contact.
 
     L is the depth of a body behind the contact, or the width of the contact where that is less or
     the depth is not known; p the mean contact stiffness (N/m^3), of both halves of a full pass.
     """
-    spec, compliance, interface = scene.contacts[name], 0.0, halves[0].interface
+    interface = halves[0].interface
     width = float(interface.points.weight.sum()) ** (1 / (interface.a.dim - 1))
+    compliance = 0.0
     for side in (spec.a, spec.b):
         body, surface = side.split(".")
-        depth = _depth(scene, body, surface)
-        compliance += min(depth or width, width) / scene.bodies[body].material.means[0]
+        depth = _depth(scene.bodies[body].geometry, surface) or width
+        compliance += min(depth, width) / scene.bodies[body].material.means[0]
     return _mean(spec, halves) * compliance
-
-
-def stiffness_in_the_mesh(scene: Scene, name: str, halves: Sequence[Contact]) -> float:
-    """P h / E with the mesh size h and E of the side for which h / E is larger."""
-    spec, interface = scene.contacts[name], halves[0].interface
-    sides = zip((spec.a, spec.b), (interface.a, interface.b), strict=True)
-    yields = (s.mesh_size / scene.bodies[side.split(".")[0]].material.means[0] for side, s in sides)
-    return _mean(spec, halves) * max(yields)
 
 
 def _mean(spec: ContactSpec, halves: Sequence[Contact]) -> float:
     """Mean contact stiffness p (N/m^3), of steady sliding where a law makes it, open parts too."""
     points = halves[0].interface.points
+    area = float(points.weight.sum())
     if spec.c_n is not None:
-        return sum(half.P for half in halves) / float(points.weight.sum())
-    if spec.P is not None:
-        return spec.P / float(points.weight.sum())
+        return sum(half.P for half in halves) / area
     if isinstance(spec.p, str):
-        return float(points.weight @ evaluate(Expression(spec.p), points.x) / points.weight.sum())
-    assert spec.p is not None
-    return spec.p
+        return float(points.weight @ evaluate(Expression(spec.p), points.x)) / area
+    return spec.p if spec.p is not None else (spec.P or 0.0) / area
 
 
-def _depth(scene: Scene, body: str, surface: str) -> float | None:
+def _depth(shape: Shape, surface: str) -> float | None:
     """Extent (m) of a body across one of its surfaces; None where its shape does not say."""
-    shape = scene.bodies[body].geometry
     if isinstance(shape, VentilatedDisc):
         return shape.depth(surface)
     if shape.shape in ("patches", "nurbs_file"):

@@ -1,22 +1,33 @@
 """Modes, static displacements and load steps of a run as files for ParaView."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from urllib.parse import quote
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 import pyvista
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from cea.arrays import Floats
 from cea.contact.contact import Contact, approach_along, jump_operator
-from cea.files import folder_whole
+from cea.eigen.blocks import times
+from cea.files import folder_whole, write_whole
 from cea.matrices import destroy
-from cea.system.steady_state import ContactState
-from scenes.pictures.grids import cell_grid, in_space, write_collection, write_grid
+from cea.system.steady_state import ContactState, StepState
+from scenes.pictures.grids import cell_grid, in_space
 from scenes.results.result import Result
-from scenes.results.shapes import displacements, times
+from scenes.results.shapes import displacements
+
+
+class _Frame(NamedTuple):
+    """What is shown at one time."""
+
+    time: float
+    stem: str  # begin of the names of its files
+    facts: Mapping[str, float]
+    grids: Mapping[str, Any]  # by the name of the body or contact; none but on rank 0
 
 
 def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
@@ -44,33 +55,15 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     list of Path
         The ``.pvd`` files.
     """
-    modes = [None] if result.spectrum is None else _chosen(result, count)
-    chosen = [mode for mode in modes if mode is not None]
-    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
-    u = {
-        name: result.mode_shapes(name, each.values, chosen, everywhere=False)
-        if result.spectrum is not None
-        else result.displacements(name, each.values, everywhere=False)[..., None]
-        for name, each in cells.items()
-    }
-    contacts, is_root = result.system.contacts, result.comm.rank == 0
-    gaps = {contact.name: _gaps(result, contact, chosen) for contact in contacts}
-    steady = result.steady.contacts if result.steady is not None else {}
-    bodies = {name: cell_grid(each) for name, each in cells.items()} if is_root else {}
-    points = {c.name: _contact_grid(c, steady) for c in contacts} if is_root else {}
-    name = "displacement" if result.spectrum is None else "modes"
-    others = _collection(out, "contacts", is_root) if contacts else nullcontext(_nothing)
-    with _collection(out, name, is_root) as add_bodies, others as add_contacts:
-        for i, mode in enumerate(modes):
-            pressures = {contact.name: _pressure(result, contact, mode) for contact in contacts}
-            for body, grid in bodies.items():
-                grid.point_data.update(_parts("displacement", in_space(u[body][..., i])))
-            for contact, grid in points.items():
-                grid.point_data.update(_parts("gap", gaps[contact][:, i]) | pressures[contact])
-            stem, facts = _label(result, mode)
-            for add, grids in ((add_bodies, bodies), (add_contacts, points)):
-                add(grids, stem, facts, 0 if mode is None else mode + 1)
-    return [out / f"{each}.pvd" for each in (name, *(["contacts"] if contacts else []))]
+    if result.spectrum is None:
+        name, modes = "displacement", []
+    else:
+        every = [*result.most_unstable(count), *range(len(result.modes))]
+        name, modes = "modes", sorted(list(dict.fromkeys(every))[:count])
+    files = [_write(_bodies(result, modes), out / f"{name}.pvd", result)]
+    if result.system.contacts:
+        files.append(_write(_contacts(result, modes), out / "contacts.pvd", result))
+    return files
 
 
 def write_load_steps(result: Result, out: Path) -> list[Path]:
@@ -82,69 +75,98 @@ def write_load_steps(result: Result, out: Path) -> list[Path]:
     """
     path = result.steady.path if result.steady is not None else ()
     steps = [(step.factor, step.state) for step in path if step.state is not None]
-    if not steps:
-        return []
-    is_root = result.comm.rank == 0
+    return [_write(_steps(result, steps), out / "load_steps.pvd", result)] if steps else []
+
+
+def _frames(result: Result, modes: list[int], grids: Mapping[str, Any]) -> Iterator[_Frame]:
+    """A frame for each mode, or for the static solution, of grids that change between them."""
+    if result.spectrum is None:
+        yield _Frame(0.0, "static", {}, grids)
+    for mode in modes:
+        facts = {"frequency": result.frequencies[mode], "growth rate": result.growth_rates[mode]}
+        yield _Frame(mode + 1, f"mode_{mode + 1}", {"mode": mode + 1, **facts}, grids)
+
+
+def _bodies(result: Result, modes: list[int]) -> Iterator[_Frame]:
+    """Bodies with displacements; collective."""
     cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
-    bodies = {name: cell_grid(each) for name, each in cells.items()} if is_root else {}
-    with _collection(out, "load_steps", is_root) as add:
-        for number, (factor, state) in enumerate(steps, start=1):
-            vectors = state.displacement.array_r[:, None].astype(complex)
-            for name, each in cells.items():
-                u = displacements(
-                    result.system, name, each.values, vectors, prescribed=factor, everywhere=False
-                )
-                if is_root:
-                    bodies[name].point_data["displacement"] = in_space(np.real(u[..., 0]))
-            points = {
-                contact.name: _contact_grid(contact, state.contacts)
-                for contact in result.system.contacts
-                if is_root and contact.name in state.contacts
-            }
-            add(bodies | points, f"step_{number}", {"load": factor}, factor)
-    return [out / "load_steps.pvd"]
+    u: dict[str, Any] = {
+        name: result.displacements(name, each.values, everywhere=False)[..., None]
+        if result.spectrum is None
+        else result.mode_shapes(name, each.values, modes, everywhere=False)
+        for name, each in cells.items()
+    }
+    grids = {name: cell_grid(each) for name, each in cells.items() if result.comm.rank == 0}
+    for i, frame in enumerate(_frames(result, modes, grids)):
+        for name, grid in grids.items():
+            grid.point_data.update(_parts("displacement", in_space(u[name][..., i])))
+        yield frame
 
 
-def _nothing(*_: Any) -> None:
-    """Write nothing: of other ranks, and where there are no contacts."""
+def _contacts(result: Result, modes: list[int]) -> Iterator[_Frame]:
+    """Contact points with gaps and pressures; collective."""
+    contacts = result.system.contacts
+    steady = result.steady.contacts if result.steady is not None else {}
+    gaps = [_gaps(result, contact, modes) for contact in contacts]
+    grids = {each.name: _contact_grid(each, steady) for each in contacts if result.comm.rank == 0}
+    for i, frame in enumerate(_frames(result, modes, grids)):
+        for contact, gap in zip(contacts, gaps, strict=True):
+            pressure = _pressure(result, contact, modes[i] if modes else None)
+            if contact.name in grids:
+                grids[contact.name].point_data.update(_parts("gap", gap[:, i]) | pressure)
+        yield frame
 
 
-@contextmanager
-def _collection(out: Path, name: str, is_root: bool) -> Iterator[Callable[..., None]]:
-    """A function that writes grids of one time to the folder of a ``.pvd`` file."""
-    if not is_root:
-        yield _nothing
-        return
-    entries: list[tuple[float, int, Path]] = []
-    with folder_whole(out / name) as part:
+def _steps(result: Result, steps: Iterable[tuple[float, StepState]]) -> Iterator[_Frame]:
+    """Bodies and contact points in equilibrium under parts of the load; collective."""
+    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
+    grids = {name: cell_grid(each) for name, each in cells.items() if result.comm.rank == 0}
+    for number, (factor, state) in enumerate(steps, start=1):
+        vectors = state.displacement.array_r[:, None].astype(complex)
+        for name, each in cells.items():
+            u = displacements(
+                result.system, name, each.values, vectors, prescribed=factor, everywhere=False
+            )
+            if name in grids:
+                grids[name].point_data["displacement"] = in_space(np.real(u[..., 0]))
+        points = {
+            contact.name: _contact_grid(contact, state.contacts)
+            for contact in result.system.contacts
+            if contact.name in state.contacts and result.comm.rank == 0
+        }
+        yield _Frame(factor, f"step_{number}", {"load": factor}, grids | points)
 
-        def add(
-            grids: Mapping[str, Any], stem: str, facts: Mapping[str, float], time: float
-        ) -> None:
-            for number, (label, grid) in enumerate(grids.items()):
-                for fact, value in facts.items():
+
+def _write(frames: Iterable[_Frame], file: Path, result: Result) -> Path:
+    """Write a ``.pvd`` file, and beside it a folder of grids, on rank 0; collective."""
+    if result.comm.rank:
+        for _ in frames:
+            pass
+        return file
+    root = Element("VTKFile", type="Collection", version="1.0")
+    collection = SubElement(root, "Collection")
+    with folder_whole(file.with_suffix("")) as folder:
+        for frame in frames:
+            for part, (label, grid) in enumerate(frame.grids.items()):
+                for fact, value in frame.facts.items():
                     grid.field_data[fact] = [value]
                 # Names of bodies and contacts are free text.
-                file = f"{stem}_{quote(label, safe=' ,')}.vtu"
-                write_grid(grid, part / file)
-                entries.append((time, number, Path(name) / file))
-
-        yield add
-    write_collection(entries, out / f"{name}.pvd")
-
-
-def _chosen(result: Result, count: int) -> list[int | None]:
-    """The most unstable modes, then others by rising frequency: so many, by rising number."""
-    every = [*result.most_unstable(count), *range(len(result.modes))]
-    return [*sorted(list(dict.fromkeys(every))[:count])]
+                name = f"{frame.stem}_{quote(label, safe=' ,')}.vtu"
+                _write_grid(grid, folder / name)
+                place = {"timestep": str(frame.time), "part": str(part)}
+                SubElement(collection, "DataSet", place | {"file": f"{file.stem}/{name}"})
+    indent(root)
+    return write_whole(tostring(root, encoding="utf-8", xml_declaration=True), file)
 
 
-def _label(result: Result, mode: int | None) -> tuple[str, dict[str, float]]:
-    """Begin of the names of the files of a mode, and what they tell of it."""
-    if mode is None:
-        return "static", {}
-    facts = {"frequency": result.frequencies[mode], "growth rate": result.growth_rates[mode]}
-    return f"mode_{mode + 1}", {"mode": mode + 1, **facts}
+def _write_grid(grid: Any, file: Path) -> None:
+    """Write a grid whole or not at all: VTK itself only warns of a full disk."""
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    write_whole(writer.GetOutputString().encode(), file)
 
 
 def _parts(name: str, values: Any) -> dict[str, Floats]:

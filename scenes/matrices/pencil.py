@@ -1,21 +1,20 @@
 """The pencil of a scene of matrices: files read once, on rank 0, and shared out by rows."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Ints
-from cea.eigen.mumps import Mumps
+from cea.eigen.mumps import inertia
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
 from cea.matrices import destroy, distributed, zeros
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
-from scenes.matrices.reading import read_matrix
-from scenes.matrices.symmetry import Symmetry, equal_entries, half_of, mirrored, symmetry_of
+from scenes.matrices.reading import half_of, mirrored, parts_of, read_matrix
 from scenes.spec.matrices import ROLES, MatrixScene
 
 _ROUNDING = np.finfo(float).eps
@@ -25,42 +24,35 @@ _ROUNDING = np.finfo(float).eps
 class Piece:
     """A matrix as it was read."""
 
-    symmetry: Symmetry
+    symmetry: str  # symmetric, symmetric to rounding, skew, or general
+    asymmetry: float
     size: int
     entries: int  # that are not zero
-    # PETSc AIJ matrices whose sum it is, each with whether it is symmetric to the last bit
-    parts: tuple[tuple[Mat, bool], ...]
+    # matrices whose sum it is, each with whether it is symmetric to the last bit: PETSc AIJ; as
+    # they are read, of scipy, and None on other ranks than the first
+    parts: tuple[tuple[Any, bool], ...]
 
     def plain(self) -> dict[str, Any]:
         """What is told of it, as plain data."""
-        kind, asymmetry = self.symmetry.kind, self.symmetry.asymmetry
         counts = {"size": self.size, "entries": self.entries}
-        return {**counts, "symmetry": kind, "asymmetry": asymmetry}
-
-
-_Parts = list[tuple[csr_array, bool]]
+        return {**counts, "symmetry": self.symmetry, "asymmetry": self.asymmetry}
 
 
 def read_pieces(scene: MatrixScene, comm: Any = MPI.COMM_WORLD) -> dict[str, Piece]:
     """Every matrix of a scene, distributed; collective."""
     read = made_on_first(comm, lambda: _read(scene)) or {}
-    found = {
-        name: (symmetry, [(part.shape[0], part.nnz, symmetric) for part, symmetric in parts])
-        for name, (symmetry, parts) in read.items()
-    }
+    bare = {n: replace(p, parts=tuple((None, own) for _, own in p.parts)) for n, p in read.items()}
     pieces = {}
-    for name, (symmetry, parts) in comm.bcast(found).items():
-        matrices = tuple(
-            (_shared_out(read[name][1][i][0] if read else None, size, comm), symmetric)
-            for i, (size, _, symmetric) in enumerate(parts)
-        )
-        pieces[name] = Piece(symmetry, parts[0][0], sum(nnz for _, nnz, _ in parts), matrices)
+    for name, piece in comm.bcast(bare).items():
+        parts = read[name].parts if read else piece.parts
+        shared = tuple((_shared_out(part, piece.size, comm), own) for part, own in parts)
+        pieces[name] = replace(piece, parts=shared)
     return pieces
 
 
-def _read(scene: MatrixScene) -> dict[str, tuple[Symmetry, _Parts]]:
-    """Symmetry and parts of every matrix."""
-    read: dict[str, tuple[Symmetry, _Parts]] = {}
+def _read(scene: MatrixScene) -> dict[str, Piece]:
+    """Every matrix, its parts as scipy has them."""
+    read: dict[str, Piece] = {}
     first: tuple[str, int, Ints | None] | None = None
     for name in scene.files:
         file, variable = scene.file(name)
@@ -75,11 +67,12 @@ def _read(scene: MatrixScene) -> dict[str, tuple[Symmetry, _Parts]]:
             raise InputError(f"files.{name}", scene.files[name], allowed)
         if half := half_of(matrix):
             matrix = _of_half(scene, name, matrix, half)
-        symmetry = symmetry_of(matrix)
-        if name in scene.mass and not symmetry.kind.startswith("symmetric"):
-            value = f"{symmetry.kind}, by {symmetry.asymmetry:.1e} of its entries"
+        symmetry, asymmetry, parts = parts_of(matrix)
+        if name in scene.mass and not symmetry.startswith("symmetric"):
+            value = f"{symmetry}, by {asymmetry:.1e} of its entries"
             raise InputError(f"files.{name}", value, "symmetric, for it is of the mass")
-        read[name] = (symmetry, _parts(matrix, symmetry))
+        entries = sum(part.nnz for part, _ in parts)
+        read[name] = Piece(symmetry, asymmetry, size, entries, tuple(parts))
     return read
 
 
@@ -94,16 +87,6 @@ def _of_half(scene: MatrixScene, name: str, matrix: csr_array, half: str) -> csr
         )
         raise InputError(f"files.{name}", value, allowed)
     return mirrored(matrix) if symmetric else matrix
-
-
-def _parts(matrix: csr_array, symmetry: Symmetry) -> _Parts:
-    """What a matrix is the sum of, with what is symmetric; the rest keeps every bit."""
-    if symmetry.kind == "symmetric":
-        return [(matrix, True)]
-    if symmetry.kind == "symmetric to rounding":
-        return [(csr_array(0.5 * matrix + 0.5 * matrix.T), True)]
-    equal, rest = equal_entries(matrix)
-    return [(equal, True), (rest, False)] if equal.nnz else [(rest, False)]
 
 
 def _shared_out(matrix: csr_array | None, size: int, comm: Any) -> Mat:
@@ -149,9 +132,7 @@ def check_mass(mass: Any, names: str) -> None:
     shifted.setDiagonal(diagonal, addv=PETSc.InsertMode.ADD_VALUES)
     shifted.assemble()
     shifted.setOption(shifted.Option.SYMMETRIC, True)
-    factors = Mumps(shifted, symmetric=True, inertia=True)
-    negative = factors.negative_eigenvalues() + factors.null_pivots()
-    factors.free()
+    negative = sum(inertia(shifted))
     destroy(diagonal)
     if negative:
         value = f"{names}: {negative} eigenvalues that are zero or negative"
@@ -161,9 +142,9 @@ def check_mass(mass: Any, names: str) -> None:
 def symmetrised_pieces(pieces: Mapping[str, Piece]) -> tuple[ResultWarning, ...]:
     """What matrices that are symmetric but for rounding must be read with."""
     found = {
-        name: piece.symmetry.asymmetry
+        name: piece.asymmetry
         for name, piece in pieces.items()
-        if piece.symmetry.kind == "symmetric to rounding"
+        if piece.symmetry == "symmetric to rounding"
     }
     if not found:
         return ()

@@ -1,54 +1,40 @@
 """Matrices read from files of other programs: MATLAB, Matrix Market, Abaqus, PETSc, scipy.
 
 Whatever a file holds, the result is a real square sparse matrix of finite numbers, or a refusal
-that names the file and says what is allowed.
+that names the file and says what is allowed. What a matrix is the sum of tells how symmetric it is.
 """
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array, csr_array, diags_array
 
 from cea.arrays import Ints
 from cea.errors import InputError
 from meshes.files.sandbox import arrays_of
-from scenes.matrices.symmetry import half_of, mirrored
 
 LARGEST_SIZE = 50_000_000
 """Rows of a matrix at most: more is a broken header, or nothing that a run could solve."""
 _MOST_ENTRIES = 2**31 - 1
 """What indices of 32 bits can count."""
 _PROGRAM = Path(__file__).with_name("formats.py")
+_ROUNDING = 16 * np.finfo(float).eps
+"""Difference of an entry and its mirror image that rounding explains, relative to their size."""
+
+type Parts = list[tuple[csr_array, bool]]
+"""Matrices whose sum is meant, each with whether it is symmetric to the last bit."""
 
 
 def read_matrix(
     file: str | Path, variable: str | None = None, *, field: str = "file"
 ) -> tuple[csr_array, Ints | None]:
-    """Read a matrix and what its rows stand for.
+    """Read a matrix, and the node and degree of freedom of each row, (n, 2), where a file has them.
 
-    Parameters
-    ----------
-    file
-        ``.mat``: MATLAB, versions 5 to 7.2. ``.mtx``, ``.mtx.gz``: Matrix Market, or Abaqus where
-        there is no header. ``.npz``: a sparse matrix of scipy. Any other ending: PETSc's binary
-        format, indices of 32 or 64 bits.
-    variable
-        Name in a ``.mat`` file; None takes the only matrix there.
-    field
-        What refusals call it.
-
-    Returns
-    -------
-    matrix : csr_array
-        Shape (n, n), real, finite; entries summed and in order, without stored zeros.
-    labels : ndarray or None
-        Node and degree of freedom of each row, (n, 2), where the file tells them.
-
-    Raises
-    ------
-    InputError
-        When there is no such file or variable, or it is no such matrix.
+    ``.mat``: MATLAB, versions 5 to 7.2, the only matrix there or that of a variable. ``.mtx``,
+    ``.mtx.gz``: Matrix Market, or Abaqus where there is no header. ``.npz``: a sparse matrix of
+    scipy. Any other ending: PETSc's binary format, indices of 32 or 64 bits. Entries are summed and
+    in order, without stored zeros. Refusals call the file by the field.
     """
     path, shown = Path(file), f"{file}:{variable}" if variable else str(file)
     try:
@@ -93,3 +79,55 @@ def _checked(arrays: dict[str, Any], name: str) -> csr_array:
     if not matrix.nnz:
         raise InputError("file", name, "a matrix with an entry that is not zero")
     return matrix
+
+
+def half_of(matrix: csr_array) -> str | None:
+    """Which half of a symmetric matrix this may be: no entry beside the diagonal has its mirror.
+
+    None where one has, of a diagonal matrix, and where the diagonal is empty, as of friction forces
+    along one direction from pressures along another.
+    """
+    if not matrix.diagonal().any():
+        return None
+    rows, columns = matrix.tocoo().coords
+    below, above = bool((rows > columns).any()), bool((rows < columns).any())
+    if not (below or above):
+        return None
+    if below != above:
+        return "lower triangle" if below else "upper triangle"
+    pattern = csr_array((matrix - diags_array(matrix.diagonal())) != 0)
+    return None if pattern.multiply(pattern.T).count_nonzero() else "half of mirrored entries"
+
+
+def mirrored(half: csr_array) -> csr_array:
+    """The symmetric matrix of which one half is given."""
+    return csr_array(half + half.T - diags_array(half.diagonal()))
+
+
+def parts_of(matrix: csr_array) -> tuple[str, float, Parts]:
+    """How symmetric a square matrix is, its asymmetry, and what it is the sum of.
+
+    It is ``symmetric``, ``symmetric to rounding``, and then taken as the mean with its transpose,
+    ``skew`` or ``general``: then its parts are the entries that equal their mirror image, and the
+    others, and no bit is changed. The asymmetry is the largest difference of an entry and its
+    mirror image, relative to their size: the larger of both, or the mean of the diagonal entries of
+    their row and column, sqrt(abs(a_ii a_jj)), which scaling of unknowns leaves alone.
+    """
+    transpose = matrix.T.tocsr()
+    difference = csr_array(matrix - transpose)
+    difference.eliminate_zeros()
+    if not difference.nnz:
+        return "symmetric", 0.0, [(matrix, True)]
+    rows, columns = difference.tocoo().coords
+    root = np.sqrt(np.abs(matrix.diagonal()))
+    larger = csr_array(abs(matrix)).maximum(csr_array(abs(transpose)))
+    sizes = np.maximum(root[rows] * root[columns], np.asarray(larger[rows, columns]).ravel())
+    worst = float((np.abs(difference.data) / sizes).max())
+    if worst <= _ROUNDING:
+        mean = csr_array(0.5 * matrix + 0.5 * transpose)
+        return "symmetric to rounding", worst, [(mean, True)]
+    rest = csr_array(matrix.multiply(difference != 0))
+    equal = csr_array(matrix - rest)
+    equal.eliminate_zeros()
+    kind = "general" if (matrix + transpose).count_nonzero() else "skew"
+    return kind, worst, [(part, part is equal) for part in (equal, rest) if part.nnz]

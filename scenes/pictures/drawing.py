@@ -78,19 +78,8 @@ def largest_deflection(shape: Complexes) -> tuple[Complexes, float]:
     """Displacement turned to the phase in which some point deflects most, and that deflection.
 
     abs(Re(u e^(i phi)))^2 = (abs(u)^2 + Re(u.u e^(2 i phi))) / 2 is largest at a point where
-    phi = -arg(u.u) / 2. Of the two signs, the one that makes the largest component positive.
-
-    Parameters
-    ----------
-    shape
-        Complex displacements, shape (n, dim).
-
-    Returns
-    -------
-    turned : ndarray
-        The displacements times e^(i phi): their real part is that at the phase.
-    largest : float
-        Largest deflection (m).
+    phi = -arg(u.u) / 2. Of the two signs, the one that makes the largest component positive. The
+    real part of the displacements times e^(i phi), (n, dim), is that at the phase.
     """
     square = np.einsum("ij,ij->i", shape, shape)
     deflection = np.sqrt((np.einsum("ij,ij->i", shape.conj(), shape).real + np.abs(square)) / 2)
@@ -103,9 +92,17 @@ def largest_deflection(shape: Complexes) -> tuple[Complexes, float]:
 def bar(title: str, form: str) -> dict[str, Any]:
     """The bar that tells what colours mean, below a picture."""
     return {
-        **{"title": f"{title}\n", "fmt": form, "n_labels": 3, "color": "#222222"},
-        **{"vertical": False, "width": 0.3, "height": 0.085, "position_x": 0.35},
-        **{"position_y": 0.02, "title_font_size": 21, "label_font_size": 19},
+        "title": f"{title}\n",
+        "fmt": form,
+        "n_labels": 3,
+        "color": "#222222",
+        "vertical": False,
+        "width": 0.3,
+        "height": 0.085,
+        "position_x": 0.35,
+        "position_y": 0.02,
+        "title_font_size": 21,
+        "label_font_size": 19,
     }
 
 

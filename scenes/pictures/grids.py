@@ -1,4 +1,4 @@
-"""Bodies on their true cells as VTK has them, their outsides in triangles, and files of them.
+"""Bodies on their true cells as VTK has them, and their outsides in triangles.
 
 Lagrange elements become VTK Lagrange cells, knot spans VTK rational Bezier cells: nothing is
 resampled.
@@ -7,9 +7,7 @@ resampled.
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 import numpy as np
 import pyvista
@@ -20,10 +18,8 @@ from vtkmodules.vtkCommonDataModel import (
     vtkHigherOrderTetra,
     vtkHigherOrderTriangle,
 )
-from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from cea.arrays import Floats, Ints
-from cea.files import write_whole
 from cea.volume import VolumeCells
 
 _CELL_TYPES = {
@@ -84,16 +80,9 @@ def merged(cells: VolumeCells) -> VolumeCells:
 
 
 def outside(cells: VolumeCells, fields: Mapping[str, Floats], subdivisions: int) -> Any:
-    """Outside of a body in triangles with fields at its points (pyvista ``PolyData``).
+    """Outside of a body in triangles with vectors at its points by name (pyvista ``PolyData``).
 
-    Parameters
-    ----------
-    cells
-        Cells that share their points (:func:`merged`).
-    fields
-        Vectors at their points by name.
-    subdivisions
-        Times that edges of curved cells are halved.
+    Its cells share their points (:func:`merged`); edges of curved ones are halved some times.
     """
     grid = cell_grid(cells)
     for name, values in fields.items():
@@ -117,33 +106,9 @@ def sharp_edges(surface: Any) -> Any:
     return surface.extract_feature_edges(FEATURE_ANGLE, manifold_edges=False)
 
 
-def write_grid(grid: Any, file: Path) -> None:
-    """Write a grid to a ``.vtu`` file, whole or not at all.
-
-    VTK itself only warns of a full disk.
-    """
-    writer = vtkXMLUnstructuredGridWriter()
-    writer.SetInputData(grid)
-    writer.SetDataModeToBinary()
-    writer.WriteToOutputStringOn()
-    writer.Write()
-    write_whole(writer.GetOutputString().encode(), file)
-
-
 def in_space[T: np.generic](vectors: NDArray[T]) -> NDArray[T]:
     """Vectors with z = 0 added in 2D, shape (n, 3)."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
-
-
-def write_collection(entries: Iterable[tuple[float, int, Path]], file: Path) -> None:
-    """Write a ``.pvd`` list: of each file its time, its part, and its path from there."""
-    root = Element("VTKFile", type="Collection", version="1.0")
-    collection = SubElement(root, "Collection")
-    for time, part, path in entries:
-        names = {"timestep": str(time), "part": str(part), "file": path.as_posix()}
-        SubElement(collection, "DataSet", names)
-    indent(root)
-    write_whole(tostring(root, encoding="utf-8", xml_declaration=True), file)
 
 
 def _vtk_positions(cells: VolumeCells) -> Ints:

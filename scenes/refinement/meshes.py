@@ -14,7 +14,7 @@ from meshes.breaks import breaks_of, fewest, layered
 from meshes.edge_layers import RATIO, fit
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-from scenes.refinement.singular_edges import Crowding, crowding
+from scenes.refinement.singular_edges import SingularEdges, singular_edges
 from scenes.spec.body import Backend, BodySpec, FeMesh, IgaMesh, MeshSpec
 from scenes.spec.consistency import cross_checks
 from scenes.spec.contact import ContactSpec
@@ -62,7 +62,9 @@ def from_file(body: BodySpec) -> bool:
 
 def has_singular_edges(scene: Scene) -> bool:
     """Whether layers make any difference: a body has singular edges and a structured mesh."""
-    return any(crowding(scene, name) and structured(body) for name, body in scene.bodies.items())
+    return any(
+        singular_edges(scene, name) and _is_structured(body) for name, body in scene.bodies.items()
+    )
 
 
 def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
@@ -95,21 +97,21 @@ def _accurate(contact: ContactSpec) -> ContactSpec:
     return replace(contact, formulation=Mortar(), full_pass=False)
 
 
-def structured(body: BodySpec) -> bool:
+def _is_structured(body: BodySpec) -> bool:
     """Whether the mesh of a body follows coordinates of its shape."""
     if not hasattr(body.geometry, "extent"):
         return False
     return body.backend == "iga" or (body.mesh.fe is not None and body.mesh.fe.size is None)
 
 
-def layers_at_edges(body: BodySpec, edges: Crowding) -> bool:
+def _layers_at_edges(body: BodySpec, edges: SingularEdges) -> bool:
     """Whether layers towards the edges of a body leave the rest of its mesh as it is.
 
     Lagrange cells need not lie on a lattice: where all edges run along one direction, or in the
     plane, those at the edges alone are divided (:mod:`meshes.edge_layers`).
     """
     cell = body.mesh.fe.cell if body.backend == "fe" and body.mesh.fe is not None else None
-    boxes = cell is not None and cell not in SIMPLICES and structured(body)
+    boxes = cell is not None and cell not in SIMPLICES and _is_structured(body)
     return boxes and len({frozenset(edge) for edge in edges.edges}) == 1
 
 
@@ -135,7 +137,7 @@ def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
         finer = replace(
             finer, elements=tuple(max(1, round(n * density)) for n in finer.elements or ())
         )
-        if structured(body):
+        if _is_structured(body):
             finer = _with_breaks(finer, scene, name, resolution.layers)
     mesh_spec = MeshSpec(fe=finer) if isinstance(finer, FeMesh) else MeshSpec(iga=finer)
     return replace(body, mesh=mesh_spec)
@@ -143,7 +145,7 @@ def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
 
 def _with_breaks(mesh: FeMesh | IgaMesh, scene: Scene, name: str, layers: int) -> FeMesh | IgaMesh:
     """A structured mesh through all boundaries of contacts, with layers at singular edges."""
-    body, edges = scene.bodies[name], crowding(scene, name)
+    body, edges = scene.bodies[name], singular_edges(scene, name)
     shape, through = body.geometry, dict(mesh.through)
     for direction, values in edges.through.items():
         through[direction] = tuple(sorted({*through.get(direction, ()), *values}))
@@ -151,7 +153,7 @@ def _with_breaks(mesh: FeMesh | IgaMesh, scene: Scene, name: str, layers: int) -
     elements = tuple(map(max, mesh.elements or (), least))
     if not layers or not edges:
         return replace(mesh, elements=elements, through=through)
-    if isinstance(mesh, FeMesh) and layers_at_edges(body, edges):
+    if isinstance(mesh, FeMesh) and _layers_at_edges(body, edges):
         new = replace(mesh, through=through, edges=edges.edges, layers=layers)
         while not fit(shape, breaks_of(shape, elements, new.boundaries), edges.edges):
             elements = tuple(

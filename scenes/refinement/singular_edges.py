@@ -1,4 +1,4 @@
-"""Coordinates towards which the elements of a body crowd when it is refined.
+"""Edges at which stresses are singular, towards which the meshes of a body are graded.
 
 Stresses are singular along the edges of a clamped face whose neighbours are free, along re-entrant
 edges, and along the boundary of a contact that is stiff beside its bodies. Where a roller ends a
@@ -38,15 +38,15 @@ _WITHIN = 1e-9
 
 Place = tuple[str, float]
 """A direction and a coordinate along it."""
-SingularEdge = tuple[Place, Place]
+Edge = tuple[Place, Place]
 """The two places that an edge lies at."""
 _Face = tuple[str, int]
 """The direction across which a face lies, and at which of its ends."""
 
 
 @dataclass(frozen=True)
-class Crowding:
-    """Coordinates of one body."""
+class SingularEdges:
+    """Singular edges of one body."""
 
     edges: tuple[dict[str, float], ...] = ()  # by coordinates along two directions
     # those inside the body at which pressure ends, and elements do too
@@ -54,21 +54,21 @@ class Crowding:
 
     @property
     def towards(self) -> dict[str, tuple[float, ...]]:
-        """Those towards which elements crowd, by direction: where edges lie."""
+        """Coordinates of the edges by direction, towards which elements are graded."""
         return _by_direction([place for edge in self.edges for place in edge.items()])
 
     def __bool__(self) -> bool:
         return bool(self.edges)
 
 
-def crowding(scene: Scene, name: str) -> Crowding:
-    """Coordinates towards which the elements of a body crowd.
+def singular_edges(scene: Scene, name: str) -> SingularEdges:
+    """Singular edges of a body, and coordinates inside it at which pressure ends.
 
     Empty where nothing is singular, or the shape has no coordinates along its faces.
     """
     body = scene.bodies[name]
     if not hasattr(body.geometry, "extent"):
-        return Crowding()
+        return SingularEdges()
     found = [
         *_clamped(body),
         *_contact_edges(scene, name),
@@ -77,7 +77,7 @@ def crowding(scene: Scene, name: str) -> Crowding:
     ]
     inner = [place for _, place in _boundaries_on(scene, name, stiff=False)]
     edges = tuple(dict(edge) for edge in dict.fromkeys(found))
-    return Crowding(edges, _by_direction(inner))
+    return SingularEdges(edges, _by_direction(inner))
 
 
 def _by_direction(places: list[Place]) -> dict[str, tuple[float, ...]]:
@@ -106,7 +106,7 @@ def _place_of(shape: Shape, surface: str, face: _Face) -> Place:
     return direction, _ranges(shape)[direction][end]
 
 
-def _clamped(body: BodySpec) -> Iterator[SingularEdge]:
+def _clamped(body: BodySpec) -> Iterator[Edge]:
     """Edges of faces that are held in every component."""
     dim = len(body.geometry.directions)
     for support in body.supports:
@@ -114,7 +114,7 @@ def _clamped(body: BodySpec) -> Iterator[SingularEdge]:
             yield from _edges(body, support.surface)
 
 
-def _contact_edges(scene: Scene, name: str) -> Iterator[SingularEdge]:
+def _contact_edges(scene: Scene, name: str) -> Iterator[Edge]:
     """Edges of the sides a of contacts that this body bears."""
     for contact in scene.contacts.values():
         owner, _, surface = contact.a.partition(".")
@@ -134,7 +134,7 @@ def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:
     return bool(p * lengths[0] > _STIFF * min(body.material.means[0] for body in bodies))
 
 
-def _edges(body: BodySpec, surface: str) -> Iterator[SingularEdge]:
+def _edges(body: BodySpec, surface: str) -> Iterator[Edge]:
     """Where the ends of free faces meet a face."""
     shape = body.geometry
     face = _face_of(shape, surface)
@@ -158,7 +158,7 @@ def _held(body: BodySpec) -> set[_Face]:
     return held
 
 
-def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[SingularEdge]:
+def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[Edge]:
     """Edges of sides a where they lie inside a side b that this body bears.
 
     Of stiff contacts with the face itself, else of all. They are known where both bodies stand as
@@ -188,7 +188,7 @@ def _aligned(body: BodySpec, other: BodySpec) -> bool:
     return as_shaped and alike and all(hasattr(shape, "extent") for shape in shapes)
 
 
-def _re_entrant(shape: Shape) -> Iterator[SingularEdge]:
+def _re_entrant(shape: Shape) -> Iterator[Edge]:
     """The edges in which the ring of a hub meets its thicker part."""
     if isinstance(shape, Hub):
         for z, end in ((shape.bottom, shape.hub_bottom), (shape.top, shape.hub_top)):

@@ -226,3 +226,22 @@ def _contact_data(state: "ContactState") -> dict[str, Any]:
         "largest_pressure": float(state.pressure.max()),
         "largest_stiffness": float(state.stiffness.max()),
     }
+
+
+def steady_lines(data: Mapping[str, Any]) -> list[str]:
+    """Lines of a state as its record has it: half passes in each load step, and at last."""
+    steps = [
+        f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
+        for step in data["path"]
+        for name, contact in step.get("contacts", {}).items()
+    ]
+    return steps + [_line(name, contact) for name, contact in data["contacts"].items()]
+
+
+def _line(name: str, contact: Mapping[str, Any]) -> str:
+    closed = 100 * contact["closed_area"] / contact["area"]
+    return (
+        f"steady sliding, {name}: normal force {contact['normal_force']:.6g} N, friction "
+        f"{contact['friction_force']:.6g} N, {closed:.3g} % of the area closed, pressure to "
+        f"{contact['largest_pressure']:.6g} N/m^2"
+    )

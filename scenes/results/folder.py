@@ -7,7 +7,7 @@ anything else is somebody's own and stays.
 import json
 import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from tempfile import TemporaryFile, mkdtemp
@@ -40,8 +40,8 @@ class NewFolder:
         return self.out / file.relative_to(self.part)
 
 
-def check_out(out: Path, name: str = "out") -> None:
-    """Refuse a folder that cannot take a result; it is made where there is none."""
+def check_out(out: Path, name: str = "out") -> dict[str, Any] | None:
+    """Refuse a folder that cannot take a result, or make it; the record of a result there."""
     from scenes.results.record import PROVENANCE, read_record
 
     try:
@@ -51,24 +51,22 @@ def check_out(out: Path, name: str = "out") -> None:
     except (OSError, ValueError) as error:
         reason = (error.strerror if isinstance(error, OSError) else None) or error
         raise InputError(name, str(out), f"a folder to write to ({reason})") from None
-    if (out / RESULT).exists():
-        try:
-            ours = set(PROVENANCE) <= read_record(out / RESULT).keys()
-        except InputError:
-            ours = False
-        if not ours:
-            allowed = f"a folder without a {RESULT} that something else made"
-            raise InputError(name, str(out), allowed)
+    if not (out / RESULT).exists():
+        return None
+    try:
+        found = read_record(out / RESULT)
+    except InputError:
+        found = {}
+    if not set(PROVENANCE) <= found.keys():
+        raise InputError(name, str(out), f"a folder without a {RESULT} that something else made")
+    return found
 
 
 def check_run_out(out: Path, inputs: Mapping[str, Any], *, overwrite: bool) -> None:
     """Refuse a folder that cannot take the result of a run, or holds that of another scene."""
-    from scenes.results.record import read_record
-
-    check_out(out)
-    if overwrite or not (out / RESULT).exists():
+    found = check_out(out)
+    if overwrite or found is None:
         return
-    found = read_record(out / RESULT)
     stored = {**(found.get("inputs") or {}), "command": found["command"]}
     for name, value in {"command": "run", **{key: inputs.get(key) for key in _WHOSE}}.items():
         if stored.get(name) != value:
@@ -118,23 +116,20 @@ def _take_place(new: NewFolder) -> None:
     for name in earlier:
         (new.out / name).unlink(missing_ok=True)
         for folder in PurePosixPath(name).parents[:-1]:
-            if any((new.out / folder).iterdir()):
-                break
-            (new.out / folder).rmdir()
+            with suppress(OSError):  # something else is in it
+                (new.out / folder).rmdir()
     for name in sorted(made, key=lambda name: (name == RESULT, name)):
-        for place in reversed([name, *map(str, PurePosixPath(name).parents[:-1])]):
-            if _is_in_the_way(new.out / place, folder=place != name):
-                _put_aside(new, new.out / place)
-        (new.out / name).parent.mkdir(parents=True, exist_ok=True)
-        (new.part / name).replace(new.out / name)
+        place = new.out / name
+        above = [new.out / folder for folder in reversed(PurePosixPath(name).parents[:-1])]
+        in_the_way = [folder for folder in above if folder.exists() and not folder.is_dir()]
+        if place.exists() or place.is_symlink():
+            in_the_way.append(place)
+        for each in in_the_way:
+            _put_aside(new, each)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        (new.part / name).replace(place)
     content = json.dumps({"about": _ABOUT, "files": made}, indent=1)
     write_whole(f"{content}\n".encode(), new.out / MANIFEST)
-
-
-def _is_in_the_way(place: Path, *, folder: bool) -> bool:
-    if folder:
-        return place.exists() and not place.is_dir()
-    return place.exists() or place.is_symlink()
 
 
 def _put_aside(new: NewFolder, place: Path) -> None:

@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes
 from cea.eigen.matching import (
     NEAR,
     CircumferentialContent,
@@ -41,20 +42,18 @@ def match_runs(
 def match_unstable(first: Result, second: Result) -> dict[str, Any]:
     """Pair the unstable modes of two runs of one scene.
 
-    Modes are paired so that shape and eigenvalue agree best over all pairs together; nothing is
-    left out of the answer.
-
-    Returns
-    -------
-    dict
-        ``pairs``: each with frequency and growth of both, and modal assurance; ``only_first``,
-        ``only_second``: modes without a partner.
+    They are paired so that shape and eigenvalue agree best over all ``pairs`` together, each with
+    frequency and growth of both, and modal assurance; ``only_first`` and ``only_second`` hold the
+    modes without a partner.
     """
     unstable = (np.flatnonzero(result.unstable) for result in (first, second))
     sets = _mode_sets(first, second, *unstable)
     match = match_modes(*sets, near=0.0, limit=None)
     assurance = modal_assurance(sets[0].shapes, sets[1].shapes)
-    told = [[_told(value) for value in s.eigenvalues] for s in sets]
+    told = [
+        [{"frequency": z.imag / (2 * np.pi), "growth": z.real} for z in each.eigenvalues.tolist()]
+        for each in sets
+    ]
     pairs = []
     # A group of one run is one mode here: groups are pairs, but for exact copies.
     for i, j in ((i, j) for g in match.groups for i, j in zip(g.first, g.second, strict=True)):
@@ -65,10 +64,6 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
         "only_first": [told[0][i] for i in match.only_first],
         "only_second": [told[1][j] for j in match.only_second],
     }
-
-
-def _told(value: complex) -> dict[str, float]:
-    return {"frequency": float(value.imag / (2 * np.pi)), "growth": float(value.real)}
 
 
 def circumferential_orders(result: Result) -> CircumferentialContent:
@@ -96,7 +91,8 @@ def _on_circles(result: Result, surface: str) -> Complexes:
     chosen = distinct[np.unique(even)]
     start = -np.arctan2(points.x[chosen, 1], points.x[chosen, 0])
     to_zero, turns = (
-        _turns(angle, side.dim) for angle in (start, 2 * np.pi * np.arange(_ANGLES) / _ANGLES)
+        Rotation.from_euler("z", angles[:, None]).as_matrix()[:, : side.dim, : side.dim]
+        for angles in (start, 2 * np.pi * np.arange(_ANGLES) / _ANGLES)
     )
     x, normal = (
         np.einsum("aij,cjk,ck->cai", turns, to_zero, vectors[chosen]).reshape(-1, side.dim)
@@ -108,15 +104,6 @@ def _on_circles(result: Result, surface: str) -> Complexes:
     u = result.mode_shapes(surface, found.at)
     # Turned back by its angle, each point's components are radial and circumferential.
     return np.einsum("aji,cajm->caim", turns, u.reshape(-1, _ANGLES, *u.shape[1:]))
-
-
-def _turns(theta: Floats, dim: int) -> Floats:
-    """Rotations about the z axis, shape (n, dim, dim)."""
-    turns = np.broadcast_to(np.eye(dim), (len(theta), dim, dim)).copy()
-    turns[:, 0, 0] = turns[:, 1, 1] = np.cos(theta)
-    turns[:, 1, 0] = np.sin(theta)
-    turns[:, 0, 1] = -turns[:, 1, 0]
-    return turns
 
 
 def _mode_sets(

@@ -31,8 +31,12 @@ RUN = "run"
 
 _PACKAGE = "friction-cea"
 _PACKAGES = {
-    **{"dolfinx": "dolfinx-solver-real", "gmsh": "gmsh", "numpy": "numpy", "scipy": "scipy"},
-    **{"pyvista": "pyvista", _PACKAGE: _PACKAGE},
+    "dolfinx": "dolfinx-solver-real",
+    "gmsh": "gmsh",
+    "numpy": "numpy",
+    "scipy": "scipy",
+    "pyvista": "pyvista",
+    _PACKAGE: _PACKAGE,
 }
 _LARGEST = 2**30
 """Bytes of JSON that are read at most: a small compressed file may hold any number of them."""
@@ -110,13 +114,7 @@ def as_json(data: Mapping[str, Any], *, compact: bool = False) -> str:
 
 
 def read_record(file: str | Path) -> dict[str, Any]:
-    """Read what :func:`write_record` wrote.
-
-    Raises
-    ------
-    InputError
-        When there is no such file, or no such data in it.
-    """
+    """Read what :func:`write_record` wrote; what is no such file is refused."""
     path = Path(file)
     try:
         with (gzip.open if path.suffix == ".gz" else open)(regular(path), "rb") as stream:
@@ -168,13 +166,7 @@ def commit() -> str:
 
 
 def _in_json(value: Any, place: str = "data") -> Any:
-    """Plain data in which infinity is the text "inf".
-
-    Raises
-    ------
-    InputError
-        When a number is none, which JSON has no form for either.
-    """
+    """Plain data in which infinity is the text "inf"; what is no number is refused."""
     if isinstance(value, Mapping):
         return {key: _in_json(part, f"{place}.{key}") for key, part in value.items()}
     if isinstance(value, list | tuple):

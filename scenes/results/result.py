@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -16,12 +17,13 @@ from cea.eigen.classify import RunWord
 from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
 from cea.errors import InputError, ResultWarning
+from cea.files import write_whole
 from cea.mode_table import SIGNS, html_table
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from scenes.results.data import described
-from scenes.results.shapes import displacements, summed_matrices, system_matrices
+from scenes.results.data import described, steady_lines
+from scenes.results.shapes import displacements, given_matrices, system_matrices
 from scenes.spec.body import backend_name
 
 if TYPE_CHECKING:
@@ -232,7 +234,7 @@ class Result:
             back.
         """
         if self.pieces:
-            return summed_matrices(self.modes.pencil, self.modes.values, self.modes.template)
+            return given_matrices(self.modes.pencil, self.modes.values, self.modes.template)
         values = self.system.pencil().values() if self.spectrum is None else self.modes.values
         return system_matrices(self.system, values)
 
@@ -248,8 +250,15 @@ class Result:
 
         Parameters
         ----------
-        place, at, everywhere
-            As :func:`scenes.results.shapes.displacements` has them.
+        place
+            A body; or a surface, "body.surface".
+        at
+            On a surface, coordinates of the points, as locating gives them. On a body, the values
+            of its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes the
+            scalar dofs themselves.
+        everywhere
+            Whether every rank gives the points and gets the answer; otherwise rank 0 does, and
+            others get an empty array.
         modes
             Indices of the modes, from 0, as in :attr:`eigenvalues`; None takes all.
 
@@ -309,6 +318,19 @@ class Result:
                 u = shapes[name][..., i]
                 surfaces.append(outside(each, {"real": u.real, "imaginary": u.imag}, SUBDIVISIONS))
             yield draw_mode(surfaces, self.title(mode))
+
+    def draw(self, count: int, out: Path) -> list[Path]:
+        """Draw so many modes, the most unstable first, or the first ones where none is; collective.
+
+        Rank 0 writes the files ``mode_<backend>_<number of the mode>.png``.
+        """
+        from scenes.pictures.drawing import png  # brings pyvista
+
+        modes = self.most_unstable(count)
+        files = [out / f"mode_{self.scene.backends}_{mode + 1}.png" for mode in modes]
+        for file, image in zip(files, self.images(modes), strict=False):
+            write_whole(png(image), file)
+        return files
 
     def steady_lines(self) -> list[str]:
         """What contacts carry in steady sliding; where supports prescribe, what they bear too."""
@@ -371,22 +393,3 @@ def _there[T](value: T | None, name: str, allowed: str) -> T:
     if value is None:
         raise InputError(name, None, allowed)
     return value
-
-
-def steady_lines(data: Mapping[str, Any]) -> list[str]:
-    """Lines of a state as its record has it: half passes in each load step, and at last."""
-    steps = [
-        f"{step['load']:.4g} of the load, {_line(name, contact)}, {step['iterations']} Newton steps"
-        for step in data["path"]
-        for name, contact in step.get("contacts", {}).items()
-    ]
-    return steps + [_line(name, contact) for name, contact in data["contacts"].items()]
-
-
-def _line(name: str, contact: Mapping[str, Any]) -> str:
-    closed = 100 * contact["closed_area"] / contact["area"]
-    return (
-        f"steady sliding, {name}: normal force {contact['normal_force']:.6g} N, friction "
-        f"{contact['friction_force']:.6g} N, {closed:.3g} % of the area closed, pressure to "
-        f"{contact['largest_pressure']:.6g} N/m^2"
-    )

@@ -1,6 +1,6 @@
 """Arrays of numpy and scipy from distributed vectors and matrices."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from math import inf
 from typing import Any
 
@@ -9,7 +9,9 @@ from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from cea.arrays import Complexes
 from cea.body.unknowns import free_operator
+from cea.eigen.blocks import times
 from cea.eigen.multipliers import with_circulatory
+from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
 from cea.matrices import destroy, gather, local_part, scaled_total
 from cea.petsc import PETSc
@@ -27,30 +29,10 @@ def displacements(
     prescribed: float = 0.0,
     everywhere: bool = True,
 ) -> Complexes:
-    """Displacements (m) of many vectors of unknowns at points; collective.
+    """Displacements (m), (n, dim, k), of k vectors of unknowns at points; collective.
 
-    Parameters
-    ----------
-    system
-        The coupled system.
-    place
-        A body; or a surface, "body.surface".
-    at
-        On a surface, coordinates of the points, as locating gives them. On a body, the values of
-        its scalar basis functions at the points, shape (n, num_scalar_dofs); None takes the scalar
-        dofs themselves.
-    vectors
-        Unknowns, the rows of this rank, shape (n_local, k).
-    prescribed
-        Part of the displacements that supports prescribe which is added; none to small motions.
-    everywhere
-        Whether every rank gives the points and gets the answer; otherwise rank 0 does, and others
-        get an empty array.
-
-    Returns
-    -------
-    ndarray
-        Shape (n, dim, k).
+    Places and points are those of :meth:`scenes.results.result.Result.mode_shapes`; vectors are the
+    rows of this rank; a part of what supports prescribe is added.
     """
     name, trace = _trace(system, place, at)
     body, comm = system.bodies[name], system.bodies[name].comm
@@ -91,43 +73,19 @@ def _trace(
     return body, surfaces[name].trace(at)
 
 
-def times(operator: Any, vectors: Complexes) -> Complexes:
-    """The rows of this rank of a PETSc matrix times vectors, (n_local, k); collective."""
-    x, y = operator.createVecs()
-    products = np.empty((y.getLocalSize(), vectors.shape[1]), dtype=complex)
-    for j, vector in enumerate(vectors.T):
-        for target, part in ((products.real, vector.real), (products.imag, vector.imag)):
-            x.array[:] = part
-            operator.mult(x, y)
-            target[:, j] = y.array_r
-    destroy(x, y)
-    return products
-
-
 def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[str, csr_array]:
     """Matrices of bodies and contacts, as :meth:`scenes.results.result.Result.matrices` says."""
     for contact in system.contacts:
         name = f"contacts.{contact.pair}.P"
         if not values.get(name, 0.0) < inf:
             raise InputError(name, values[name], "finite for matrices")
-    pencil = system.pencil(eliminate=True)
-    pieces: dict[str, list[tuple[float, Any]]] = {"K": [], "M": [], "K_n": [], "K_f": []}
-    for term in pencil.terms:
-        factor = term.coefficient.at(values)
-        if term.role == "stiffness":
-            names = ("K_n", "K_f") if term.contact else ("K", "K_c")
-            name = names[0 if term.symmetric else 1]
-        else:
-            name = "M" if term.role == "mass" else "C" if term.symmetric else "Y"
-        sign = -1 if name == "K_f" else 1
-        pieces.setdefault(name, []).append((sign * factor, term.matrix))
-    if not pieces["M"]:
-        del pieces["M"]
-    sums = _sums(pieces, system.template)
-    comm = system.template.comm.tompi4py()
+    pencil, comm = system.pencil(eliminate=True), system.template.comm.tompi4py()
+    has_mass = any(term.role == "mass" for term in pencil.terms)
+    names = ("K", "M", "K_n", "K_f") if has_mass else ("K", "K_n", "K_f")
+    sums = _sums(pencil.terms, values, system.template, _name, names)
     low_rank, circulatory = pencil.low_rank_at(values), pencil.circulatory_at(values)
     if low_rank is not None:
-        sums |= _whole("W", csr_array(low_rank.root()), comm)
+        sums |= _whole("W", csr_array(low_rank.vectors), comm)
     if circulatory is not None:
         full = with_circulatory(None, circulatory)
         left = full.reaction.transpose(PETSc.Mat())
@@ -138,30 +96,45 @@ def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[
     return sums
 
 
-def summed_matrices(
-    pencil: Any, values: Mapping[str, float], template: Any
-) -> dict[str, csr_array]:
+def given_matrices(pencil: Pencil, values: Mapping[str, float], template: Any) -> dict[str, Any]:
     """M, C where there is one, and K of a pencil of matrices from files; collective."""
     letters = {"mass": "M", "damping": "C", "stiffness": "K"}
-    pieces: dict[str, list[tuple[float, Any]]] = {}
-    for term in pencil.terms:
-        pieces.setdefault(letters[term.role], []).append((term.coefficient.at(values), term.matrix))
-    return _sums(pieces, template)
+    return _sums(pencil.terms, values, template, lambda term: letters[term.role])
 
 
-def _sums(pieces: Mapping[str, Sequence[tuple[float, Any]]], template: Any) -> dict[str, csr_array]:
-    """Sums of factors times PETSc AIJ matrices by name, on rank 0 alone; collective."""
-    n, comm = template.getSize(), template.comm.tompi4py()
+def _name(term: Term) -> str:
+    """Name of the sum that a term of bodies or contacts belongs to."""
+    if term.role == "stiffness":
+        both = ("K_n", "K_f") if term.contact else ("K", "K_c")
+        return both[0 if term.symmetric else 1]
+    return "M" if term.role == "mass" else "C" if term.symmetric else "Y"
+
+
+def _sums(
+    terms: Iterable[Term],
+    values: Mapping[str, float],
+    template: Any,
+    name_of: Callable[[Term], str],
+    names: Iterable[str] = (),
+) -> dict[str, csr_array]:
+    """Sums of terms by name, of some names zero where there is none, on rank 0 alone; collective.
+
+    K_f stands in the pencil with a minus sign.
+    """
+    pieces: dict[str, list[tuple[float, Any]]] = {name: [] for name in names}
+    for term in terms:
+        name, factor = name_of(term), term.coefficient.at(values)
+        own = pieces.setdefault(name, [])
+        if factor:
+            own.append((-factor if name == "K_f" else factor, term.matrix))
     sums: dict[str, csr_array] = {}
     for name, parts in pieces.items():
-        kept = [(factor, matrix) for factor, matrix in parts if factor]
-        rows = csr_array((template.getLocalSize(), n))
-        if kept:
-            matrix = scaled_total(kept)
-            indptr, indices, data = matrix.getValuesCSR()
-            rows = csr_array((data, indices, indptr), shape=rows.shape)
+        rows = csr_array((template.getLocalSize(), template.getSize()))
+        if parts:
+            matrix = scaled_total(parts)
+            rows = local_part(matrix)
             destroy(matrix)
-        sums |= _whole(name, rows, comm)
+        sums |= _whole(name, rows, template.comm.tompi4py())
     return sums
 
 

@@ -11,8 +11,7 @@ from cea.body import Body
 from cea.eigen.blocks import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil, release
-from cea.eigen.residuals import Damping, internal_forces
+from cea.eigen.pencil import Damping, Pencil, internal_forces, release
 from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.following import Window
 from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
@@ -22,7 +21,8 @@ from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.swept import at_parameters, in_saddle_form, parameters_changed, parameters_meant
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
+from scenes.spec.problems import fault_of
+from scenes.spec.reading import Scene
 
 _STEP = 1e-5
 """Step of difference quotients of matrices, relative to the value."""
@@ -52,6 +52,8 @@ class AssembledScene:
         Its bodies by name.
     interfaces
         Its contact points by name of the half pass.
+    driver
+        What solves its pencil.
     timer
         Seconds that assembly took, by stage.
 
@@ -62,25 +64,19 @@ class AssembledScene:
     """
 
     def __init__(self, scene: Scene, listener: Callable[[str], None] | None = None) -> None:
-        if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-            raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
         self.scene = scene
+        _ = scene.window  # refused where the analysis gives no modes
         # Friction is kept where mu = 0: a sweep may begin there.
         self._system, self.interfaces, self.timer = coupled(
             scene, leave_out=False, listener=listener
         )
         with self.timer("assembly"):
-            self._driver = EigenSolver(self._system.pencil())
+            self.driver = EigenSolver(self._system.pencil())
 
     @property
     def bodies(self) -> Mapping[str, Body]:
         """Its bodies by name."""
         return self._system.bodies
-
-    @property
-    def driver(self) -> EigenSolver:
-        """What solves its pencil."""
-        return self._driver
 
     @property
     def bonded(self) -> list[str]:
@@ -90,7 +86,7 @@ class AssembledScene:
 
     def depends_on_state(self, names: Sequence[str]) -> bool:
         """Whether parameters move a state of steady sliding that the pencil is linearised about."""
-        moving = self._driver.pencil.stiffness_parameters
+        moving = self.driver.pencil.stiffness_parameters
         return self.scene.slides_steadily and not moving.isdisjoint(names)
 
     def modes(
@@ -131,7 +127,7 @@ class AssembledScene:
         }
         every |= changes or {}
         scene = self.scene.change(every)
-        values = parameters_changed(self._driver.pencil, self.scene, scene, every)
+        values = parameters_changed(self.driver.pencil, self.scene, scene, every)
         return self._modes(scene, values, left=left, listener=listener)
 
     def modes_at(
@@ -158,7 +154,7 @@ class AssembledScene:
         InputError
             When there is no such parameter.
         """
-        scene = at_parameters(self.scene, self._driver.pencil, values)
+        scene = at_parameters(self.scene, self.driver.pencil, values)
         return self._modes(scene, values, left=left, listener=listener)
 
     def _modes(
@@ -174,20 +170,20 @@ class AssembledScene:
             options: RunOptions = {"listener": listener, **self._built}
             return run_modes(scene, left=left, **options)
         known = self._system, self.interfaces, StageTimer(listener)
-        return solved(scene, *known, self._driver, values, left=left)
+        return solved(scene, *known, self.driver, values, left=left)
 
     def warnings(
         self, modes: Modes, max_frequency: float, values: Mapping[str, float]
     ) -> tuple[ResultWarning, ...]:
         """What modes up to a frequency (Hz) must be read with at other parameters; collective."""
-        scene = at_parameters(self.scene, self._driver.pencil, values)
+        scene = at_parameters(self.scene, self.driver.pencil, values)
         inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
         known = self._system, self.interfaces, StageTimer()
         return result_of_modes(scene, *known, inside).warnings
 
     def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
         """What bodies, contacts and the state must be read with at other parameters; collective."""
-        scene = at_parameters(self.scene, self._driver.pencil, values)
+        scene = at_parameters(self.scene, self.driver.pencil, values)
         return system_warnings(scene, self._system, values)
 
     def threshold(
@@ -218,14 +214,15 @@ class AssembledScene:
         ConvergenceError
             When spectra do not tell of thresholds, or there is no state of steady sliding.
         """
-        names = parameters_meant(self._driver.pencil, parameter)
+        names = parameters_meant(self.driver.pencil, parameter)
         if self.depends_on_state(names):
             return self._followed_threshold(names, real, flutter, frequency)
         saddle = in_saddle_form(self.scene)
         other = self if saddle == self.scene else AssembledScene(saddle)
+        top = self.scene.window.max_frequency
         try:
             found = first_threshold(
-                other.driver, names, real, flutter, max_frequency=self._top, frequency=frequency
+                other.driver, names, real, flutter, max_frequency=top, frequency=frequency
             )
             told = other.warnings_at(dict.fromkeys(names, found.value))
         finally:
@@ -233,16 +230,11 @@ class AssembledScene:
                 other.free()
         return replace(found, warnings=(*found.warnings, *told))
 
-    @property
-    def _top(self) -> float:
-        assert isinstance(self.scene.analysis, ComplexEigenvalueAnalysis)
-        return self.scene.analysis.max_frequency
-
     def _followed_threshold(
         self, names: Sequence[str], real: float, flutter: float, frequency: float | None
     ) -> ConfirmedThreshold:
         """A threshold with the state of steady sliding sought anew at every value on the way."""
-        pencil = self._driver.pencil
+        pencil = self.driver.pencil
         options: RunOptions = {"leave_out": False, **self._built}
 
         def at(value: float) -> tuple[Scene, CoupledSystem]:
@@ -250,7 +242,7 @@ class AssembledScene:
             return changed, coupled(changed, **options)[0]
 
         state = _FollowedState(max(abs(real), abs(flutter)), lambda value: at(value)[1].pencil())
-        end = 2 * np.pi * self._top
+        end = 2 * np.pi * self.scene.window.max_frequency
         window = Window(end, pencil.damped, decay=0.1 * end)
         found = threshold_between(FullLine(state, window), real, flutter, frequency)
         told = tuple(system_warnings(*at(found.value)))
@@ -264,22 +256,16 @@ class AssembledScene:
 
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
-        if self.depends_on_state(list(values)):
-            return False
-        try:
-            self._driver.pencil.check(values)
-        except InputError:
-            return False
-        return not self._other_forms(values)
-
-    def _other_forms(self, values: Mapping[str, float]) -> list[str]:
-        """Contacts whose form is left open and would be another at some parameters."""
         left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
-        return [name for name in left_open if not self._system.keeps_form(name, values)]
+        return (
+            not self.depends_on_state(list(values))
+            and not list(fault_of(self.driver.pencil.check, values))
+            and all(self._system.keeps_form(name, values) for name in left_open)
+        )
 
     def free(self) -> None:
         """Free factors kept between solves."""
-        self._driver.free()
+        self.driver.free()
 
 
 def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:

@@ -75,10 +75,8 @@ def _mesh(field: str, body: BodySpec, by: Enrichment) -> MeshSpec:
     if body.backend == "iga" and iga is not None:
         if by == "bisection":
             return replace(mesh, iga=replace(iga, elements=tuple(2 * n for n in iga.elements)))
-        continuity = iga.continuity
-        if by == "degree":
-            continuity = continuity or tuple(q - 1 for q in iga.degree)
-        elif continuity is not None:
+        continuity = iga.continuities if by == "degree" else iga.continuity
+        if by == "smooth" and continuity is not None:
             continuity = tuple(c + 1 for c in continuity)
         raised = tuple(q + 1 for q in iga.degree)
         return replace(mesh, iga=replace(iga, degree=raised, continuity=continuity))

@@ -6,7 +6,7 @@ from typing import Any
 
 from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.modes import Modes
-from cea.errors import InputError, ResultWarning
+from cea.errors import ResultWarning, require
 from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
@@ -38,6 +38,8 @@ class AssembledMatrices:
         The scene.
     pieces
         Its matrices by name.
+    driver
+        What solves its pencil.
     timer
         Seconds that reading took.
 
@@ -52,13 +54,8 @@ class AssembledMatrices:
         self.timer = StageTimer(listener)
         with self.timer("reading"):
             self.pieces = read_pieces(scene, MPI.COMM_WORLD)
-        self._driver = EigenSolver(matrix_pencil(scene, self.pieces))
+        self.driver = EigenSolver(matrix_pencil(scene, self.pieces))
         self._checked: tuple[float, ...] | None = None
-
-    @property
-    def driver(self) -> EigenSolver:
-        """What solves its pencil."""
-        return self._driver
 
     def modes(
         self,
@@ -74,19 +71,12 @@ class AssembledMatrices:
         """
         scene = self.scene.change(dict(changes or {}))
         for name in ("files", "symmetric", "data", *ROLES):
-            if getattr(scene, name) != getattr(self.scene, name):
-                allowed = "as it was read: another scene where files or sums are others"
-                raise InputError(name, getattr(scene, name), allowed)
+            own, new = getattr(self.scene, name), getattr(scene, name)
+            require(new == own, name, new, "as it was read: other matrices are another scene")
         timer, window = StageTimer(listener), scene.window
         self._check_mass(scene.values, timer)
-        modes = run_window(
-            self._driver,
-            window.max_frequency,
-            scene.values,
-            min_growth=window.min_growth,
-            left=left,
-            timer=timer,
-        )
+        top, low = window.max_frequency, window.min_growth
+        modes = run_window(self.driver, top, scene.values, min_growth=low, left=left, timer=timer)
         known = scene, timer, skipped_by(scene, self.pieces)
         return Result(*known, self.warnings(modes), spectrum=modes, pieces=self.pieces)
 
@@ -104,9 +94,9 @@ class AssembledMatrices:
         """
         for value in (real, flutter):
             self._check_mass(self.scene.change({parameter: value}).values, StageTimer())
-        name, top = self._driver.pencil.parameter(parameter).name, self.scene.window.max_frequency
+        name, top = self.driver.pencil.parameter(parameter).name, self.scene.window.max_frequency
         found = first_threshold(
-            self._driver, name, real, flutter, max_frequency=top, frequency=frequency
+            self.driver, name, real, flutter, max_frequency=top, frequency=frequency
         )
         return replace(found, warnings=(*found.warnings, *symmetrised_pieces(self.pieces)))
 
@@ -116,12 +106,12 @@ class AssembledMatrices:
         coefficients = tuple(coefficient.at(values) for coefficient in mass.values())
         if coefficients != self._checked:
             with timer("factorisation"):
-                check_mass(self._driver.mass(values), " + ".join(mass))
+                check_mass(self.driver.matrices(values).mass, " + ".join(mass))
             self._checked = coefficients
 
     def free(self) -> None:
         """Free factors kept between solves."""
-        self._driver.free()
+        self.driver.free()
 
 
 def run_matrices(

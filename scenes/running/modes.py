@@ -1,13 +1,13 @@
 """Complex eigenvalue analysis: a scene to its modes, and its modes to data and back."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Unpack
 
 from cea.contact.interface import Interface
 from cea.eigen.driver import EigenSolver, run_window
 from cea.eigen.modes import Modes
-from cea.errors import InputError, ResultWarning
+from cea.errors import ResultWarning
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.checking.memory import room_for_factors
@@ -15,7 +15,7 @@ from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import short_modes
 from scenes.results.result import Result
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
+from scenes.spec.reading import Scene
 
 STATE_KEPT = "steady-state-kept"
 """Kind of the warning that a state is not the one at other parameters."""
@@ -38,8 +38,7 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     InputError
         When the analysis is another, or bodies or interfaces have other names than the scene's.
     """
-    if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which gives modes")
+    _ = scene.window  # refused before work begins where the analysis gives no modes
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil(leave_out=options.get("leave_out", True))
@@ -58,18 +57,10 @@ def solved(
     left: bool = False,
 ) -> Result:
     """Modes of a scene whose system is assembled; collective."""
-    analysis = scene.analysis
-    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    top, low = scene.window.max_frequency, scene.window.min_growth
     with room_for_factors(scene) as on_disk:
         try:
-            modes = run_window(
-                driver,
-                analysis.max_frequency,
-                values,
-                min_growth=analysis.min_growth,
-                left=left,
-                timer=timer,
-            )
+            modes = run_window(driver, top, values, min_growth=low, left=left, timer=timer)
         finally:
             if on_disk:
                 driver.free()
@@ -97,22 +88,12 @@ def result_of_modes(
         interfaces=interfaces,
         coupled=system,
     )
+    warnings = list(modes.warnings)
     with timer("post-processing"):
-        found = (
-            *system_warnings(scene, system, modes.values),
-            *_kept_state(system, modes),
-            *short_modes(scene, system.bodies, result.mode_shapes, len(modes)),
-        )
-    return replace(result, warnings=(*modes.warnings, *found))
-
-
-def _kept_state(system: CoupledSystem, modes: Modes) -> Iterator[ResultWarning]:
-    """That sensitivities keep the state of steady sliding: left vectors were asked for them."""
-    moving = ", ".join(sorted(modes.pencil.stiffness_parameters))
-    if system.steady is not None and modes.left is not None and moving:
-        yield ResultWarning(
-            STATE_KEPT,
-            f"the state of steady sliding depends on {moving}, and is kept in derivatives: closed "
-            "zones and contact stiffness are those of the scene",
-            {"parameters": moving},
-        )
+        warnings += system_warnings(scene, system, modes.values)
+        moving = ", ".join(sorted(modes.pencil.stiffness_parameters))
+        if system.steady is not None and modes.left is not None and moving:
+            told = f"the state of steady sliding depends on {moving}, and is kept in derivatives"
+            warnings.append(ResultWarning(STATE_KEPT, told, {"parameters": moving}))
+        warnings += short_modes(scene, system.bodies, result.mode_shapes, len(modes))
+    return replace(result, warnings=tuple(warnings))

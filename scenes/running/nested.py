@@ -60,12 +60,9 @@ def estimate_errors(
     own = result.scene
     one_sided = own.damped or own.rotates or own.has_friction
     if one_sided and result.modes.left is None and len(result.modes):
-        options: RunOptions = {
-            "listener": listener,
-            "bodies": result.bodies,
-            "interfaces": result.interfaces,
-        }
-        result = run_modes(own, left=True, **options)
+        known: RunOptions = {"bodies": result.bodies, "interfaces": result.interfaces}
+        known["listener"] = listener
+        result = run_modes(own, left=True, **known)
     bodies = _with_those_of(result, scene, listener)
     system, _, timer = coupled(scene, bodies=bodies, listener=listener)
     with timer("assembly"):

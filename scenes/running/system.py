@@ -43,7 +43,10 @@ class RunOptions(TypedDict, total=False):
 def coupled(
     scene: Scene, **options: Unpack[RunOptions]
 ) -> tuple[CoupledSystem, Mapping[str, Interface], StageTimer]:
-    """Coupled matrices of a scene, its contact points and the seconds they took."""
+    """Coupled matrices of a scene, its contact points and the seconds they took; collective.
+
+    They are linearised about steady sliding, which they keep, where a contact has a law.
+    """
     timer = StageTimer(options.get("listener"))
     check_memory(scene)
     bodies = build_bodies(scene, timer, options.get("bodies"))
@@ -51,22 +54,17 @@ def coupled(
     leave_out = options.get("leave_out", True)
     system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
     if scene.slides_steadily:
-        system = _linearised(scene, system, timer)
+        from cea.system.steady_path import steady_sliding
+        from cea.system.support_forces import support_reactions
+
+        steps = scene.analysis.load_steps
+        steady = steady_sliding(system, timer, steps=steps or 1, history=steps is not None)
+        with timer("assembly"):
+            system = system.linearised(steady, geometric_stiffness=scene.stiffened_by_stress)
+        with timer("post-processing"):
+            reactions = support_reactions(system, steady.displacement, steady.forces)
+        system = replace(system, steady=replace(steady, reactions=reactions))
     return system, interfaces, timer
-
-
-def _linearised(scene: Scene, system: CoupledSystem, timer: StageTimer) -> CoupledSystem:
-    """A system linearised about its state of steady sliding, which it keeps; collective."""
-    from cea.system.steady_path import steady_sliding
-    from cea.system.support_forces import support_reactions
-
-    steps = scene.analysis.load_steps
-    steady = steady_sliding(system, timer, steps=steps or 1, history=steps is not None)
-    with timer("assembly"):
-        system = system.linearised(steady, geometric_stiffness=scene.stiffened_by_stress)
-    with timer("post-processing"):
-        reactions = support_reactions(system, steady.displacement, steady.forces)
-    return replace(system, steady=replace(steady, reactions=reactions))
 
 
 def system_warnings(

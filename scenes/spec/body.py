@@ -140,6 +140,11 @@ class IgaMesh:
         below = all(c < p for c, p in zip(continuity, self.degree, strict=False))
         require(below, "continuity", continuity, f"below the degree {self.degree}")
 
+    @property
+    def continuities(self) -> tuple[int, ...]:
+        """Continuity at inner knots along each direction."""
+        return self.continuity or tuple(p - 1 for p in self.degree)
+
 
 @dataclass(frozen=True)
 class MeshSpec:

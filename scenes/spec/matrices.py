@@ -24,9 +24,9 @@ from scenes.spec.consistency import (
     needs_no_steady_state,
     scene_name_checks,
 )
-from scenes.spec.plain import OF_MATRICES, checked, scene_file, set_fields, tables_of
-from scenes.spec.problems import SceneError, fault_of
-from scenes.spec.reading import Analysis, ComplexEigenvalueAnalysis, changed
+from scenes.spec.plain import OF_MATRICES, changed, checked, scene_file, set_fields, tables_of
+from scenes.spec.problems import SceneError, fault_of, refuse
+from scenes.spec.reading import Analysis, ComplexEigenvalueAnalysis
 
 Role = Literal["mass", "damping", "stiffness"]
 ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")
@@ -163,9 +163,7 @@ def read_matrix_scene(data: Mapping[str, Any]) -> MatrixScene:
         With one line for each fault.
     """
     scene = checked(_adapter(), data)
-    faults = list(_checks(scene))
-    if faults:
-        raise SceneError(faults)
+    refuse(_checks(scene))
     return scene
 
 

@@ -12,9 +12,9 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
-from cea.errors import InputError, did_you_mean
+from cea.errors import InputError, did_you_mean, require
 from cea.files import regular
-from scenes.spec.problems import SceneError, problems
+from scenes.spec.problems import SceneError, fault_of, problems, refuse
 
 SCENES = Path(__file__).parents[1] / "catalogue"
 """Folder of the scenes that come with the project."""
@@ -42,10 +42,8 @@ _LATER = {
 """Fields that came later than stored numbers, which are found by fingerprints of their scenes: they
 do not stand there where they have their defaults."""
 
-Part = str | int
-_STEP = re.compile(r"(?P<name>[^\[\]]+)(?P<numbers>(\[\d{1,9}\])*)")
-"""A part of a path: a name, and numbers of entries in brackets behind it."""
-_NUMBER = re.compile(r"\d{1,9}")
+_PATH = re.compile(r"([^.\[\]]+(\[\d+\])*)(\.[^.\[\]]+(\[\d+\])*)*")
+"""Names with dots between, and numbers of entries in brackets behind them."""
 _HALF = re.compile(r"[\ud800-\udfff]")
 """Half of a character, which no file can hold."""
 _BY_NAME = ("bodies", "contacts")
@@ -102,7 +100,9 @@ def _json(data: Any) -> bytes:
 
 def _plain(value: Any) -> Any:
     """What JSON has no form for: sections of scenes, and numbers and arrays of numpy."""
-    return asdict(value) if is_dataclass(value) else value.tolist()
+    if is_dataclass(value) and not isinstance(value, type):
+        return asdict(value)
+    return value.tolist()
 
 
 def leaves(data: Any, place: str = "scene") -> Iterator[tuple[str, Any]]:
@@ -117,78 +117,41 @@ def leaves(data: Any, place: str = "scene") -> Iterator[tuple[str, Any]]:
 
 
 def set_at(data: dict[str, Any], path: str, value: Any) -> None:
-    """Set a field of plain data through tables and lists; tables that are not there are made.
+    """Set a field through tables, which are made where they are not there, and lists.
 
-    Parameters
-    ----------
-    data
-        Nested tables and lists.
-    path
-        Names with dots between; entries of lists by numbers from 0, ``loads[0].pressure`` or
-        ``loads.0.pressure``.
-    value
-        The new value.
-
-    Raises
-    ------
-    InputError
-        Naming the place where the path ends too early, and what is there.
+    Names in a path have dots between; entries of lists are numbers from 0, ``loads[0].pressure`` or
+    ``loads.0.pressure``. An InputError names the place where a path ends too early.
     """
-    parts = _parts(path)
-    table: Any = data
-    for i, part in enumerate(parts[:-1]):
-        place, key = parts[: i + 1], _key(table, part, parts[: i + 1])
-        if isinstance(table, dict) and table.get(key) is None:
-            _check_new(table, place, parts[i + 1])
-            table[key] = {}
-        table = table[key]
-        if not isinstance(table, dict | list):
-            allowed = f"a table or a list, for {_text(parts)} to be set in it"
-            raise InputError(_text(place), table, allowed)
-    table[_key(table, parts[-1], parts)] = value
-
-
-def _parts(path: str) -> list[Part]:
-    parts: list[Part] = []
-    for step in path.split("."):
-        match = _STEP.fullmatch(step.strip())
-        if match is None:
-            allowed = "names with dots between, and whole numbers in brackets: loads[0].pressure"
-            raise InputError("--set", path, allowed)
-        parts += [match["name"], *map(int, _NUMBER.findall(match["numbers"]))]
-    return parts
-
-
-def _text(parts: Iterable[Part]) -> str:
-    text = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in parts)
-    return text.removeprefix(".")
-
-
-def _check_new(table: dict[str, Any], place: list[Part], below: Part) -> None:
-    """Refuse to make what nobody can have meant: a list, or a part of a body that is not there."""
-    allowed = ""
-    if isinstance(below, int):
-        allowed = "a list that is there to be counted in"
-    elif len(place) == 2 and place[0] in _BY_NAME:
-        allowed = "one that is there, or given whole"
-    if allowed:
-        there = f"{', '.join(map(str, table)) or 'none'}{did_you_mean(place[-1], table)}"
-        raise InputError(_text(place), None, f"{allowed}; there are {there}")
-
-
-def _key(table: Any, part: Part, place: list[Part]) -> Any:
-    """What an entry is found by: a name in a table, the number of one that is there in a list."""
-    if isinstance(table, list):
-        number = int(part) if isinstance(part, int) or _NUMBER.fullmatch(part) else -1
-        if not 0 <= number < len(table):
+    path = "".join(path.split())
+    allowed = "names with dots between, and whole numbers in brackets: loads[0].pressure"
+    require(_PATH.fullmatch(path) is not None, "--set", path, allowed)
+    parts, table = re.findall(r"[^.\[\]]+", path), data
+    for i, part in enumerate(parts):
+        place = ".".join(parts[: i + 1])
+        below = parts[i + 1] if i + 1 < len(parts) else None
+        key: Any = part
+        if isinstance(table, list):
             there = f"from 0 to {len(table) - 1}" if table else "none: the list is empty"
-            allowed = f"number of an entry of {_text(place[:-1])}: {there}"
-            raise InputError(_text(place), part, allowed)
-        return number
-    if isinstance(part, int):
-        allowed = f"a name: {_text(place[:-1])} is a table of {', '.join(map(str, table))}"
-        raise InputError(_text(place), part, allowed)
-    return part
+            numbers = [str(number) for number in range(len(table))]
+            require(part in numbers, place, part, f"number of an entry: {there}")
+            key = int(part)
+        elif table.get(part) is None and below is not None:
+            _check_new(table, parts[: i + 1], below)
+            table[part] = {}
+        if below is None:
+            table[key] = value
+            return
+        table = table[key]
+        allowed = f"a table or a list, for {'.'.join(parts)} to be set in it"
+        require(isinstance(table, dict | list), place, table, allowed)
+
+
+def _check_new(table: dict[str, Any], place: list[str], below: str) -> None:
+    """Refuse to make what nobody can have meant: a list, or a part of a body that is not there."""
+    of_name = len(place) == 2 and place[0] in _BY_NAME
+    there = f"{', '.join(table) or 'none'}{did_you_mean(place[-1], table)}"
+    allowed = f"{'one' if of_name else 'a list'} that is there, or given whole; there are {there}"
+    require(not (of_name or below.isdecimal()), ".".join(place), None, allowed)
 
 
 def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any]:
@@ -203,9 +166,8 @@ def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any
         meant = did_you_mean(file.stem, names)
         if file.stem in names:
             meant = f"; did you mean {file.stem!r}?"
-        raise _refused(
-            scene, f"a TOML file, or one of {', '.join(names)}{reason}{meant}"
-        ) from error
+        allowed = f"a TOML file, or one of {', '.join(names)}{reason}{meant}"
+        raise SceneError([InputError("scene", str(scene), allowed)]) from error
     try:
         if len(content) > _LARGEST_FILE:
             raise ValueError(f"more than {_LARGEST_FILE} bytes")
@@ -214,13 +176,18 @@ def tables_of(scene: str | Path, overrides: Iterable[str] = ()) -> dict[str, Any
             raise ValueError("names of more than 100 parts")
         data = tomllib.loads(text)
     except (ValueError, RecursionError) as error:
-        raise _refused(scene, f"valid TOML in UTF-8: {error}") from error
+        allowed = f"valid TOML in UTF-8: {error}"
+        raise SceneError([InputError("scene", str(scene), allowed)]) from error
     set_fields(data, overrides)
     return data
 
 
-def _refused(scene: str | Path, allowed: str) -> SceneError:
-    return SceneError([InputError("scene", str(scene), allowed)])
+def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> dict[str, Any]:
+    """Plain data of a scene with fields changed, as its ``change`` takes them."""
+    data = plain_data(scene)
+    for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
+        refuse(fault_of(set_at, data, path, plain_data(new)))
+    return data
 
 
 def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
@@ -233,12 +200,8 @@ def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
             value = table["value"] if len(table) == 1 else text
         except (ValueError, RecursionError):
             pass
-        try:
-            if not equals:
-                raise InputError("--set", override, "path.to.field=value")
-            set_at(data, path.strip(), value)
-        except InputError as error:
-            raise SceneError([error]) from None
+        refuse(fault_of(require, bool(equals), "--set", override, "path.to.field=value"))
+        refuse(fault_of(set_at, data, path.strip(), value))
 
 
 def scene_names() -> list[str]:
@@ -260,7 +223,11 @@ def scene_file(scene: str | Path) -> Path:
     return of_matrices if text in matrix_scene_names() else SCENES / f"{text}.toml"
 
 
+def names_matrices(tables: Mapping[str, Any]) -> bool:
+    """Whether what a scene file says names matrices and no bodies."""
+    return "files" in tables and "bodies" not in tables
+
+
 def is_of_matrices(scene: str | Path) -> bool:
     """Whether a scene file names matrices and no bodies."""
-    tables = tables_of(scene)
-    return "files" in tables and "bodies" not in tables
+    return names_matrices(tables_of(scene))

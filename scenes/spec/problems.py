@@ -36,6 +36,13 @@ class SceneError(ValueError):
         return type(self), (self.faults,)
 
 
+def refuse(faults: Iterable[InputError]) -> None:
+    """Raise a :class:`SceneError` of faults, where there are any."""
+    found = list(faults)
+    if found:
+        raise SceneError(found)
+
+
 def fault_of(check: Callable[..., Any], *arguments: Any) -> Iterator[InputError]:
     """Fault that a shared check finds, collected with the others rather than raised."""
     try:

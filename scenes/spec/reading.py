@@ -8,17 +8,20 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter
 
 from cea.contact.formulations import Formulation, registered
-from cea.errors import InputError
+from cea.errors import InputError, require
 from scenes.spec.body import Backend, BodySpec, LoadSpec
 from scenes.spec.consistency import cross_checks
 from scenes.spec.contact import ContactSpec
-from scenes.spec.plain import checked, plain_data, scene_file, set_at, tables_of
-from scenes.spec.problems import SceneError
+from scenes.spec.plain import changed, checked, names_matrices, scene_file, tables_of
+from scenes.spec.problems import SceneError, refuse
+
+if TYPE_CHECKING:
+    from scenes.spec.matrices import MatrixScene
 
 MAX_STEPS = 1000
 """Steps in which a load is put on."""
@@ -28,12 +31,10 @@ LoadSteps = Annotated[int, Field(ge=1, le=MAX_STEPS)] | tuple[float, ...]
 
 
 def _check_load_steps(steps: LoadSteps | None) -> None:
-    if not isinstance(steps, tuple):
-        return
-    rising = bool(steps) and all(a < b for a, b in pairwise((0.0, *steps))) and steps[-1] == 1
-    if not (rising and len(steps) <= MAX_STEPS):
+    if isinstance(steps, tuple):
+        rising = all(a < b for a, b in pairwise((0.0, *steps))) and steps[-1:] == (1,)
         allowed = f"at most {MAX_STEPS} parts of the load that rise from above 0 to 1"
-        raise InputError("load_steps", list(steps), allowed)
+        require(rising and len(steps) <= MAX_STEPS, "load_steps", list(steps), allowed)
 
 
 @dataclass(frozen=True)
@@ -157,6 +158,13 @@ class Scene:
         return "+".join(sorted({body.backend for body in self.bodies.values()}))
 
     @property
+    def window(self) -> ComplexEigenvalueAnalysis:
+        """The modes that are wanted; an InputError where the analysis gives none."""
+        if not isinstance(self.analysis, ComplexEigenvalueAnalysis):
+            raise InputError("analysis.kind", self.analysis.kind, "'cea', which gives modes")
+        return self.analysis
+
+    @property
     def damped(self) -> bool:
         """Whether anything damps, or feeds, small velocities."""
         damping = [body.damping for body in self.bodies.values() if body.damping is not None]
@@ -214,7 +222,9 @@ class Scene:
         SceneError
             When a body has no mesh there, or a formulation does not suit it.
         """
-        return _without_faults(on_backend(self, backend))
+        scene = on_backend(self, backend)
+        refuse(cross_checks(scene))
+        return scene
 
 
 def on_backend(scene: Scene, backend: Backend) -> Scene:
@@ -248,7 +258,7 @@ def load_scene(
         With one line for each fault.
     """
     data = tables_of(scene, overrides)
-    if "files" in data and "bodies" not in data:
+    if names_matrices(data):
         allowed = "a scene of bodies; one of matrices is read by load_matrices"
         raise SceneError([InputError("scene", str(scene), allowed)])
     bodies = data.get("bodies")
@@ -271,25 +281,29 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
         With one line for each fault: those of single fields, and when these are right those
         between fields.
     """
-    return _without_faults(checked(_adapter(tuple(registered().values())), data))
-
-
-def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> dict[str, Any]:
-    """Plain data of a scene with fields changed, as :meth:`Scene.change` takes them."""
-    data = plain_data(scene)
-    for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
-        try:
-            set_at(data, path, plain_data(new))
-        except InputError as error:
-            raise SceneError([error]) from None
-    return data
-
-
-def _without_faults(scene: Scene) -> Scene:
-    faults = list(cross_checks(scene))
-    if faults:
-        raise SceneError(faults)
+    scene = checked(_adapter(tuple(registered().values())), data)
+    refuse(cross_checks(scene))
     return scene
+
+
+def load_any(
+    scene: str | Path,
+    overrides: Iterable[str] = (),
+    backend: Backend | None = None,
+    data: str | Path | None = None,
+) -> "Scene | MatrixScene":
+    """Read a scene of bodies or of matrices, as its file has it; an option of the other is refused.
+
+    Parameters are those of :func:`load_scene` and :func:`scenes.spec.matrices.load_matrices`.
+    """
+    if names_matrices(tables_of(scene)):
+        from scenes.spec.matrices import load_matrices
+
+        allowed = "left out of a scene of matrices, which has no bodies"
+        require(backend is None, "backend", backend, allowed)
+        return load_matrices(scene, overrides, data)
+    require(data is None, "data", data, "left out of a scene of bodies, which reads no matrices")
+    return load_scene(scene, overrides, backend)
 
 
 @cache

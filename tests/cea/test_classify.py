@@ -71,7 +71,11 @@ def test_counts_name_the_fastest_and_the_threshold():
     words = ["grows slowly"] * 11 + ["stable", "rigid", "unstable"]
     growth = [1e-4] * 10 + [1.3e-4, 0.0, 0.0, 2.0]
     said = counted_words(words, growth, None)
-    for part in ("11 modes grow slowly (fastest +0.00013 1/s)", "1 rigid",
-                 "1 unstable (fastest +2 1/s)", "threshold 1e-4 |lambda|"):  # fmt: skip
+    for part in (
+        "11 modes grow slowly (fastest +0.00013 1/s)",
+        "1 rigid",
+        "1 unstable (fastest +2 1/s)",
+        "threshold 1e-4 |lambda|",
+    ):
         assert part in said
     assert "threshold 50 1/s" in counted_words(words, growth, 50.0)

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 from blocks import assemble, coarse, two_blocks
-from corrected_numbers import corrected_numbers
 from covering import covering
+from eigen_numbers import wedges
 from mpi import on_ranks
-from petsc_matrices import to_numpy, to_petsc
+from petsc_matrices import dense_pencil, to_numpy, to_petsc
 from same_numbers import assert_same
 
 from cea.eigen.corrected_tests import CorrectedTests
@@ -51,10 +51,7 @@ def test_the_wedge_is_that_of_dense_matrices(backend, contact):
     matrices = scene(backend, *contact)
     tests = CorrectedTests.of(matrices)
     assert tests is not None
-    K, M = to_numpy(matrices.operator()), to_numpy(matrices.mass)
-    if (forces := matrices.multipliers) is not None:
-        J, L, C = (to_numpy(m) for m in (forces.closure, forces.reaction, forces.compliance))
-        K = K + L.T @ np.linalg.solve(C, J)
+    M, _, K = dense_pencil(matrices)
     N, Q, W = (to_numpy(each) for each in (tests.normals, tests.inner, tests.outer))
     T = np.eye(len(M)) + N @ np.linalg.solve(Q, W)[: N.shape[1]]
     A, B = T.T @ K, T.T @ M
@@ -131,5 +128,5 @@ def test_windows_of_stiff_contact_are_complete(backend, changes):
     [("iga", 2), *(pytest.param("fe", ranks, marks=pytest.mark.slow) for ranks in (2, 3))],
 )
 def test_ranks_agree(backend, ranks):
-    found = on_ranks(ranks, "corrected_numbers.corrected_numbers", backend)
-    assert_same(found, corrected_numbers(backend), rel=1e-6)
+    found = on_ranks(ranks, "eigen_numbers.wedges", backend)
+    assert_same(found, wedges(backend), rel=1e-6)

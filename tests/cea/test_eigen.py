@@ -62,22 +62,14 @@ def test_symmetric_window_is_complete(chain, max_frequency):
 
 
 @pytest.mark.parametrize("max_frequency", [3.0, 12.0])
-def test_unsymmetric_window_is_complete(chain, max_frequency):
+def test_unsymmetric_window_is_complete_with_true_vectors(chain, max_frequency):
     stiffness, mass, friction = chain
-    modes = solve_modes(
-        pencil(stiffness, mass, friction),
-        max_frequency=max_frequency,
-    )
+    modes = solve_modes(pencil(stiffness, mass, friction), max_frequency=max_frequency)
     expected = dense_eigenvalues(stiffness - friction, mass, max_frequency)
     assert np.sum(expected.real > 1e-6) > 0, "the case must flutter to test anything"
     assert_same_set(modes.eigenvalues, expected, 1e-8)
     assert modes.unstable(1e-3).sum() == np.sum(expected.real > 1e-3)
     assert modes.residuals.max() < 1e-8
-
-
-def test_modes_come_by_rising_frequency_with_true_vectors(chain):
-    stiffness, mass, friction = chain
-    modes = solve_modes(pencil(stiffness, mass, friction), max_frequency=8.0)
     assert (np.diff(modes.frequencies) >= 0).all()
     for i, value in enumerate(modes.eigenvalues):
         x = modes.vectors[:, i]
@@ -124,10 +116,7 @@ def test_eigenvalues_that_friction_moves_out_are_told_from_missed_ones():
     stiffness = np.diag(np.r_[np.arange(1.0, 30.0), 40.0, np.arange(60.0, 400.0)])
     coupling = np.zeros((370, 370))
     coupling[29, 30], coupling[30, 29] = 30.0, -30.0
-    modes = solve_modes(
-        pencil(stiffness, eye_array(370), coupling),
-        max_frequency=6.6 / (2 * np.pi),
-    )
+    modes = solve_modes(pencil(stiffness, eye_array(370), coupling), 6.6 / (2 * np.pi))
     assert modes.window.complete
     assert modes.window.found_below == 29
     assert modes.verdict() == "stable"
@@ -138,8 +127,6 @@ def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
     driver = EigenSolver(pencil(np.diag([1.0, 2.0, 3.0, 4.0]), np.eye(4)))
     for place in (1.0, 1.1):
         assert driver.nearest(place, 1).eigenvalues == pytest.approx([1j])
-    with pytest.raises(InputError, match="wanted"):
-        driver.nearest(1.1, 0)
 
 
 def test_window_must_be_positive(chain):

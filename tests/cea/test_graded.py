@@ -2,20 +2,12 @@
 
 import numpy as np
 import pytest
-from graded_numbers import graded_numbers
+from eigen_numbers import graded
 from mpi import on_ranks
-from petsc_matrices import to_petsc
-from random_graded import POWERS, random_graded, random_graded_damped, sheared
+from random_pencils import POWERS, pencil_of, random_graded, random_graded_damped, sheared
 
 from cea.eigen.driver import solve_modes
-from cea.eigen.pencil import Pencil
 from cea.errors import ConvergenceError
-
-
-def _given(matrix):
-    equal = np.where(matrix == matrix.T, matrix, 0.0)
-    mass = to_petsc(np.eye(len(matrix)))
-    return Pencil.of(to_petsc(equal), mass, to_petsc(equal - matrix))
 
 
 def test_what_no_scaling_mends_is_owned_to():
@@ -24,7 +16,8 @@ def test_what_no_scaling_mends_is_owned_to():
     for seed in range(60):
         matrix, kappa = sheared(seed)
         try:
-            modes = solve_modes(_given(matrix), float(np.sqrt(kappa.max() + 0.5)) / (2 * np.pi))
+            pencil = pencil_of(np.eye(len(matrix)), None, matrix, graded=True)
+            modes = solve_modes(pencil, float(np.sqrt(kappa.max() + 0.5)) / (2 * np.pi))
         except ConvergenceError:
             continue
         values = modes.eigenvalues
@@ -39,7 +32,7 @@ def test_what_no_scaling_mends_is_owned_to():
 def test_eigenvectors_are_those_of_the_unknowns_as_given(power):
     for problem in (random_graded(0, power), random_graded(1, power)):
         modes = solve_modes(problem.pencil(), problem.max_frequency, left=True)
-        K, M = problem.scaled(problem.plain.stiffness), problem.scaled(problem.plain.mass)
+        K, M = problem.scaled(problem.stiffness), problem.scaled(problem.mass)
         x, y = modes.vectors, modes.left.vectors
         assert np.einsum("ij,ij->j", x.conj(), M @ x).real == pytest.approx(np.ones(len(modes)))
         right = K @ x + M @ x * modes.eigenvalues**2
@@ -55,8 +48,7 @@ def test_left_vectors_of_damped_ones():
     problem = random_graded_damped(1, 20)
     modes = solve_modes(problem.pencil(), problem.max_frequency, left=True)
     M, D, K = (
-        problem.scaled(matrix)
-        for matrix in (problem.plain.mass, problem.plain.damping, problem.plain.stiffness)
+        problem.scaled(matrix) for matrix in (problem.mass, problem.damping, problem.stiffness)
     )
     value, x, y = modes.eigenvalues, modes.vectors, modes.left.vectors
     defect = K.T @ y + D.T @ y * value.conj() + M @ y * value.conj() ** 2
@@ -70,8 +62,8 @@ def test_left_vectors_of_damped_ones():
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("seed", "damped"), [(5, False), (1, True)])
 def test_ranks_agree(ranks, seed, damped):
-    alone = graded_numbers(seed, damped)
-    several = on_ranks(ranks, "graded_numbers.graded_numbers", seed, damped)
+    alone = graded(seed, damped)
+    several = on_ranks(ranks, "eigen_numbers.graded", seed, damped)
     assert len(alone["im"]) > 1
     assert several["verdicts"] == alone["verdicts"]
     for part in ("re", "im"):

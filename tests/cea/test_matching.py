@@ -1,10 +1,8 @@
 """Matching of eigenvalues and of modes: multiplicities, groups, orders, what is left alone."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from reference_data import DRUM_BODIES, plane_meshes
+from reference_data import DRUM_BODIES
 
 from cea.eigen.matching import (
     ModeSet,
@@ -138,18 +136,21 @@ def test_circumferential_content_tells_order_share_and_sense():
         circumferential_content(u[:, :2].reshape(1, 2, 2, 4))
 
 
-def drum(backend, elements):
-    overrides = ["bodies.outer.material.nu=0.3", "analysis.max_frequency=0.33"]
-    overrides.append("contacts.interface.formulation={method='gpts', points=4}")
-    meshes = dict.fromkeys(DRUM_BODIES, elements)
-    overrides += plane_meshes(backend, {"fe": 2, "iga": 3}[backend], meshes)
-    return load_scene(Path("drum"), overrides, backend)
-
-
 @pytest.fixture(scope="module")
 def drums():
     """Runs of a drum on both backends."""
-    return run_scene(drum("fe", [3, 28])), run_scene(drum("iga", [3, 24]))
+    meshes = {"fe": [3, 28], "iga": [3, 24]}
+    return [
+        run_scene(
+            load_scene(
+                "drum",
+                [f"bodies.{body}.mesh.{backend}.elements={elements}" for body in DRUM_BODIES]
+                + ["analysis.max_frequency=0.33"],
+                backend,
+            )
+        )
+        for backend, elements in meshes.items()
+    ]
 
 
 def test_drum_modes_have_their_exact_orders(drums):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from blocks import alone, assemble
 from covering import covering
+from damped_numbers import round_body
 
 from cea.damping import ModalDamping
 from cea.eigen.driver import solve_modes
@@ -15,20 +16,19 @@ TOP = 1.2
 
 def one_block(backend, modal=None, *, held=True, size=(1.0, 0.6), elements=(4, 3), **material):
     """A block alone, in plane strain."""
-    return alone(
-        backend,
-        {"shape": "rectangle", "size": list(size), "origin": [0.0, 0.0]},
-        elements,
-        material={"E": 2.0, "nu": 0.3, "rho": 1.5} | material,
-        supports=[{"surface": "y_min"}] if held else [],
-        damping=None if modal is None else {"modal": modal},
-        analysis={"kind": "cea", "max_frequency": TOP},
-    )
+    geometry = {"shape": "rectangle", "size": list(size), "origin": [0.0, 0.0]}
+    body = round_body(backend, geometry, list(elements))
+    body["material"] |= {"E": 2.0} | material
+    if held:
+        body["supports"] = [{"surface": "y_min"}]
+    if modal is not None:
+        body["damping"] = {"modal": modal}
+    return alone(body, TOP)
 
 
 def piece_of(system):
     """W diag(d) W^T of a system as a full matrix."""
-    root = system.pencil().at().low_rank.root()
+    root = system.pencil().at().low_rank.vectors
     return root @ root.T
 
 
@@ -104,7 +104,7 @@ def test_modes_that_are_counted_follow_the_material(backend, change):
     modal = KINDS["a list"]
     values = {f"bodies.part.material.{name}": value}
     system = assemble(one_block(backend, modal))
-    changed = system.pencil().at(values).low_rank.root()
+    changed = system.pencil().at(values).low_rank.vectors
     expected = piece_of(assemble(one_block(backend, modal, **change)))
     assert changed @ changed.T == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
 

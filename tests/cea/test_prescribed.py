@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import alone, two_blocks
+from blocks import alone, section, two_blocks
 from covering import covering
 from pressed import pressed_blocks
 
@@ -25,8 +25,8 @@ def held(value, *, dim=3):
 def box(backend, supports, *, dim=3, **options):
     """A static scene of one box with its corner at the origin."""
     geometry = {"shape": "box" if dim == 3 else "rectangle", "size": list(SIZE[:dim])}
-    options |= {"supports": supports, "analysis": {"kind": "static"}}
-    return alone(backend, geometry, [3, 2, 2][:dim], **options)
+    body = section(backend, geometry, [3, 2, 2][:dim], supports=supports, **options)
+    return alone(body, None)
 
 
 def solved(data):

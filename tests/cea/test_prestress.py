@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import alone
+from blocks import alone, section
 from covering import covering
 from motions import control_points, dense
 from pressed import pressed_blocks
@@ -23,7 +23,7 @@ def slab(backend, dim, supports=()):
     """A box of which the faces hold some components."""
     shape = {"shape": {2: "rectangle", 3: "box"}[dim], "size": [0.7, HEIGHT, 0.5][:dim]}
     held = [{"surface": face, "components": list(some)} for face, some in supports]
-    scene = alone(backend, shape, [1, 5, 1][:dim], degree=3, supports=held)
+    scene = alone(section(backend, shape, [1, 5, 1][:dim], degree=3, supports=held))
     return build_body("part", read_scene(scene).bodies["part"])
 
 

@@ -1,14 +1,16 @@
 """Damped and rotating pencils: lumped systems, limits, left vectors, contact forces, refusals."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from blocks import assemble, coarse, two_blocks
 from covering import covering
 from dense_reference import dense_quadratic
+from eigen_numbers import damped, damped_blocks
 from mpi import on_ranks
 from petsc_matrices import to_petsc
-from quadratic_cases import damped, lumped_modes, numbers
-from random_quadratic import pencil_of, random_quadratic
+from random_pencils import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
 from scipy.sparse import diags_array, eye_array
 
@@ -16,6 +18,7 @@ from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.field_of_values import bounded_growth, largest_growth
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
+from cea.eigen.unformed import LowRank, UnformedTerm
 from cea.errors import ConvergenceError, InputError
 from cea.reduced.full_solves import first_threshold
 
@@ -33,7 +36,8 @@ DAMPED = [entry for entry in stored("lumped") if np.any(entry["C"])]
 
 @pytest.mark.parametrize("entry", DAMPED, ids=lambda entry: entry["name"])
 def test_lumped_systems_to_twelve_digits(entry):
-    modes = lumped_modes(entry)
+    M, C, K = (np.array(entry[name], dtype=float) for name in ("M", "C", "K"))
+    modes = solve_modes(pencil_of(M, C, K), 0.4, min_growth=-1.0)
     exact = np.array([value for value in eigenvalues(entry) if value.imag >= 0])
     found = modes.eigenvalues
     assert len(found) == len(exact)
@@ -60,14 +64,12 @@ def hulten(c1, c2):
     )
 
 
-@pytest.mark.parametrize(("c1", "c2"), [(0.02, 0.02), (0.02, 0.1), (0.002, 0.02)])
-def test_the_threshold_of_a_damped_system_is_exact(c1, c2):
-    name = {(0.02, 0.02): "mu=0.3 c=(0.02,0.02)", (0.02, 0.1): "mu=0.3 c=(0.02,0.1)"}
-    entry = next(
-        e
-        for e in stored("lumped")
-        if e["name"] == f"Hulten {name.get((c1, c2), 'mu=0.1 c=(0.002,0.02)')}"
-    )
+@pytest.mark.parametrize(
+    ("mu", "c1", "c2"), [(0.3, 0.02, 0.02), (0.3, 0.02, 0.1), (0.1, 0.002, 0.02)]
+)
+def test_the_threshold_of_a_damped_system_is_exact(mu, c1, c2):
+    name = f"Hulten mu={mu} c=({c1},{c2})"
+    entry = next(entry for entry in stored("lumped") if entry["name"] == name)
     exact = float(entry["info"]["mu_c"])
     with EigenSolver(hulten(c1, c2)) as driver:
         found = first_threshold(driver, "mu", 0.01, 0.5, max_frequency=0.3)
@@ -117,31 +119,24 @@ def test_proportional_damping_turns_eigenvalues_as_it_must(backend, form, mu):
     assert modes.residuals.max() < 1e-9
 
 
-@pytest.fixture
-def mixed():
-    """M, D, K of eight unknowns with friction, damping and rotation; eigenvalues are simple."""
+def test_derivatives_are_those_of_differences():
+    """With friction, damping, rotation and a piece of low rank; eigenvalues are simple."""
     random = np.random.default_rng(5)
     turn, whole = random.standard_normal((2, 8, 8))
     M = np.eye(8) + 0.1 * turn @ turn.T
     K = np.diag(np.linspace(1.0, 20.0, 8)) + 0.4 * whole
     D = 0.02 * np.eye(8) + 0.01 * turn @ turn.T + 0.1 * (whole - whole.T)
-    return M, D, K
-
-
-def test_derivatives_are_those_of_differences(mixed):
-    rates = {"damping": "c", "stiffness": "k"}
-    terms = [
-        Term(t.role, t.matrix, Coefficient.of({rates[t.role]: (1.0, 1.0)}), t.symmetric)
-        if t.role != "mass"
-        else t
-        for t in pencil_of(*mixed).terms
-    ]
-    pencil = Pencil(terms, [Parameter("c", 1.0), Parameter("k", 1.0)])
-    end = 0.6
+    piece = LowRank(random.standard_normal((8, 2)), np.array([0.02, 0.1]))
+    names = ("mass", "damping", "stiffness", "low rank")
+    by_name = {name: Coefficient.of({name: (1.0, 1.0)}) for name in names}
+    terms = [replace(t, coefficient=by_name[t.role]) for t in pencil_of(M, D, K).terms]
+    parameters = [Parameter(name, 1.0) for name in names]
+    low_rank = [UnformedTerm(piece, by_name["low rank"])]
+    pencil, end = Pencil(terms, parameters, low_rank=low_rank), 0.6
     modes = solve_modes(pencil, end, left=True)
     assert len(modes) > 4
     step = 1e-5
-    for name in ("c", "k"):
+    for name in names:
         slopes = modes.sensitivity(name)
         more, less = (
             solve_modes(pencil, 1.1 * end, {name: 1 + s}, min_growth=-end).eigenvalues
@@ -193,7 +188,7 @@ def test_lower_ends_of_windows_are_checked(growth):
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_numbers_do_not_depend_on_the_ranks(ranks):
-    alone, together = numbers(), on_ranks(ranks, "quadratic_cases.numbers")
+    alone, together = damped_blocks(), on_ranks(ranks, "eigen_numbers.damped_blocks")
     assert len(alone["re"]) > 3
     for name, values in alone.items():
         assert together[name] == pytest.approx(values, rel=1e-8, abs=1e-9)

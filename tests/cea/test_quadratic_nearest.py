@@ -5,7 +5,7 @@ import pytest
 from covering import covering
 from dense_reference import dense_quadratic
 from petsc_matrices import to_petsc
-from random_quadratic import pencil_of
+from random_pencils import pencil_of
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.pencil import Pencil

@@ -3,30 +3,30 @@
 from functools import partial
 
 import pytest
-from random_runs import (
-    graded_damped_outcome,
-    graded_outcome,
-    judged,
-    low_rank_outcome,
-    matrix_outcome,
-    quadratic_outcome,
+from random_pencils import (
+    random_graded,
+    random_graded_damped,
+    random_linear,
+    random_low_rank,
+    random_quadratic,
 )
+from random_runs import judged, pencil_outcome
 
 from cea.eigen import driver
 from cea.eigen.krylov_schur import KrylovOptions
 
-OUTCOMES = {
-    "matrix": matrix_outcome,
-    "quadratic": quadratic_outcome,
-    "low_rank": low_rank_outcome,
-    "graded": graded_outcome,
-    "graded_damped": graded_damped_outcome,
+PENCILS = {
+    "linear": random_linear,
+    "quadratic": random_quadratic,
+    "low_rank": random_low_rank,
+    "graded": random_graded,
+    "graded_damped": random_graded_damped,
 }
 
 
 def check(kind, seeds, refused=0.0):
     """Nothing is wrong, little but of graded pencils is refused or left open."""
-    outcomes = judged(seeds, OUTCOMES[kind])
+    outcomes = judged(seeds, lambda seed: pencil_outcome(PENCILS[kind](seed)))
     assert sum(outcome.modes for outcome in outcomes) > len(seeds)
     graded = kind.startswith("graded")
     assert graded or sum(bool(o.refused) for o in outcomes) <= refused * len(outcomes)
@@ -40,13 +40,13 @@ slow = partial(pytest.param, marks=pytest.mark.slow)
 @pytest.mark.parametrize(
     ("kind", "seeds"),
     [
-        ("matrix", range(12)),
+        ("linear", range(12)),
         ("quadratic", range(12)),
         ("quadratic", (226, 496, 939)),  # lambda of free motions is zero to the last digit
         ("low_rank", range(8)),
         ("graded", range(20)),
         ("graded_damped", range(6)),
-        slow("matrix", range(1000)),
+        slow("linear", range(1000)),
         slow("quadratic", range(1000)),
         slow("low_rank", range(500)),
         slow("graded", range(1000)),
@@ -60,9 +60,9 @@ def test_lapack_tells_all_of_small_ones(kind, seeds):
 @pytest.mark.parametrize(
     ("kind", "seeds"),
     [
-        ("matrix", (19, 27, 32, 47, 59, 109, 410, 516)),  # more copies than a block has columns
+        ("linear", (19, 27, 32, 47, 59, 109, 410, 516)),  # more copies than a block has columns
         ("quadratic", range(6)),
-        slow("matrix", range(300)),
+        slow("linear", range(300)),
         slow("quadratic", range(300)),
         slow("low_rank", range(150)),
     ],

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import alone
+from blocks import alone, section
 from mpi import on_ranks
 from reaction_numbers import CONTACTS, INNER, MOVED, NU, OUTER, E, borne, pressed, sector
 from scipy.sparse import csr_array
@@ -26,15 +26,15 @@ def column(backend, rollers, *, nu=0.0, **body):
     supports = [{"surface": name, "components": rollers[name[0]]} for name in SIDES]
     supports.append({"surface": "z_max", "components": ["z"], "value": -8.2e-6})
     supports.append({"surface": "z_min", "components": ["normal"]})
-    return alone(
+    part = section(
         backend,
         {"shape": "box", "size": [0.01, 0.02, 0.04]},
         [1, 1, 4],
         material={"E": 1e9, "nu": nu, "rho": 2000.0},
         supports=supports,
-        analysis={"kind": "static"},
         **body,
     )
+    return alone(part, None)
 
 
 NORMAL = {"x": ["normal"], "y": ["normal"]}

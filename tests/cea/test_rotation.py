@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from blocks import alone
 from covering import covering
-from motions import quadratic_lambda
-from petsc_matrices import to_numpy
+from damped_numbers import round_body
+from petsc_matrices import quadratic_eigenvalues, to_numpy
 from scipy.linalg import eigh
 
 from cea.errors import InputError
@@ -26,9 +26,8 @@ TURNED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.
 def body(backend, geometry, fine=1, *, placement=None):
     """A small body with round numbers."""
     elements = [fine, 12 * fine, 1][: 2 if geometry["shape"] == "ring" else 3]
-    material = {"E": 1.0, "nu": 0.3, "rho": 1.5}
-    data = alone(backend, geometry, elements, material=material, placement=placement)
-    return build_bodies(read_scene(data), StageTimer())["part"]
+    part = round_body(backend, geometry, elements, placement=placement or {})
+    return build_bodies(read_scene(alone(part)), StageTimer())["part"]
 
 
 def matrices(part, rotation):
@@ -63,13 +62,18 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
     moments = 1.5 * turn @ np.diag([plane, plane, axial]) @ turn.T
     rng = np.random.default_rng(3)
     A, B, W = rng.normal(size=(3, 3)), rng.normal(size=(3, 3)), rotation.spin(3)
-    nodes = part.space.dof_positions  # nodes, or control points
+    nodes = positions(part)
     u, v = ((matrix @ (nodes - shift).T).T.ravel() for matrix in (A, B))
     RA, RB = ((M @ W if coriolis else M @ W - W @ M) for M in (A, B))
     tolerance = {"iga": 1e-8, "fe": 1e-3}[backend]
     size = np.abs(moments).max()
     assert v @ Y @ u == pytest.approx(2 * np.trace(B.T @ RA @ moments), abs=tolerance * size)
     assert v @ Z @ u == pytest.approx(np.trace(RB.T @ RA @ moments), abs=tolerance * size)
+
+
+def positions(part):
+    """Nodes, or control points, of the scalar dofs: where linear fields are taken."""
+    return part.space.dof_positions
 
 
 @cache
@@ -99,7 +103,7 @@ def apart(backend, fine):
     """
     part, frequencies = ring(backend, fine)
     K, M, Y, Z = matrices(part, Rotation(RATE, coriolis=False))
-    found = quadratic_lambda(M, RATE * Y, K - RATE**2 * Z)
+    found = quadratic_eigenvalues(M, RATE * Y, K - RATE**2 * Z)
     errors = []
     for m in (2, 3, 4):
         for sign in (-1, 1):

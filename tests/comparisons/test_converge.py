@@ -16,7 +16,7 @@ from cea.eigen.matching import assign
 from cea.errors import ConvergenceError, InputError
 from comparisons.cli.app import app
 from comparisons.converge import ladder
-from comparisons.converge.bars import CONVERGING, FACTOR, Estimated, bar_of, pair
+from comparisons.converge.bars import FACTOR, Bar, Estimated, bar_of, pair
 from comparisons.converge.combine import Mode, widened
 from comparisons.converge.ladder import RATIO, Ladder
 from comparisons.converge.page import read_converge, write_converge
@@ -24,7 +24,6 @@ from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
 from comparisons.study.progress import Progress
 from scenes import run_modes
-from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
 from scenes.spec.toml import scene_text
 
@@ -66,26 +65,23 @@ def test_a_bar_is_twice_the_error_of_a_sequence_that_keeps_its_order(order):
     assert bar_of(numbers, 7.0, 3).estimates == 2
 
 
-def test_orders_above_theory_and_below_one_are_not_trusted():
-    fast, slow = [1 + 1.0, 1 + 1e-6, 1.0], [2.3, 1.0, 0.0]
-    assert bar_of(fast, 1.0, 2).size == pytest.approx(FACTOR * 1e-6 / (RATIO**4 - 1))
-    assert bar_of(slow, 0.0, 2).size == pytest.approx(FACTOR * 1.0 / (RATIO - 1))
-
-
-@pytest.mark.parametrize("numbers", [[1.0, 1.2, 1.7], [1.0, 1.5, 1.0], [1.0, 1.11, 1.01]])
-def test_where_differences_do_not_fall_the_bar_is_their_sum(numbers):
-    first, last = np.abs(np.diff(numbers))
-    assert first < CONVERGING * last
-    bar = bar_of(numbers, numbers[-1], 3)
-    assert bar.size == pytest.approx(first + last)
-    assert not bar.converges
+@pytest.mark.parametrize(
+    ("numbers", "corrected", "bar"),
+    [
+        ([2.0, 1.0 + 1e-6, 1.0], 1.0, Bar(FACTOR * 1e-6 / (RATIO**4 - 1))),  # above theory
+        ([2.3, 1.0, 0.0], 0.0, Bar(FACTOR * 1.0 / (RATIO - 1))),  # below one
+        ([1.0, 1.2, 1.7], 1.7, Bar(0.7, converges=False)),  # differences do not fall
+        ([1.0, 1.5, 1.0], 1.0, Bar(1.0, converges=False)),
+        ([1.0, 1.11, 1.01], 1.01, Bar(0.21, converges=False)),
+        ([2.0, 1.0], 0.9, Bar(0.2, estimates=1)),  # too few meshes
+        ([3.0, 2.0, 1.0], None, Bar(inf, estimates=0)),
+    ],
+)
+def test_orders_out_of_range_and_too_few_meshes_are_told(numbers, corrected, bar):
+    found = bar_of(numbers, corrected, 2)
+    assert found.size == pytest.approx(bar.size)
+    assert replace(found, size=bar.size) == bar
     assert bar_of([1.0, 1.0 + 1e-15, 1.0], 1.0, 3, 1e-14).converges  # rounding has no order
-
-
-def test_few_meshes_leave_one_estimate():
-    assert bar_of([2.0, 1.0], 0.9, 3).size == pytest.approx(0.2)
-    assert bar_of([2.0, 1.0], 0.9, 3).estimates == 1
-    assert bar_of([3.0, 2.0, 1.0], None, 3).size == inf
 
 
 @pytest.mark.parametrize("splitting", [0.04, 0.0, -0.04])
@@ -109,11 +105,8 @@ def test_bars_of_a_pair_hold_its_members_through_a_coalescence(splitting, damped
 
 @pytest.mark.parametrize("apart", [0.5, 3.0])
 def test_bars_of_backends_that_do_not_meet_are_widened_to_both_values(apart):
-    one, other = (
-        Estimated(1j, 0.5, 0.0, still=True),
-        Estimated(1j + 1j * apart, 1.0, 0.0, still=True),
-    )
-    found, agree = widened(one, other)
+    other = Estimated(1j + 1j * apart, 1.0, 0.0, still=True)
+    found, agree = widened(Estimated(1j, 0.5, 0.0, still=True), other)
     assert agree == (apart < 1.5)
     assert found.frequency_bar == (0.5 if agree else apart)
 
@@ -158,10 +151,8 @@ def test_the_page_and_its_files_tell_what_was_found(result, tmp_path):
     enough = [e for e in result["levels"] if e["bound"] is not None and e["bound"] <= 0.5e-2]
     best = min(enough, key=lambda level: level["dofs"])
     for name, body in load_scene(tmp_path / "for_sweeps.toml").bodies.items():
-        assert (
-            list((body.mesh.fe if body.backend == "fe" else body.mesh.iga).elements)
-            == (best["elements"][name])
-        )
+        mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
+        assert list(mesh.elements) == best["elements"][name]
 
 
 def test_meshes_and_bars_do_not_depend_on_the_clock(result, monkeypatch):
@@ -326,11 +317,9 @@ def test_wrong_options_are_refused_before_work(options, named, tmp_path):
     assert not (tmp_path / "x").exists()
 
 
-def test_what_cannot_be_refined_is_refused():
+def test_a_static_analysis_is_refused():
     with pytest.raises(InputError, match=r"analysis\.kind"):
         converged("patch_test")
-    with pytest.raises(SceneError, match=r"bodies\.disc\.backend"):
-        converged("ventilated_brake", backends=("iga",))
 
 
 # Slow ones

@@ -5,7 +5,6 @@ import sys
 import pytest
 
 from comparisons import doctor
-from comparisons.cli.app import main
 from comparisons.doctor import Finding
 
 
@@ -70,13 +69,10 @@ def test_a_solve_that_fails_or_is_wrong_is_a_fault(monkeypatch):
 
 
 @pytest.mark.parametrize("mend", [None, "sudo apt-get install gcc"])
-def test_the_code_says_whether_all_is_well(mend, monkeypatch, capsys):
+def test_the_code_says_whether_all_is_well(mend, monkeypatch, cea):
     found = [Finding("python", "3.12"), Finding("C compiler", "gcc", mend)]
     monkeypatch.setattr(doctor, "examine", lambda *, launched: iter(found))
-    monkeypatch.setattr(sys, "argv", ["cea", "doctor"])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == (0 if mend is None else 1)
-    told = capsys.readouterr().out
+    code, told, _ = cea("doctor")
+    assert code == (0 if mend is None else 1)
     assert ("all is well" in told) == (mend is None)
     assert ("mend it: sudo apt-get install gcc" in told) == (mend is not None)

@@ -9,14 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from external_data import external
-from matrix_files import dense, inside, pieces, scene, write
+from matrix_files import companion, dense, inside, pieces, scene, write
+from mpi import command
 from scipy.io import mmwrite
-from scipy.linalg import eig
 from scipy.sparse import csr_array
 
 from cea.errors import InputError
 from comparisons.bench import matrices
-from comparisons.cli.app import main
 from comparisons.study.run import run
 from comparisons.sweep import page as sweep_page
 from comparisons.sweep.page import read_sweep
@@ -33,12 +32,11 @@ PUBLISHED = """
 SPEEDS = [1.0, 1.5, 2.0, 2.5, 3.0]
 
 
-def cea(*arguments):
-    return subprocess.run(
-        [Path(sys.executable).with_name("cea"), *map(str, arguments)],
-        capture_output=True,
-        text=True,
-    )
+def solved(folder, *arguments):
+    """What ``cea solve`` stored, and what it printed."""
+    done = command(*map(str, ("solve", *arguments, "--out", folder)))
+    assert done["code"] == 0, done["err"]
+    return json.loads((folder / "result.json").read_text()), done["out"]
 
 
 @pytest.fixture(scope="module")
@@ -82,18 +80,12 @@ def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
     files = ["--mass", folder / "M.mtx", "--stiffness", tmp_path / "K.mtx"]
     files += ["--damping", tmp_path / "C.mtx"]
     window = ["--max-frequency", 0.6, "--min-growth", -1.0, "--growth-threshold", 0.01]
-    done = cea("solve", *files, *window, "--out", tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "left out, not needed: " in done.stdout
-    assert "pictures" in done.stdout.partition("left out, not needed: ")[2].splitlines()[0]
-    assert done.stdout.startswith("▲ solve: ")
-    stored = json.loads((tmp_path / "result.json").read_text())
+    stored, printed = solved(tmp_path, *files, *window)
+    assert "pictures" in printed.partition("left out, not needed: ")[2].splitlines()[0]
+    assert printed.startswith("▲ solve: ")
     found = np.array([v["re"] + 1j * v["im"] for v in stored["eigenvalues"]])
-    M, K = made["M"], made["K"] + made["F"]
-    one, zero = np.eye(len(M)), np.zeros_like(M)
-    left = np.block([[zero, one], [-K, -made["D"] - made["G"]]])
-    true = inside(eig(left, np.block([[one, zero], [zero, M]]))[0])
-    np.testing.assert_allclose(found, true, rtol=1e-9)
+    true = companion(made["M"], made["D"] + made["G"], made["K"] + made["F"])
+    np.testing.assert_allclose(found, inside(true), rtol=1e-9)
     assert stored["inputs"]["min_growth"] == -1.0
     assert stored["verdict"] == "unstable"
 
@@ -108,12 +100,10 @@ def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
         (["run", "tu_berlin", "--data", "x", "--backend", "fe"], "backend", "no bodies"),
     ],
 )  # fmt: skip
-def test_faults_are_told_in_a_line(arguments, field, told, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(sys, "argv", ["cea", *arguments, "--out", str(tmp_path)])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == 1
-    first = capsys.readouterr().err.splitlines()[0]
+def test_faults_are_told_in_a_line(arguments, field, told, tmp_path):
+    done = command(*arguments, "--out", str(tmp_path))
+    assert done["code"] == 1
+    first = done["err"].splitlines()[0]
     assert first.startswith(f"error: {field} = ")
     assert told in first
     assert not (tmp_path / "result.json").exists()
@@ -184,12 +174,10 @@ def test_solve_is_told_what_a_triangle_is(tmp_path, option):
     mmwrite(tmp_path / "M.mtx", csr_array(np.eye(2)))
     mmwrite(tmp_path / "K.mtx", csr_array([[2.0, 1.0], [0.0, 1.0]]), symmetry="general")
     files = ["--mass", tmp_path / "M.mtx", "--stiffness", tmp_path / "K.mtx"]
-    refused = cea("solve", *files, "--max-frequency", 1)
-    assert refused.returncode
-    assert "--symmetric" in refused.stderr
-    done = cea("solve", *files, "--max-frequency", 1, option, "--out", tmp_path)
-    assert done.returncode == 0, done.stderr
-    stored = json.loads((tmp_path / "result.json").read_text())
+    refused = command(*map(str, ("solve", *files, "--max-frequency", 1)))
+    assert refused["code"] == 1
+    assert "--symmetric" in refused["err"]
+    stored, _ = solved(tmp_path, *files, "--max-frequency", 1, option)
     values = np.array([value["im"] for value in stored["eigenvalues"]])
     expected = [(3 - 5**0.5) / 2, (3 + 5**0.5) / 2] if option == "--symmetric" else [1, 2]
     np.testing.assert_allclose(np.sort(values**2), expected, rtol=1e-9)

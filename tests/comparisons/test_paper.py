@@ -173,7 +173,7 @@ def test_stored_numbers_are_those_of_the_program(labels):
 
 
 def test_claims_and_figures_are_commands(tmp_path, monkeypatch, capsys):
-    for command, out in (("claims", tmp_path / "claims"), ("figure 1", tmp_path / "figures")):
+    for command, out in (("paper claims", tmp_path / "claims"), ("paper 1", tmp_path / "figures")):
         monkeypatch.setattr("sys.argv", ["cea", *command.split(), "--out", str(out)])
         with pytest.raises(SystemExit) as end:
             main()

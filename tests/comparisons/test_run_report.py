@@ -2,11 +2,13 @@
 
 import base64
 import gzip
+import json
+import re
+from html import unescape
 
 import numpy as np
 import pytest
 from mpi import cea_on_ranks
-from report_data import Page
 from typer.testing import CliRunner
 
 from comparisons.cli.app import app
@@ -14,6 +16,26 @@ from comparisons.run_report import write_run_report
 from comparisons.study import shapes as of_pages
 from comparisons.study.shapes import STEPS, Shapes, by_importance
 from scenes import load_scene, run_modes, run_scene, save_result
+
+
+class Page:
+    """Data, addresses, and cells of the tables by id, of the text of a page."""
+
+    def __init__(self, text):
+        data = re.findall(r'<script type="application/json" id="(.*?)">(.*?)</script>', text, re.S)
+        self.data = {name: json.loads(content) for name, content in data}
+        body = re.sub(r"<script.*?</script>", "", text, flags=re.S)
+        self.addresses = re.findall(r'(?:src|href|srcset)="(.*?)"', body)
+        self.tables = {
+            name: [
+                [unescape(re.sub("<.*?>", "", cell)) for cell in re.findall(CELL, row, re.S)]
+                for row in re.findall(r"<tr.*?</tr>", table, re.S)
+            ]
+            for name, table in re.findall(r'<table id="(.*?)">(.*?)</table>', body, re.S)
+        }
+
+
+CELL = r"<t[hd][ >].*?</t[hd]>"
 
 
 @pytest.fixture(scope="module")

@@ -1,12 +1,10 @@
 """Warnings of records of many runs: those of the runs, merged, in tables and on screen."""
 
 import json
-import sys
 
 import numpy as np
 import pytest
 
-from comparisons.cli.app import main
 from comparisons.study.run_warnings import kinds_at, merged_warnings
 from comparisons.sweep.page import read_sweep
 from comparisons.sweep.points import read_axis
@@ -87,14 +85,11 @@ def test_a_sweep_warns_of_what_its_runs_warn_of(file):
     assert [place["data"] for place in crude["data"]["places"]] == given
 
 
-def test_record_table_and_screen_have_them(file, tmp_path, monkeypatch, capsys):
+def test_record_table_and_screen_have_them(file, tmp_path, cea):
     out = tmp_path / "out"
-    words = ["cea", "sweep", str(file), f"{NU}=0.2:0.3:2", "--out", str(out)]
-    monkeypatch.setattr(sys, "argv", words)
-    with pytest.raises(SystemExit) as ended:
-        main()
-    assert not ended.value.code
-    screen = " ".join(capsys.readouterr().out.split())
+    code, told, _ = cea("sweep", file, f"{NU}=0.2:0.3:2", "--out", out)
+    assert not code
+    screen = " ".join(told.split())
     data = json.loads((out / "result.json").read_text())
     assert {"partly-uncovered", "point-rule"} <= {each["kind"] for each in data["warnings"]}
     for warning in data["warnings"]:

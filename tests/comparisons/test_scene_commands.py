@@ -1,37 +1,21 @@
 """Commands that look at scenes, run nothing, and tell what a run would do."""
 
 import re
-import sys
 
 import pytest
 from mpi import cea_on_ranks
 from PIL import Image
 
-import cea
-from comparisons.cli.app import main
+from cea import __version__
 from scenes.spec.plain import matrix_scene_names, scene_names
 
 
-@pytest.fixture
-def told(monkeypatch, capsys):
-    """What a command writes, and its code."""
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["cea", *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        written = capsys.readouterr()
-        return end.value.code or 0, written.out, written.err
-
-    return run
+def test_version(cea):
+    assert cea("--version") == (0, f"friction-cea {__version__}\n", "")
 
 
-def test_version(told):
-    assert told("--version") == (0, f"friction-cea {cea.__version__}\n", "")
-
-
-def test_list_names_every_scene_in_a_line(told):
-    code, out, _ = told("scene", "list")
+def test_list_names_every_scene_in_a_line(cea):
+    code, out, _ = cea("scene", "list")
     assert code == 0
     _, _, table = out.rpartition("─")
     lines = [line.strip() for line in table.splitlines() if line.strip()]
@@ -42,8 +26,8 @@ def test_list_names_every_scene_in_a_line(told):
     assert float(line.split()[1]) == pytest.approx(18696, rel=0.1)
 
 
-def test_check_tells_size_and_draws(told, tmp_path):
-    code, out, err = told("scene", "check", "blocks", "--out", tmp_path)
+def test_check_tells_size_and_draws(cea, tmp_path):
+    code, out, err = cea("scene", "check", "blocks", "--out", tmp_path)
     assert (code, err) == (0, "")
     assert "920 unknowns" in out
     assert "GB of memory" in out
@@ -53,23 +37,23 @@ def test_check_tells_size_and_draws(told, tmp_path):
     assert Image.open(tmp_path / "blocks.png").size == (2200, 900)
 
 
-def test_check_tells_every_fault(told, tmp_path):
+def test_check_tells_every_fault(cea, tmp_path):
     wrong = ["--set", "contacts.interface.mue=1", "--set", "bodies.upper.material.E=-1"]
-    code, _, err = told("scene", "check", "blocks", *wrong, "--out", tmp_path)
+    code, _, err = cea("scene", "check", "blocks", *wrong, "--out", tmp_path)
     assert code == 1
     assert [line.split(" = ")[0] for line in err.splitlines()] == [
         "error: bodies.upper.material.E",
         "error: contacts.interface.mue",
     ]
     tilted = ["--set", "bodies.upper.placement={angle=1.0}", "--no-picture"]
-    code, _, err = told("scene", "check", "blocks", *tilted, "--out", tmp_path)
+    code, _, err = cea("scene", "check", "blocks", *tilted, "--out", tmp_path)
     assert code == 1
     assert "tilted by up to 1 degrees" in err
     assert not list(tmp_path.iterdir())
 
 
-def test_check_of_matrices(told, tmp_path):
-    code, _, err = told("scene", "check", "tu_berlin", "--data", tmp_path)
+def test_check_of_matrices(cea, tmp_path):
+    code, _, err = cea("scene", "check", "tu_berlin", "--data", tmp_path)
     assert code == 1
     assert err.startswith("error: files.")
 

@@ -6,7 +6,7 @@ from types import ModuleType
 
 import pytest
 
-from comparisons.cli.study import BENCHMARKS, STUDIES, study_at
+from comparisons.cli.study import BENCHMARKS, STUDIES, study_in
 from comparisons.study.page import write_study
 from comparisons.study.result import read
 from comparisons.study.run import run
@@ -17,7 +17,7 @@ LONG = ("stability", "accuracy", "agreement")
 QUICK = [
     *(
         pytest.param(name, place, marks=pytest.mark.slow if name in LONG else ())
-        for name, (place, _, _) in STUDIES.items()
+        for name, (place, _) in STUDIES.items()
     ),
     *((f"bench {name}", BENCHMARKS[name][0]) for name in ("solve", "scaling")),
     pytest.param("bench assembly", BENCHMARKS["assembly"][0], marks=pytest.mark.slow),
@@ -26,7 +26,7 @@ QUICK = [
 
 @pytest.mark.parametrize(("name", "place"), QUICK)
 def test_quick_options_run_and_show(name, place, tmp_path):
-    study = study_at(f"comparisons.{place}")
+    study = study_in(place)
     assert study.name == name
     result = run(study, study.options(**study.quick), tmp_path)
     assert result.failed().empty

@@ -213,8 +213,8 @@ def test_drawn_anew_everything_is_the_same_to_the_byte(tmp_path):
 @pytest.fixture
 def squares(monkeypatch):
     """The command ``cea study squares``."""
-    monkeypatch.setitem(command.STUDIES, "squares", ("x:y", "Squares.", ()))
-    monkeypatch.setattr(command, "study_at", lambda place: STUDY)
+    monkeypatch.setitem(command.STUDIES, "squares", ("x", "Squares."))
+    monkeypatch.setattr(command, "study_in", lambda module: STUDY)
     return lambda *arguments: CliRunner().invoke(app, ["study", "squares", *arguments])
 
 

@@ -1,7 +1,6 @@
 """Fields that are swept, by their names in a scene: on a basis and in full."""
 
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,6 @@ import pytest
 from changed_scenes import scene_of
 
 from cea.errors import ConvergenceError, InputError
-from comparisons.cli.app import main
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import NoMapError, mapped
 from comparisons.sweep.study import Asked, run
@@ -81,13 +79,16 @@ def test_p_that_is_no_number_in_the_scene_is_refused(name):
 @pytest.mark.parametrize(
     "name",
     [
-        *(
-            "bodies.upper.geometry.size.0",
-            "bodies.upper.mesh.fe.degree",
-            "bodies.upper.material.nu",
-        ),
-        *("bodies.upper.supports.0", "contacts.interface.formulation.points"),
-        *("analysis.max_frequency", "bodies.upper.material.Ee", "alpha", "Omega", "nonsense"),
+        "bodies.upper.geometry.size.0",
+        "bodies.upper.mesh.fe.degree",
+        "bodies.upper.material.nu",
+        "bodies.upper.supports.0",
+        "contacts.interface.formulation.points",
+        "analysis.max_frequency",
+        "bodies.upper.material.Ee",
+        "alpha",
+        "Omega",
+        "nonsense",
     ],
 )
 def test_what_is_no_parameter_is_refused_beside_all_that_are(name):
@@ -199,12 +200,8 @@ def test_thresholds_in_full_lie_between_values(monkeypatch):
     assert "no-answer" in [each["kind"] for each in swept.record["warnings"]]
 
 
-def test_a_field_without_a_map_is_solved_in_full(tmp_path, monkeypatch, capsys):
-    settings = ["--set", "analysis.max_frequency=0.3", "--out", str(tmp_path / "out")]
+def test_a_field_without_a_map_is_solved_in_full(cea):
     axis = "bodies.upper.material.nu=0.2:0.3:2"
-    monkeypatch.setattr(sys, "argv", ["cea", "sweep", "blocks", axis, *settings])
-    with pytest.raises(SystemExit) as end:
-        main()
-    told = capsys.readouterr()
-    assert not end.value.code, told.err
-    assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told.out
+    code, told, fault = cea("sweep", "blocks", axis, "--set", "analysis.max_frequency=0.3")
+    assert not code, fault
+    assert "Solved in full at each value: parameter = 'bodies.upper.material.nu'" in told

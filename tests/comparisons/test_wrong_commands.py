@@ -1,26 +1,14 @@
 """Wrong command lines and files: refused in a line that names what is wrong, with code 1 or 2."""
 
 import shlex
-import sys
 
 import pytest
-from wrong_scenes import TABLE
-
-from comparisons.cli.app import main
-
-
-def ended(arguments, monkeypatch, capsys):
-    """Code with which a command ends, and what it writes to the error stream."""
-    monkeypatch.setattr(sys, "argv", ["cea", *arguments])
-    with pytest.raises(SystemExit) as end:
-        main()
-    return end.value.code, capsys.readouterr().err
+from bad_inputs import TABLE
 
 
 @pytest.mark.parametrize(("line", "field", "word"), TABLE["commands"]["lines"])
-def test_a_wrong_command_names_what_is_wrong(line, field, word, monkeypatch, capsys, tmp_path):
-    monkeypatch.chdir(tmp_path)
-    code, told = ended(shlex.split(line), monkeypatch, capsys)
+def test_a_wrong_command_names_what_is_wrong(line, field, word, cea, tmp_path):
+    code, _, told = cea(*shlex.split(line))
     assert code in (1, 2)
     assert "Traceback" not in told
     lines = [each for each in told.splitlines() if field in each and word in each]
@@ -29,11 +17,10 @@ def test_a_wrong_command_names_what_is_wrong(line, field, word, monkeypatch, cap
 
 
 @pytest.mark.parametrize(("text", "field", "word"), TABLE["files"]["texts"])
-def test_a_wrong_file_names_what_is_wrong(text, field, word, monkeypatch, capsys, tmp_path):
+def test_a_wrong_file_names_what_is_wrong(text, field, word, cea, tmp_path):
     file = tmp_path / "scene.toml"
     file.write_text(text)
-    command = ["scene", "check", str(file), "--out", str(tmp_path)]
-    code, told = ended(command, monkeypatch, capsys)
+    code, _, told = cea("scene", "check", file, "--out", tmp_path)
     assert code == 1
     lines = [each for each in told.splitlines() if each.startswith(f"error: {field} = ")]
     assert any(word in each for each in lines), told

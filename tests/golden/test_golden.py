@@ -5,8 +5,7 @@ from math import isnan
 import numpy as np
 import pandas as pd
 import pytest
-from deck_scenes import in_contact
-from decks import with_calculix
+from decks import in_contact, with_calculix
 from golden import BIN, differences, run_frozen, stored
 
 from comparisons import agreement

@@ -30,10 +30,12 @@ def section(backend, geometry, elements, *, degree=2, cell=None, **fields):
     } | {name: value for name, value in fields.items() if value is not None}
 
 
-def alone(*body, analysis=None, **fields):
-    """Scene of one body, "part"; arguments of :func:`section`."""
-    analysis = analysis or {"kind": "cea", "max_frequency": 1.0}
-    return {"name": "alone", "bodies": {"part": section(*body, **fields)}, "analysis": analysis}
+def alone(body, max_frequency=1.0):
+    """Scene of one body, "part"; static without a frequency."""
+    analysis = {"kind": "cea", "max_frequency": max_frequency}
+    if max_frequency is None:
+        analysis = {"kind": "static"}
+    return {"name": "alone", "bodies": {"part": body}, "analysis": analysis}
 
 
 def block(backend, size, origin, elements, **fields):

@@ -1,4 +1,4 @@
-"""Decks read back by their keywords, knowing nothing of what wrote them; CalculiX, or a skip."""
+"""Scenes small enough for a deck to be read in a test, and decks read back by their keywords."""
 
 import shutil
 from dataclasses import dataclass, field
@@ -6,6 +6,46 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
+from scenes import load_scene, read_scene
+
+P2 = {"cell": "tetrahedron", "degree": 2, "geometry_degree": 1}
+STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
+ELEMENTS = {
+    "C3D4": ("tetrahedron", 1),
+    "C3D8": ("hexahedron", 1),
+    "C3D10": ("tetrahedron", 2),
+}
+
+
+def body(cell, degree):
+    """A ring of steel."""
+    annulus = {"inner_radius": 0.1, "outer_radius": 0.2, "bottom": 0.0, "top": 0.05}
+    mesh = {"cell": cell, "degree": degree, "geometry_degree": 1, "elements": [2, 12, 1]}
+    return {
+        "backend": "fe",
+        "geometry": {"shape": "annulus", **annulus},
+        "material": STEEL,
+        "supports": [{"surface": "inner"}],
+        "mesh": {"fe": mesh},
+    }
+
+
+def alone(cell, degree):
+    bodies = {"part": body(cell, degree)}
+    analysis = {"kind": "cea", "max_frequency": 1e4}
+    return read_scene({"name": "alone", "bodies": bodies, "analysis": analysis})
+
+
+def in_contact(**changes):
+    """Disc and pad on a few quadratic tetrahedra."""
+    fields = {
+        "bodies.pad.mesh.fe": {**P2, "elements": [2, 3, 1]},
+        "bodies.disc.mesh.fe": {**P2, "elements": [3, 16, 1]},
+        "contacts.pad_disc.formulation": {"method": "segments"},
+        "analysis.max_frequency": 9000.0,
+    }
+    return load_scene("disc_pad", backend="fe").change(fields | changes)
 
 
 def with_calculix():

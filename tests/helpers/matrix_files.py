@@ -50,12 +50,29 @@ def scene(folder="", speed=2.0, **analysis):
     }
 
 
+def undamped(mass, stiffness, top, **fields):
+    """A scene of M and K from two files, up to a frequency (Hz)."""
+    return {
+        "name": "chain",
+        "files": {"M": str(mass), "K": str(stiffness)},
+        "mass": {"M": 1.0},
+        "stiffness": {"K": 1.0},
+        "analysis": {"kind": "cea", "max_frequency": top},
+        **fields,
+    }
+
+
 def dense(matrices, speed=2.0, mu=0.7):
     """All eigenvalues at a speed, by the companion form."""
     M = matrices["M"]
     C = (1 + 1 / speed) * matrices["D"] + speed * matrices["G"]
     K = matrices["K"] + mu * matrices["F"] + (speed**2 - 1) * matrices["Q"]
-    one, zero = np.eye(N), np.zeros((N, N))
+    return companion(M, C, K)
+
+
+def companion(M, C, K):
+    """All eigenvalues of lambda^2 M + lambda C + K."""
+    one, zero = np.eye(len(M)), np.zeros_like(M)
     return eig(np.block([[zero, one], [-K, -C]]), np.block([[one, zero], [zero, M]]))[0]
 
 
@@ -64,17 +81,3 @@ def inside(values, max_frequency=0.6, min_growth=-1.0):
     top = 2 * np.pi * max_frequency
     chosen = values[(values.imag >= 0) & (values.imag <= top) & (values.real >= min_growth)]
     return chosen[np.argsort(chosen.imag)]
-
-
-def refused(folder):
-    """The field that each rank refuses."""
-    from cea.errors import InputError
-    from cea.petsc import MPI
-    from scenes.running.matrices import run_matrices
-    from scenes.spec.matrices import read_matrix_scene
-
-    try:
-        run_matrices(read_matrix_scene(scene(folder)))
-    except InputError as error:
-        return MPI.COMM_WORLD.allgather(error.field)
-    return MPI.COMM_WORLD.allgather(None)

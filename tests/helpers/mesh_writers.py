@@ -18,10 +18,6 @@ from meshes.unstructured import gmsh_session
 
 NEEDED = {".cdb": "mapdl_archive", ".xdmf": "h5py", ".vtu": "meshio"}
 FACETS = {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}
-ABAQUS = {
-    **{"tetrahedron4": "C3D4", "pyramid5": "C3D5", "wedge6": "C3D6", "hexahedron8": "C3D8I"},
-    **{"tetrahedron10": "C3D10", "pyramid13": "C3D13", "wedge15": "C3D15", "hexahedron20": "C3D20"},
-}
 ANSYS = {"tetrahedron4": 285, "tetrahedron10": 187}
 BRICKS = {
     "hexahedron8": range(8),
@@ -55,8 +51,8 @@ def abaqus_deck(points, solids, node_sets):
     lines = ["*NODE, NSET=ALL"]
     lines += [rows_of([i, *x], 4) for i, x in enumerate(points.tolist(), 1)]
     count = 0
-    for name, kind, nodes in solids:
-        lines.append(f"*Element, type={ABAQUS[kind]}, elset={name}")
+    for name, _, nodes in solids:
+        lines.append(f"*Element, type=C3D{nodes.shape[1]}, elset={name}")
         lines += [rows_of([count + i, *row], 11) for i, row in enumerate((nodes + 1).tolist(), 1)]
         count += len(nodes)
     for name, nodes in node_sets.items():
@@ -90,7 +86,7 @@ def ansys_archive(points, solids, node_sets):
 def write_sets(file, points, solids, node_sets):
     """A deck or an archive."""
     writer = {".inp": abaqus_deck, ".cdb": ansys_archive}[file.suffix]
-    every = [(name, kind, nodes) for name, (kind, nodes) in solids.items()]
+    every = [(name, *of_kind) for name, of_kind in solids.items()]
     file.write_text(writer(points, every, node_sets))
 
 
@@ -108,7 +104,7 @@ def _component(name, kind, numbers):
 def of_meshio(kind):
     """Its name of a kind."""
     short = {"triangle3": "triangle", "tetrahedron4": "tetra", "quadrilateral4": "quad"}
-    short |= {"hexahedron8": "hexahedron", "wedge6": "wedge", "pyramid5": "pyramid"}
+    short["hexahedron8"] = "hexahedron"
     return short.get(kind, kind.replace("tetrahedron", "tetra").replace("quadrilateral", "quad"))
 
 
@@ -142,6 +138,111 @@ def gmsh_file(file, *model):
             gmsh.merge(str(file))
             gmsh.option.setNumber("Mesh.Binary", "binary" in file.stem)
             gmsh.write(str(file))
+
+
+def gmsh_model_file(file, order=1, version=4.1):
+    """Write the model of the session, meshed with elements of size one."""
+    gmsh.option.setNumber("Mesh.MeshSizeMin", 1.0)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 1.0)
+    gmsh.model.mesh.generate(3)
+    gmsh.model.mesh.setOrder(order)
+    gmsh.option.setNumber("Mesh.MshFileVersion", version)
+    gmsh.write(str(file))
+    return str(file)
+
+
+def gmsh_boxes(file, count=1, *, shared=False, **how):
+    """Unit boxes along x: groups of each and of faces by the x of their middle; ``whole``."""
+    with gmsh_session():
+        occ = gmsh.model.occ
+        boxes = [(3, occ.addBox(x, 0, 0, 1, 1, 1)) for x in range(count)]
+        if shared:
+            occ.fragment(boxes[:1], boxes[1:])
+        occ.synchronize()
+        for dim, word in ((3, "box"), (2, "face")):
+            for _, tag in gmsh.model.getEntities(dim):
+                name = f"{word} {occ.getCenterOfMass(dim, tag)[0]:.1f}"
+                gmsh.model.addPhysicalGroup(dim, [tag], name=name)
+        if shared:
+            gmsh.model.addPhysicalGroup(3, [tag for _, tag in boxes], name="whole")
+        return gmsh_model_file(file, **how)
+
+
+def gmsh_wedges(file, **how):
+    """A unit cube of two layers of wedges, its lower face a group ``below``."""
+    with gmsh_session():
+        base = gmsh.model.occ.addRectangle(0, 0, 0, 1, 1)
+        sides = gmsh.model.occ.extrude([(2, base)], 0, 0, 1, [2], recombine=True)
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [sides[1][1]], name="body")
+        gmsh.model.addPhysicalGroup(2, [base], name="below")
+        return gmsh_model_file(file, **how)
+
+
+DECK = """*Heading
+ two cubes of one part, the second shifted and turned
+*PREPRINT, echo=NO
+*Part, name=Cube
+*Node
+1, 0., 0., 0.
+2, 1., 0., 0.
+3, 1., 1., 0.
+4, 0., 1., 0.
+5, 0., 0., 1.D0
+6, 1., 0., 1.
+7, 1., 1., 1.
+8, 0., 1., 1.
+*Node, nset=Upper
+9, 0., 0., 2.
+10, 1., 0., 2.
+11, 1., 1., 2.
+12, 0., 1., 2.
+** a comment, and an element over two lines
+*Element, type=C3D8I,
+  elset=First
+1, 1, 2, 3, 4, 5,
+6, 7, 8
+*Element, type=C3D8R, elset=Second
+7, 5, 6, 7, 8, 9, 10, 11, 12
+*Nset, nset=Bottom, generate
+1, 4
+*Nset, nset=AllNodes
+Bottom, UPPER, 5, 6, 7, 8
+*Elset, elset=Both
+ First, second
+*Surface, type=ELEMENT, name=Top
+Second, S2
+*Surface, type=NODE, name=Base
+Bottom,
+*Surface, name=Ends
+Second, S2
+First, S1
+*Surface, name=Lower, combine=DIFFERENCE
+Ends, Top
+*End Part
+*Assembly, name=Assembly
+*Instance, name=Cube-1, part=Cube
+*End Instance
+*Instance, name=Cube-2, part=CUBE
+10., 0., 0.
+10., 0., 0., 10., 0., 1., 90.
+*End Instance
+*Nset, nset=Held, instance=Cube-2
+1, 2, 3, 4
+*Nset, nset=Some
+Cube-2.1, Cube-2.2, Cube-2.Bottom
+*Nset, nset=OfElements, elset=Cube-2.First
+*Elset, elset=_Side_S3, internal, instance=Cube-2
+1, 7
+*Surface, type=ELEMENT, name=Side
+_Side_S3, S3
+*End Assembly
+*Step
+*Node
+1, 5., 5., 5.
+*End Step
+"""
+"""A deck of Abaqus with parts, instances and all ways to name sets."""
 
 
 def listed(cell, order, lacking):

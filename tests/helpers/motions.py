@@ -1,7 +1,6 @@
 """Motions of free bodies given as functions of position, and what forces they meet."""
 
 import numpy as np
-from scipy.linalg import eigvals
 
 from cea.petsc import PETSc
 
@@ -58,10 +57,3 @@ def mode_displacement(result, body, mode):
     """Displacement of the scalar dofs of a body in a mode, one vector at a time, (n, dim)."""
     parts = [result.system.displacement(x, body) for x in result.modes.vector(mode)]
     return (parts[0] + 1j * parts[1]).reshape(-1, result.bodies[body].dim)
-
-
-def quadratic_lambda(M, D, K):
-    """Every lambda of lambda^2 M + lambda D + K."""
-    n = len(M)
-    right = np.linalg.solve(M, np.hstack([-K, -D]))
-    return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))

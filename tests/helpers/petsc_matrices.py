@@ -1,26 +1,44 @@
-"""PETSc matrices from scipy and numpy ones, and back."""
+"""PETSc matrices from scipy and numpy ones, and back; pencils as dense matrices."""
 
 import numpy as np
+from scipy.linalg import eigvals
 from scipy.sparse import csr_array
 
+from cea.matrices import distributed
 from cea.petsc import PETSc
 
 
 def to_petsc(matrix):
     """PETSc AIJ matrix on this rank."""
-    matrix = csr_array(matrix)
-    return PETSc.Mat().createAIJ(
-        matrix.shape,
-        csr=(
-            matrix.indptr.astype(PETSc.IntType),
-            matrix.indices.astype(PETSc.IntType),
-            matrix.data,
-        ),
-        comm=PETSc.COMM_SELF,
-    )
+    return distributed(csr_array(matrix), np.shape(matrix), PETSc.COMM_SELF)
 
 
 def to_numpy(matrix):
     """Dense array of a PETSc AIJ matrix on one rank."""
     starts, columns, values = matrix.getValuesCSR()
     return np.asarray(csr_array((values, columns, starts), shape=matrix.getSize()).toarray())
+
+
+def dense_pencil(matrices):
+    """M, D and K of a pencil as dense arrays, contact forces eliminated."""
+    K = to_numpy(matrices.operator())
+    if (forces := matrices.multipliers) is not None:
+        J, L, C = (to_numpy(m) for m in (forces.closure, forces.reaction, forces.compliance))
+        K += L.T @ np.linalg.solve(C, J)
+    for factor, piece in matrices.circulatory.parts if matrices.circulatory else ():
+        L, N, J = (to_numpy(m) for m in (piece.left, piece.middle, piece.right))
+        K += factor * L @ np.linalg.solve(N, J)
+    D = np.zeros_like(K)
+    for part in (matrices.damping, matrices.gyroscopic):
+        if part is not None:
+            D += to_numpy(part)
+    if (piece := matrices.low_rank) is not None:
+        D += piece.vectors @ piece.vectors.T
+    return to_numpy(matrices.mass), D, K
+
+
+def quadratic_eigenvalues(M, D, K):
+    """Every lambda of lambda^2 M + lambda D + K, dense."""
+    n = len(M)
+    right = np.linalg.solve(M, np.hstack([-K, -D]))
+    return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))

@@ -1,14 +1,11 @@
-"""Random scenes and matrices run and judged by dense eigenvalues."""
+"""Random scenes and pencils run and judged by dense eigenvalues."""
 
 import traceback
 from dataclasses import dataclass, field
 
 import numpy as np
-from dense_reference import UnsureError, dense_eigenvalues, dense_quadratic
+from dense_reference import UnsureError, dense_eigenvalues
 from judge import Fault, judge, judge_quadratic
-from random_graded import random_graded, random_graded_damped
-from random_matrices import random_pencil
-from random_quadratic import random_low_rank, random_quadratic
 from random_scenes import random_scene
 
 import cea.petsc  # noqa: F401  (ahead of all that needs PETSc)
@@ -72,49 +69,23 @@ def scene_outcome(seed):
     return _outcome(f"scene {seed}", run, _by_dense)
 
 
-def matrix_outcome(seed):
-    """A random pencil."""
-    return _outcome(
-        f"matrices {seed}", lambda: (solve_modes(*random_pencil(seed)), None), _by_dense
-    )
-
-
-def quadratic_outcome(seed, problem_of=random_quadratic):
-    """A random damped pencil."""
-    problem = problem_of(seed)
-    end = 2 * np.pi * problem.max_frequency
-    truth = dense_quadratic(problem.mass, problem.whole_damping, problem.stiffness, end)
+def pencil_outcome(problem):
+    """A random pencil; graded ones are judged by the one that was graded."""
 
     def run():
-        pencil, low = problem.pencil(), problem.min_growth
-        return solve_modes(pencil, problem.max_frequency, min_growth=low), None
+        top, low = problem.max_frequency, problem.min_growth
+        return solve_modes(problem.pencil(), top, min_growth=low), None
 
-    return _outcome(f"damped {seed}", run, lambda modes, _: judge_quadratic(modes, *truth))
+    def faults_of(modes, threshold):
+        if modes.pencil.damped:
+            return judge_quadratic(modes, *problem.dense())
+        return (
+            judge(modes, problem.dense(), threshold)
+            if problem.scales
+            else _by_dense(modes, threshold)
+        )
 
-
-def low_rank_outcome(seed):
-    """A random pencil with damping of low rank."""
-    return quadratic_outcome(seed, random_low_rank)
-
-
-def graded_outcome(seed):
-    """A random graded pencil, judged by the one that was graded."""
-    problem = random_graded(seed)
-    return _outcome(
-        f"graded {seed}: {problem.name}",
-        lambda: (solve_modes(problem.pencil(), problem.max_frequency), None),
-        lambda modes, threshold: judge(modes, problem.dense(), threshold),
-    )
-
-
-def graded_damped_outcome(seed):
-    """The same with damping or rotation."""
-    problem = random_graded_damped(seed)
-    return _outcome(
-        f"graded {seed}: {problem.name}",
-        lambda: (solve_modes(problem.pencil(), problem.max_frequency), None),
-        lambda modes, _: judge_quadratic(modes, *problem.dense_quadratic()),
-    )
+    return _outcome(problem.name, run, faults_of)
 
 
 def judged(seeds, outcome_of):

@@ -1,7 +1,7 @@
 """Scenes of supports in frames of their own, and what these bear on any number of ranks."""
 
 import numpy as np
-from blocks import alone, two_blocks
+from blocks import alone, section, two_blocks
 
 from scenes import read_scene, run_scene
 
@@ -39,8 +39,7 @@ def sector(backend, sides):
     ]
     radii = {"inner_radius": INNER, "outer_radius": OUTER}
     shape = {"shape": "ring_sector", "start": 0.0, "end": 90.0, **radii}
-    static = {"kind": "static"}
-    return alone(backend, shape, [3, 6], degree=3, supports=supports, analysis=static)
+    return alone(section(backend, shape, [3, 6], degree=3, supports=supports), None)
 
 
 def pressed(backend, contact, *, mu=0.3):

@@ -2,7 +2,7 @@
 
 from math import inf
 
-from scene_mutations import valid
+from bad_inputs import valid
 
 from scenes.results.record import record
 

@@ -1,6 +1,6 @@
 """Bodies of simple shapes under supports in local frames."""
 
-from blocks import ROTATED, alone
+from blocks import ROTATED, alone, section
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
@@ -21,7 +21,7 @@ ABOUT_PLACED = {"axis": PLACED.rotation[:, 2].tolist(), "origin": ROTATED["trans
 
 def build(backend, geometry, supports, elements, *, pressures=(), **options):
     """A body as scenes say it."""
-    scene = alone(backend, geometry, elements, supports=supports, **options)
+    scene = alone(section(backend, geometry, elements, supports=supports, **options))
     scene["loads"] = [{"surface": f"part.{name}", "pressure": p} for name, p in pressures]
     return build_bodies(read_scene(scene), StageTimer())["part"]
 

@@ -7,19 +7,19 @@ from gmsh_models import assert_outer_facets_are_named, volumes
 from cea.errors import InputError
 from meshes.breaks import breaks_of
 from meshes.edge_layers import RATIO, check_room, run_along
-from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector
 
 ANNULUS = Annulus(0.5, 1.0, 0.0, 0.3)
 ENDS = ({"r": 0.5, "z": 0.0}, {"r": 0.5, "z": 0.3})
+DISC = Disc(1.0, 0.1, 0.3)
 HUB = Hub(0.2, 0.5, 1.0, 0.0, 0.2, -0.1, 0.4)
 CASES = {
     "both edges at one cell": (ANNULUS, (2, 6, 1), ENDS),
     "both edges, each at its cell": (ANNULUS, (2, 5, 2), ENDS),
     "outside and above": (ANNULUS, (1, 5, 1), ({"z": 0.3, "r": 0.5}, {"z": 0.3, "r": 1.0})),
     "re-entrant": (HUB, (3, 4, 4), ({"r": 0.5, "z": 0.0}, {"r": 0.5, "z": 0.2})),
-    "rim": (Disc(1.0, 0.1, 0.3), (4, 8, 2), ({"r": 1.0, "z": 0.1}, {"r": 1.0, "z": 0.3})),
+    "rim": (DISC, (4, 8, 2), ({"r": 1.0, "z": 0.1}, {"r": 1.0, "z": 0.3})),
     "straight": (Box((0.3, 0.2, 0.1)), (2, 3, 2), ({"x": 0.3, "z": 0.0},)),
     "points": (Rectangle((0.3, 0.2)), (3, 2), ({"x": 0.1, "y": 0.2}, {"x": 0.3, "y": 0.0})),
     "on an arc": (RingSector(0.5, 1.0, -25.0, 60.0), (2, 5), ({"r": 1.0, "theta": 60.0},)),
@@ -27,18 +27,12 @@ CASES = {
 }
 
 
-def made(case, order, layers, placement=None):
+def made(case, order, layers):
     shape, elements, edges = CASES[case]
-    through = {}
-    for edge in edges:
-        for name, value in edge.items():
-            through.setdefault(name, []).append(value)
+    through = {name: [edge[name] for edge in edges if name in edge] for name in edges[0]}
     cell = {2: "quadrilateral", 3: "hexahedron"}[len(elements)]
     breaks = breaks_of(shape, elements, through)
-    placement = placement or Placement()
-    return shape_mesh(
-        shape, cell, order, breaks=breaks, edges=edges, layers=layers, placement=placement
-    )
+    return shape_mesh(shape, cell, order, breaks=breaks, edges=edges, layers=layers)
 
 
 @pytest.mark.parametrize(("case", "order", "layers"), covering(tuple(CASES), (1, 2, 4), (1, 3)))
@@ -57,34 +51,25 @@ def test_cells_fit_and_fill_the_shape(case, order, layers):
         assert after.max() <= before.max() * (1 + 1e-12)
 
 
-def checked(breaks, edges):
-    run_along(ANNULUS, edges)
-    check_room(ANNULUS, breaks, edges)
-
-
 @pytest.mark.parametrize(
-    ("elements", "edges", "told"),
+    ("shape", "elements", "edges", "told"),
     [
-        ((1, 4, 1), ({"r": 0.5, "z": 0.0}, {"r": 1.0, "z": 0.3}), "more elements"),
-        ((1, 4, 1), (*ENDS, {"r": 1.0, "z": 0.3}), "more elements"),
-        ((2, 4, 1), (ENDS[0], {"r": 0.5, "theta": 0.0}), "along the same two"),
-        ((2, 4, 1), ({"r": 0.5},), "along the same two"),
-        ((2, 4, 1), ({"r": 0.5, "x": 0.0},), "along the same two"),
+        (ANNULUS, (1, 4, 1), ({"r": 0.5, "z": 0.0}, {"r": 1.0, "z": 0.3}), "more elements"),
+        (ANNULUS, (1, 4, 1), (*ENDS, {"r": 1.0, "z": 0.3}), "more elements"),
+        (ANNULUS, (2, 4, 1), (ENDS[0], {"r": 0.5, "theta": 0.0}), "along the same two"),
+        (ANNULUS, (2, 4, 1), ({"r": 0.5},), "along the same two"),
+        (ANNULUS, (2, 4, 1), ({"r": 0.5, "x": 0.0},), "along the same two"),
+        # Inside of a disc its lattice turns into that of a square.
+        (DISC, (4, 8, 2), ({"r": 0.5, "z": 0.1},), "r of the rim, and z"),
+        (DISC, (4, 8, 2), ({"theta": 90.0, "z": 0.1},), "r of the rim, and z"),
     ],
 )
-def test_edges_without_room_for_layers_are_refused(elements, edges, told):
-    breaks = breaks_of(ANNULUS, elements)
-    with pytest.raises(InputError, match=told) as caught:
-        checked(breaks, edges)
-    assert caught.value.field in ("elements", "edges")
-    with pytest.raises(InputError, match=told):
-        shape_mesh(ANNULUS, "hexahedron", 1, breaks=breaks, edges=edges, layers=1)
-
-
-@pytest.mark.parametrize("edge", [{"r": 0.5, "z": 0.1}, {"theta": 90.0, "z": 0.1}])
-def test_edges_inside_a_disc_are_refused(edge):
-    """Its lattice turns into that of a square there: what meets on both would not fit."""
-    disc = Disc(1.0, 0.1, 0.3)
-    breaks = breaks_of(disc, (4, 8, 2))
-    with pytest.raises(InputError, match="r of the rim, and z"):
-        shape_mesh(disc, "hexahedron", 1, breaks=breaks, edges=[edge], layers=1)
+def test_edges_without_room_for_layers_are_refused(shape, elements, edges, told):
+    breaks = breaks_of(shape, elements)
+    for refuse in (
+        lambda: (run_along(shape, edges), check_room(shape, breaks, edges)),
+        lambda: shape_mesh(shape, "hexahedron", 1, breaks=breaks, edges=edges, layers=1),
+    ):
+        with pytest.raises(InputError, match=told) as caught:
+            refuse()
+        assert caught.value.field in ("elements", "edges")

@@ -4,38 +4,31 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
-from meshes.files.elements import KINDS
+from meshes.files.elements import CORNERS, KINDS
 from meshes.files.reading import read_mesh_file
 from meshes.mesh_file import MeshFile
 
-CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0],
-                 [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]], dtype=float)  # fmt: skip
+CUBE = CORNERS["hexahedron"]
 X = CUBE * [0.02, 0.015, 0.01] - [0.0, 0.015, 0.0]
 CARDS = [["GRID", i, "", *x] for i, x in enumerate(X.tolist(), 1)]
 CARDS += [["CHEXA", 1, 7, *range(1, 9)]]
 
 
-def number(value):
-    return f"{value:.4f}" if isinstance(value, float) else str(value)
+def number(value, letter=None):
+    """A number as text; 1.5-2 or 1.5D-2 for 0.015 with a letter of the exponent."""
+    if not isinstance(value, float):
+        return str(value)
+    if letter is None:
+        return f"{value:.4f}"
+    return f"{value:.1e}".replace("e-0", f"{letter}-").replace("e+0", f"{letter}+")
 
 
-def exponent(letter):
-    """1.5-2 or 1.5D-2 for 0.015."""
-
-    def text(value):
-        if not isinstance(value, float):
-            return str(value)
-        return f"{value:.1e}".replace("e-0", f"{letter}-").replace("e+0", f"{letter}+")
-
-    return text
-
-
-def small(cards, first="+", text=number, end=""):
+def small(cards, first="+", letter=None, end=""):
     lines = []
     for name, *fields in cards:
         for i in range(0, len(fields), 8):
             head = name if i == 0 else first
-            row = "".join(f"{text(field):>8}" for field in fields[i : i + 8])
+            row = "".join(f"{number(field, letter):>8}" for field in fields[i : i + 8])
             lines.append(f"{head:<8}{row}{end}")
     return "\n".join(lines) + "\n"
 
@@ -62,18 +55,14 @@ def free(cards, first="+", last="", between=","):
     return "\n".join(lines) + "\n"
 
 
-def without_zeros(cards):
-    return [[*card[:3], *("" if x == 0 else x for x in card[3:])] for card in cards]
-
-
 SPELLINGS = {
     "fixed fields": small(CARDS),
     "blank first fields": small(CARDS, ""),
     "named marks": small(CARDS, "+E1").replace("       6\n", "       6+E1\n"),
     "numbers in columns 73 to 80": small(CARDS[:-1], end=" " * 24 + "    1000") + small(CARDS[-1:]),
-    "exponents without E": small(CARDS, text=exponent("")),
-    "exponents with D": small(CARDS, text=exponent("D")),
-    "zeros left out": small(without_zeros(CARDS)),
+    "exponents without E": small(CARDS, letter=""),
+    "exponents with D": small(CARDS, letter="D"),
+    "zeros left out": small([[x if x != 0 else "" for x in card] for card in CARDS]),
     "comments behind fields": small(CARDS, end="  $ last") + "$ GRID, 1, 5\n",
     "lower case": small(CARDS).lower(),
     "name moved": " " + small(CARDS).replace("GRID ", "GRID").replace("\nGRID", "\n GRID"),
@@ -132,19 +121,13 @@ EDGES = {
     "CHEXA": ("hexahedron", 8, "12 23 34 41 15 26 37 48 56 67 78 85"),
 }
 """Corners between which Nastran's Quick Reference Guide puts the points behind the corners."""
-CORNERS = {
-    "tetrahedron": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
-    "pyramid": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]],
-    "wedge": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]],
-    "hexahedron": CUBE.tolist(),
-}
 
 
 @pytest.mark.parametrize("first", ["+", ""])
 @pytest.mark.parametrize("card", EDGES)
 def test_quadratic_elements_have_every_point_where_it_belongs(tmp_path, card, first):
     cell, count, edges = EDGES[card]
-    at = np.array(CORNERS[cell], dtype=float)
+    at = CORNERS[cell]
     middles = [at[[int(i) - 1 for i in edge]].mean(axis=0) for edge in edges.split()]
     points = np.array([*at, *middles])
     cards = [["GRID", i, "", *x] for i, x in enumerate(points.tolist(), 1)]

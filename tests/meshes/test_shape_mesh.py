@@ -14,6 +14,7 @@ from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
 from meshes.structured import divided
+from meshes.ventilated_disc import VentilatedDisc
 
 BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
 ANNULUS = Annulus(0.06, 0.15, -0.002, 0.01)
@@ -24,16 +25,11 @@ FLUSH_HUB = Hub(0.2, 0.5, 1.0, 0.0, 0.2, 0.0, 0.4)
 DISC = Disc(1.0, 0.1, 0.3)
 RING = Ring(0.5, 1.0)
 RING_SECTOR = RingSector(0.5, 1.0, -25.0, 60.0)
+VENTILATED = VentilatedDisc()
 SHAPES = {shape.shape: shape for shape in (BOX, ANNULUS, SECTOR)}
 ELEMENTS = {"box": (3, 2, 2), "annulus": (2, 14, 1), "sector": (2, 5, 2)}
 THROUGH = {"box": {"x": [0.17]}, "annulus": {"r": [0.07]}, "sector": {"theta": [-20.0]}}
 PLACEMENT = Placement(axis=(1.0, -2.0, 0.5), angle=50.0, translation=(0.3, 0.1, -0.7))
-
-
-def options(shape, cell):
-    if cell == "tetrahedron":
-        return {"size": 0.03}
-    return {"breaks": breaks_of(shape, ELEMENTS[shape.shape], THROUGH[shape.shape])}
 
 
 def native(shape, points):
@@ -50,14 +46,9 @@ def native(shape, points):
 def test_hexahedra_lie_between_breaks(kind, order):
     """Every node, inner ones too, is on a break or half way; every cell spans one interval."""
     shape = SHAPES[kind]
-    breaks = options(shape, "hexahedron")["breaks"]
-    with gmsh_model(
-        shape_mesh(shape, "hexahedron", order, breaks=breaks, placement=PLACEMENT)
-    ) as model:
-        tags, points, _ = model.mesh.getNodes()
-        points = native(shape, points)[np.argsort(tags)]
-        _, (cells,), (connected,) = model.mesh.getElements(3)
-    nodes = points[connected.reshape(len(cells), -1).astype(int) - 1]
+    breaks = breaks_of(shape, ELEMENTS[kind], THROUGH[kind])
+    mesh = shape_mesh(shape, "hexahedron", order, breaks=breaks, placement=PLACEMENT)
+    nodes = native(shape, mesh.points)[mesh.cells]
     spans = []
     for direction, (name, line) in enumerate(zip(shape.directions, breaks, strict=True)):
         along = nodes[:, :, direction]
@@ -70,10 +61,11 @@ def test_hexahedra_lie_between_breaks(kind, order):
         assert (np.rint(parts).min(axis=1) == 0).all()
         assert (np.rint(parts).max(axis=1) == order).all()
         spans.append(span.ravel())
-    assert len(np.unique(spans, axis=1).T) == len(cells) == np.prod([len(b) - 1 for b in breaks])
+    assert len(np.unique(spans, axis=1).T) == len(nodes) == np.prod([len(b) - 1 for b in breaks])
 
 
 BREAKS = breaks_of(BOX, (1, 1, 1))
+HALVES = [0.06, 0.15], [0.0, 180.0, 360.0], [-0.002, 0.01]
 
 
 @pytest.mark.parametrize(
@@ -93,11 +85,11 @@ BREAKS = breaks_of(BOX, (1, 1, 1))
         ("breaks", (BOX, "hexahedron", 1), {}),
         ("breaks of x", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0][::-1], *BREAKS[1:])}),
         ("breaks of y", (BOX, "hexahedron", 1), {"breaks": (BREAKS[0], 2 * BREAKS[1], BREAKS[2])}),
-        (
-            "breaks of theta",
-            (ANNULUS, "hexahedron", 1),
-            {"breaks": ([0.06, 0.15], [0.0, 180.0, 360.0], [-0.002, 0.01])},
-        ),
+        ("breaks of theta", (ANNULUS, "hexahedron", 1), {"breaks": HALVES}),
+        ("cell", (VENTILATED, "hexahedron", 2), {"size": 0.03}),
+        ("order", (VENTILATED, "tetrahedron", 3), {"size": 0.03}),
+        ("size", (VENTILATED, "tetrahedron", 2), {}),
+        ("breaks", (VENTILATED, "tetrahedron", 2), {"breaks": BREAKS}),
     ],
 )
 def test_wrong_input_is_refused_by_name(field, arguments, keywords):
@@ -107,7 +99,8 @@ def test_wrong_input_is_refused_by_name(field, arguments, keywords):
     assert not gmsh.isInitialized()
 
 
-def hub_areas(hub):
+def of_hub(hub):
+    """Volume and areas of a hub."""
     ring = np.pi * (hub.outer_radius**2 - hub.hub_radius**2)
     end = np.pi * (hub.hub_radius**2 - hub.bore**2)
     through, thickness = hub.hub_top - hub.hub_bottom, hub.top - hub.bottom
@@ -122,56 +115,29 @@ def hub_areas(hub):
     }
 
 
-SECTOR_SHARE = 85 / 360
-R2 = 0.15**2 - 0.06**2
+def of_round(shape, height=1.0):
+    """Volume and areas of a ring or a part of it; of one in the plane they are per length."""
+    inner, outer = shape.extent[0]
+    angle = np.radians(np.ptp(shape.extent[1]))
+    face, side = angle * (outer**2 - inner**2) / 2, (outer - inner) * height
+    areas = {"inner": angle * inner * height, "outer": angle * outer * height, "start": side}
+    areas |= {"end": side, "bottom": face, "top": face}
+    return face * height, {name: areas[name] for name in shape.surfaces}
+
+
+BOX_AREAS = {"x_min": 0.02, "x_max": 0.02, "y_min": 0.03, "y_max": 0.03, "z_min": 0.06}
+SIDES = {"x_min": 0.2, "x_max": 0.2, "y_min": 0.3, "y_max": 0.3}
 MEASURES = {
-    "box": (
-        BOX,
-        0.006,
-        dict.fromkeys(("x_min", "x_max"), 0.02)
-        | dict.fromkeys(("y_min", "y_max"), 0.03)
-        | dict.fromkeys(("z_min", "z_max"), 0.06),
-    ),
-    "annulus": (
-        ANNULUS,
-        0.012 * np.pi * R2,
-        {
-            "inner": 0.024 * np.pi * 0.06,
-            "outer": 0.024 * np.pi * 0.15,
-            "bottom": np.pi * R2,
-            "top": np.pi * R2,
-        },
-    ),
-    "sector": (
-        SECTOR,
-        0.02 * np.pi * 0.0096 * 85 / 360,
-        {
-            "inner": 0.04 * np.pi * 0.1 * 85 / 360,
-            "outer": 0.04 * np.pi * 0.14 * 85 / 360,
-            "start": 8e-4,
-            "end": 8e-4,
-            "bottom": np.pi * 0.0096 * 85 / 360,
-            "top": np.pi * 0.0096 * 85 / 360,
-        },
-    ),
-    "hub": (HUB, *hub_areas(HUB)),
-    "flush hub": (FLUSH_HUB, *hub_areas(FLUSH_HUB)),
-    "disc": (DISC, 0.2 * np.pi, {"outer": 0.4 * np.pi, "bottom": np.pi, "top": np.pi}),
-    "rectangle": (RECTANGLE, 0.06, {"x_min": 0.2, "x_max": 0.2, "y_min": 0.3, "y_max": 0.3}),
-    "ring": (RING, 0.75 * np.pi, {"inner": np.pi, "outer": 2 * np.pi}),
-    "ring sector": (
-        RING_SECTOR,
-        0.75 * np.pi * SECTOR_SHARE,
-        {
-            "inner": np.pi * SECTOR_SHARE,
-            "outer": 2 * np.pi * SECTOR_SHARE,
-            "start": 0.5,
-            "end": 0.5,
-        },
-    ),
+    "box": (BOX, 0.006, BOX_AREAS | {"z_max": 0.06}),
+    "annulus": (ANNULUS, *of_round(ANNULUS, 0.012)),
+    "sector": (SECTOR, *of_round(SECTOR, 0.02)),
+    "hub": (HUB, *of_hub(HUB)),
+    "flush hub": (FLUSH_HUB, *of_hub(FLUSH_HUB)),
+    "disc": (DISC, *of_round(DISC, 0.2)),
+    "rectangle": (RECTANGLE, 0.06, SIDES),
+    "ring": (RING, *of_round(RING)),
+    "ring sector": (RING_SECTOR, *of_round(RING_SECTOR)),
 }
-
-
 KINDS = ("boxes", "divided boxes", "unstructured")
 
 

@@ -7,7 +7,6 @@ import pytest
 from gmsh_models import measures
 
 from cea.errors import InputError
-from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 from meshes.ventilated_disc import VentilatedDisc
 
@@ -67,19 +66,4 @@ def test_volume_and_areas_are_those_in_closed_form(disc):
 def test_what_cannot_be_built_is_refused(field, value):
     with pytest.raises(InputError) as caught:
         replace(DISC, **{field: value})
-    assert caught.value.field == field
-
-
-@pytest.mark.parametrize(
-    ("field", "cell", "order", "mesh"),
-    [
-        ("cell", "hexahedron", 2, {"size": ROUGH}),
-        ("order", "tetrahedron", 3, {"size": ROUGH}),
-        ("size", "tetrahedron", 2, {}),
-        ("breaks", "tetrahedron", 2, {"breaks": breaks_of(DISC, (2, 8, 2))}),
-    ],
-)
-def test_meshes_it_has_not_are_refused(field, cell, order, mesh):
-    with pytest.raises(InputError) as caught:
-        shape_mesh(DISC, cell, order, **mesh)
     assert caught.value.field == field

@@ -2,10 +2,20 @@
 
 import numpy as np
 import pytest
-from bad_inputs import complaint, faults_of, patience
+from bad_inputs import (
+    HOSTILE,
+    NAMES,
+    Bad,
+    coarse,
+    complaint,
+    faults_of,
+    mutations,
+    patience,
+    random_mutation,
+    valid,
+)
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from scene_mutations import HOSTILE, NAMES, Bad, coarse, mutations, random_mutation, valid
 
 from cea.errors import InputError
 from cea.expressions import Formula
@@ -14,8 +24,8 @@ from scenes.spec.problems import SceneError
 from scenes.spec.reading import read_scene
 
 SEED = 12
-QUICK, FULL, RUNS = 400, 10_000, 200
-"""Bytes by which all readers together may grow."""
+RUNS = 200
+"""Mutations that are run."""
 quickly = settings(
     max_examples=60,
     deadline=None,  # hangs are told by `patience`; a loaded machine is slow
@@ -53,7 +63,7 @@ def test_what_is_read_runs_or_is_refused(tmp_path):
         scene = refused_or_read(read_scene, bad.value)
         if scene not in (None, NAMELESS):
             count += 1
-            told.append(complaint(Bad("run", bad.words, scene, None), run))
+            told.append(complaint(Bad(bad.words, scene, None), run))
     assert [one for one in told if one] == []
 
 

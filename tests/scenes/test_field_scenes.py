@@ -7,7 +7,6 @@ import pytest
 
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, build_interfaces, build_system
-from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene
 
 
@@ -47,16 +46,3 @@ def test_a_direction_by_expressions_is_the_circumferential_one():
         both.append(law.friction.direction.at(points.x, points.normal))
     assert both[1] == pytest.approx(both[0], abs=1e-14)
     assert np.ptp(both[0][:, 0]) > 0.3
-
-
-@pytest.mark.parametrize(
-    ("direction", "told"),
-    [
-        ('{field=["-y", "sideways", "0"]}', "an expression in x, y, z"),
-        ('{field=["-y", "x", 0]}', "a valid string"),
-    ],
-)
-def test_directions_that_are_none_are_refused_when_read(direction, told):
-    override = f"contacts.pad_disc.friction_direction_on_a={direction}"
-    with pytest.raises(SceneError, match=told):
-        load_scene(Path("disc_pad"), [override])

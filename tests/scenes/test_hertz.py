@@ -11,13 +11,21 @@ like h at least.
 import numpy as np
 import pytest
 
-from meshes.breaks import graded
 from scenes import load_scene, run_static
 
 FINE = 0.02
 """Extent (m) of the elements of equal size around the contact, which reaches to 0.0167."""
 ORDER, TOLERANCE = 1.0, 0.35
 """Of convergence: where the rim lies in its element changes from mesh to mesh."""
+
+
+def graded(low, high, first, largest):
+    """Ends of elements that grow by half the distance from the first one, up to a largest."""
+    x = np.linspace(low, high, 2001)
+    middles = 0.5 * (x[1:] + x[:-1]) - low
+    passed = np.cumsum(np.diff(x) / np.minimum(largest, first + 0.5 * middles))
+    even = np.linspace(0, passed[-1], round(passed[-1]) + 1)
+    return np.interp(even, [0, *passed], x)
 
 
 def scene(backend, elements, c_n):
@@ -27,14 +35,14 @@ def scene(backend, elements, c_n):
     """
     built_in = load_scene("hertz_cylinder", backend=backend)
     size, first = built_in.bodies["upper"].geometry.extent[-1][1], FINE / elements
-    depth = graded([0, size], size / 4, {0: first}, 0.5)
+    depth = graded(0, size, first, size / 4)
     changes = {
         "contacts.interface.c_n": c_n,
         "contacts.interface.formulation": {"method": "segments"},
     }
     for body, more, down in (("upper", 0, depth), ("lower", round(elements / 4), -depth[::-1])):
         even = np.linspace(0, FINE, elements + more + 1)[:-1]
-        along = np.concatenate([even, graded([FINE, size], size / 4, {FINE: first}, 0.5)])
+        along = np.concatenate([even, graded(FINE, size, first, size / 4)])
         mesh = f"bodies.{body}.mesh.{backend}"
         changes[f"{mesh}.elements"] = [len(along) - 1, len(down) - 1]
         changes[f"{mesh}.through"] = {"x": along[1:-1].tolist(), "y": down[1:-1].tolist()}

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from bad_inputs import BUILT, changed, coarse
 from PIL import Image
-from wrong_scenes import changed, coarse
 
 from scenes import run_modes
 from scenes.checking import check as inspection
@@ -13,7 +13,7 @@ from scenes.spec.reading import load_scene, read_scene
 
 
 def scene_of(base, backend, *changes):
-    return read_scene(changed(coarse(base), changes)).on(backend)
+    return read_scene(changed(coarse(base, backend, BUILT), changes))
 
 
 @pytest.fixture

@@ -4,14 +4,11 @@ import numpy as np
 import pytest
 from blocks import ROTATED, block
 from motions import resultant
-from pressed import SOFT, pressed_blocks
 
 from cea.timing import StageTimer
 from scenes import read_scene
 from scenes.building.build import build_bodies, build_system
-from scenes.spec.problems import SceneError
 
-GPTS = {"method": "gpts", "points": 3}
 SIZE, FORCE = [0.5, 0.6, 0.3], [0.3, -0.7, 1.1]
 
 
@@ -37,25 +34,3 @@ def test_a_force_on_every_part_is_its_volume_times_it(backend):
     system = loaded(backend, {"body": "part", "body_force": FORCE})
     expected = np.prod(SIZE) * np.array(FORCE)
     assert resultant(system, system.load, "part")[0] == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("load", "field"),
-    [
-        ({}, "surface"),
-        ({"surface": "upper.z_max"}, "pressure"),
-        ({"surface": "upper.z_max", "pressure": 1.0, "force": FORCE}, "pressure"),
-        ({"surface": "upper.z_max", "pressure": 1.0, "body": "upper"}, "surface"),
-        ({"surface": "upper.z_max", "force": [1.0, 2.0]}, "force"),
-        ({"surface": "upper.lid", "force": FORCE}, "surface"),
-        ({"surface": "upper.z_max", "pressure": 1.0, "body_force": FORCE}, "body_force"),
-        ({"body": "upper"}, "body_force"),
-        ({"body": "upper", "body_force": [1.0]}, "body_force"),
-        ({"body": "nobody", "body_force": FORCE}, "body"),
-        ({"body": "upper", "pressure": 1.0}, "pressure"),
-    ],
-)
-def test_what_is_no_load_is_refused(backend, load, field):
-    with pytest.raises(SceneError) as refused:
-        read_scene(pressed_blocks(backend, GPTS, c_n=SOFT) | {"loads": [load]})
-    assert any(fault.field == f"loads.0.{field}" for fault in refused.value.faults)

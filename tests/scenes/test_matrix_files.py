@@ -5,13 +5,13 @@ import struct
 
 import numpy as np
 import pytest
+from matrix_files import undamped
 from scipy.io import mmwrite, savemat
-from scipy.sparse import csr_array, diags_array, random_array, save_npz, tril
+from scipy.sparse import csr_array, diags_array, random_array, save_npz, tril, triu
 
 from cea.errors import InputError
 from cea.petsc import MPI, PETSc
-from scenes.matrices.reading import read_matrix
-from scenes.matrices.symmetry import equal_entries, symmetry_of
+from scenes.matrices.reading import parts_of, read_matrix
 from scenes.running.matrices import run_matrices
 from scenes.spec.matrices import read_matrix_scene, split_name
 
@@ -137,8 +137,9 @@ def test_parts_of_a_matrix_keep_every_bit():
     A = random_array((40, 40), density=0.3, rng=RNG).toarray() ** 7
     A[:20, :20] += A[:20, :20].T
     A[20:, 20:] += np.diag(np.ones(20))
-    equal, rest = equal_entries(csr_array(A))
-    assert symmetry_of(equal).kind == "symmetric"
+    _, _, ((equal, symmetric), (rest, _)) = parts_of(csr_array(A))
+    assert symmetric
+    assert abs(equal - equal.T).max() == 0
     assert equal.nnz > 20
     assert ((equal + rest).toarray() == A).all()
     assert not equal.multiply(rest).nnz
@@ -149,69 +150,52 @@ MASS = csr_array(np.eye(N))
 CHAIN = csr_array(1e6 * diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(N, N)))
 CLOSED_FORM = 2e3 * np.sin(np.arange(1, N + 1) * np.pi / (2 * N + 2)) / (2 * np.pi)
 """Frequencies (Hz) of a chain of springs and masses, fixed at both ends."""
+NODES = [40, 3, -2, 7, 5, 100]
+"""Labels of Abaqus; negative ones are its internal nodes."""
 
 
-def scene(mass, stiffness, **fields):
-    return {
-        "name": "chain",
-        "files": {"M": str(mass), "K": str(stiffness)},
-        "mass": {"M": 1.0},
-        "stiffness": {"K": 1.0},
-        "analysis": {"kind": "cea", "max_frequency": 400.0},
-        **fields,
-    }
+def frequencies(mass, stiffness, **fields):
+    scene = read_matrix_scene(undamped(mass, stiffness, 400.0, **fields))
+    modes = run_matrices(scene).modes
+    return np.sort(modes.eigenvalues.imag) / (2 * np.pi)
 
 
-def frequencies(data):
-    return np.sort(run_matrices(read_matrix_scene(data)).modes.eigenvalues.imag) / (2 * np.pi)
-
-
-def labelled(matrix, file, nodes):
-    """As MATRIX INPUT has it: node and degree of freedom of row and column, entry."""
+def lines(matrix, file, form):
+    """A file of Abaqus, a line for each entry."""
     whole = matrix.tocoo()
-    rows = zip(*whole.coords, whole.data, strict=True)
-    lines = [f"{nodes[i]},1, {nodes[j]},1,  {x:.15e}\n" for i, j, x in rows]
-    file.write_text("** made by another program\n" + "".join(lines))
+    entries = zip(*whole.coords, whole.data, strict=True)
+    text = "".join(form(i, j) + f" {x:.15e}\n" for i, j, x in entries)
+    file.write_text(f"** made by another program\n{text}")
     return file
 
 
-def coordinates(matrix, file):
-    whole = matrix.tocoo()
-    rows = zip(*whole.coords, whole.data, strict=True)
-    file.write_text("".join(f"{i + 1} {j + 1} {x:.15e}\n" for i, j, x in rows))
-    return file
+def labels(i, j):
+    """As MATRIX INPUT has it: node and degree of freedom of row and column."""
+    return f"{NODES[i]},1, {NODES[j]},1, "
 
 
-@pytest.fixture
-def mass(tmp_path):
-    save_npz(tmp_path / "M.npz", MASS)
-    return tmp_path / "M.npz"
+def numbers(i, j):
+    return f"{i + 1} {j + 1}"
 
 
-@pytest.mark.parametrize("lower", [True, False])
-def test_one_triangle_is_refused_until_it_is_said_what_it_is(tmp_path, mass, lower):
-    triangle = csr_array(tril(CHAIN)) if lower else csr_array(tril(CHAIN).T)
-    save_npz(tmp_path / "K.npz", triangle)
-    name = "lower" if lower else "upper"
+@pytest.mark.parametrize("name", ["lower", "upper"])
+def test_one_triangle_is_refused_until_it_is_said_what_it_is(tmp_path, name):
+    M, K = tmp_path / "M.npz", tmp_path / "K.npz"
+    save_npz(M, MASS)
+    save_npz(K, csr_array((tril if name == "lower" else triu)(CHAIN)))
     with pytest.raises(InputError, match=f"--symmetric .*mirrors the {name} triangle") as refused:
-        frequencies(scene(mass, tmp_path / "K.npz"))
+        frequencies(M, K)
     assert refused.value.field == "files.K"
     assert f"entries in its {name} triangle alone" in str(refused.value)
-    found = frequencies(scene(mass, tmp_path / "K.npz", symmetric={"K": True}))
-    np.testing.assert_allclose(found, CLOSED_FORM, rtol=1e-9)
+    np.testing.assert_allclose(frequencies(M, K, symmetric={"K": True}), CLOSED_FORM, rtol=1e-9)
 
 
-def test_files_of_abaqus_with_labels(tmp_path):
-    nodes = [40, 3, -2, 7, 5, 100]  # negative ones are internal nodes of Abaqus
-    M = labelled(MASS, tmp_path / "job_MASS1.mtx", nodes)
-    K = labelled(csr_array(tril(CHAIN)), tmp_path / "job_STIF1.mtx", nodes)
-    np.testing.assert_allclose(frequencies(scene(M, K)), CLOSED_FORM, rtol=1e-9)
-    matrix, labels = read_matrix(K)
-    order = np.argsort(nodes)
-    assert labels.tolist() == [[n, 1] for n in sorted(nodes)]
+@pytest.mark.parametrize(("form", "stiffness"), [(labels, tril(CHAIN)), (numbers, CHAIN)])
+def test_files_of_abaqus(form, stiffness, tmp_path):
+    """With labels, a matrix is symmetric whichever triangle is there."""
+    M, K = lines(MASS, tmp_path / "M.mtx", form), lines(stiffness, tmp_path / "K.mtx", form)
+    np.testing.assert_allclose(frequencies(M, K), CLOSED_FORM, rtol=1e-9)
+    matrix, told = read_matrix(K)
+    order = np.argsort(NODES) if form is labels else np.arange(N)
     assert abs(matrix - CHAIN[order][:, order]).max() == 0
-
-
-def test_files_of_abaqus_with_coordinates(tmp_path):
-    M, K = coordinates(MASS, tmp_path / "M.mtx"), coordinates(CHAIN, tmp_path / "K.mtx")
-    np.testing.assert_allclose(frequencies(scene(M, K)), CLOSED_FORM, rtol=1e-9)
+    assert told is None if form is numbers else told.tolist() == [[n, 1] for n in sorted(NODES)]

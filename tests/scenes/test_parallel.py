@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from mpi import cea_on_ranks, mpiexec, on_ranks
 from parallel_cases import CASES, FORMULATIONS
+from same_numbers import assert_same
 from scipy.optimize import linear_sum_assignment
 
 pytestmark = pytest.mark.mpi
@@ -51,23 +52,6 @@ def assert_same_eigenvalues(found, expected):
         partner = others[np.argmin(np.abs(right[others] - right[i]))]
         assert abs(right[partner] - right[i]) < 1e-3 * scale[i]
         assert abs(left[[i, partner]].mean() - right[[i, partner]].mean()) < 1e-9 * scale[i]
-
-
-def assert_same(found, expected, at=""):
-    """Equal structure, equal words, numbers equal to 1e-9 of the largest beside them."""
-    assert type(found) is type(expected), at
-    if isinstance(expected, dict):
-        assert found.keys() == expected.keys(), at
-        for key in expected:
-            assert_same(found[key], expected[key], f"{at}.{key}")
-    elif isinstance(expected, list):
-        same = np.array(found, dtype=float), np.array(expected, dtype=float)
-        scale = np.abs(same[1]).max(initial=0.0, where=np.isfinite(same[1]))
-        np.testing.assert_allclose(*same, rtol=0, atol=1e-9 * scale, err_msg=at)
-    elif isinstance(expected, float):
-        assert found == pytest.approx(expected, rel=1e-9, abs=1e-14), at
-    else:
-        assert found == expected, at
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,6 @@ from matplotlib.image import imread
 from cea.timing import StageTimer
 from scenes import load_scene, run_scene
 from scenes.building.build import build_bodies
-from scenes.export.pictures import write_modes
 from scenes.pictures.drawing import draw_mode, largest_deflection
 from scenes.pictures.grids import merged, outside, sharp_edges
 from scenes.spec.problems import SceneError
@@ -57,7 +56,7 @@ def test_most_unstable_modes_are_drawn_first(result):
 
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_modes_are_drawn(result, backend, tmp_path):
-    (file,) = write_modes(with_growth(result, [0.0, 0.7]), 1, tmp_path)
+    (file,) = with_growth(result, [0.0, 0.7]).draw(1, tmp_path)
     assert file.name == f"mode_{backend}_2.png"
     image = imread(file)[..., :3]
     drawn = np.ptp(image, axis=2) > 0.05

@@ -9,43 +9,33 @@ from cea.errors import InputError
 from meshes.breaks import breaks_of
 from meshes.edge_layers import RATIO
 from meshes.shapes import Hub
-from scenes.refinement.meshes import (
-    Resolution,
-    has_singular_edges,
-    moved_to_mortar,
-    refined,
-)
-from scenes.refinement.singular_edges import crowding
+from scenes.refinement.meshes import Resolution, has_singular_edges, moved_to_mortar, refined
+from scenes.refinement.singular_edges import singular_edges
 from scenes.spec.body import SupportSpec
 from scenes.spec.plain import scene_names
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import load_scene, read_scene
+from scenes.spec.reading import load_scene
 from scenes.spec.toml import scene_text
 
 
-def elements(scene, name):
-    """Elements of a body on its backend."""
+def mesh(scene, name):
+    """Mesh of a body on its backend."""
     body = scene.bodies[name]
-    return (body.mesh.fe if body.backend == "fe" else body.mesh.iga).elements
+    return body.mesh.fe if body.backend == "fe" else body.mesh.iga
 
 
-def degrees(scene):
-    """Degrees of all bodies on their backends."""
-    meshes = [b.mesh.fe if b.backend == "fe" else b.mesh.iga for b in scene.bodies.values()]
-    return {np.max(mesh.degree).item() for mesh in meshes}
+def elements(scene, name):
+    return mesh(scene, name).elements
 
 
-def test_elements_and_degrees_are_as_asked(backend):
-    scene = load_scene("blocks")
-    twice = refined(scene, backend, Resolution(4, 2.0))
-    assert degrees(twice) == {4}
+@pytest.mark.parametrize(("degree", "density"), [(4, 2.0), (2, 0.5)])
+def test_elements_and_degrees_are_as_asked(backend, degree, density):
+    scene = load_scene("blocks").on(backend)
+    finer = refined(scene, backend, Resolution(degree, density))
     for name in scene.bodies:
-        before = elements(scene.on(backend), name)
-        assert elements(twice, name) == tuple(2 * n for n in before)
-    half = refined(scene, backend, Resolution(2, 0.5))
-    for name in scene.bodies:
-        before = elements(scene.on(backend), name)
-        assert elements(half, name) == tuple(max(1, round(n / 2)) for n in before)
+        assert np.max(mesh(finer, name).degree) == degree
+        wanted = tuple(max(1, round(density * n)) for n in elements(scene, name))
+        assert elements(finer, name) == wanted
 
 
 def test_closed_bodies_and_asked_boundaries_keep_the_elements_they_need(backend):
@@ -71,41 +61,37 @@ def test_contacts_become_mortar_and_that_is_told():
     assert moved_to_mortar(load_scene("blocks")) == {}
 
 
-def test_elements_crowd_towards_clamped_edges():
-    scene = load_scene("disc_pad")
-    disc, pad = crowding(scene, "disc"), crowding(scene, "pad")
+def test_singular_edges_are_clamped_edges_and_boundaries_of_stiff_contacts():
+    disc, pad = (singular_edges(load_scene("disc_pad"), name) for name in ("disc", "pad"))
+    sides = {"r": (0.09, 0.14), "theta": (25.0, 65.0)}
     assert disc.towards == {"r": (0.06,), "z": (0.0, 0.012)}
-    assert pad.towards == {"z": (0.027,), "r": (0.09, 0.14), "theta": (25.0, 65.0)}
-
-
-def test_elements_crowd_towards_boundaries_of_stiff_contacts():
-    scene = load_scene("disc_pad", ["contacts.pad_disc.P=1e13"])
-    disc, pad = crowding(scene, "disc"), crowding(scene, "pad")
-    assert disc.through == {"r": (0.09, 0.14), "theta": (25.0, 65.0)}
-    assert disc.towards["r"] == (0.06, 0.09, 0.14)
-    assert pad.towards["z"] == (0.012, 0.027)
+    assert pad.towards == {"z": (0.027,)} | sides
+    assert disc.through == sides
+    stiff = load_scene("disc_pad", ["contacts.pad_disc.P=1e13"])
+    assert singular_edges(stiff, "disc").towards["r"] == (0.06, 0.09, 0.14)
+    assert singular_edges(stiff, "pad").towards["z"] == (0.012, 0.027)
 
 
 @pytest.mark.parametrize("name", ["blocks", "drum", "ring", "drum_3d", "blocks_3d"])
 def test_rollers_and_closed_bodies_have_no_singular_edges(name):
     scene = load_scene(name)
     assert not has_singular_edges(scene)
-    assert not any(crowding(scene, body) for body in scene.bodies)
+    assert not any(singular_edges(scene, body) for body in scene.bodies)
 
 
 def test_the_edge_of_a_hub_is_re_entrant():
     hub = Hub(0.02, 0.04, 0.1, 0.0, 0.01, -0.02, 0.01)
     scene = load_scene("disc")
     body = replace(scene.bodies["disc"], geometry=hub, supports=(SupportSpec("bore"),))
-    found = crowding(replace(scene, bodies={"disc": body}), "disc")
+    found = singular_edges(replace(scene, bodies={"disc": body}), "disc")
     assert 0.04 in found.towards["r"]
     assert 0.0 in found.towards["z"]
 
 
-def test_layers_of_splines_lie_where_elements_crowd():
+def test_layers_of_splines_lie_towards_singular_edges():
     scene = refined(load_scene("disc_pad"), "iga", Resolution(2, 0.5, 2))
-    mesh = scene.bodies["disc"].mesh.iga
-    r, _, z = breaks_of(scene.bodies["disc"].geometry, mesh.elements, mesh.through)
+    through = mesh(scene, "disc").through
+    r, _, z = breaks_of(scene.bodies["disc"].geometry, elements(scene, "disc"), through)
     sizes = np.diff(r)
     assert sizes[0] / (sizes[:3].sum()) == pytest.approx(RATIO**2)
     assert sizes[1] / (sizes[:3].sum()) == pytest.approx(RATIO - RATIO**2)
@@ -118,21 +104,13 @@ def test_layers_of_splines_lie_where_elements_crowd():
 def test_layers_of_lagrange_cells_lie_at_the_edges_alone():
     plain, scene = (refined(load_scene("disc_pad"), "fe", Resolution(2, 0.5, n)) for n in (0, 2))
     assert elements(scene, "disc") == elements(plain, "disc")
-    mesh = scene.bodies["disc"].mesh.fe
     disc = scene.bodies["disc"].geometry
     ends = [{"r": disc.inner_radius, "z": z} for z in (disc.bottom, disc.top)]
-    assert (mesh.layers, list(mesh.edges)) == (2, ends)
+    assert (mesh(scene, "disc").layers, list(mesh(scene, "disc").edges)) == (2, ends)
     # Edges of the pad run along all its directions: whole layers of elements.
-    pads = scene.bodies["pad"].mesh.fe, plain.bodies["pad"].mesh.fe
-    assert (pads[0].layers, pads[0].edges) == (0, ())
-    assert all(a > b for a, b in zip(pads[0].elements, pads[1].elements, strict=True))
-
-
-def test_layers_at_edges_are_read_again_from_the_text_of_their_scene(tmp_path):
-    scene = refined(load_scene("disc_pad"), "fe", Resolution(2, 0.5, 2))
-    file = tmp_path / "again.toml"
-    file.write_text(scene_text(scene))
-    assert load_scene(file) == scene
+    assert (mesh(scene, "pad").layers, mesh(scene, "pad").edges) == (0, ())
+    counts = elements(scene, "pad"), elements(plain, "pad")
+    assert all(a > b for a, b in zip(*counts, strict=True))
 
 
 def test_what_cannot_be_refined_is_refused():
@@ -142,18 +120,16 @@ def test_what_cannot_be_refined_is_refused():
         Resolution(2, 0.0)
 
 
-@pytest.mark.parametrize("name", scene_names())
+INFINITE = {"contacts.interface.p": float("inf"), "contacts.interface.form": "saddle"}
+ODD = {"description": 'back\\slash, "quotes", ü and\na line'}
+TEXTS = {name: load_scene(name) for name in scene_names()} | {
+    "layers": refined(load_scene("disc_pad"), "fe", Resolution(2, 0.5, 2)),
+    "infinity and odd signs": load_scene("blocks").change(INFINITE | ODD),
+}
+
+
+@pytest.mark.parametrize("name", TEXTS)
 def test_scenes_are_the_same_when_read_again_from_their_text(name, tmp_path):
-    scene = load_scene(name)
     file = tmp_path / "again.toml"
-    file.write_text(scene_text(scene))
-    assert load_scene(file) == scene
-
-
-def test_text_holds_infinity_and_odd_names(tmp_path):
-    scene = load_scene("blocks", ["contacts.interface.p=inf", "contacts.interface.form='saddle'"])
-    data = {**scene.__dict__, "description": 'back\\slash, "quotes", ü and\na line'}
-    scene = read_scene({name: data[name] for name in data})
-    file = tmp_path / "odd.toml"
-    file.write_text(scene_text(scene))
-    assert load_scene(file) == scene
+    file.write_text(scene_text(TEXTS[name]))
+    assert load_scene(file) == TEXTS[name]

@@ -6,8 +6,7 @@ from math import inf
 
 import numpy as np
 import pytest
-from bad_inputs import patience
-from scene_mutations import HOSTILE, valid
+from bad_inputs import HOSTILE, patience, valid
 from stored_runs import a_record
 
 from cea.errors import InputError

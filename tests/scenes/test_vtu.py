@@ -13,18 +13,7 @@ from scenes import run_scene
 from scenes.export.paraview import write_paraview
 from scenes.spec.reading import read_scene
 
-RNG = np.random.default_rng(11)
 GPTS = {"method": "gpts", "points": 3}
-"""Cells and degrees of slow tests."""
-
-
-def inside(dim, simplex, n=6):
-    """Random coordinates inside a reference cell."""
-    x = RNG.dirichlet(np.ones(dim + 1), n)[:, :dim] if simplex else RNG.uniform(size=(n, dim))
-    return 0.02 + 0.95 * x
-
-
-# Files of runs.
 
 
 @pytest.fixture

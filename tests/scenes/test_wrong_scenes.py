@@ -1,7 +1,7 @@
 """Some hundred inputs that are wrong as people get them wrong: each is refused by its field."""
 
 import pytest
-from wrong_scenes import complaint, faults_of_row, rows
+from bad_inputs import complaint_of_row, rows
 
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene
@@ -10,12 +10,8 @@ GROUPS = sorted({base for base, *_ in rows("read")})
 
 
 def met_badly(part, of_base):
-    found = []
-    for base, changes, field, word in rows(part):
-        if base == of_base:
-            told = complaint(*faults_of_row(part, base, changes), field, word)
-            found += [f"{changes}: {told}"] if told else []
-    return found
+    found = [complaint_of_row(part, *row) for row in rows(part) if row[0] == of_base]
+    return [told for told in found if told]
 
 
 @pytest.mark.parametrize("base", GROUPS)

@@ -1,16 +1,15 @@
 """Bodies of a scene as a deck has them: numbered nodes and elements, and their surfaces."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.errors import InputError
-from cea.mesh import Cell, Ints, Mesh, lattice, matching_nodes, reference_nodes
+from cea.mesh import Cell, Floats, Ints, Mesh, matching_nodes, reference_nodes
 from meshes.files.content import named_sides
-from meshes.files.elements import facet_sides, full_kind
+from meshes.files.elements import KINDS, facet_sides, full_kind, side_nodes
 from scenes.building.build import body_mesh, used_surfaces
 from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
@@ -34,44 +33,44 @@ class DeckBody:
 
     name: str  # that of its sets of nodes and elements too
     spec: BodySpec
-    mesh: Mesh  # whose nodes are those of its elements
+    mesh: Mesh
+    element_type: str
+    points: Floats  # nodes (m), (n_nodes, 3)
+    elements: Ints  # rows of their nodes in the order of their type, right-handed
+    faces: Mapping[str, tuple[Ints, Ints]]  # elements, from 0, and their faces, from 1, by surface
     first_node: int  # numbers from 1 through all bodies
     first_element: int
 
-    @property
-    def element_type(self) -> str:
-        """Name of its elements."""
-        return ELEMENTS[self.mesh.cell, self.mesh.order]
-
-    @cached_property
-    def elements(self) -> Ints:
-        """Nodes of its elements, rows of the mesh's points, (n_elements, n_nodes)."""
-        return element_nodes(self.mesh)
-
     def nodes_of(self, surface: str) -> Ints:
         """Rows of the nodes of a surface, rising."""
-        return np.unique(self.mesh.surfaces[surface])
-
-    def faces_of(self, surface: str) -> tuple[Ints, Ints]:
-        """Elements, from 0, rising, and their faces, from 1, of a surface, (n_facets,)."""
-        mesh = self.mesh
-        elements, facets = np.nonzero(named_sides(mesh)[surface])
-        sides = facet_sides(mesh.cell)
-        # Facets of simplices lie across an axis each, of boxes two.
-        swapped = [1, 0] if mesh.is_simplex else [2, 3, 0, 1]
-        mirrored = sides[[*swapped, *range(len(swapped), len(sides))]]
-        faces = np.where(_is_mirrored(mesh)[elements], mirrored[facets], sides[facets]) + 1
-        rising = np.lexsort((faces, elements))
-        return elements[rising], faces[rising]
+        elements, faces = self.faces[surface]
+        cell, count = self.mesh.cell, self.elements.shape[1]
+        sides = enumerate(side_nodes(cell, KINDS[f"{cell}{count}"].reference), start=1)
+        on = [self.elements[elements[faces == face]][:, nodes].ravel() for face, nodes in sides]
+        return np.unique(np.concatenate(on))
 
 
-def element_nodes(mesh: Mesh) -> Ints:
-    """Nodes of each cell in the order of its element type, right-handed, (n_cells, n_nodes)."""
-    nodes = full_kind(mesh.cell, mesh.order).reference
-    own = reference_nodes(mesh.cell, mesh.order)
-    straight = mesh.cells[:, matching_nodes(nodes, own)]
-    mirrored = mesh.cells[:, matching_nodes(nodes[:, [1, 0, *range(2, mesh.dim)]], own)]
-    return np.where(_is_mirrored(mesh)[:, None], mirrored, straight)
+def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
+    """Bodies of a scene by name, meshed and numbered; the scene was checked before."""
+    bodies: dict[str, DeckBody] = {}
+    node = element = 1
+    for name, spec in scene.bodies.items():
+        mesh = body_mesh(name, spec, used_surfaces(scene, name)).without_loose_points()
+        degree = spec.fe_degree or mesh.order
+        if (mesh.cell, degree) not in ELEMENTS or mesh.order not in (1, degree):
+            allowed = (
+                "the order of the cells for a deck, in space, and 1 of hexahedra: this file has "
+                f"a {mesh.cell} of order {mesh.order}"
+            )
+            raise InputError(f"bodies.{name}.mesh.degree", degree, allowed)
+        mirrored = _is_mirrored(mesh)
+        points, elements = _elements(mesh, degree, mirrored)
+        element_type, faces = ELEMENTS[mesh.cell, degree], _faces(mesh, mirrored)
+        bodies[name] = DeckBody(
+            name, spec, mesh, element_type, points, elements, faces, node, element
+        )
+        node, element = node + len(points), element + len(elements)
+    return bodies
 
 
 def _is_mirrored(mesh: Mesh) -> NDArray[np.bool_]:
@@ -82,51 +81,32 @@ def _is_mirrored(mesh: Mesh) -> NDArray[np.bool_]:
     return np.linalg.det(x[:, 1:] - x[:, :1]) < 0
 
 
-def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
-    """Bodies of a scene by name, meshed and numbered; the scene was checked before."""
-    bodies: dict[str, DeckBody] = {}
-    node = element = 1
-    for name, spec in scene.bodies.items():
-        mesh = _mesh(name, spec, used_surfaces(scene, name))
-        bodies[name] = DeckBody(name, spec, mesh, node, element)
-        node, element = node + len(mesh.points), element + len(mesh.cells)
-    return bodies
-
-
-def _mesh(name: str, spec: BodySpec, surfaces: Sequence[str]) -> Mesh:
-    """Mesh whose nodes are those of the elements."""
-    mesh, degree = body_mesh(name, spec, surfaces).without_loose_points(), spec.fe_degree
-    if degree == 2 and mesh.order == 1 and mesh.is_simplex:
-        return _straight_quadratic(mesh)
-    if degree != mesh.order or (mesh.cell, mesh.order) not in ELEMENTS:
-        allowed = (
-            "the order of the cells for a deck, in space, and 1 of hexahedra: this file has "
-            f"a {mesh.cell} of order {mesh.order}"
-        )
-        raise InputError(f"bodies.{name}.mesh.degree", degree, allowed)
-    return mesh
-
-
-def _straight_quadratic(mesh: Mesh) -> Mesh:
-    """A mesh of straight simplices with a node in the middle of each edge besides."""
-    pairs = np.sort(mesh.cells[:, _ends(mesh.dim)], axis=2)
+def _elements(mesh: Mesh, degree: int, mirrored: NDArray[np.bool_]) -> tuple[Floats, Ints]:
+    """Nodes (m), and those of each element; in the middle of straight edges of a higher degree."""
+    reference = full_kind(mesh.cell, mesh.order).reference
+    own = reference_nodes(mesh.cell, mesh.order)
+    straight = mesh.cells[:, matching_nodes(reference, own)]
+    turned = mesh.cells[:, matching_nodes(reference[:, [1, 0, *range(2, mesh.dim)]], own)]
+    elements = np.where(mirrored[:, None], turned, straight)
+    if mesh.order == degree:
+        return mesh.points, elements
+    ends = full_kind(mesh.cell, degree).groups[elements.shape[1] :]
+    pairs = np.sort(elements[:, np.array(ends)], axis=2)
     edges, number = np.unique(pairs.reshape(-1, 2), axis=0, return_inverse=True)
-    middle = edges[:, 0] != edges[:, 1]
-    points = np.vstack([mesh.points, mesh.points[edges[middle]].mean(axis=1)])
-    row = np.where(middle, len(mesh.points) + np.cumsum(middle) - 1, edges[:, 0])
-    key = edges[:, 0] * len(mesh.points) + edges[:, 1]  # rising, as the edges are sorted
-    surfaces = {}
-    for name, facets in mesh.surfaces.items():
-        wanted = np.sort(facets[:, _ends(mesh.dim - 1)], axis=2)
-        surfaces[name] = row[
-            np.searchsorted(key, wanted[..., 0] * len(mesh.points) + wanted[..., 1])
-        ]
-    cells = row[number.reshape(pairs.shape[:2])]
-    return replace(mesh, order=2, points=points, cells=cells, surfaces=surfaces)
+    points = np.vstack([mesh.points, mesh.points[edges].mean(axis=1)])
+    return points, np.hstack([elements, len(mesh.points) + number.reshape(len(elements), -1)])
 
 
-def _ends(dim: int) -> Ints:
-    """Two corners for each node of a quadratic simplex, in the middle of which it is."""
-    corners, places = (lattice(dim, order, simplex=True) for order in (1, 2))
-    sums = corners[:, None] + corners[None]
-    return np.array([np.argwhere((sums == place).all(axis=2))[0] for place in places])
+def _faces(mesh: Mesh, mirrored: NDArray[np.bool_]) -> dict[str, tuple[Ints, Ints]]:
+    """Elements, rising, and their faces by surface."""
+    sides = facet_sides(mesh.cell)
+    # Facets of simplices lie across an axis each, of boxes two.
+    swapped = [1, 0] if mesh.is_simplex else [2, 3, 0, 1]
+    turned = sides[[*swapped, *range(len(swapped), len(sides))]]
+    found = {}
+    for name, on_surface in named_sides(mesh).items():
+        elements, facets = np.nonzero(on_surface)
+        faces = np.where(mirrored[elements], turned[facets], sides[facets]) + 1
+        rising = np.lexsort((faces, elements))
+        found[name] = elements[rising], faces[rising]
+    return found

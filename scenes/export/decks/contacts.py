@@ -89,7 +89,7 @@ def moving_bodies(
         motion = RigidMotion(direction)
         if isinstance(direction, Circumferential):
             owner, surface = contact.a.split(".")
-            x = bodies[owner].mesh.points[bodies[owner].nodes_of(surface)]
+            x = bodies[owner].points[bodies[owner].nodes_of(surface)]
             radius = float(np.linalg.norm(motion.at(x), axis=1).min())
             motion = RigidMotion(direction, min(radius, before.radius if before else np.inf))
         motions[body] = motion

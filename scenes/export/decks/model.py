@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from io import StringIO
+from itertools import batched
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cea.elasticity import Axes
 from cea.material import IsotropicMaterial, Material, OrthotropicMaterial
-from cea.mesh import Ints
 from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.spec.reading import Scene
 
@@ -33,18 +33,6 @@ def numbers(*values: float) -> str:
     return ", ".join(text if len(text) <= 20 else f"{value:.13E}" for text, value in texts)
 
 
-def element_lines(first: int, elements: Ints) -> list[str]:
-    """A line for each element: its number and nodes."""
-    rows = np.column_stack([np.arange(first, first + len(elements)), elements])
-    return table(rows, ",".join(["%d"] * rows.shape[1]))
-
-
-def set_lines(members: Ints) -> list[str]:
-    """Members of a set, some to a line."""
-    rows = (members[i : i + _PER_LINE] for i in range(0, len(members), _PER_LINE))
-    return [",".join(map(str, row.tolist())) for row in rows]
-
-
 def table(rows: ArrayLike, form: str) -> list[str]:
     """A line for each row."""
     text = StringIO()
@@ -67,18 +55,22 @@ def model_lines(scene: Scene, bodies: Mapping[str, DeckBody]) -> Iterator[str]:
 
 
 def _body_lines(body: DeckBody) -> Iterator[str]:
-    x, material = body.mesh.points, body.spec.material
+    x, material = body.points, body.spec.material
     nodes = np.arange(body.first_node, body.first_node + len(x))
     yield keyword("NODE", NSET=body.name)
     yield from table(np.column_stack([nodes, x]), "%d" + ",%.13E" * 3)
     yield keyword("ELEMENT", TYPE=body.element_type, ELSET=body.name)
-    yield from element_lines(body.first_element, body.elements + body.first_node)
+    count = np.arange(len(body.elements)) + body.first_element
+    rows = np.column_stack([count, body.elements + body.first_node])
+    yield from table(rows, ",".join(["%d"] * rows.shape[1]))
     for surface in body.mesh.surfaces:
         name = set_name(f"{body.name}.{surface}")
         yield keyword("NSET", NSET=name)
-        yield from set_lines(body.nodes_of(surface) + body.first_node)
+        members = (body.nodes_of(surface) + body.first_node).tolist()
+        for some in batched(members, _PER_LINE):
+            yield ",".join(map(str, some))
         yield keyword("SURFACE", NAME=name, TYPE="ELEMENT")
-        elements, faces = body.faces_of(surface)
+        elements, faces = body.faces[surface]
         yield from table(np.column_stack([elements + body.first_element, faces]), "%d,S%d")
     section = {"ELSET": body.name, "MATERIAL": f"{body.name}-material"}
     if material.axes is not None:

@@ -53,7 +53,7 @@ class Deck:
 
     def closure(self, program: str) -> float:
         """How far the sides overlap (m)."""
-        points = np.concatenate([body.mesh.points for body in self.bodies.values()])
+        points = np.concatenate([body.points for body in self.bodies.values()])
         return CLOSURE[program] * float(np.ptp(points, axis=0).max())
 
 
@@ -91,7 +91,7 @@ def calculix_steps(deck: Deck) -> Iterator[str]:
         slip = _BEYOND * MORE_FRICTION * largest / STICK
         for name, body in deck.bodies.items():
             if name in deck.motions:
-                yield from _displacement_lines(body, slip * deck.motions[name].at(body.mesh.points))
+                yield from _displacement_lines(body, slip * deck.motions[name].at(body.points))
             else:
                 yield f"{name}, 1, 3"
         for each in deck.contacts:

@@ -39,27 +39,11 @@ _Claim = tuple[str, Any, Any, str]
 
 
 def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
-    """Write a scene as decks of CalculiX and Abaqus; collective, rank 0 writes.
+    """Write a scene as decks of CalculiX and Abaqus that ask for some modes; collective.
 
-    Parameters
-    ----------
-    scene
-        A scene of Lagrange bodies whose elements these programs have.
-    folder
-        Folder of ``NAME_model.inp``, ``NAME_calculix.inp``, ``NAME_abaqus.inp``, NAME that of the
-        scene, in which signs but letters, digits, _ and - become _.
-    modes
-        Number of modes to ask for.
-
-    Returns
-    -------
-    list of Path
-        The files, the model first.
-
-    Raises
-    ------
-    SceneError, InputError
-        When a deck cannot hold the scene, naming the field.
+    Rank 0 writes ``NAME_model.inp``, ``NAME_calculix.inp`` and ``NAME_abaqus.inp``, NAME that of
+    the scene, in which signs but letters, digits, _ and - become _. What a deck cannot hold is
+    refused by its field.
     """
     if not 1 <= modes <= MAX_MODES:
         raise InputError("modes", modes, f"1 to {MAX_MODES}")
@@ -104,7 +88,7 @@ def _about(scene: Scene, deck: Deck, program: str) -> Iterator[str]:
     """What heads a deck."""
     yield f"{scene.name}, for {program}. Units are those of the scene."
     for name, body in deck.bodies.items():
-        yield f"{name}: {len(body.mesh.points)} nodes, {len(body.mesh.cells)} {body.element_type}"
+        yield f"{name}: {len(body.points)} nodes, {len(body.elements)} {body.element_type}"
     for name, contact in scene.contacts.items():
         yield (
             f"Contact {name}: slave {contact.a}, master {contact.b}, penalty on the surface of the "

@@ -1,19 +1,14 @@
-"""Damped pencils of lumped systems and of two blocks, in this program and on several ranks."""
+"""Eigenvalues and bounds that must not depend on the number of ranks."""
 
 import numpy as np
 from blocks import assemble, coarse, two_blocks
-from random_quadratic import pencil_of
+from random_pencils import random_graded
 
+from cea.eigen.corrected_tests import CorrectedTests
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.parameters import Coefficient
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import distributed, local_part
-
-
-def lumped_modes(entry):
-    """Modes of an entry of the lumped systems."""
-    M, C, K = (np.array(entry[name], dtype=float) for name in ("M", "C", "K"))
-    return solve_modes(pencil_of(M, C, K), 0.4, min_growth=-1.0)
 
 
 def damped(pencil, alpha, beta, turning=0.0):
@@ -45,7 +40,7 @@ def _skew(matrix):
     return distributed(part.tocsr(), matrix.getSizes()[1], matrix.comm)
 
 
-def numbers():
+def damped_blocks():
     """Modes of two damped, rotating blocks in contact."""
     found = {}
     for form in ("penalty", "saddle"):
@@ -62,3 +57,31 @@ def numbers():
             near = driver.nearest(-((0.2 + 4j) ** 2), 3).eigenvalues
         found |= {f"near {form}": [*near.real, *near.imag]}
     return found | {"re": found["re penalty"]}
+
+
+def graded(seed, damped):
+    """Eigenvalues and verdicts of a graded pencil, with left vectors."""
+    problem = random_graded(seed, 20, damped=damped)
+    modes = solve_modes(problem.pencil(), problem.max_frequency, left=True)
+    return {
+        "re": modes.growth_rates.tolist(),
+        "im": modes.eigenvalues.imag.tolist(),
+        "verdicts": modes.verdicts(),
+    }
+
+
+def wedges(backend):
+    """Sizes of corrected test functions, and what holds at which X, of penalties and of ties."""
+    result = {}
+    for name, method, P, form in (
+        ("penalty", {"method": "gpts", "points": 3}, 1e5, "penalty"),
+        ("tied", {"method": "mortar"}, float("inf"), None),
+    ):
+        data = two_blocks(backend, method, held=True, mu=0.7, P=P)
+        if form is not None:
+            data["contacts"]["interface"]["form"] = form
+        tests = CorrectedTests.of(assemble(data).pencil().at())
+        result[name] = [tests.inner.getSize()[0], *(tests.holds(X) for X in (-50.0, 10.0))]
+        result[f"{name} norm"] = tests.normals.norm()
+        tests.free()
+    return result
