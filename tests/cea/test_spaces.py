@@ -7,6 +7,7 @@ part in all but rotations and prestress.
 import numpy as np
 import pytest
 from bodies import shape_body
+from motions import rigid_motions
 from mpi import on_ranks
 from stub_backend import StubSpace
 
@@ -62,17 +63,6 @@ def ends(case):
 
 def dense(matrix):
     return local_part(matrix).toarray()
-
-
-def rigid_motions(x):
-    dim = x.shape[1]
-    spins = [[0, 1]] if dim == 2 else [[0, 1], [0, 2], [1, 2]]
-    turns = []
-    for i, j in spins:
-        turn = np.zeros_like(x)
-        turn[:, i], turn[:, j] = -x[:, j], x[:, i]
-        turns.append(turn.ravel())
-    return np.column_stack([np.tile(e, len(x)) for e in np.eye(dim)] + turns)
 
 
 @pytest.fixture(params=FLAT)

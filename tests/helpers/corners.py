@@ -8,6 +8,7 @@ from itertools import chain, product
 
 import numpy as np
 from bodies import lagrange_body, nurbs_body
+from motions import rigid_motions
 from scipy.special import roots_legendre
 
 from cea.contact.contact import Contact
@@ -173,26 +174,13 @@ def system(
     return couple(bodies, contacts)
 
 
-def rigid_motions(dim):
-    """Translations and rotations as functions of position, each (n, dim) to (n, dim)."""
-    planes = [(0, 1)] if dim == 2 else [(0, 1), (1, 2), (2, 0)]
-
-    def moved(axis):
-        return lambda x: np.tile(np.eye(dim)[axis], (len(x), 1))
-
-    def turned(i, j):
-        return lambda x: np.outer(x[:, i], np.eye(dim)[j]) - np.outer(x[:, j], np.eye(dim)[i])
-
-    return [*map(moved, range(dim)), *(turned(*plane) for plane in planes)]
-
-
 def rigid_stiffness(dim, p=STIFFNESS, mu=MU):
     """Contact stiffness and friction stiffness of a rigid block in a rigid seat.
 
     Integrals over the faces of p (n.m_i) (n.m_j) and mu p (k.m_i) (n.m_j) of the rigid motions m.
     """
-    motions = rigid_motions(dim)
-    normal, friction = np.zeros((2, len(motions), len(motions)))
+    count = 3 * (dim - 1)
+    normal, friction = np.zeros((2, count, count))
     t, w = roots_legendre(3)
     for axis in range(dim):
         n = -np.eye(dim)[axis]
@@ -200,7 +188,7 @@ def rigid_stiffness(dim, p=STIFFNESS, mu=MU):
         for places in product(range(3), repeat=dim - 1):
             x = np.insert((1 + t[list(places)]) / 2, axis, 0.0)
             weight = np.prod(w[list(places)] / 2)
-            m = np.array([motion(x[None])[0] for motion in motions])
+            m = rigid_motions(x[None]).T
             normal += p * weight * np.outer(m @ n, m @ n)
             friction += mu * p * weight * np.outer(m @ k, m @ n)
     return normal, friction

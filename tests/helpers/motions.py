@@ -57,3 +57,15 @@ def mode_displacement(result, body, mode):
     """Displacement of the scalar dofs of a body in a mode, one vector at a time, (n, dim)."""
     parts = [result.system.displacement(x, body) for x in result.modes.vector(mode)]
     return (parts[0] + 1j * parts[1]).reshape(-1, result.bodies[body].dim)
+
+
+def rigid_motions(x):
+    """Translations, then rotations, of points x: one in each column, (n * dim, motions)."""
+    dim = x.shape[1]
+    spins = [[0, 1]] if dim == 2 else [[0, 1], [0, 2], [1, 2]]
+    turns = []
+    for i, j in spins:
+        turn = np.zeros_like(x)
+        turn[:, i], turn[:, j] = -x[:, j], x[:, i]
+        turns.append(turn.ravel())
+    return np.column_stack([np.tile(e, len(x)) for e in np.eye(dim)] + turns)
