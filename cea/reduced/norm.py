@@ -100,7 +100,7 @@ class Norms:
         compliance = block_diagonal(parts).convert("aij")
         forces = Multipliers(closure, closure, compliance, None, 0)
         destroy(*parts)
-        factors = self._kept(Mumps(bordered(matrix, forces, symmetric=True), symmetric=True))
+        factors = self._kept(Mumps(bordered(matrix.copy(), forces, symmetric=True), symmetric=True))
         n = pieces.displacements
         self._made.append(forces)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import alone, section, two_blocks
+from blocks import alone, scene_body, two_blocks
 from covering import covering
 from pressed import pressed_blocks
 
@@ -22,11 +22,13 @@ def held(value, *, dim=3):
     return [*planes, {"surface": "x_max", "components": ["x"], "value": value}]
 
 
-def box(backend, supports, *, dim=3, **options):
+def box(backend, supports, *, dim=3, degree=2, cell=None, nu=NU, **body):
     """A static scene of one box with its corner at the origin."""
     geometry = {"shape": "box" if dim == 3 else "rectangle", "size": list(SIZE[:dim])}
-    body = section(backend, geometry, [3, 2, 2][:dim], supports=supports, **options)
-    return alone(body, None)
+    body |= {"supports": supports, "material": {"E": E, "nu": nu, "rho": 1.0}}
+    section = scene_body(backend, geometry, [3, 2, 2][:dim], degree, **body)
+    section["mesh"]["fe"]["cell"] = cell or CELLS[dim][0]
+    return alone(section, None)
 
 
 def solved(data):

@@ -2,15 +2,16 @@
 
 import numpy as np
 import pytest
-from blocks import alone, section
+from bodies import shape_body
 from covering import covering
 from motions import control_points, dense
 from pressed import pressed_blocks
 from scipy.linalg import eigh
 
 from cea.material import IsotropicMaterial
+from cea.supports.boundary import Support
+from meshes.shapes import Box, Rectangle
 from scenes import read_scene, run_scene
-from scenes.building.build import build_body
 
 STEEL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 MU = STEEL.lame[1]
@@ -21,10 +22,10 @@ BOTH_WAYS = [("x_min", "y"), ("x_max", "y"), ("y_min", "xy"), ("y_max", "xy")]
 
 def slab(backend, dim, supports=()):
     """A box of which the faces hold some components."""
-    shape = {"shape": {2: "rectangle", 3: "box"}[dim], "size": [0.7, HEIGHT, 0.5][:dim]}
-    held = [{"surface": face, "components": list(some)} for face, some in supports]
-    scene = alone(section(backend, shape, [1, 5, 1][:dim], degree=3, supports=held))
-    return build_body("part", read_scene(scene).bodies["part"])
+    shape = Box((0.7, HEIGHT, 0.5)) if dim == 3 else Rectangle((0.7, HEIGHT))
+    cell = None if backend == "iga" else {2: "quadrilateral", 3: "hexahedron"}[dim]
+    held = [Support(face, tuple(map("xyz".index, axes))) for face, axes in supports]
+    return shape_body(shape, cell, 3, (1, 5, 1)[:dim], material=STEEL, supports=held)
 
 
 def stretch(dim, stress):

@@ -15,10 +15,10 @@ PLACEMENTS = ["axis-aligned", "rotated"]
 ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
 
 
-def section(backend, geometry, elements, *, degree=2, cell=None, **fields):
-    """Body section of a scene, of soft steel-like numbers; fields that are None are left out."""
-    dim, elements = len(elements), list(elements)
-    cell = cell or {2: "quadrilateral", 3: "hexahedron"}[dim]
+def scene_body(backend, geometry, elements, degree=2, **sections):
+    """Body section of a scene: boxes, or quadrilaterals, of soft steel-like numbers."""
+    dim = len(elements)
+    cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
     return {
         "backend": backend,
         "geometry": geometry,
@@ -27,20 +27,34 @@ def section(backend, geometry, elements, *, degree=2, cell=None, **fields):
             "fe": {"cell": cell, "degree": degree, "elements": elements},
             "iga": {"degree": [degree] * dim, "elements": elements},
         },
-    } | {name: value for name, value in fields.items() if value is not None}
+    } | sections
 
 
 def alone(body, max_frequency=1.0):
-    """Scene of one body, "part"; static without a frequency."""
+    """A scene of one body, "part"; static without a frequency."""
     analysis = {"kind": "cea", "max_frequency": max_frequency}
     if max_frequency is None:
         analysis = {"kind": "static"}
     return {"name": "alone", "bodies": {"part": body}, "analysis": analysis}
 
 
-def block(backend, size, origin, elements, **fields):
-    """Body section of a box."""
-    return section(backend, {"shape": "box", "size": size, "origin": origin}, elements, **fields)
+def block(backend, size, origin, elements, *, placement=None, **fields):
+    """Body section of a scene: a block."""
+    geometry = {"shape": "box", "size": size, "origin": origin}
+    return scene_body(backend, geometry, elements, placement=placement or {}, **fields)
+
+
+def rectangle(backend, size, elements, *, origin=(0.0, 0.0), degree=2, **fields):
+    """Body section of a rectangle with the same elements on both backends, and other fields."""
+    return {
+        "backend": backend,
+        "geometry": {"shape": "rectangle", "size": list(size), "origin": list(origin)},
+        "mesh": {
+            "fe": {"cell": "quadrilateral", "degree": min(degree, 4), "elements": elements},
+            "iga": {"degree": [degree, degree], "elements": elements},
+        },
+        **fields,
+    }
 
 
 def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.0):

@@ -1,8 +1,7 @@
 """Bodies on one backend in one call."""
 
-import numpy as np
-
 from cea.body import Body
+from cea.material import IsotropicMaterial
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from fe_cea import LagrangeSpace
@@ -11,6 +10,9 @@ from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
+
+PLASTIC = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
+PLAIN = Placement()
 
 _OF_SPACES = ("degree", "continuity", "mass_quadrature", "true_surfaces", "comm")
 
@@ -35,18 +37,20 @@ def nurbs_body(name, patches, faces, degree, **options):
     return _body(NurbsSpace, name, patches, faces, degree, **options)
 
 
-def shape_body(shape, cell, mesh, degree, *, placement=None, **options):
-    """Body of a shape: of NURBS where the cell is None, of Lagrange elements else; collective.
+def shape_body(shape, cell, degree, mesh, *, order=None, placement=PLAIN, **options):
+    """Body of a shape: cells of a kind, or NURBS patches where that is None.
 
-    The mesh is the elements along each direction, or the size of unstructured ones.
+    Its mesh is the number of elements along each direction, or the size of triangles and
+    tetrahedra.
     """
-    placement = placement or Placement()
-    if cell is None:
-        data = nurbs_shape(shape, breaks_of(shape, mesh), placement)
-        degrees = tuple(np.broadcast_to(degree, len(mesh)).tolist())
-        return nurbs_body("part", data.patches, data.faces, degrees, **options)
+    options.setdefault("material", PLASTIC)
     given = {"size": mesh} if isinstance(mesh, float) else {"breaks": breaks_of(shape, mesh)}
+    if cell is None:
+        data = nurbs_shape(shape, given["breaks"], placement)
+        degrees = degree if isinstance(degree, tuple) else (degree,) * len(mesh)
+        return nurbs_body("part", data.patches, data.faces, degrees, **options)
     made = made_on_first(
-        MPI.COMM_WORLD, lambda: shape_mesh(shape, cell, degree, placement=placement, **given)
+        MPI.COMM_WORLD,
+        lambda: shape_mesh(shape, cell, order or degree, placement=placement, **given),
     )
     return lagrange_body("part", made, degree=degree, **options)

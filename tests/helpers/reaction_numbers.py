@@ -1,7 +1,7 @@
 """Scenes of supports in frames of their own, and what these bear on any number of ranks."""
 
 import numpy as np
-from blocks import alone, section, two_blocks
+from blocks import alone, scene_body, two_blocks
 
 from scenes import read_scene, run_scene
 
@@ -39,7 +39,7 @@ def sector(backend, sides):
     ]
     radii = {"inner_radius": INNER, "outer_radius": OUTER}
     shape = {"shape": "ring_sector", "start": 0.0, "end": 90.0, **radii}
-    return alone(section(backend, shape, [3, 6], degree=3, supports=supports), None)
+    return alone(scene_body(backend, shape, [3, 6], 3, supports=supports), None)
 
 
 def pressed(backend, contact, *, mu=0.3):

@@ -1,7 +1,7 @@
 """Numbers of small bodies on each backend that must not depend on the number of ranks."""
 
 import numpy as np
-from bodies import nurbs_body, shape_body
+from bodies import PLASTIC, nurbs_body, shape_body
 from closed_patches import annulus, as_shape
 from iga_data import TURNED, body, turned
 from motions import asymmetry
@@ -9,7 +9,6 @@ from motions import asymmetry
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
-from cea.material import IsotropicMaterial
 from cea.matrices import gather
 from cea.rotation import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support
@@ -17,7 +16,6 @@ from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shapes import Annulus, Disc, Hub, Rectangle, Ring, Sector
 
-MATERIAL = IsotropicMaterial(2.0, 0.3, 1.5)
 ANNULUS, RING = Annulus(0.5, 1.0, 0.0, 0.3), Ring(0.5, 1.0)
 LAGRANGE = {
     "hexahedron": (ANNULUS, 2, (1, 8, 1)),
@@ -41,7 +39,7 @@ def _conditions(surfaces, dim):
     """Support and springs on the first surface of some, a pressure on the last, forces."""
     held, pressed = surfaces[0], surfaces[-1]
     return {
-        "material": MATERIAL,
+        "material": PLASTIC,
         "supports": [Support(held, (0,))],
         "springs": [Spring(held, (1.0, 2.0, 3.0)[:dim])],
         "pressures": [Pressure(pressed, 0.3)],
@@ -53,7 +51,7 @@ def _body(case):
     if case in LAGRANGE:
         shape, degree, mesh = LAGRANGE[case]
         conditions = _conditions(shape.surfaces, len(shape.directions))
-        return shape_body(shape, case, mesh, degree, **conditions)
+        return shape_body(shape, case, degree, mesh, **conditions)
     if NURBS[case] is not None:
         shape, elements, degree = NURBS[case]
         return body(shape, elements, degree, **_conditions(shape.surfaces, len(degree)))
