@@ -18,8 +18,8 @@ from comparisons.study.run_warnings import Run, merged_warnings
 from scenes.refinement.meshes import moved_to_mortar
 from scenes.running.modes import STATE_KEPT
 from scenes.spec.body import Backend
+from scenes.spec.plain import scene_text
 from scenes.spec.reading import Scene
-from scenes.spec.toml import scene_text
 
 
 def data_of(

@@ -13,15 +13,15 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Damping, Pencil, internal_forces, release
 from cea.errors import ConvergenceError, InputError, ResultWarning
-from cea.reduced.following import Window
 from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
+from cea.reduced.window import Window
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.swept import at_parameters, in_saddle_form, parameters_changed, parameters_meant
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.problems import fault_of
+from scenes.spec.problems import Faults
 from scenes.spec.reading import Scene
 
 _STEP = 1e-5
@@ -256,10 +256,12 @@ class AssembledScene:
 
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
+        faults = Faults()
+        faults.of(self.driver.pencil.check, values)
         left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
         return (
-            not self.depends_on_state(list(values))
-            and not list(fault_of(self.driver.pencil.check, values))
+            not faults
+            and not self.depends_on_state(list(values))
             and all(self._system.keeps_form(name, values) for name in left_open)
         )
 
@@ -282,20 +284,19 @@ class _FollowedState:
     solves: int = field(default=0, init=False)
     factorisations: int = field(default=0, init=False)
 
-    def modes(self, value: float, max_frequency: float) -> Modes:
-        """All modes up to a frequency (Hz), with left vectors."""
+    def __call__(self, value: float, max_frequency: float) -> tuple[Modes, Complexes]:
+        """All modes up to a frequency (Hz), with left vectors, and derivatives of their lambda.
+
+        Derivatives are made of difference quotients of the matrices, shape (n,).
+        """
         with EigenSolver(self.pencil_at(value)) as driver:
             modes = driver.solve(max_frequency, left=True)
             self.solves += driver.solves
             self.factorisations += driver.factorisations
-        return modes
-
-    def derivatives(self, value: float, modes: Modes) -> Complexes:
-        """Derivatives of their lambda by difference quotients of the matrices, shape (n,)."""
         step = _STEP * self.scale
         low, high = (_works(self.pencil_at(value + way * step), modes) for way in (-1.0, 1.0))
         with np.errstate(divide="ignore", invalid="ignore"):
-            return (low - high) / (2 * step) / (2 * modes.eigenvalues)
+            return modes, (low - high) / (2 * step) / (2 * modes.eigenvalues)
 
 
 def _works(pencil: Pencil, modes: Modes) -> Complexes:

@@ -24,7 +24,7 @@ from comparisons.sweep.spectra import UNSTABLE
 from comparisons.sweep.study import Asked
 from comparisons.sweep.study import run as run_sweep
 from scenes.spec.matrices import read_matrix_scene
-from scenes.spec.toml import scene_text
+from scenes.spec.plain import scene_text
 
 STORED = Path(sweep_page.__file__).with_name("results")
 PUBLISHED = """

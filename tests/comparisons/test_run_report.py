@@ -20,7 +20,7 @@ from comparisons.study import shapes as of_pages
 from comparisons.study.shapes import STEPS, Shapes, by_importance
 from scenes import load_scene, run_modes, run_scene, save_result
 from scenes.spec.matrices import read_matrix_scene
-from scenes.spec.toml import scene_text
+from scenes.spec.plain import scene_text
 
 
 class Page:

@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from blocks import rectangle
 from covering import covering
 
-from comparisons.accuracy.page import uses
 from comparisons.accuracy.problems import PROBLEMS
-from comparisons.accuracy.study import STUDY
+from comparisons.accuracy.study import STUDY, uses
 from comparisons.study.result import read
 from scenes import run_modes
 from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
@@ -73,25 +73,16 @@ def test_a_closed_gap_is_told_with_its_width(apart, expected):
 
 def cantilever(backend, degree, nu, elements=4):
     """A beam of length 4 and height 1 clamped at its end."""
-    lagrange = {"cell": "quadrilateral", "degree": min(degree, 4)}
-    return read_scene(
-        {
-            "name": "cantilever",
-            "bodies": {
-                "beam": {
-                    "backend": backend,
-                    "geometry": {"shape": "rectangle", "size": [4.0, 1.0]},
-                    "material": {"E": 1.0, "nu": nu, "rho": 1.0},
-                    "supports": [{"surface": "x_min"}],
-                    "mesh": {
-                        "fe": lagrange | {"elements": [4 * elements, elements]},
-                        "iga": {"degree": [degree] * 2, "elements": [4 * elements, elements]},
-                    },
-                }
-            },
-            "analysis": {"kind": "cea", "max_frequency": 0.5},
-        }
+    beam = rectangle(
+        backend,
+        [4.0, 1.0],
+        [4 * elements, elements],
+        degree=degree,
+        material={"E": 1.0, "nu": nu, "rho": 1.0},
+        supports=[{"surface": "x_min"}],
     )
+    analysis = {"kind": "cea", "max_frequency": 0.5}
+    return read_scene({"name": "cantilever", "bodies": {"beam": beam}, "analysis": analysis})
 
 
 @cache
