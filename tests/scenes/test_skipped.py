@@ -6,7 +6,6 @@ import sys
 import mixed_brake
 import pytest
 from blocks import two_blocks
-from mixed_brake import Brake
 
 import cea.eigen.driver
 from comparisons.cli.output import print_skipped
@@ -102,7 +101,7 @@ def test_what_is_given_without_use_is_told_with_its_path(backend, changes, unuse
 
 def test_elements_that_are_changed_on_reading_are_not_called_left_out(tmp_path, capsys):
     file = tmp_path / "brake.inp"
-    file.write_text(Brake(0.03, 2, wedges=True).deck())
+    file.write_text(mixed_brake.brake(0.03))
     skipped = skipped_by(read_scene(mixed_brake.scene(file, friction=0.5)))
     for explain in (False, True):
         print_skipped(skipped, explain=explain)
