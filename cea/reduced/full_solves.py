@@ -187,7 +187,7 @@ def line_of(
     if model is not None:
         training = [point(value) for value in np.linspace(*ends, _TRAINING).tolist()]
         try:
-            Enrichment.of(model, driver).cover(training)
+            Enrichment(model, driver).cover(training)
         finally:
             model.free()
         rates = dict.fromkeys(names, 1.0)

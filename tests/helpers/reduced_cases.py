@@ -21,7 +21,7 @@ ALPHA, RATIO = "bodies.upper.damping.alpha", "bodies.lower.damping.modal.ratio"
 
 def enrichment(pencil, box, top, **options):
     """A reduced model of a pencil with nothing in it yet, and what fills it."""
-    return Enrichment.of(ReducedModel(pencil, box, top), EigenSolver(pencil), **options)
+    return Enrichment(ReducedModel(pencil, box, top), EigenSolver(pencil), **options)
 
 
 def z_of(found, eigenvalues):
