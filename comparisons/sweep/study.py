@@ -12,7 +12,7 @@ from cea.arrays import Ints
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
-from cea.reduced.full_solves import ModelLine, confirm
+from cea.reduced.full_solves import confirm, line_of_model
 from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
@@ -279,7 +279,7 @@ class _Run:
         """Thresholds along a line, and what is not resolved."""
         scene, points = self._scene, self._scene.points
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
-        line = ModelLine(
+        line = line_of_model(
             small,
             lambda value: scene.pencil.values(scene.point((value, *others))),
             scene.names[0],
