@@ -62,8 +62,9 @@ class InnerProduct:
 class Norms:
     """Both norms with X and the saddle problem factorised, at some values of all parameters.
 
-    ``states`` is that of bases, ``residuals`` that of what residuals cause
-    (:meth:`caused`); ``solve`` gives X^-1 v, the static displacements under forces. Raises InputError when X is not positive definite.
+    ``states`` is that of bases, ``residuals`` that of what residuals cause (:meth:`caused`);
+    ``solve`` gives X^-1 v, the static displacements under forces. Raises InputError when X is not
+    positive definite.
     """
 
     def __init__(
