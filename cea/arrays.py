@@ -1,5 +1,6 @@
-"""Kinds of arrays, and arrays of plain numbers from whatever was given for one."""
+"""Kinds of arrays, arrays of plain numbers from whatever was given for one, chunks of arrays."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,15 @@ from cea.errors import InputError, require
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Complexes = NDArray[np.complex128]
+
+_CHUNK_BYTES = 64_000_000
+
+
+def chunks(count: int, bytes_each: float) -> Iterator[slice]:
+    """Slices that cover ``range(count)``, the temporaries of each near 64 MB."""
+    step = max(1, int(_CHUNK_BYTES / bytes_each))
+    for start in range(0, count, step):
+        yield slice(start, min(start + step, count))
 
 
 def numbers(values: ArrayLike, field: str, allowed: str) -> NDArray[Any]:

@@ -6,7 +6,7 @@ from math import pi
 import numpy as np
 
 from cea.arrays import Floats, is_number
-from cea.errors import InputError
+from cea.errors import require
 
 _ROUNDING = 1e-15  # of ratios that are proportional to the frequency, or to its inverse
 
@@ -32,8 +32,8 @@ class RayleighDamping:
 
     def __post_init__(self) -> None:
         for name, value, unit in (("alpha", self.alpha, "1/s"), ("beta", self.beta, "s")):
-            if not (is_number(value) and value >= 0):
-                raise InputError(f"damping.{name}", value, f"zero or positive, finite ({unit})")
+            allowed = f"zero or positive, finite ({unit})"
+            require(is_number(value) and value >= 0, f"damping.{name}", value, allowed)
 
     @classmethod
     def of_ratios(
@@ -44,16 +44,16 @@ class RayleighDamping:
         Refused where alpha or beta would be negative: ratios may not fall faster than the inverse
         of the frequency, nor rise faster than the frequency.
         """
-        if not all(is_number(f) and f > 0 for f in frequencies) or len(set(frequencies)) < 2:
-            raise InputError("damping.frequencies", frequencies, "two different positive ones (Hz)")
-        if not all(is_number(ratio) and ratio >= 0 for ratio in ratios):
-            raise InputError("damping.ratios", ratios, "zero or positive")
+        different = all(map(_is_positive, frequencies)) and len(set(frequencies)) == 2
+        allowed = "two different positive ones (Hz)"
+        require(different, "damping.frequencies", frequencies, allowed)
+        positive = all(is_number(ratio) and ratio >= 0 for ratio in ratios)
+        require(positive, "damping.ratios", ratios, "zero or positive")
         (f, z), (F, Z) = sorted(zip(frequencies, ratios, strict=True))
         shared, rounding = (F - f) * (F + f), _ROUNDING * max(ratios) * F
         of_mass, of_stiffness = z * F - Z * f, Z * F - z * f
-        if min(of_mass, of_stiffness) < -rounding:
-            allowed = f"{z * f / F:.6g} to {z * F / f:.6g} at {F} Hz where {z} at {f} Hz"
-            raise InputError("damping.ratios", ratios, allowed)
+        allowed = f"{z * f / F:.6g} to {z * F / f:.6g} at {F} Hz where {z} at {f} Hz"
+        require(min(of_mass, of_stiffness) >= -rounding, "damping.ratios", ratios, allowed)
         alpha = 4 * pi * f * F * max(of_mass, 0.0) / shared
         return cls(alpha, max(of_stiffness, 0.0) / (pi * shared))
 
@@ -96,29 +96,26 @@ class ModalDamping:
     frequencies: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        if (self.ratio is None) == (self.ratios is None):
-            allowed = "one for all modes up to max_frequency, or ratios of the lowest modes"
-            raise InputError("ratio", self.ratio, allowed)
-        if (self.ratio is None) != (self.max_frequency is None):
-            raise InputError("max_frequency", self.max_frequency, "given where ratio is (Hz)")
-        if self.frequencies is not None and self.ratios is None:
-            raise InputError("frequencies", self.frequencies, "given beside ratios alone")
-        if self.max_frequency is not None and not _is_positive(self.max_frequency):
-            raise InputError("max_frequency", self.max_frequency, "positive, finite (Hz)")
-        if self.ratio is not None and not _is_ratio(self.ratio):
-            raise InputError("ratio", self.ratio, _RATIO)
-        if self.ratios is not None and not (self.ratios and all(map(_is_ratio, self.ratios))):
-            raise InputError("ratios", self.ratios, f"one or more, each {_RATIO}")
-        self._check_table()
-
-    def _check_table(self) -> None:
-        table = self.frequencies
-        if table is None or self.ratios is None:
+        ratio, highest = self.ratio, self.max_frequency
+        ratios, table = self.ratios, self.frequencies
+        allowed = "one for all modes up to max_frequency, or ratios of the lowest modes"
+        require((ratio is None) != (ratios is None), "ratio", ratio, allowed)
+        together = (ratio is None) == (highest is None)
+        require(together, "max_frequency", highest, "given where ratio is (Hz)")
+        beside = table is None or ratios is not None
+        require(beside, "frequencies", table, "given beside ratios alone")
+        if ratio is not None:
+            positive = highest is not None and _is_positive(highest)
+            require(positive, "max_frequency", highest, "positive, finite (Hz)")
+            require(_is_ratio(ratio), "ratio", ratio, _RATIO)
             return
-        if not all(map(_is_positive, table)) or any(np.diff(table) <= 0):
-            raise InputError("frequencies", table, "positive, finite and rising (Hz)")
-        if len(table) != len(self.ratios):
-            raise InputError("frequencies", table, f"as many as ratios, {len(self.ratios)}")
+        valid = bool(ratios) and all(map(_is_ratio, ratios or ()))
+        require(valid, "ratios", ratios, f"one or more, each {_RATIO}")
+        if table is not None and ratios is not None:
+            rising = all(map(_is_positive, table)) and bool(np.all(np.diff(table) > 0))
+            require(rising, "frequencies", table, "positive, finite and rising (Hz)")
+            same = len(table) == len(ratios)
+            require(same, "frequencies", table, f"as many as ratios, {len(ratios)}")
 
     @property
     def end(self) -> float | None:

@@ -71,10 +71,17 @@ MAX_LENGTH, MAX_DEPTH = 2000, 100
 
 _COORDINATES = ("x", "y", "z", "r", "theta")
 _GRAMMAR = (
-    *(ast.Name, ast.Load, ast.Constant, ast.Call, ast.UnaryOp, ast.BinOp, ast.Compare),
-    *_OPERATORS,
+    ast.Name,
+    ast.Load,
+    ast.Constant,
+    ast.Call,
+    ast.UnaryOp,
+    ast.USub,
+    ast.UAdd,
+    ast.BinOp,
+    *_SMOOTH,
 )
-"""What an expression is made of: no attributes, items, comprehensions, keywords, statements."""
+"""What a coefficient is made of: no attributes, items, comprehensions, keywords, statements."""
 _TOO_DEEP = f"nested more than {MAX_DEPTH} deep"
 _FINITE = "finite everywhere"
 
@@ -108,9 +115,7 @@ class Expression:
     @property
     def _varies(self) -> bool:
         """Whether it names a coordinate."""
-        return any(
-            isinstance(n, ast.Name) and n.id in _COORDINATES for n in ast.walk(parsed(self.text))
-        )
+        return not _variables(parsed(self.text)).isdisjoint(_COORDINATES)
 
     def __call__(self, x: Floats) -> Floats:
         """Values at positions x (m), shape (n,)."""
@@ -169,26 +174,14 @@ class Formula:
         if unknown:
             raise self._refused(f"arithmetic without {', '.join(unknown)}")
 
-    @cached_property
+    @property
     def _tree(self) -> ast.expr:
-        return parsed(self.text)
+        return parsed(self.text, smooth=True)
 
     @cached_property
     def _used(self) -> frozenset[str]:
         """Names in the text that are parameters."""
-        functions: set[ast.expr] = set()
-        for node in ast.walk(self._tree):
-            if isinstance(node, ast.operator) and type(node) not in _SMOOTH:
-                raise ValueError(f"{type(node).__name__} is not among + - * / **")
-            if isinstance(node, ast.Compare | ast.Invert):
-                raise ValueError(f"{type(node).__name__} is no arithmetic of single numbers")
-            if isinstance(node, ast.Call):
-                assert isinstance(node.func, ast.Name)
-                if node.func.id not in _DERIVATIVES:
-                    raise ValueError(f"{node.func.id} is not among {', '.join(_DERIVATIVES)}")
-                functions.add(node.func)
-        names = [n for n in ast.walk(self._tree) if isinstance(n, ast.Name)]
-        return frozenset({n.id for n in names if n not in functions} - set(_CONSTANTS))
+        return _variables(self._tree)
 
     def _refused(self, allowed: str) -> InputError:
         among = ", ".join(sorted(self.parameters)) or "none"
@@ -211,17 +204,24 @@ class Formula:
     def _finite(self, what: str, values: Mapping[str, float], name: str = "") -> float:
         here = {short: np.float64(values[self.parameters[short]]) for short in self._used}
         with np.errstate(all="ignore"):
-            value, slope = _with_slope(self._tree, here, name)
-        result = float(slope if name else value)
+            result = float(_slope(self._tree, here, name) if name else _value(self._tree, here))
         if not np.isfinite(result):
             told = ", ".join(f"{short} = {value:g}" for short, value in sorted(here.items()))
             raise self._refused(f"of finite {what}{f', not so at {told}' if told else ''}")
         return result
 
 
+def _variables(tree: ast.expr) -> frozenset[str]:
+    """Names in a tree that are neither constants nor functions that are called."""
+    nodes = list(ast.walk(tree))
+    called = [node.func for node in nodes if isinstance(node, ast.Call)]
+    names = {n.id for n in nodes if isinstance(n, ast.Name) and n not in called}
+    return frozenset(names - set(_CONSTANTS))
+
+
 @cache
-def parsed(text: str) -> ast.expr:
-    """Syntax tree of an expression that is nothing but arithmetic and calls of known functions."""
+def parsed(text: str, *, smooth: bool = False) -> ast.expr:
+    """Syntax tree of what is nothing but arithmetic, of a coefficient (smooth) or a field."""
     if not isinstance(text, str):
         raise ValueError("no text")
     if len(text) > MAX_LENGTH:
@@ -234,24 +234,24 @@ def parsed(text: str) -> ast.expr:
         raise ValueError(error.msg) from None
     except (RecursionError, MemoryError):
         raise ValueError(_TOO_DEEP) from None
-    _check(tree, MAX_DEPTH)
+    _check(tree, MAX_DEPTH, smooth)
     return tree
 
 
-def _check(node: ast.AST, depth: int) -> None:
+def _check(node: ast.AST, depth: int, smooth: bool) -> None:
     """Refuse what is nested too deep or no arithmetic, all the way down."""
     if not depth:
         raise ValueError(_TOO_DEEP)
-    _check_node(node)
+    _check_node(node, smooth)
     for child in ast.iter_child_nodes(node):
-        _check(child, depth - 1)
+        _check(child, depth - 1, smooth)
 
 
-def _check_node(node: ast.AST) -> None:
+def _check_node(node: ast.AST, smooth: bool) -> None:
     """Refuse what is no arithmetic; functions take just their operands, and nowhere to write."""
     if isinstance(node, ast.BitXor):
         raise ValueError("a power is written **")
-    if not isinstance(node, _GRAMMAR):
+    if not isinstance(node, _GRAMMAR if smooth else (*_GRAMMAR, ast.Compare, *_OPERATORS)):
         raise ValueError(f"{type(node).__name__} is no arithmetic")
     if isinstance(node, ast.Constant):
         if not isinstance(node.value, int | float) or isinstance(node.value, bool):
@@ -261,8 +261,11 @@ def _check_node(node: ast.AST) -> None:
     if isinstance(node, ast.Compare) and len(node.ops) > 1:
         raise ValueError("one comparison at a time, joined by &")
     if isinstance(node, ast.Call):
-        if not isinstance(node.func, ast.Name) or node.func.id not in FUNCTIONS:
+        if not isinstance(node.func, ast.Name):
             raise ValueError("what is called is no function")
+        known = _DERIVATIVES if smooth else FUNCTIONS
+        if node.func.id not in known:
+            raise ValueError(f"{node.func.id} is not among {', '.join(known)}")
         function: Any = getattr(np, node.func.id)
         count = getattr(function, "nin", 3)  # np.where, the one that is no ufunc, takes three
         if len(node.args) != count:
@@ -289,33 +292,24 @@ def _value(node: ast.AST, names: Mapping[str, Any]) -> Any:
     raise ValueError(f"{type(node).__name__} is no arithmetic")
 
 
-def _with_slope(node: ast.AST, names: Mapping[str, Any], name: str) -> tuple[Any, Any]:
-    """Value of a tree of a coefficient, and its derivative in a name."""
+def _slope(node: ast.AST, names: Mapping[str, Any], name: str) -> Any:
+    """Derivative of a tree of a coefficient in a name: rules of sums, products and the like."""
     match node:
         case ast.UnaryOp(op=op, operand=inner):
-            a, da = _with_slope(inner, names, name)
-            return _OPERATORS[type(op)](a), _OPERATORS[type(op)](da)
+            return _OPERATORS[type(op)](_slope(inner, names, name))
         case ast.Call(func=ast.Name(id=function), args=[inner]):
-            a, da = _with_slope(inner, names, name)
-            return getattr(np, function)(a), da * _DERIVATIVES[function](a) if da else 0.0
+            da = _slope(inner, names, name)
+            return da * _DERIVATIVES[function](_value(inner, names)) if da else 0.0
         case ast.BinOp(left=left, op=op, right=right):
-            a, da = _with_slope(left, names, name)
-            b, db = _with_slope(right, names, name)
-            return _OPERATORS[type(op)](a, b), _slope_of_two(op, a, b, da, db)
-    return _value(node, names), float(isinstance(node, ast.Name) and node.id == name)
-
-
-def _slope_of_two(op: ast.operator, a: Any, b: Any, da: Any, db: Any) -> Any:
-    """Derivative of an operation by the rules of sums, products, quotients and powers."""
-    match op:
-        case ast.Add():
-            return da + db
-        case ast.Sub():
-            return da - db
-        case ast.Mult():
-            return da * b + a * db
-        case ast.Div():
-            return da / b - a / b * (db / b)
-        case _:
+            a, b = _value(left, names), _value(right, names)
+            da, db = _slope(left, names, name), _slope(right, names, name)
+            match op:
+                case ast.Add() | ast.Sub():
+                    return _OPERATORS[type(op)](da, db)
+                case ast.Mult():
+                    return da * b + a * db
+                case ast.Div():
+                    return da / b - a / b * (db / b)
             base = da * b * a ** (b - 1) if da and b else 0.0
             return base + (db * np.log(a) * a**b if db else 0.0)
+    return float(isinstance(node, ast.Name) and node.id == name)

@@ -5,9 +5,9 @@ F(xi) - s d = x for xi and the signed distance s, xi kept inside the element. Wh
 residual is the distance by which the line misses the element.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,35 +29,6 @@ _NEAR = 1.05
 """Lines that pass a cell's ball by less than this part of its radius are tried: near misses."""
 
 
-class Chart(Protocol):
-    """Surface elements as point location sees them (:class:`cea.surface.Surface`)."""
-
-    @property
-    def dim(self) -> int:
-        """Dimension of space."""
-        ...
-
-    def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
-        """Pairs worth trying: points, elements, starting xi; every true hit within reach is one."""
-        ...
-
-    def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
-        """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
-        ...
-
-    def clamp(self, element: Ints, xi: Floats) -> Floats:
-        """Nearest reference coordinates inside the element, (n, dim - 1)."""
-        ...
-
-    def on_edge(self, element: Ints, xi: Floats, tolerance: float) -> np.ndarray:
-        """Whether xi lies on the boundary of its element."""
-        ...
-
-    def size(self, element: Ints) -> Floats:
-        """Local mesh size (m) of each element, (n,)."""
-        ...
-
-
 def cross(tangents: Floats) -> Floats:
     """Normal with the length of the area element: t1 x t2 in 3D, (t_y, -t_x) in 2D, (n, dim)."""
     if tangents.shape[1] == 2:
@@ -67,7 +38,7 @@ def cross(tangents: Floats) -> Floats:
 
 
 def locate_along(
-    chart: Chart, x: Floats, direction: Floats, reach: float, tolerance: float = TOLERANCE
+    chart: "Chart", x: Floats, direction: Floats, reach: float, tolerance: float = TOLERANCE
 ) -> Location:
     """Locate points x (m) on a surface along unit directions, (n, dim) each, within a reach (m).
 
@@ -77,25 +48,21 @@ def locate_along(
     """
     x = np.ascontiguousarray(x, dtype=float)
     direction = np.ascontiguousarray(direction, dtype=float)
-    out = _nothing(len(x), chart.dim, tolerance)
-    for start in range(0, len(x), _CHUNK):
-        _locate(chart, x, direction, np.arange(start, min(start + _CHUNK, len(x))), reach, out)
-    return out
-
-
-def _nothing(n: int, dim: int, tolerance: float) -> Location:
-    """Every point missed, and nothing near any."""
-    return Location(
-        at=SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, dim - 1))),
+    n = len(x)
+    out = Location(
+        at=SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, chart.dim - 1))),
         distance=np.full(n, np.nan),
         miss=np.full(n, np.inf),
         status=np.full(n, Status.MISSED, dtype=np.int8),
         tolerance=tolerance,
     )
+    for start in range(0, n, _CHUNK):
+        _locate(chart, x, direction, np.arange(start, min(start + _CHUNK, n)), reach, out)
+    return out
 
 
 def _locate(
-    chart: Chart, x: Floats, direction: Floats, points: Ints, reach: float, out: Location
+    chart: "Chart", x: Floats, direction: Floats, points: Ints, reach: float, out: Location
 ) -> None:
     """Locate some of the points and write down what is found."""
     aim, tolerance = direction[points], out.tolerance
@@ -121,7 +88,7 @@ def _locate(
 
 
 def _incidence(
-    chart: Chart, point: Ints, element: Ints, xi: Floats, aim: Floats, hit: NDArray[np.bool_]
+    chart: "Chart", point: Ints, element: Ints, xi: Floats, aim: Floats, hit: NDArray[np.bool_]
 ) -> Floats:
     """Angle between the line and the normal, 1 - cosine, where a point hits several elements."""
     flat = np.zeros(len(point))
@@ -149,7 +116,7 @@ def _first_of_each(
 
 
 def _newton(
-    chart: Chart,
+    chart: "Chart",
     element: Ints,
     xi: Floats,
     x: Floats,
@@ -300,3 +267,64 @@ def _apart(offset: Floats, aim: Floats) -> tuple[Floats, Floats]:
     """Parts of offsets along unit directions, and how far across, (...,) each."""
     along = (offset * aim).sum(axis=-1)
     return along, np.linalg.norm(offset - along[..., None] * aim, axis=-1)
+
+
+class Chart(ABC):
+    """Elements of a surface as point location sees them."""
+
+    @property
+    @abstractmethod
+    def domains(self) -> tuple[Floats, Floats]:
+        """Least and greatest coordinates xi of each element, (num_elements, dim - 1) each.
+
+        Elements are rectangles between them, or, where cells are no tensor products, triangles.
+        """
+
+    @abstractmethod
+    def cells(self) -> SurfaceCells:
+        """Cells inside which the traces are smooth: parallelograms, or triangles, of xi."""
+
+    @abstractmethod
+    def size(self, element: Ints) -> Floats:
+        """Local mesh size (m) of elements: the largest diameter of a cell, shape (n,)."""
+
+    @abstractmethod
+    def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
+        """Positions (m), (n, dim), and derivatives dx_i/dxi_j, (n, dim, dim - 1).
+
+        Outside its element xi is taken by the continued polynomials.
+        """
+
+    @property
+    def dim(self) -> int:
+        """Dimension of space, 2 or 3."""
+        return self.domains[0].shape[1] + 1
+
+    def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
+        """Find points (m) along unit directions, (n, dim) each, within a reach (m) either way."""
+        return locate_along(self, x, direction, reach)
+
+    def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
+        """Pairs worth trying: points, elements, starting xi; every true hit within reach is one."""
+        return self._bounds.candidates(x, direction, reach)
+
+    @cached_property
+    def _bounds(self) -> CellBounds:
+        return CellBounds(self.cells(), self.tangents)
+
+    def clamp(self, element: Ints, xi: Floats) -> Floats:
+        """Nearest reference coordinates inside the element, (n, dim - 1)."""
+        if self.cells().tensor:
+            low, high = self.domains
+            return np.clip(xi, low[element], high[element])
+        inside = np.maximum(xi, 0.0)
+        along = np.clip((1 + xi[:, 0] - xi[:, 1]) / 2, 0.0, 1.0)
+        slanted = np.column_stack([along, 1 - along])
+        return np.where(inside.sum(axis=1, keepdims=True) > 1, slanted, inside)
+
+    def on_edge(self, element: Ints, xi: Floats, tolerance: float) -> NDArray[np.bool_]:
+        """True where xi lies on the boundary of its element, within a part of its range."""
+        low, high = (ends[element] for ends in self.domains)
+        t = (xi - low) / (high - low)
+        far = 1 - (t.max(axis=1) if self.cells().tensor else t.sum(axis=1))
+        return np.minimum(t.min(axis=1), far) <= tolerance

@@ -100,18 +100,18 @@ def _alone(product: Any) -> Any:
 
 def symmetrised(matrix: Any) -> Any:
     """Mean of a PETSc AIJ matrix and its transpose, in place: a + b = b + a to the last bit."""
-    transpose = matrix.transpose(PETSc.Mat())
-    # An entry of rounding may have been kept and its mirror image, zero, dropped.
-    matrix.axpy(1.0, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-    matrix.scale(0.5)
-    transpose.destroy()
-    return matrix
+    return _mean_with_transpose(matrix, 1.0)
 
 
 def antisymmetrised(matrix: Any) -> Any:
     """Half of a PETSc AIJ matrix less its transpose, in place: skew to the last bit."""
+    return _mean_with_transpose(matrix, -1.0)
+
+
+def _mean_with_transpose(matrix: Any, sign: float) -> Any:
     transpose = matrix.transpose(PETSc.Mat())
-    matrix.axpy(-1.0, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    # An entry of rounding may have been kept and its mirror image, zero, dropped.
+    matrix.axpy(sign, transpose, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     matrix.scale(0.5)
     transpose.destroy()
     return matrix

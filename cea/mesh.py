@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from cea.arrays import finite_numbers, numbers
+from cea.arrays import Floats, Ints, finite_numbers, numbers
 from cea.errors import InputError, require
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Cell = Literal["triangle", "quadrilateral", "tetrahedron", "hexahedron"]
 
 MAX_ORDER = 4
@@ -218,9 +216,4 @@ def _positions(points: ArrayLike, dim: int) -> Floats:
 
 def _same_rows(rows: Ints) -> Ints:
     """Number of each row, equal for equal rows, (n,)."""
-    order = np.lexsort(rows.T)
-    new = np.ones(len(rows), dtype=bool)
-    new[1:] = (np.diff(rows[order], axis=0) != 0).any(axis=1)
-    group = np.empty(len(rows), dtype=np.int64)
-    group[order] = np.cumsum(new) - 1
-    return group
+    return np.unique(rows, axis=0, return_inverse=True)[1].ravel()

@@ -6,7 +6,6 @@ Modes bear numbers from 1 wherever one is told. Colour is never the only sign of
 from collections.abc import Mapping, Sequence
 from html import escape
 from importlib import import_module
-from importlib.util import find_spec
 from math import floor, log10
 from typing import Any
 
@@ -59,8 +58,6 @@ class ModeTable(list[dict[str, Any]]):
 
     def to_pandas(self) -> Any:
         """A ``pandas.DataFrame`` whose index is the number of the mode."""
-        if find_spec("pandas") is None:
-            raise InputError("pandas", "not installed", "installed: the program itself needs none")
         return import_module("pandas").DataFrame.from_records(list(self), index="mode")
 
     def __repr__(self) -> str:

@@ -26,17 +26,8 @@ def agreed(comm: Any) -> Iterator[None]:
 
 def made_on_first[T](comm: Any, make: Callable[[], T]) -> T | None:
     """What a function makes on rank 0, None on others; every rank raises what it raises there."""
-    made: T | None = None
-    fault: Exception | None = None
-    if comm.rank == 0:
-        try:
-            made = make()
-        except Exception as error:
-            fault = error
-    told = comm.bcast(_travelling(fault), root=0)
-    if told is not None:
-        raise fault or told
-    return made
+    with agreed(comm):
+        return make() if comm.rank == 0 else None
 
 
 def local_rows(n: int, comm: Any) -> tuple[int, int]:

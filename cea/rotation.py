@@ -38,7 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import is_number, of_size_one
-from cea.errors import InputError
+from cea.errors import require
 
 
 @dataclass(frozen=True)
@@ -70,20 +70,18 @@ class Rotation:
     coriolis: bool = True
 
     def __post_init__(self) -> None:
-        if not (is_number(self.rate) and self.rate >= 0):
-            allowed = "zero or positive (rad/s); the axis gives the sense"
-            raise InputError("rotation.rate", self.rate, allowed)
-        if not (np.isfinite(self.axis).all() and np.any(self.axis)):
-            raise InputError("rotation.axis", self.axis, "a finite vector that is not zero")
-        if not np.isfinite(self.origin).all():
-            raise InputError("rotation.origin", self.origin, "finite coordinates (m)")
+        allowed = "zero or positive (rad/s); the axis gives the sense"
+        require(is_number(self.rate) and self.rate >= 0, "rotation.rate", self.rate, allowed)
+        real = bool(np.isfinite(self.axis).all() and np.any(self.axis))
+        require(real, "rotation.axis", self.axis, "a finite vector that is not zero")
+        finite = bool(np.isfinite(self.origin).all())
+        require(finite, "rotation.origin", self.origin, "finite coordinates (m)")
 
     def check(self, dim: int, field: str) -> None:
         """Refuse an axis that leaves the plane oblique, and an origin beside it."""
-        if dim == 2 and any(self.axis[:2]):
-            raise InputError(f"{field}.axis", self.axis, "an axis along z in the plane")
-        if dim == 2 and self.origin[2]:
-            raise InputError(f"{field}.origin", self.origin, "z = 0 in the plane")
+        if dim == 2:
+            require(not any(self.axis[:2]), f"{field}.axis", self.axis, "along z in the plane")
+            require(not self.origin[2], f"{field}.origin", self.origin, "z = 0 in the plane")
 
     @property
     def of_material(self) -> "Rotation":

@@ -8,7 +8,7 @@ corner has the normal of the element whose coordinates it bears, and rules have 
 each part (:mod:`cea.surface_points`).
 """
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar, Protocol
@@ -20,19 +20,14 @@ from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
-from cea.location import CellBounds, locate_along
+from cea.location import Chart
 from cea.mesh import lattice
 from cea.surface_points import (
-    Location,
-    SurfaceCells,
     SurfaceCoordinates,
     SurfacePoints,
     connected,
-    equal_shares,
     gauss_rule,
     pairs_of_equal,
-    smooth_parts,
-    split_functions,
 )
 
 _MERGE = 1e-7
@@ -51,11 +46,12 @@ class TrueSurface(Protocol):
         ...
 
 
-class Surface(ABC):
+class Surface(Chart):
     """A named surface (curve in 2D) of a body with so many scalar dofs.
 
-    A backend gives the members marked abstract; points, normals, location and what corners split
-    are written here, once. Elements may interpolate a true surface of a shape.
+    A backend gives the members marked abstract, here and in :class:`cea.location.Chart`; points,
+    normals, location and what corners split are written once. Elements may interpolate a true
+    surface of a shape.
     """
 
     abscissa_kinds: ClassVar[tuple[str, ...]]
@@ -68,31 +64,8 @@ class Surface(ABC):
 
     @property
     @abstractmethod
-    def domains(self) -> tuple[Floats, Floats]:
-        """Least and greatest coordinates xi of each element, (num_elements, dim - 1) each.
-
-        Elements are rectangles between them, or, where cells are no tensor products, triangles.
-        """
-
-    @abstractmethod
-    def cells(self) -> SurfaceCells:
-        """Cells inside which the traces are smooth: parallelograms, or triangles, of xi."""
-
-    @property
-    @abstractmethod
     def element_areas(self) -> Floats:
         """Area (m^2; length in 2D) of each element, shape (num_elements,)."""
-
-    @abstractmethod
-    def size(self, element: Ints) -> Floats:
-        """Local mesh size (m) of elements: the largest diameter of a cell, shape (n,)."""
-
-    @abstractmethod
-    def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
-        """Positions (m), (n, dim), and derivatives dx_i/dxi_j, (n, dim, dim - 1).
-
-        Outside its element xi is taken by the continued polynomials.
-        """
 
     @abstractmethod
     def area_normals(self, at: SurfaceCoordinates) -> tuple[Floats, Floats, Floats]:
@@ -122,11 +95,6 @@ class Surface(ABC):
     @abstractmethod
     def shares(self) -> Floats:
         """Positive shares of the area of the split functions, added up to it, (functions,)."""
-
-    @property
-    def dim(self) -> int:
-        """Dimension of space, 2 or 3."""
-        return self.domains[0].shape[1] + 1
 
     @property
     def num_elements(self) -> int:
@@ -249,45 +217,25 @@ class Surface(ABC):
         dofs = self.function_dofs
         pairs = pairs_of_equal(dofs)
         smooth = self.join_smoothly(self.function_points(self.abscissa_kinds[0]), pairs)
-        return split_functions(dofs, connected(pairs[smooth], len(dofs)), self.num_scalar_dofs)
+        groups = connected(pairs[smooth], len(dofs))
+        number = dofs[np.unique(groups, return_index=True)[1]]
+        further = np.ones(len(number), dtype=bool)
+        further[np.unique(number, return_index=True)[1]] = False
+        number[further] = self.num_scalar_dofs + np.arange(further.sum())
+        return number[groups]
 
     @cached_property
     def _parts(self) -> Ints:
-        """Smooth part of each element, (num_elements,)."""
+        """Smooth part of each element, (num_elements,): those that share a split function."""
         element = self.function_points(self.abscissa_kinds[0]).element
-        return smooth_parts(element, self.functions, self.num_elements)
+        pairs = np.column_stack([element, self.num_elements + self.functions])
+        return connected(pairs, int(pairs.max()) + 1)[: self.num_elements]
 
     def _even(self, at: SurfaceCoordinates) -> SurfacePoints:
         """Points that share the area of their smooth part evenly."""
         x, normal, _ = self.area_normals(at)
+        part = self._parts[at.element]
         areas = np.bincount(self._parts, weights=self.element_areas)
-        return SurfacePoints(at, x, normal, equal_shares(self._parts[at.element], areas, self.area))
-
-    def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
-        """Find points (m) along unit directions, (n, dim) each, within a reach (m) either way."""
-        return locate_along(self, x, direction, reach)
-
-    def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
-        """Cells that lines of limited reach may meet: points, elements and xi to start from."""
-        return self._bounds.candidates(x, direction, reach)
-
-    @cached_property
-    def _bounds(self) -> CellBounds:
-        return CellBounds(self.cells(), self.tangents)
-
-    def clamp(self, element: Ints, xi: Floats) -> Floats:
-        """Nearest reference coordinates inside the element, (n, dim - 1)."""
-        if self.cells().tensor:
-            low, high = self.domains
-            return np.clip(xi, low[element], high[element])
-        inside = np.maximum(xi, 0.0)
-        along = np.clip((1 + xi[:, 0] - xi[:, 1]) / 2, 0.0, 1.0)
-        slanted = np.column_stack([along, 1 - along])
-        return np.where(inside.sum(axis=1, keepdims=True) > 1, slanted, inside)
-
-    def on_edge(self, element: Ints, xi: Floats, tolerance: float) -> NDArray[np.bool_]:
-        """True where xi lies on the boundary of its element, within a part of its range."""
-        low, high = (ends[element] for ends in self.domains)
-        t = (xi - low) / (high - low)
-        far = 1 - (t.max(axis=1) if self.cells().tensor else t.sum(axis=1))
-        return np.minimum(t.min(axis=1), far) <= tolerance
+        number = np.maximum(np.bincount(part, minlength=len(areas)), 1)
+        weight = (self.area * (areas / areas.sum()) / number)[part]
+        return SurfacePoints(at, x, normal, weight)

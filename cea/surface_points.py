@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array, triu
 from scipy.sparse.csgraph import connected_components
 from scipy.special import roots_jacobi, roots_legendre
 
@@ -123,41 +123,13 @@ def gauss_rule(n: int, dim: int, *, simplex: bool) -> tuple[Floats, Floats]:
 
 def pairs_of_equal(numbers: Ints) -> Ints:
     """All pairs of entries that have the same number, shape (pairs, 2)."""
-    order = np.argsort(numbers, kind="stable")
-    rising = numbers[order]
-    pairs = [np.empty((0, 2), dtype=np.int64)]
-    for apart in range(1, len(rising)):
-        same = np.flatnonzero(rising[apart:] == rising[:-apart])
-        if not same.size:
-            break
-        pairs.append(np.column_stack([order[same], order[same + apart]]))
-    return np.concatenate(pairs)
+    n = len(numbers)
+    shape = (n, int(numbers.max(initial=0)) + 1)
+    has = csr_array((np.ones(n, dtype=np.int8), numbers, np.arange(n + 1)), shape=shape)
+    return np.column_stack(triu(has @ has.T, k=1).coords).astype(np.int64)
 
 
 def connected(pairs: Ints, count: int) -> Ints:
     """Group of each of ``count`` entries: paired entries are in one, numbers from 0."""
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
-
-
-def split_functions(dofs: Ints, groups: Ints, count: int) -> Ints:
-    """Number of the split function of each entry, an entry for each function on each element."""
-    _, first = np.unique(groups, return_index=True)
-    number = dofs[first]
-    further = np.ones(len(first), dtype=bool)
-    further[np.unique(number, return_index=True)[1]] = False
-    number[further] = count + np.arange(further.sum())
-    return number[groups]
-
-
-def smooth_parts(element: Ints, functions: Ints, num_elements: int) -> Ints:
-    """Smooth part of each element: elements that share a split function are in one."""
-    count = num_elements + int(functions.max(initial=0)) + 1
-    pairs = np.column_stack([element, num_elements + functions])
-    return connected(pairs, count)[:num_elements]
-
-
-def equal_shares(part: Ints, areas: Floats, area: float) -> Floats:
-    """Weights of points of which each has the same share of the area of its smooth part."""
-    number = np.maximum(np.bincount(part, minlength=len(areas)), 1)
-    return (area * (areas / areas.sum()) / number)[part]

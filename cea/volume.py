@@ -16,35 +16,18 @@ class VolumeCells:
 
     Lagrange elements on equally spaced nodes, or the rational Bezier elements of knot spans. Both
     have one point for each (i, j, k) of a lattice: 0 <= i, j, k <= degree in boxes,
-    i + j + k <= degree in simplices.
-
-    Parameters
-    ----------
-    kind
-        ``lagrange``: fields pass through the values at the points; ``bezier``: points and values
-        are rational Bezier coefficients.
-    simplex
-        Whether cells are triangles or tetrahedra, rather than quadrilaterals or hexahedra.
-    degree
-        Degree along every direction, to which lower ones are raised: programs are surest there.
-    points
-        Positions (m), shape (n, dim).
-    weights
-        Rational weights of the points, shape (n,); 1 for Lagrange elements.
-    cells
-        Point numbers of each right-handed cell, lattice points in C order, shape
-        (n_cells, points of a cell).
-    values
-        Coefficients at the points of the scalar basis functions, shape (n, num_scalar_dofs).
+    i + j + k <= degree in simplices. Fields of Lagrange elements pass through the values at the
+    points; of Bezier elements points and values are rational Bezier coefficients.
     """
 
     kind: Literal["lagrange", "bezier"]
-    simplex: bool
-    degree: int
-    points: Floats
-    weights: Floats
+    simplex: bool  # whether cells are triangles or tetrahedra
+    degree: int  # along every direction, to which lower ones are raised: programs are surest there
+    points: Floats  # positions (m), shape (n, dim)
+    weights: Floats  # rational weights of the points, shape (n,); 1 for Lagrange elements
+    # points of each right-handed cell in C order of the lattice, shape (n_cells, points of a cell)
     cells: Ints
-    values: csr_array
+    values: csr_array  # coefficients there of the scalar basis functions, (n, num_scalar_dofs)
 
     def straight(self) -> "StraightCells":
         """Straight cells through the corners of these, on which fields are what they are."""
@@ -63,13 +46,8 @@ class VolumeCells:
 
 @dataclass(frozen=True)
 class StraightCells:
-    """Points of a body joined to straight cells.
+    """Points of a body joined to straight cells."""
 
-    Positions (m), (n, dim); points of each cell in VTK order, (n_cells, dim + 1) simplices or
-    (n_cells, 2^dim) boxes; values of the scalar basis functions at the points,
-    (n, num_scalar_dofs).
-    """
-
-    points: Floats
-    cells: Ints
-    values: csr_array
+    points: Floats  # positions (m), (n, dim)
+    cells: Ints  # points in VTK order, (n_cells, dim + 1) simplices or (n_cells, 2^dim) boxes
+    values: csr_array  # values there of the scalar basis functions, (n, num_scalar_dofs)

@@ -6,7 +6,7 @@ there is not converged, however well the pairings agree.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -21,16 +21,13 @@ from cea.contact.formulations import (
     Mortar,
     NodeToSurface,
 )
-from comparisons.study.columns import Column
 from comparisons.study.numbers import decimals, number, per_cent, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Study
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Session, Study, StudyResult
 from scenes import Result
 from scenes.results.matching import match_unstable
 from scenes.spec.body import Backend, backend_name
-from scenes.spec.reading import BACKENDS, Scene, load_scene, with_contact
+from scenes.spec.reading import BACKENDS, Scene, load_scene
 
 FREQUENCY_BOUND, GROWTH_BOUND = 0.01, 0.15
 """Largest relative differences of frequencies and of growth rates that agree."""
@@ -67,19 +64,16 @@ def scene(case: Case, options: Options) -> dict[str, Scene]:
     """Scenes by the backends of pad and disc."""
     disc_pad = load_scene(Path("disc_pad"), options.overrides)
     mortar = case["formulation"] == "mortar"
-    scenes = {}
-    for pad, disc in (
-        product(BACKENDS, BACKENDS) if mortar else zip(BACKENDS, BACKENDS, strict=True)
-    ):
-        bodies = {
-            name: replace(disc_pad.bodies[name], backend=backend)
-            for name, backend in (("pad", pad), ("disc", disc))
-        }
+    pairs = product(BACKENDS, BACKENDS) if mortar else zip(BACKENDS, BACKENDS, strict=True)
+    scenes, name = {}, ""
+    for pad, disc in pairs:
+        bodies = {"pad": pad, "disc": disc}
+        changes: dict[str, Any] = {f"bodies.{name}.backend": b for name, b in bodies.items()}
+        changes["contacts.pad_disc.formulation"] = rules(pad)[case["formulation"]]
         name = f"{backend_name(pad)} on {backend_name(disc)}"
-        rule = rules(pad)[case["formulation"]]
-        scenes[name] = with_contact(replace(disc_pad, bodies=bodies), formulation=rule)
+        scenes[name] = disc_pad.change(changes)
     if mortar:
-        finer = {f"bodies.{body}.mesh.iga.degree": [_FINER] * 3 for body in bodies}
+        finer = {f"bodies.{body}.mesh.iga.degree": [_FINER] * 3 for body in ("pad", "disc")}
         scenes[f"{name}, degree {_FINER}"] = scenes[name].change(finer)
     return scenes
 
@@ -92,7 +86,19 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     for number_of_run, (name, result) in enumerate(results.items(), 1):
         key = f"{case['formulation']}-{number_of_run}"
         rows = session.keep_modes(key, result, title=f"{case['formulation']}, {name}")
-        runs.append({"run": name} | _run(result))
+        window = result.modes.window
+        runs.append(
+            {
+                "run": name,
+                "dofs": result.dofs,
+                "found": window.found_below,
+                "counted": window.symmetric_count,
+                "complete": bool(window.complete),
+                "unstable": sum(row["verdict"] == "unstable" for row in rows),
+                "condition": max((row["condition"] for row in result.table()), default=None),
+                "seconds": result.timer.total,
+            }
+        )
         modes += [{"run": name} | row for row in rows]
     first, *others = results
     compared = [(first, other) for other in others if "degree" not in other]
@@ -103,20 +109,6 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
         for pair in _paired(results[one], results[other])
     ]
     return {"runs": runs, "modes": modes, "agreement": pairs}
-
-
-def _run(result: Result) -> dict[str, Any]:
-    """What was searched, what was found, and what it took."""
-    window, rows = result.modes.window, result.table()
-    return {
-        "dofs": result.dofs,
-        "found": window.found_below,
-        "counted": window.symmetric_count,
-        "complete": bool(window.complete),
-        "unstable": sum(row["verdict"] == "unstable" for row in rows),
-        "condition": max((row["condition"] for row in rows), default=None),
-        "seconds": sum(result.timer.seconds.values()),
-    }
 
 
 def _paired(first: Result, second: Result) -> Iterator[dict[str, Any]]:
@@ -147,20 +139,14 @@ def headline(result: StudyResult) -> str:
     """How far paired modes are apart, and which are not converged."""
     frame = result.frame("agreement")
     finer = frame["compared"].str.contains("degree")
-    told = []
-    for kind, own in frame[~finer].groupby("formulation", sort=False):
-        f, g = (
-            number(100 * own[f"{key}_change"].abs().max(), 2) for key in ("frequency", "growth")
-        )
-        alone = int(own["modal_assurance"].isna().sum())
-        told.append(f"{kind}: {f} % in frequency and {g} % in growth rate, {alone} without partner")
+    same = frame[~finer]
+    f, g = (number(100 * same[f"{key}_change"].abs().max(), 2) for key in ("frequency", "growth"))
     changed = frame[finer & ~frame["within"]]
-    open_ones = [
-        f"{number(f, 4)} Hz" for f in changed["frequency_first"].fillna(changed["frequency"])
-    ]
+    hertz = changed["frequency_first"].fillna(changed["frequency"]).map(shown(4))
     return (
-        f"Unstable modes of other backends differ by at most ({'; '.join(told)}). Not converged in "
-        f"the degree: {', '.join(open_ones) or 'none'}."
+        f"Unstable modes of other backends differ by at most {f} % in frequency and {g} % in "
+        f"growth rate, {same['modal_assurance'].isna().sum()} have no partner. Not converged in "
+        f"the degree: {', '.join(hertz + ' Hz') or 'none'}."
     )
 
 
@@ -190,7 +176,9 @@ SECTIONS = [
             Table(
                 "agreement",
                 "Unstable modes: those compared with, those compared, and the change.",
-                *("agreement", PAIRED, "compared"),
+                "agreement",
+                PAIRED,
+                "compared",
                 printed=True,
             ),
             Table("unstable_modes", "Unstable modes of every run.", unstable, OWN),
@@ -199,8 +187,13 @@ SECTIONS = [
         ],
         [
             Plot(
-                *("stability", "Every mode of every run.", "modes", "frequency", "growth"),
-                *(("run",), "formulation"),
+                "stability",
+                "Every mode of every run.",
+                "modes",
+                "frequency",
+                "growth",
+                ("run",),
+                ("formulation",),
                 style="markers",
             )
         ],

@@ -19,12 +19,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from comparisons.study.columns import Column
 from comparisons.study.numbers import number, plain, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Study
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Session, Study, StudyResult
 from exact_cea.lumped import hulten_threshold
 from scenes.running.assembled import AssembledScene
 from scenes.spec.reading import Scene, read_scene
@@ -169,7 +166,10 @@ TABLE = Table("damping", "Friction at which flutter begins.", "runs", COLUMNS, p
 PLOT = Plot(
     "damping",
     "Lines: exact, two degrees of freedom. Markers: elastic bodies.",
-    *("runs", "ratio", "threshold", ("share", "backend")),
+    "runs",
+    "ratio",
+    "threshold",
+    ("share", "backend"),
     log="x",
     own=COLUMNS,
     lines=curves,

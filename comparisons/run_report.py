@@ -7,12 +7,11 @@ import pandas as pd
 
 from cea.petsc import MPI
 from comparisons.study.closing import PARAMETERS, machine, parameters, warned
-from comparisons.study.columns import Column
 from comparisons.study.numbers import growth, number, shown
 from comparisons.study.page import REPORT, write
 from comparisons.study.plots import VERDICT_MARKS, sign
 from comparisons.study.result import Data
-from comparisons.study.sections import Plot, Section, Table
+from comparisons.study.sections import Column, Plot, Section, Table
 from comparisons.study.shapes import Shapes, by_importance
 from scenes import Result
 from scenes.results.record import read_record
@@ -146,14 +145,21 @@ COLUMNS = {
 DIAGRAM = Plot(
     "stability",
     "What lies above zero grows. Marks tell verdicts apart as colours do.",
-    *(by_verdict, "frequency", "growth", ("verdict",)),
+    by_verdict,
+    "frequency",
+    "growth",
+    ("verdict",),
     own=COLUMNS,
     style="markers",
 )
 STRESSES = Plot(
     "stress",
     "Normal stress along a line over the contact, both sides.",
-    *(stresses, "arc", "stress", ("side",), "contact"),
+    stresses,
+    "arc",
+    "stress",
+    ("side",),
+    ("contact",),
     own=COLUMNS,
 )
 SECTIONS = [
@@ -169,7 +175,8 @@ SECTIONS = [
                 "Every mode of the window. Damping ratio: minus the growth rate over abs(λ). "
                 "Algebraic error: what residual and rounding, times the condition, can make of the "
                 "growth rate; errors of the mesh are told by cea converge.",
-                *(signed_modes, COLUMNS),
+                signed_modes,
+                COLUMNS,
             )
         ],
         [DIAGRAM],

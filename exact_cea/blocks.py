@@ -12,56 +12,35 @@ converges faster than geometrically for finite p, geometrically for p = infinity
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 from flint import acb, arb
 
-from exact_cea.material import SOFT, STIFF, Material, Response, compliance, join
+from exact_cea.material import SOFT, STIFF, Material, Response, join
 from exact_cea.numbers import Exact, exact_numbers
 from exact_cea.solve import Characteristic
 
 
 @dataclass(frozen=True)
 class Blocks(Characteristic):
-    """Blocks with sinusoidal friction, in plane strain or for one wave number in z.
+    """Blocks with sinusoidal friction, in plane strain or for one wave number in z."""
 
-    Parameters
-    ----------
-    p
-        Contact stiffness per area, may be infinite.
-    mu0
-        Amplitude of the friction coefficient.
-    kz
-        None: plane strain. Else the family ``u_x, u_y ~ cos(kz z)``, ``u_z ~ sin(kz z)``, which
-        rollers at both ends of a block of length pi / kz admit.
-    a, b
-        Materials.
-    height_a, height_b, length
-        Sizes.
-    harmonics
-        Truncation N; None chooses one by the highest frequency asked for.
-    """
-
-    p: Exact
-    mu0: Exact
-    kz: Exact | None
-    a: Material
-    b: Material
-    height_a: Exact
-    height_b: Exact
-    length: Exact
-    harmonics: int = 24
-
-    defaults: ClassVar[dict[str, Any]] = {
-        **{"p": "1", "mu0": "0.3", "kz": None, "a": SOFT, "b": STIFF},
-        **{"height_a": "0.5", "height_b": "1", "length": "2"},
-    }
-    """What :meth:`of` takes, in this order or by name."""
+    p: Exact = Exact("1")  # contact stiffness per area, may be infinite
+    mu0: Exact = Exact("0.3")  # amplitude of the friction coefficient
+    # None: plane strain. Else the family u_x, u_y ~ cos(kz z), u_z ~ sin(kz z), which rollers at
+    # both ends of a block of length pi / kz admit
+    kz: Exact | None = None
+    a: Material = SOFT
+    b: Material = STIFF
+    height_a: Exact = Exact("0.5")
+    height_b: Exact = Exact("1")
+    length: Exact = Exact("2")
+    harmonics: int = 24  # truncation N
 
     @classmethod
     def of(cls, *given: Any, **named: Any) -> "Blocks":
-        """Blocks of numbers or their texts."""
-        return cls(**exact_numbers(cls.defaults, given, named))
+        """Blocks of numbers or their texts, in the order of the fields or by name."""
+        return cls(**exact_numbers(cls, given, named))
 
     @property
     def real(self) -> bool:
@@ -107,7 +86,7 @@ class Blocks(Characteristic):
         normal, tangential = join(
             mirrored(layer_response(self.a, self.height_a.arb, k, kappa)),
             layer_response(self.b, self.height_b.arb, k, kappa),
-            compliance(self.p),
+            self.p,
         )
         # Only the part of the friction along the wave vector (kx, kz) moves the interface.
         return normal, tangential * kx / k if n else acb(0)

@@ -9,11 +9,11 @@ with ``phi ~ Z_m(alpha r)`` and ``chi, psi ~ Z_m(beta r)``, Z = J or Y,
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from flint import acb, acb_mat, arb
 
-from exact_cea.material import SOFT, STIFF, Material, Response, compliance, join
+from exact_cea.material import SOFT, STIFF, Material, Response, join
 from exact_cea.numbers import Exact, exact_numbers, increasing, order
 from exact_cea.solve import Characteristic
 
@@ -26,41 +26,23 @@ class Drum(Characteristic):
 
     ``n = -e_r``, ``k = +e_theta``: at the interface ``sigma_rtheta = mu sigma_rr`` and
     ``sigma_rr / p = u_r^a - u_r^b``.
-
-    Parameters
-    ----------
-    m
-        Circumferential order.
-    p, mu
-        Contact stiffness per area, may be infinite; coefficient of friction.
-    kz
-        None: plane strain. Else the family ``u_r, u_theta ~ cos(kz z)``, ``u_z ~ sin(kz z)``.
-    a, b
-        Materials.
-    inner, interface, outer
-        Radii.
     """
 
-    m: int
-    p: Exact
-    mu: Exact
-    kz: Exact | None
-    a: Material
-    b: Material
-    inner: Exact
-    interface: Exact
-    outer: Exact
-
-    defaults: ClassVar[dict[str, Any]] = {
-        **{"p": "1", "mu": "0.3", "kz": None, "a": SOFT, "b": STIFF},
-        **{"inner": "0.5", "interface": "1", "outer": "1.5"},
-    }
-    """What :meth:`of` takes, in this order or by name."""
+    m: int  # circumferential order
+    p: Exact = Exact("1")  # contact stiffness per area, may be infinite
+    mu: Exact = Exact("0.3")  # coefficient of friction
+    # None: plane strain. Else the family u_r, u_theta ~ cos(kz z), u_z ~ sin(kz z)
+    kz: Exact | None = None
+    a: Material = SOFT
+    b: Material = STIFF
+    inner: Exact = Exact("0.5")
+    interface: Exact = Exact("1")
+    outer: Exact = Exact("1.5")
 
     @classmethod
     def of(cls, m: int, *given: Any, **named: Any) -> "Drum":
-        """Drum of numbers or their texts."""
-        drum = cls(order("m", m), **exact_numbers(cls.defaults, given, named))
+        """Drum of numbers or their texts, in the order of the fields or by name."""
+        drum = cls(order("m", m), **exact_numbers(cls, given, named))
         increasing(inner=drum.inner, interface=drum.interface, outer=drum.outer)
         return drum
 
@@ -84,7 +66,7 @@ class Drum(Characteristic):
         normal, tangential = join(
             self.response(self.a, self.outer.arb, kappa),
             self.response(self.b, self.inner.arb, kappa),
-            compliance(self.p),
+            self.p,
         )
         return normal + self.mu.arb * tangential
 

@@ -13,28 +13,18 @@ import numpy as np
 from flint import acb, acb_mat, arb, ctx
 from numpy.typing import NDArray
 
-from cea.errors import InputError
+from cea.errors import require
 from exact_cea.blocks import Blocks, BlocksAt
 from exact_cea.solve import DIGITS, agreement
 
 
 @dataclass(frozen=True)
 class ExceptionalPoint:
-    """Double eigenvalue of the blocks.
+    """Double eigenvalue of the blocks."""
 
-    Parameters
-    ----------
-    mu_c
-        Friction amplitude mu0.
-    kappa
-        Square of the double eigenvalue, negative.
-    digits
-        Digits held by both.
-    """
-
-    mu_c: arb
-    kappa: arb
-    digits: int
+    mu_c: arb  # friction amplitude mu0
+    kappa: arb  # square of the double eigenvalue, negative
+    digits: int  # digits held by both
 
     @property
     def omega(self) -> arb:
@@ -48,30 +38,12 @@ def exceptional_points(
 ) -> list[ExceptionalPoint]:
     """Exceptional points with ``0 < mu0 <= mu_max`` and frequency up to ``max_frequency``.
 
-    Parameters
-    ----------
-    blocks
-        The blocks; their own mu0 plays no part.
-    mu_max, max_frequency
-        The window.
-    grid
-        Frequencies at which branches are sampled: extrema less than two steps apart are missed.
-    digits
-        Digits aimed at.
-
-    Returns
-    -------
-    list
-        Sorted by mu_c. It holds births of flutter as well as its ends.
-
-    Raises
-    ------
-    InputError
-        Unless the window is finite and positive.
+    The own mu0 of the blocks plays no part. Branches are sampled at so many frequencies as the grid
+    has: extrema less than two steps apart are missed. Points are sorted by mu_c, births of flutter
+    as well as its ends.
     """
     for name, value in (("mu0", mu_max), ("max_frequency", max_frequency)):
-        if not 0 < value < math.inf:
-            raise InputError(name, value, "a positive number")
+        require(0 < value < math.inf, name, value, "a positive number")
     blocks = blocks.for_frequency(max_frequency)
     omegas = np.linspace(0, max_frequency, grid + 1)[1:] * (1 + 1e-9)
     branches = [_branches(blocks, -(float(omega) ** 2)) for omega in omegas]

@@ -30,30 +30,15 @@ Strain = Sequence[Sequence[Term]]
 
 @dataclass(frozen=True)
 class GalerkinBody:
-    """Body on a tensor product of two axes.
-
-    Parameters
-    ----------
-    material
-        Solid.
-    axes
-        First and second axis.
-    components
-        Number of displacement components.
-    strain
-        Strains in terms of the components.
-    fixed
-        Component -> boolean array, shape (size of axis 1, size of axis 2): functions held at zero.
-    interface
-        Which axis is normal to the interface, and its index there, 0 or -1.
-    """
+    """Body on a tensor product of two axes."""
 
     material: Material
     axes: tuple[Axis, Axis | Single]
-    components: int
-    strain: Strain
+    components: int  # number of displacement components
+    strain: Strain  # in terms of the components
+    # functions of a component held at zero, shape (size of axis 1, size of axis 2)
     fixed: Mapping[int, NDArray[np.bool_]]
-    interface: tuple[int, int]
+    interface: tuple[int, int]  # which axis is normal to it, and its index there, 0 or -1
 
     @property
     def free(self) -> NDArray[np.intp]:
@@ -99,25 +84,14 @@ class GalerkinBody:
 
 @dataclass(frozen=True)
 class GalerkinContact:
-    """Two bodies and what acts between them.
-
-    Parameters
-    ----------
-    a, b
-        Bodies with the same functions along the interface.
-    normal, tangent
-        Components along n and k, with their signs.
-    p
-        Contact stiffness, may be infinite.
-    mu
-        Friction coefficient, a number or a function of the coordinate along the interface.
-    """
+    """Two bodies with the same functions along the interface, and what acts between them."""
 
     a: GalerkinBody
     b: GalerkinBody
-    normal: tuple[int, float]
-    tangent: tuple[int, float]
-    p: float
+    normal: tuple[int, float]  # component along n, with its sign
+    tangent: tuple[int, float]  # component along k, with its sign
+    p: float  # contact stiffness, may be infinite
+    # friction coefficient, a number or a function of the coordinate along the interface
     mu: float | Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
     def pencil(self) -> tuple[sparse.csc_array, sparse.csc_array]:
@@ -154,10 +128,7 @@ class GalerkinContact:
 def lowest(contact: GalerkinContact, count: int, scale: float) -> NDArray[np.complex128]:
     """Lowest eigenvalues lambda with Im >= 0 by inverse iteration about a negative shift.
 
-    Returns
-    -------
-    ndarray
-        Sorted by frequency, shape (count,). A rigid motion has zero, not its round-off.
+    They are sorted by frequency, then growth; a rigid motion has zero, not its round-off.
     """
     A, B = contact.pencil()
     shift = -(scale**2) / 4
@@ -178,13 +149,20 @@ def lowest(contact: GalerkinContact, count: int, scale: float) -> NDArray[np.com
     inverse = eigs(operator, wanted, which="LM", v0=start, ncv=basis, return_eigenvectors=False)
     omega2 = shift + 1 / inverse
     rigid = abs(omega2) < _RIGID * scale**2
-    return upper_half(np.where(rigid, 0, omega2))[:count]
+    values = 1j * np.sqrt(np.where(rigid, 0, omega2).astype(complex))
+    values = np.where(values.imag < 0, -values, values)
+    return values[np.lexsort((values.real, np.round(values.imag, 12)))][:count]
 
 
-def lowest_below(
-    contact: GalerkinContact, max_frequency: float, scale: float
+def lowest_in(
+    contact: GalerkinContact,
+    scale: float,
+    max_frequency: float | None = None,
+    count: int | None = None,
 ) -> NDArray[np.complex128]:
-    """Eigenvalues with ``0 <= Im <= max_frequency``, else as ``lowest``."""
+    """Eigenvalues with ``0 <= Im <= max_frequency``, or the lowest so many."""
+    if max_frequency is None:
+        return lowest(contact, count or 1, scale)
     wanted = 20
     values = lowest(contact, wanted, scale)
     while values[-1].imag <= max_frequency:
@@ -199,29 +177,11 @@ def converged(
     count: int | None = None,
     max_frequency: float | None = None,
 ) -> tuple[NDArray[np.complex128], list[int]]:
-    """Lowest eigenvalues and the digits on which two discretisations agree.
-
-    Returns
-    -------
-    tuple
-        Eigenvalues of the fine problem, and digits of each.
-    """
+    """Eigenvalues of a fine discretisation, and the digits on which a coarse one agrees."""
     check_window(max_frequency, count)
-    fine, coarse = contact(True), contact(False)
-    if count is not None:
-        values = lowest(fine, count, scale)
-    else:
-        assert max_frequency is not None
-        values = lowest_below(fine, max_frequency, scale)
-    others = lowest(coarse, len(values) + 2, scale)
+    values = lowest_in(contact(True), scale, max_frequency, count)
+    others = lowest(contact(False), len(values) + 2, scale)
     apart = np.array([abs(others - value).min() for value in values])
     size = np.where(values == 0, scale, abs(values))
     digits = -np.log10(np.maximum(apart / size, 1e-14))
     return values, [max(0, int(d)) for d in digits]
-
-
-def upper_half(omega2: NDArray[np.complex128]) -> NDArray[np.complex128]:
-    """Eigenvalues lambda = i omega with Im >= 0, sorted by frequency, then growth."""
-    values = 1j * np.sqrt(omega2.astype(complex))
-    values = np.where(values.imag < 0, -values, values)
-    return values[np.lexsort((values.real, np.round(values.imag, 12)))]

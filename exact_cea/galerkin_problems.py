@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -135,39 +135,22 @@ class Ring:
 
     Rims roll (u_r = 0, no shear), the top of the pad is clamped, the bottom of the disc free;
     ``n = -e_z``, ``k = +e_theta``.
-
-    Parameters
-    ----------
-    m
-        Circumferential order.
-    p, mu
-        Contact stiffness per area, may be infinite; coefficient of friction.
-    a, b
-        Materials.
-    inner, outer, height_a, height_b
-        Radii and thicknesses.
     """
 
-    m: int
-    p: Exact
-    mu: Exact
-    a: Material
-    b: Material
-    inner: Exact
-    outer: Exact
-    height_a: Exact
-    height_b: Exact
-
-    defaults: ClassVar[dict[str, Any]] = {
-        **{"p": "1e12", "mu": "0.3", "a": PAD, "b": DISC},
-        **{"inner": "0.08", "outer": "0.16", "height_a": "0.01", "height_b": "0.02"},
-    }
-    """What :meth:`of` takes, in this order or by name."""
+    m: int  # circumferential order
+    p: Exact = Exact("1e12")  # contact stiffness per area, may be infinite
+    mu: Exact = Exact("0.3")  # coefficient of friction
+    a: Material = PAD
+    b: Material = DISC
+    inner: Exact = Exact("0.08")
+    outer: Exact = Exact("0.16")
+    height_a: Exact = Exact("0.01")
+    height_b: Exact = Exact("0.02")
 
     @classmethod
     def of(cls, m: int, *given: Any, **named: Any) -> "Ring":
-        """Ring of numbers or their texts."""
-        ring = cls(order("m", m), **exact_numbers(cls.defaults, given, named))
+        """Ring of numbers or their texts, in the order of the fields or by name."""
+        ring = cls(order("m", m), **exact_numbers(cls, given, named))
         increasing(inner=ring.inner, outer=ring.outer)
         return ring
 

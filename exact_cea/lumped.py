@@ -19,20 +19,12 @@ Matrix = Sequence[Sequence[Fraction]]
 
 @dataclass(frozen=True)
 class LumpedSystem:
-    """``(lambda^2 M + lambda C + K) x = 0`` with rational matrices.
-
-    Parameters
-    ----------
-    name
-        Title.
-    M, C, K
-        Mass, damping with gyroscopic part, stiffness; square, of one size.
-    """
+    """``(lambda^2 M + lambda C + K) x = 0`` with square rational matrices of one size."""
 
     name: str
-    M: Matrix
-    C: Matrix
-    K: Matrix
+    M: Matrix  # mass
+    C: Matrix  # damping with gyroscopic part
+    K: Matrix  # stiffness
 
 
 def rationals(**values: str | float | Exact) -> list[Fraction]:
@@ -107,16 +99,11 @@ def hulten_threshold(
     c2: str | float = "0",
     digits: int = 30,
 ) -> tuple[arb, arb]:
-    """Threshold of the Hulten model without rotation, in closed form.
+    """Threshold mu_c of the Hulten model without rotation, and the squared frequency there.
 
     Undamped: ``mu_c = |k2 - k1| / (2 sqrt(k1 k2))``, the pair meeting at ``(k1 + k2) / 2``.
     Damped: Hurwitz, ``a3 a2 a1 = a1^2 + a3^2 a0`` of the characteristic polynomial, at the
     squared frequency ``a1 / a3``.
-
-    Returns
-    -------
-    tuple
-        mu_c and the squared frequency there.
     """
     a, b, d1, d2 = rationals(k1=k1, k2=k2, c1=c1, c2=c2)
     if a <= 0 or b <= 0 or d1 < 0 or d2 < 0:
@@ -131,26 +118,16 @@ def hulten_threshold(
 
 
 def eigenvalues(system: LumpedSystem, digits: int = 30) -> list[acb]:
-    """All eigenvalues, each as often as its multiplicity.
+    """All eigenvalues, each as often as its multiplicity, sorted by imaginary, then real part.
 
     The characteristic polynomial is exact (interpolated at 2n + 1 integers) and its roots come
     as balls from its square-free factors, so that exceptional points lose no digits.
-
-    Returns
-    -------
-    list of acb
-        Sorted by imaginary, then real part.
     """
     n = len(system.M)
     nodes = range(-n, n + 1)
-    values = [fmpq_mat(_pencil(system, x)).det() for x in nodes]
-    polynomial = fmpq_poly([0])
-    for x, value in zip(nodes, values, strict=True):
-        term = fmpq_poly([value])
-        for y in nodes:
-            if y != x:
-                term *= fmpq_poly([fmpq(-y, x - y), fmpq(1, x - y)])
-        polynomial += term
+    values = fmpq_mat([[fmpq_mat(_pencil(system, x)).det()] for x in nodes])
+    powers = fmpq_mat([[fmpq(x) ** j for j in range(2 * n + 1)] for x in nodes])
+    polynomial = fmpq_poly(powers.solve(values).entries())
     with ctx.workdps(digits + 10):
         factors = cast("list[tuple[acb, int]]", polynomial.numer().complex_roots())
     roots = [root for root, multiplicity in factors for _ in range(multiplicity)]

@@ -10,22 +10,11 @@ from exact_cea.numbers import Exact, positive
 
 @dataclass(frozen=True)
 class Material:
-    """Linear isotropic solid.
+    """Linear isotropic solid, in any consistent units."""
 
-    Parameters
-    ----------
-    E, nu, rho
-        Young's modulus, Poisson's ratio, density, in any consistent units.
-
-    Raises
-    ------
-    InputError
-        Unless E > 0, -1 < nu < 1/2 and rho > 0.
-    """
-
-    E: Exact
-    nu: Exact
-    rho: Exact
+    E: Exact  # Young's modulus
+    nu: Exact  # Poisson's ratio
+    rho: Exact  # density
 
     @classmethod
     def of(
@@ -35,7 +24,10 @@ class Material:
         rho: str | float | Exact,
         body: str = "body",
     ) -> "Material":
-        """Material of numbers or their texts; ``body`` names it in errors."""
+        """Material of numbers or their texts; ``body`` names it in errors.
+
+        Refused unless E > 0, -1 < nu < 1/2 and rho > 0.
+        """
         poisson = Exact(nu, f"{body}.nu")
         if not -1 < float(poisson) < 0.5:
             raise InputError(f"{body}.nu", str(nu), "between -1 and 0.5, both excluded")
@@ -76,19 +68,11 @@ class Response:
     tangential: acb
 
 
-def join(a: Response, b: Response, compliance: arb) -> tuple[acb, acb]:
-    """Gap condition ``s / p = u^a - u^b``, times ``free^a free^b``.
+def join(a: Response, b: Response, p: Exact) -> tuple[acb, acb]:
+    """Coefficients of s and t in the gap condition ``s / p = u^a - u^b``, times ``free^a free^b``.
 
-    Returns
-    -------
-    tuple
-        Coefficients of s and of t in the condition: with friction t = mu s the characteristic
-        function is the first plus mu times the second.
+    With friction t = mu s the characteristic function is the first plus mu times the second.
     """
+    compliance = arb(0) if p.infinite else 1 / p.arb
     normal = a.normal * b.free - b.normal * a.free - compliance * a.free * b.free
     return normal, a.tangential * b.free - b.tangential * a.free
-
-
-def compliance(p: Exact) -> arb:
-    """1 / p, zero for p = infinity."""
-    return arb(0) if p.infinite else 1 / p.arb

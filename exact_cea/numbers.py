@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -18,18 +19,8 @@ _ALLOWED = "a number, or a product such as pi, pi/2 or 3*pi/2, or inf"
 class Exact:
     """A real number kept as written: ``0.1`` is one tenth, ``pi/2`` is half of pi.
 
-    Parameters
-    ----------
-    value
-        A number, or text made of decimal numbers and ``pi`` joined by ``*`` and ``/``, or
-        ``inf``.
-    field
-        Name for error messages.
-
-    Raises
-    ------
-    InputError
-        For anything else.
+    The value is a number, or text made of decimal numbers and ``pi`` joined by ``*`` and ``/``, or
+    ``inf``; anything else is refused, naming the field.
     """
 
     def __init__(self, value: "str | float | Exact", field: str = "value") -> None:
@@ -119,14 +110,19 @@ def check_window(max_frequency: float | None, count: int | None) -> None:
         raise InputError("count", count, "1 or more")
 
 
+def parameters(problem: type[Any]) -> list[str]:
+    """Names of the numbers and materials of a problem, in their order."""
+    return [each.name for each in fields(problem) if each.name not in ("m", "harmonics")]
+
+
 def exact_numbers(
-    defaults: Mapping[str, Any], given: Sequence[Any], named: Mapping[str, Any]
+    problem: type[Any], given: Sequence[Any], named: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Numbers of a problem, given in the order of their defaults or by name.
+    """Parameters of a problem, given in their order or by name.
 
     ``p`` may be infinite, friction zero; materials and what is None stay what they are.
     """
-    chosen = {**defaults, **dict(zip(defaults, given, strict=False)), **named}
+    chosen = {**dict(zip(parameters(problem), given, strict=False)), **named}
     checks: dict[str, Callable[[str, Any], Exact]] = {"mu": not_negative, "mu0": not_negative}
     checks["p"] = partial(positive, infinite=True)
     return {

@@ -23,10 +23,11 @@ from cea.errors import InputError
 from exact_cea import galerkin_problems
 from exact_cea.blocks import Blocks
 from exact_cea.drum import Drum
-from exact_cea.galerkin import GalerkinContact, lowest, lowest_below
+from exact_cea.galerkin import lowest_in
 from exact_cea.galerkin_problems import Ring
 from exact_cea.material import Material
 from exact_cea.numbers import Exact, check_window, positive
+from exact_cea.numbers import parameters as names_of_parameters
 from exact_cea.solve import spectrum
 
 Problem = Drum | Blocks | Ring
@@ -41,21 +42,11 @@ _PROBLEMS |= {"blocks": Blocks, "blocks_constant": Blocks}
 
 @dataclass(frozen=True)
 class WholeSpectrum:
-    """Eigenvalues of whole bodies by rising frequency, each with the harmonic it belongs to.
+    """Eigenvalues of whole bodies by rising frequency, each with the harmonic it belongs to."""
 
-    Parameters
-    ----------
-    values
-        Lambda with Im >= 0, shape (n,).
-    orders
-        Circumferential order m of each, of either sign; 0 in blocks, shape (n,).
-    families
-        Number j of the family ``kz = j pi / depth``; 0 is plane strain, shape (n,).
-    """
-
-    values: Values
-    orders: NDArray[np.int64]
-    families: NDArray[np.int64]
+    values: Values  # lambda with Im >= 0, shape (n,)
+    orders: NDArray[np.int64]  # circumferential order m of each, of either sign; 0 in blocks
+    families: NDArray[np.int64]  # number j of the family kz = j pi / depth; 0 is plane strain
 
 
 def exact_eigenvalues(
@@ -171,7 +162,7 @@ def make_problem(problem: str, *, m: int | None = None, **parameters: Any) -> Pr
     if problem not in _PROBLEMS:
         raise InputError("problem", problem, " or ".join(_PROBLEMS))
     kind = _PROBLEMS[problem]
-    known = {"mu" if name == "mu0" else name for name in kind.defaults}
+    known = {"mu" if name == "mu0" else name for name in names_of_parameters(kind)}
     for name, value in parameters.items():
         if name not in known:
             raise InputError(name, value, f"one of {', '.join(sorted(known))}")
@@ -187,26 +178,18 @@ def make_problem(problem: str, *, m: int | None = None, **parameters: Any) -> Pr
 def _eigenvalues(
     problem: Problem, constant: bool, max_frequency: float | None, count: int | None
 ) -> Values:
-    if isinstance(problem, Ring):
-        return _approximate(
-            galerkin_problems.ring(problem, 12, 1), problem.scale(), max_frequency, count
+    if isinstance(problem, Ring) or (isinstance(problem, Blocks) and constant):
+        contact = (
+            galerkin_problems.ring(problem, 12, 1)
+            if isinstance(problem, Ring)
+            else galerkin_problems.blocks(problem, 12, 4, constant=True)
         )
-    if isinstance(problem, Blocks) and constant:
-        contact = galerkin_problems.blocks(problem, 12, 4, constant=True)
-        return _approximate(contact, problem.scale(), max_frequency, count)
+        return _ordered(lowest_in(contact, problem.scale(), max_frequency, count))
     found = spectrum(
         problem, max_frequency, count, digits=_DIGITS, guess=galerkin_problems.guess(problem)
     )
     values = found.values + [complex(value) for value in found.contact_free]
     return _ordered(np.array(values, complex))[:count]
-
-
-def _approximate(
-    contact: GalerkinContact, scale: float, max_frequency: float | None, count: int | None
-) -> Values:
-    if max_frequency is None:
-        return _ordered(lowest(contact, count or 1, scale))
-    return _ordered(lowest_below(contact, max_frequency, scale))
 
 
 def _family(base: Problem, j: int, depth: Number | None) -> Problem:

@@ -61,25 +61,14 @@ class Box:
 
 @dataclass
 class RootFinder:
-    """Roots of ``f(lambda^2)`` in boxes of the upper half plane of lambda.
+    """Roots of ``f(lambda^2)`` in boxes of the upper half plane of lambda."""
 
-    Parameters
-    ----------
-    f
-        Entire function of ``lambda^2``.
-    turning
-        How fast the phase of f turns with lambda away from roots (rad per unit): first steps
-        along a path are so short that no whole turn can hide in one.
-    real
-        Whether f is real for real arguments: the left of the plane then mirrors the right.
-    precision
-        Bits of the search.
-    """
-
-    f: Function
+    f: Function  # entire function of lambda^2
+    # how fast the phase of f turns with lambda away from roots (rad per unit): first steps along a
+    # path are so short that no whole turn can hide in one
     turning: float
-    real: bool = False
-    precision: int = 96
+    real: bool = False  # whether f is real for real arguments: the left then mirrors the right
+    precision: int = 96  # bits of the search
     _values: dict[complex, tuple[float, float]] = field(default_factory=dict, repr=False)
 
     def count(self, box: Box) -> int:
@@ -204,18 +193,10 @@ def _parabola_root(z: list[acb], w: list[acb]) -> acb | None:
 
 @dataclass(frozen=True)
 class Root:
-    """Root of a characteristic function.
+    """Root of a characteristic function."""
 
-    Parameters
-    ----------
-    value
-        Lambda.
-    digits
-        Digits held, by the ball of f there over its slope.
-    """
-
-    value: acb
-    digits: int
+    value: acb  # lambda
+    digits: int  # digits held, by the ball of f there over its slope
 
 
 def polish(f: Function, start: complex, digits: int) -> Root:

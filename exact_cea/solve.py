@@ -56,21 +56,11 @@ class Characteristic(ABC):
 
 @dataclass(frozen=True)
 class Spectrum:
-    """Eigenvalues with Im >= 0 in a window, sorted by frequency.
+    """Eigenvalues with Im >= 0 in a window, sorted by frequency."""
 
-    Parameters
-    ----------
-    roots
-        Roots of the characteristic function and the digits they hold.
-    contact_free
-        Imaginary eigenvalues of closed form, of modes that never feel the contact.
-    box
-        The window: complete in it, by the argument principle.
-    """
-
-    roots: list[Root]
-    contact_free: list[acb]
-    box: Box
+    roots: list[Root]  # roots of the characteristic function and the digits they hold
+    contact_free: list[acb]  # of closed form, of modes that never feel the contact; imaginary
+    box: Box  # the window: complete in it, by the argument principle
 
     @property
     def values(self) -> list[complex]:
@@ -86,28 +76,11 @@ def spectrum(
     digits: int = DIGITS,
     guess: Guess | None = None,
 ) -> Spectrum:
-    """All eigenvalues of a window, or the lowest few.
+    """All eigenvalues with Im lambda up to a frequency, or the lowest so many, one of both given.
 
-    Parameters
-    ----------
-    problem
-        Characteristic function.
-    max_frequency
-        Upper end of Im lambda.
-    count
-        Instead: number of roots; the window grows until it holds them.
-    max_growth
-        Bound of abs(Re lambda); half of the frequency by default.
-    digits
-        Digits aimed at.
-    guess
-        Lowest eigenvalues by another method, of the number asked for. They save the search where
-        they polish to as many different roots as the window holds; else they are dropped.
-
-    Raises
-    ------
-    InputError
-        Unless exactly one of ``max_frequency`` and ``count`` is given, positive.
+    The window grows until it holds so many; abs(Re lambda) is bounded by half of the frequency
+    where no growth is given. Guesses save the search where they polish to as many different roots
+    as the window holds; else they are dropped.
     """
     check_window(max_frequency, count)
     if max_growth is not None and not 0 < max_growth < math.inf:

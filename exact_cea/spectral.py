@@ -20,20 +20,11 @@ class Axis:
 
     The two end functions come first and last, as only they do not vanish at the ends.
     (B. Szabo, I. Babuska, Finite Element Analysis, chapter 6.)
-
-    Parameters
-    ----------
-    breaks
-        Ends of elements, increasing.
-    degrees
-        Polynomial degree of each element, 1 or more.
-    radial
-        Whether the coordinate is a radius: integrals then carry the weight r.
     """
 
-    breaks: tuple[float, ...]
-    degrees: tuple[int, ...]
-    radial: bool = False
+    breaks: tuple[float, ...]  # ends of elements, increasing
+    degrees: tuple[int, ...]  # polynomial degree of each element, 1 or more
+    radial: bool = False  # whether it is a radius: integrals then carry the weight r
 
     @property
     def size(self) -> int:

@@ -16,7 +16,7 @@ from cea.errors import ConvergenceError, InputError
 from exact_cea import galerkin_problems, lumped
 from exact_cea.blocks import Blocks
 from exact_cea.exceptional_points import exceptional_points
-from exact_cea.galerkin import lowest_below
+from exact_cea.galerkin import lowest_in
 from exact_cea.material import Material
 from exact_cea.numbers import Exact
 from exact_cea.reference import Number, make_problem
@@ -145,4 +145,4 @@ def _constant(
     contact = galerkin_problems.blocks(
         replace(blocks, mu0=Exact(mu)), degree, layers, constant=True
     )
-    return lowest_below(contact, max_frequency, blocks.scale())
+    return lowest_in(contact, blocks.scale(), max_frequency)

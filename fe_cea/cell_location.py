@@ -7,9 +7,9 @@ from typing import Any
 import basix
 import numpy as np
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.location import Boxes
-from fe_cea.facets import geometry_element, slices
+from fe_cea.facets import geometry_element, nodes_and_dofs
 
 _MAX_ITERATIONS = 40
 _STANDS = 1e-14
@@ -117,7 +117,7 @@ class Cells:
         """Positions (n, dim) and derivatives dx_i/dX_j (n, dim, dim)."""
         n, dim = xi.shape
         x, slopes = np.empty((n, dim)), np.empty((n, dim, dim) if jacobian else (0, dim, dim))
-        for rows in slices(n, 16 * (1 + dim) * self.nodes.shape[1]):
+        for rows in chunks(n, 16 * (1 + dim) * self.nodes.shape[1]):
             table = self.geometry.tabulate(int(jacobian), xi[rows])[..., 0]
             nodes = self.nodes[cell[rows]]
             x[rows] = np.einsum("nk,nki->ni", table[0], nodes)
@@ -136,9 +136,5 @@ class Cells:
 
 def own_cells(V: Any) -> tuple[Floats, Ints]:
     """Geometry nodes (m) and global scalar dofs of the cells of this rank."""
-    mesh = V.mesh
-    count = mesh.topology.index_map(mesh.topology.dim).size_local
-    nodes = mesh.geometry.x[mesh.geometry.dofmaps[0][:count], : mesh.geometry.dim]
-    blocks = V.dofmap.list[:count]
-    dofs = V.dofmap.index_map.local_to_global(blocks.ravel()).reshape(blocks.shape)
-    return nodes, dofs.astype(np.int64)
+    count = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
+    return nodes_and_dofs(V, np.arange(count))

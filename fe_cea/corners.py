@@ -24,7 +24,7 @@ def smooth_pairs(dofs: Ints, normals: Floats, on_side: int) -> Ints:
     """Pairs of facets that join smoothly."""
     entries = pairs_of_equal(dofs.ravel())
     one, other = normals.reshape(-1, normals.shape[2])[entries.T]
-    turn = _angle(one, other)
+    turn = angles(one, other)
     crease = np.arccos(CREASE)
     at_node = np.zeros(dofs.size)
     np.maximum.at(at_node, entries.ravel(), np.repeat(np.where(turn > crease, 0.0, turn), 2))
@@ -61,6 +61,6 @@ def _inside(normals: Floats) -> Floats:
     return np.arccos(np.clip(cosine, -1.0, 1.0))
 
 
-def _angle(one: Floats, other: Floats) -> Floats:
-    """Angle (rad) between unit vectors, (n,)."""
-    return np.arccos(np.clip(np.einsum("ij,ij->i", one, other), -1.0, 1.0))
+def angles(one: Floats, other: Floats) -> Floats:
+    """Angles between unit vectors (rad), exact where they are small, (n,)."""
+    return 2 * np.arcsin(np.minimum(np.linalg.norm(one - other, axis=1) / 2, 1.0))

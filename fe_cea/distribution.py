@@ -1,7 +1,6 @@
 """Meshes given as plain arrays, spread over the ranks as dolfinx meshes with tagged facets."""
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import basix
 import basix.ufl
@@ -10,17 +9,10 @@ from dolfinx.graph import adjacencylist
 from dolfinx.io.utils import distribute_entity_data
 from dolfinx.mesh import create_mesh, meshtags_from_entities
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
-from cea.mesh import DIMENSION, SIMPLICES, Cell, Floats, Ints, Mesh, lattice, matching_nodes
+from cea.mesh import DIMENSION, SIMPLICES, Cell, Mesh, lattice, matching_nodes
 from cea.petsc import MPI
-
-
-class TaggedMesh(NamedTuple):
-    """Mesh (dolfinx), tags of its boundary facets, and the tag of each named surface."""
-
-    mesh: Any
-    facet_tags: Any
-    surface_tags: Mapping[str, int]
 
 
 def lasting_communicator(comm: Any) -> Any:
@@ -36,8 +28,11 @@ def lasting_communicator(comm: Any) -> Any:
     return comm
 
 
-def distribute(mesh: Mesh | None, comm: Any, field: str) -> TaggedMesh:
-    """Spread a mesh over the ranks; collective."""
+def distribute(mesh: Mesh | None, comm: Any, field: str) -> tuple[Any, Any, dict[str, int]]:
+    """Spread a mesh over the ranks; collective.
+
+    The mesh (dolfinx), tags of its boundary facets, and the tag of each named surface.
+    """
     said = (mesh.cell, mesh.order, tuple(mesh.surfaces)) if mesh is not None else None
     said = comm.bcast(said, root=0)
     if said is None:
@@ -57,7 +52,7 @@ def distribute(mesh: Mesh | None, comm: Any, field: str) -> TaggedMesh:
     spread.topology.create_connectivity(dim - 1, dim)
     entities, values = distribute_entity_data(spread, dim - 1, facets, tags)
     facet_tags = meshtags_from_entities(spread, dim - 1, adjacencylist(entities), values)
-    return TaggedMesh(spread, facet_tags, {name: tag for tag, name in enumerate(names, start=1)})
+    return spread, facet_tags, {name: tag for tag, name in enumerate(names, start=1)}
 
 
 def _arrays(mesh: Mesh | None, cell: Cell, order: int) -> tuple[Floats, Ints, Ints, Any]:

@@ -11,15 +11,13 @@ more than their distance: four times it on a circle where they are quadratic. Cu
 directions of a surface add up. Where normals differ by more than 50 degrees bodies have an edge.
 """
 
+from typing import Any
+
 import basix
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.location import cross
-from fe_cea.facets import FacetLayer
-
-_EDGE = np.radians(50.0)
-"""Angle from which facets meet at an edge of the body; of eight round a circle it is 45 degrees."""
+from fe_cea.corners import CREASE, angles
 
 _ACROSS = {
     basix.CellType.interval: ((0, 1),),
@@ -29,39 +27,32 @@ _ACROSS = {
 """Edges (ends in 2D) of the reference facet that the same direction crosses."""
 
 
-def sagittas(layer: FacetLayer) -> Floats:
-    """Estimated distance (m) of each facet from the smooth surface it stands for, (n_facets,)."""
-    kind = layer.geometry.facet.cell_type
-    corners = np.array(basix.topology(kind)[layer.dim - 2])  # of each edge
-    normals, reach = _normals(layer), _reach(layer, corners)
+def sagittas(kind: Any, nodes: Floats, dofs: Ints, normals: Floats) -> Floats:
+    """Estimated distance (m) of facets of a kind from the smooth surface they stand for, (n,).
+
+    Of their nodes (m), (n, n_nodes, dim), dofs, and outward unit normals at their corners,
+    (n, n_corners, dim).
+    """
+    corners = np.array(basix.topology(kind)[nodes.shape[2] - 2])  # of each edge
+    reach = _reach(nodes, corners)
     found = np.zeros(reach.shape)
-    (facet, edge), (other, its_edge) = _neighbours(layer, corners)
+    (facet, edge), (other, its_edge) = _neighbours(dofs, corners)
     angle = np.zeros(len(facet))
     for k in range(corners.shape[1]):
         for own, others in ((k, k), (k, -1 - k)):  # neighbours may list them the other way round
             mine, its = corners[edge, own], corners[its_edge, others]
-            same = layer.facet_dofs[facet, mine] == layer.facet_dofs[other, its]
-            turned = _angle(normals[facet, mine], normals[other, its])
+            same = dofs[facet, mine] == dofs[other, its]
+            turned = angles(normals[facet, mine], normals[other, its])
             angle = np.maximum(angle, np.where(same, turned, 0.0))
     length, beyond = reach[facet, edge], reach[other, its_edge]
-    smooth = angle < _EDGE
+    smooth = angle < np.arccos(CREASE)
     found[facet, edge] = np.where(smooth, angle * length**2 / (4 * (length + beyond)), 0.0)
     along = [found[:, list(edges)].max(axis=1) for edges in _ACROSS[kind]]
     return np.sum(along, axis=0)
 
 
-def _normals(layer: FacetLayer) -> Floats:
-    """Outward unit normals of the facets at their corners, (n_facets, n_corners, dim)."""
-    xi = basix.geometry(layer.geometry.facet.cell_type)
-    n = len(layer)
-    _, tangents = layer.tangents(np.repeat(np.arange(n), len(xi)), np.tile(xi, (n, 1)))
-    normal = cross(tangents).reshape(n, len(xi), -1) * layer.orientation[:, None, None]
-    return normal / np.linalg.norm(normal, axis=2, keepdims=True)
-
-
-def _reach(layer: FacetLayer, corners: Ints) -> Floats:
+def _reach(nodes: Floats, corners: Ints) -> Floats:
     """How far each facet reaches from each of its edges (m), (n_facets, n_edges)."""
-    nodes = layer.facet_nodes
     start, stop = nodes[:, corners[:, 0]], nodes[:, corners[:, -1]]
     arm = nodes[:, None] - start[:, :, None]
     along = stop - start
@@ -70,9 +61,9 @@ def _reach(layer: FacetLayer, corners: Ints) -> Floats:
     return np.linalg.norm(across, axis=3).max(axis=2)
 
 
-def _neighbours(layer: FacetLayer, corners: Ints) -> tuple[tuple[Ints, Ints], tuple[Ints, Ints]]:
+def _neighbours(dofs: Ints, corners: Ints) -> tuple[tuple[Ints, Ints], tuple[Ints, Ints]]:
     """Facets with a common edge, each pair both ways: facets and their edges, (n,) each."""
-    ends = np.sort(layer.facet_dofs[:, corners], axis=2)
+    ends = np.sort(dofs[:, corners], axis=2)
     _, group = np.unique(ends.reshape(-1, corners.shape[1]), axis=0, return_inverse=True)
     order = np.argsort(group, kind="stable")
     pairs = np.flatnonzero(np.diff(group[order]) == 0)
@@ -80,8 +71,3 @@ def _neighbours(layer: FacetLayer, corners: Ints) -> tuple[tuple[Ints, Ints], tu
     count = len(corners)
     one = np.divmod(np.concatenate([first, second]), count)
     return one, np.divmod(np.concatenate([second, first]), count)
-
-
-def _angle(a: Floats, b: Floats) -> Floats:
-    """Angles between unit vectors (rad), exact where they are small, (n,)."""
-    return 2 * np.arcsin(np.minimum(np.linalg.norm(a - b, axis=1) / 2, 1.0))

@@ -9,9 +9,13 @@ from dolfinx.fem import functionspace
 from dolfinx.fem.petsc import interpolation_matrix
 from scipy.sparse import csr_array, vstack
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
+from cea.errors import require
 from cea.volume import VolumeCells
-from fe_cea.facets import geometry_element, slices
+from fe_cea.facets import geometry_element
+
+_FLAT = 1e-10
+"""Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""
 
 
 def lagrange_cells(V: Any) -> VolumeCells:
@@ -21,7 +25,9 @@ def lagrange_cells(V: Any) -> VolumeCells:
     """
     mesh, dim = V.mesh, V.mesh.geometry.dim
     degree = max(V.ufl_element().degree, geometry_element(mesh).degree)
-    W, element = _equispaced(mesh, degree)
+    kind = basix.LagrangeVariant.equispaced
+    of_mesh = basix.ufl.element("Lagrange", mesh.basix_cell(), degree, lagrange_variant=kind)
+    W, element = functionspace(mesh, of_mesh), of_mesh.basix_element
     numbers = W.dofmap.index_map
     points = W.tabulate_dof_coordinates()[:, :dim]
 
@@ -66,25 +72,17 @@ def _in_right_handed_order(cells: Ints, lattice: Ints, points: Floats) -> Ints:
     return np.where(np.linalg.det(edges)[:, None] < 0, cells[:, exchanged], cells)
 
 
-def _equispaced(mesh: Any, degree: int) -> tuple[Any, Any]:
-    """Lagrange space on equally spaced nodes (dolfinx), and its element (basix)."""
-    element = basix.ufl.element(
-        "Lagrange",
-        mesh.basix_cell(),
-        degree,
-        lagrange_variant=basix.LagrangeVariant.equispaced,
-    )
-    return functionspace(mesh, element), element.basix_element
-
-
-def cell_jacobians(mesh: Any) -> Floats:
-    """Jacobian determinants (m^dim) at Gauss points of the cells of this rank, (cells, points)."""
+def check_jacobians(mesh: Any, field: str) -> None:
+    """Refuse cells of this rank whose Jacobian at Gauss points changes sign or vanishes."""
     element = geometry_element(mesh)
     points, _ = basix.make_quadrature(mesh.basix_cell(), 2 * element.degree + 1)
     slopes = element.tabulate(1, points)[1:, :, :, 0]
     owned = mesh.topology.index_map(mesh.topology.dim).size_local
-    out = np.empty((owned, len(points)))
-    for rows in slices(owned, 16 * mesh.geometry.dim**2 * len(points)):
+    jacobians = np.empty((owned, len(points)))
+    for rows in chunks(owned, 16 * mesh.geometry.dim**2 * len(points)):
         nodes = mesh.geometry.x[mesh.geometry.dofmaps[0][rows], : mesh.geometry.dim]
-        out[rows] = np.linalg.det(np.einsum("jqk,cki->cqij", slopes, nodes, optimize=True))
-    return out
+        jacobians[rows] = np.linalg.det(np.einsum("jqk,cki->cqij", slopes, nodes, optimize=True))
+    turned = np.sign(jacobians[:, :1]) * jacobians
+    inverted = ~(turned.min(axis=1) > _FLAT * np.abs(jacobians).max(axis=1))
+    allowed = "cells whose Jacobian keeps its sign: some are inverted or flat"
+    require(not inverted.any(), field, f"{inverted.sum()} of {owned} cells", allowed)

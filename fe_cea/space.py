@@ -10,7 +10,7 @@ from dolfinx.fem import functionspace
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-from cea.errors import InputError
+from cea.errors import require
 from cea.mesh import Mesh
 from cea.petsc import MPI
 from cea.ranks import agreed
@@ -19,15 +19,12 @@ from cea.supports.constraints import Constraints
 from cea.surface import TrueSurface
 from cea.volume import VolumeCells
 from fe_cea.distribution import distribute, lasting_communicator
-from fe_cea.facets import gather_facets
 from fe_cea.matrices import LagrangeMatrices
 from fe_cea.prolongation import prolongation
-from fe_cea.sampling import cell_jacobians, lagrange_cells
+from fe_cea.sampling import check_jacobians, lagrange_cells
 from fe_cea.supports import nodal_constraints
 from fe_cea.surface import FESurface
 
-_FLAT = 1e-10
-"""Smallest Jacobian of a cell, relative to its largest, that is not called inverted."""
 _UNKNOWN: Mapping[str, TrueSurface] = MappingProxyType({})
 
 
@@ -73,16 +70,16 @@ class LagrangeSpace(LagrangeMatrices):
         true_surfaces: Mapping[str, TrueSurface] = _UNKNOWN,
         field: str = "body",
     ) -> None:
-        if type(degree) is not int or not 1 <= degree <= 4:
-            raise InputError(f"{field}.degree", degree, "1 to 4")
-        if mass_quadrature is not None and mass_quadrature < 0:
-            raise InputError(f"{field}.mass_quadrature", mass_quadrature, "0 or more")
+        known = type(degree) is int and 1 <= degree <= 4
+        require(known, f"{field}.degree", degree, "1 to 4")
+        real = mass_quadrature is None or mass_quadrature >= 0
+        require(real, f"{field}.mass_quadrature", mass_quadrature, "0 or more")
         self.comm = lasting_communicator(mesh.comm)
         for surface, tag in surface_tags.items():
-            if self.comm.allreduce(len(facet_tags.find(tag))) == 0:
-                raise InputError(f"{field}.surfaces.{surface}", tag, "the tag of some facets")
+            there = self.comm.allreduce(len(facet_tags.find(tag))) > 0
+            require(there, f"{field}.surfaces.{surface}", tag, "the tag of some facets")
         with agreed(self.comm):
-            _check_jacobians(cell_jacobians(mesh), f"{field}.mesh")
+            check_jacobians(mesh, f"{field}.mesh")
         self._field = field
         super().__init__(functionspace(mesh, ("Lagrange", degree)), self.comm, mass_quadrature)
         self._facets = {name: facet_tags.find(tag) for name, tag in surface_tags.items()}
@@ -115,11 +112,8 @@ class LagrangeSpace(LagrangeMatrices):
         InputError
             When rank 0 has no mesh, or as for :class:`LagrangeSpace`.
         """
-        spread = distribute(mesh, comm, f"{field}.mesh")
         return cls(
-            spread.mesh,
-            spread.facet_tags,
-            spread.surface_tags,
+            *distribute(mesh, comm, f"{field}.mesh"),
             degree=degree,
             mass_quadrature=mass_quadrature,
             true_surfaces=true_surfaces,
@@ -135,9 +129,8 @@ class LagrangeSpace(LagrangeMatrices):
     @cached_property
     def surfaces(self) -> Mapping[str, FESurface]:
         """Named surfaces."""
-        count, known = self.scalar.dofmap.index_map.size_global, self._true_surfaces
         return {
-            name: FESurface(name, gather_facets(self.scalar, facets), count, known.get(name))
+            name: FESurface(name, self.scalar, facets, self._true_surfaces.get(name))
             for name, facets in self._facets.items()
         }
 
@@ -169,14 +162,3 @@ class LagrangeSpace(LagrangeMatrices):
         Complete on every rank.
         """
         return lagrange_cells(self.scalar)
-
-
-def _check_jacobians(jacobians: Floats, field: str) -> None:
-    """Refuse cells whose Jacobian, at points of each, (cells, points), changes sign or vanishes."""
-    largest = np.abs(jacobians).max(axis=1)
-    turned = np.sign(jacobians[:, :1]) * jacobians
-    inverted = ~(turned.min(axis=1) > _FLAT * largest)
-    if inverted.any():
-        allowed = "cells whose Jacobian keeps its sign: some are inverted or flat"
-        value = f"{inverted.sum()} of {len(jacobians)} cells"
-        raise InputError(field, value, allowed)

@@ -40,17 +40,15 @@ def nodal_constraints(
     held, rollers = [], []
     for number, support in enumerate(supports):
         dofs, x, normal = _nodes(surfaces[support.surface], points)
-        values = [np.full(len(dofs), value) for value in support.values(dim)]
+        values = support.values(dim)
         if isinstance(support.frame, SurfaceNormal):
-            along = values[0] if support.prescribes else None
-            rollers.append(Directions(dofs, normal, along, np.full(len(dofs), number)))
+            rollers.append(Directions.of(dofs, normal, values[0], number))
             continue
         nodes, first = np.unique(dofs, return_index=True)
         for direction, value in zip(
             support.directions(x[first], normal[first]), values, strict=True
         ):
-            along = value[first] if support.prescribes else None
-            held.append(Directions(nodes, direction, along, np.full(len(nodes), number)))
+            held.append(Directions.of(nodes, direction, value, number))
     if rollers:
         held.append(_mean_normals(Directions.joined(rollers, dim), field))
     return constrain(num_scalar_dofs, Directions.joined(held, dim), field=field)
@@ -76,13 +74,11 @@ def _mean_normals(normals: Directions, field: str) -> Directions:
     dofs = np.zeros(count, dtype=np.int64)
     dofs[label] = normals.dof
     directions = mean / np.linalg.norm(mean, axis=1, keepdims=True)
-    value = None
-    if normals.value is not None:
-        value = np.zeros(count)
-        value[label] = normals.value
-        wrong = normals.value[value[label] != normals.value]
-        if len(wrong):
-            allowed = "the same along normals of faces that join smoothly"
-            raise InputError(f"{field}.value", float(wrong[0]), allowed)
-    own, support = np.unique(np.column_stack([label, normals.supports]), axis=0).T
-    return Directions(dofs[own], directions[own], None if value is None else value[own], support)
+    value = np.zeros(count)
+    value[label] = normals.value
+    wrong = normals.value[value[label] != normals.value]
+    if len(wrong):
+        allowed = "the same along normals of faces that join smoothly"
+        raise InputError(f"{field}.value", float(wrong[0]), allowed)
+    own, support = np.unique(np.column_stack([label, normals.support]), axis=0).T
+    return Directions(dofs[own], directions[own], value[own], support)

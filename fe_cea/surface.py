@@ -1,18 +1,23 @@
-"""Named surface of a Lagrange body: point rules, location of points, trace and gradient."""
+"""Named surface of a Lagrange body: its facets with one layer of cells behind them.
+
+Geometry and dofs of that layer are replicated on every rank.
+"""
 
 from functools import cached_property
+from typing import Any
 
 import basix
 import numpy as np
+from dolfinx.fem import IntegralType, compute_integration_domains
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.location import cross
 from cea.surface import Surface, TrueSurface
 from cea.surface_points import SurfaceCells, SurfaceCoordinates, SurfacePoints
 from fe_cea.corners import smooth_pairs
-from fe_cea.facets import FacetLayer
+from fe_cea.facets import FacetBasis, geometry_element, nodes_and_dofs, reference_facets
 from fe_cea.sagitta import sagittas
 
 _OUTLINES = {
@@ -30,14 +35,17 @@ class FESurface(Surface):
     coordinates it bears. Of points that several facets of a smooth part share there is one, on the
     first facet; at a corner each smooth part has its own.
 
+    Facet coordinates xi live on the unit interval, triangle or square; the point is
+    ``corner + edges xi`` of the local facet in the reference cell.
+
     Parameters
     ----------
     name
         Name of the surface.
-    layer
-        Its facets with the cells behind them.
-    num_scalar_dofs
-        Scalar dofs of the body.
+    V
+        Scalar Lagrange space of the body (dolfinx).
+    facets
+        Boundary facets on this rank; making the surface is collective.
     true
         The surface that the facets interpolate; None where it is not known.
     """
@@ -45,30 +53,51 @@ class FESurface(Surface):
     abscissa_kinds = ("nodes",)
     abscissa_weights = ("equal", "tributary")
 
-    def __init__(
-        self,
-        name: str,
-        layer: FacetLayer,
-        num_scalar_dofs: int,
-        true: TrueSurface | None = None,
-    ) -> None:
-        super().__init__(name, num_scalar_dofs, true)
-        self._layer = layer
-        self._facet = layer.geometry.facet.cell_type
+    def __init__(self, name: str, V: Any, facets: Ints, true: TrueSurface | None = None) -> None:
+        super().__init__(name, V.dofmap.index_map.size_global, true)
+        topology = V.mesh.topology
+        tdim = topology.dim
+        topology.create_connectivity(tdim - 1, tdim)
+        topology.create_connectivity(tdim, tdim - 1)
+        pairs = compute_integration_domains(
+            IntegralType.exterior_facet, topology, np.asarray(facets, dtype=np.int32)
+        )
+        cells, local = np.reshape(pairs, (-1, 2)).T
+        nodes, dofs, local = (
+            np.concatenate(V.mesh.comm.allgather(part))
+            for part in (*nodes_and_dofs(V, cells), local.astype(np.int64))
+        )
+        self._geometry = FacetBasis(geometry_element(V.mesh))
+        self._trace = FacetBasis(V.ufl_element().basix_element)
+        # Sorted by their midpoints, so that the order of facets does not depend on the partition.
+        midpoint = self._on_facets(nodes, self._geometry, local).mean(axis=1)
+        extent = np.ptp(midpoint, axis=0).max(initial=0) or 1.0
+        order = np.lexsort(np.round(midpoint / extent, 9).T[::-1])
+        # Of the cell behind each facet: geometry nodes (m), (n, n_geometry, dim), global scalar
+        # dofs, (n, n_dofs), and the number of the facet in it, (n,).
+        self._nodes, self._dofs, self._local = nodes[order], dofs[order], local[order]
+        self._facet_nodes = self._on_facets(self._nodes, self._geometry, self._local)
+        self._facet_dofs = self._on_facets(self._dofs[..., None], self._trace, self._local)[..., 0]
+        self._facet = self._geometry.facet.cell_type
+
+    @staticmethod
+    def _on_facets(of_cells: Any, basis: FacetBasis, local: Ints) -> Any:
+        """What belongs to the dofs of cells, (n, dofs, k), at those of their facets."""
+        return np.take_along_axis(of_cells, basis.closure[local][:, :, None], axis=1)
 
     @cached_property
     def domains(self) -> tuple[Floats, Floats]:
         """The unit interval, triangle or square of each facet."""
-        shape = (len(self._layer), self._layer.dim - 1)
+        shape = (len(self._local), self._nodes.shape[2] - 1)
         return np.zeros(shape), np.ones(shape)
 
     @cached_property
     def _cells(self) -> SurfaceCells:
         outline = _OUTLINES[self._facet]
-        corners = np.broadcast_to(outline, (len(self._layer), *outline.shape))
+        corners = np.broadcast_to(outline, (self.num_elements, *outline.shape))
         tensor = self._facet != basix.CellType.triangle
-        degree = self._layer.trace.cell.degree
-        return SurfaceCells(np.arange(len(self._layer)), corners, degree, tensor)
+        degree = self._trace.cell.degree
+        return SurfaceCells(np.arange(self.num_elements), corners, degree, tensor)
 
     def cells(self) -> SurfaceCells:
         """The facets."""
@@ -77,19 +106,17 @@ class FESurface(Surface):
     @cached_property
     def element_areas(self) -> Floats:
         """Area (m^2; length in 2D) of each facet."""
-        return self._area_points.weight.reshape(len(self._layer), -1).sum(axis=1)
+        return self._area_points.weight.reshape(self.num_elements, -1).sum(axis=1)
 
     @property
     def _area_points(self) -> SurfacePoints:
         """Gauss points for the area, on flat facets exact for squares of traces too."""
-        return self.gauss_points(
-            self._layer.geometry.cell.degree + max(3, self._layer.trace.cell.degree)
-        )
+        return self.gauss_points(self._geometry.cell.degree + max(3, self._trace.cell.degree))
 
     @cached_property
     def _sizes(self) -> Floats:
         """Largest distance between nodes of each facet (m), (n_facets,)."""
-        nodes = self._layer.facet_nodes
+        nodes = self._facet_nodes
         return np.linalg.norm(nodes[:, :, None] - nodes[:, None, :], axis=3).max(axis=(1, 2))
 
     def size(self, element: Ints) -> Floats:
@@ -98,35 +125,78 @@ class FESurface(Surface):
 
     def tangents(self, element: Ints, xi: Floats) -> tuple[Floats, Floats]:
         """Positions (n, dim) and derivatives dx_i/dxi_j (n, dim, dim - 1)."""
-        return self._layer.tangents(element, xi)
+        n, dim = len(element), self.dim
+        x, dx = np.empty((n, dim)), np.empty((n, dim, dim - 1))
+        for rows in chunks(n, 16 * dim * self._facet_nodes.shape[1]):
+            table = self._geometry.facet.tabulate(1, xi[rows])[..., 0]
+            both = table.transpose(1, 0, 2) @ self._facet_nodes[element[rows]]
+            x[rows], dx[rows] = both[:, 0], both[:, 1:].swapaxes(1, 2)
+        return x, dx
+
+    @cached_property
+    def _orientation(self) -> Floats:
+        """Sign that turns the cross product of a facet's tangents outward, (n,)."""
+        everywhere = np.arange(self.num_elements)
+        centre = np.full((self.num_elements, self.dim - 1), 1 / self.dim)
+        _, tangents = self.tangents(everywhere, centre)
+        jacobian = self._cell_jacobian(everywhere, self._reference_points(everywhere, centre))
+        outward = basix.cell.facet_outward_normals(self._geometry.cell.cell_type)[self._local]
+        pushed = np.linalg.solve(jacobian.swapaxes(1, 2), outward[:, :, None])[:, :, 0]
+        return np.sign(np.einsum("ni,ni->n", cross(tangents), pushed))
 
     def area_normals(self, at: SurfaceCoordinates) -> tuple[Floats, Floats, Floats]:
         """Positions, outward unit normals, and area per area of xi."""
-        x, tangents = self._layer.tangents(at.element, at.xi)
-        normal = self._layer.orientation[at.element, None] * cross(tangents)
+        x, tangents = self.tangents(at.element, at.xi)
+        normal = self._orientation[at.element, None] * cross(tangents)
         area = np.linalg.norm(normal, axis=1)
         return x, normal / area[:, None], area
 
     @property
     def function_dofs(self) -> Ints:
         """Scalar dofs of the nodes of each facet, facet by facet."""
-        return self._layer.facet_dofs.ravel()
+        return self._facet_dofs.ravel()
 
     def function_points(self, kind: str) -> SurfaceCoordinates:
         """Interpolation nodes of every facet, facet by facet."""
-        points, n = self._layer.trace.facet.points, len(self._layer)
+        return self._everywhere(self._trace.facet.points)
+
+    def _everywhere(self, points: Floats) -> SurfaceCoordinates:
+        """The same points of each facet, facet by facet."""
+        n = self.num_elements
         return SurfaceCoordinates(np.repeat(np.arange(n), len(points)), np.tile(points, (n, 1)))
 
     def values(self, at: SurfaceCoordinates, columns: Ints, count: int) -> csr_array:
         """Values of the functions of the nodes of facets; all others vanish there."""
-        numbers = columns.reshape(self._layer.facet_dofs.shape)[at.element]
-        return self._rows(self._layer.trace_values(at.xi), numbers, count)
+        numbers = columns.reshape(self._facet_dofs.shape)[at.element]
+        return self._rows(self._trace_values(at.xi), numbers, count)
+
+    def _trace_values(self, xi: Floats) -> Floats:
+        """Values at facet coordinates of the basis functions of a facet, (n, n_dofs)."""
+        return self._trace.facet.tabulate(0, xi)[0, :, :, 0]
 
     def gradient(self, at: SurfaceCoordinates) -> tuple[csr_array, ...]:
         """Derivatives of the scalar basis functions along x, y, z, each (n, num_scalar_dofs)."""
-        columns = self._layer.dofs[self.known(at)]
-        gradients = self._layer.gradients(at.element, at.xi)
+        element, xi, n, dim = self.known(at), at.xi, len(at), self.dim
+        columns = self._dofs[element]
+        gradients = np.empty((dim, n, columns.shape[1]))
+        per_point = 16 * (1 + dim) * (self._nodes.shape[1] + columns.shape[1])
+        for rows in chunks(n, per_point):
+            reference = self._reference_points(element[rows], xi[rows])
+            inverse = np.linalg.inv(self._cell_jacobian(element[rows], reference))
+            table = self._trace.cell.tabulate(1, reference)[1:, :, :, 0]
+            gradients[:, rows] = np.einsum("jnk,nji->ink", table, inverse)
         return tuple(self._rows(g, columns, self.num_scalar_dofs) for g in gradients)
+
+    def _reference_points(self, element: Ints, xi: Floats) -> Floats:
+        """Points of facets in their reference cells, (n, dim)."""
+        corners, edges = reference_facets(self._geometry.cell.cell_type)
+        local = self._local[element]
+        return corners[local] + np.einsum("nij,nj->ni", edges[local], xi)
+
+    def _cell_jacobian(self, element: Ints, reference: Floats) -> Floats:
+        """Derivatives dx_i/dX_j of the cell maps, (n, dim, dim)."""
+        table = self._geometry.cell.tabulate(1, reference)[1:, :, :, 0]
+        return np.einsum("jnk,nki->nij", table, self._nodes[element])
 
     def _rows(self, values: Floats, columns: Ints, count: int) -> csr_array:
         n, per_row = values.shape
@@ -138,16 +208,16 @@ class FESurface(Surface):
 
     def join_smoothly(self, at: SurfaceCoordinates, pairs: Ints) -> NDArray[np.bool_]:
         """Whether the facets of pairs of points join smoothly."""
-        n = len(self._layer)
+        n = self.num_elements
         one, other = np.sort(at.element[pairs], axis=1).T
         return np.isin(one * n + other, self._smooth_pairs @ np.array([n, 1]))
 
     @cached_property
     def _smooth_pairs(self) -> Ints:
         """Pairs of facets that join smoothly, (n, 2)."""
-        dofs = self._layer.facet_dofs
+        dofs = self._facet_dofs
         normals = self.normal(self.function_points("nodes")).reshape(*dofs.shape, self.dim)
-        on_side = 1 if self.dim == 2 else self._layer.trace.cell.degree + 1
+        on_side = 1 if self.dim == 2 else self._trace.cell.degree + 1
         return smooth_pairs(dofs, normals, on_side)
 
     def shares(self) -> Floats:
@@ -156,8 +226,8 @@ class FESurface(Surface):
         As Hinton, Rock & Zienkiewicz 1976 lump a mass: positive where integrals of N_i are not.
         """
         points = self._area_points
-        n = len(points) // len(self._layer)
-        squares = self._layer.trace_values(points.at.xi[:n]) ** 2
+        n = len(points) // self.num_elements
+        squares = self._trace_values(points.at.xi[:n]) ** 2
         measure = points.weight.reshape(-1, n)
         parts = measure @ squares
         parts *= (measure.sum(axis=1) / parts.sum(axis=1))[:, None]
@@ -171,4 +241,6 @@ class FESurface(Surface):
 
     @cached_property
     def _sagittas(self) -> Floats:
-        return sagittas(self._layer)
+        corners = self._everywhere(basix.geometry(self._facet))
+        normals = self.normal(corners).reshape(self.num_elements, -1, self.dim)
+        return sagittas(self._facet, self._facet_nodes, self._facet_dofs, normals)

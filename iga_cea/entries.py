@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.ranks import agreed
-from iga_cea.grids import chunks
 from iga_cea.metric import Map, factors_of, lines_of
 from iga_cea.multipatch import Multipatch
 from iga_cea.pattern import Pattern

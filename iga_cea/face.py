@@ -12,9 +12,9 @@ import numpy as np
 from cea.arrays import Floats, Ints
 from cea.location import cross
 from iga_cea.face_shape import FaceShape, tensor_splines
-from iga_cea.grids import applied_along, grid_points, projected
+from iga_cea.grids import grid_points, projected
 from iga_cea.patch import Patch
-from iga_cea.splines import basis_matrix, botella, greville
+from iga_cea.splines import botella, greville
 
 _SINGULAR = 1e-12
 """Jacobian taken for zero, relative to the power of its longest tangent."""
@@ -33,34 +33,18 @@ class PatchFace:
     The outward parameter eta is the patch parameter across the face, turned and scaled so that the
     outermost spline has derivative 1 there; the next one then has -1. Physical derivatives and
     normals do not depend on its scale.
-
-    Parameters
-    ----------
-    patch, axis, side
-        Which face it is.
-    degrees
-        Degree along each of the remaining parameters, in axis order.
-    knots
-        Open knot vectors along them.
-    control_points
-        Control points (m) on the face and behind it, shape (n1, ..., 2, dim).
-    weights
-        Their weights, shape (n1, ..., 2).
-    dofs
-        Their scalar dofs, shape (n1, ..., 2).
-    shape
-        Its map before knots were inserted, which goes on beyond its edges.
     """
 
+    # which face it is
     patch: int
     axis: int
     side: int
-    degrees: tuple[int, ...]
-    knots: tuple[Floats, ...]
-    control_points: Floats
-    weights: Floats
-    dofs: Ints
-    shape: FaceShape
+    degrees: tuple[int, ...]  # degree along each of the remaining parameters, in axis order
+    knots: tuple[Floats, ...]  # open knot vectors along them
+    control_points: Floats  # control points (m) on the face and behind it, shape (n1, ..., 2, dim)
+    weights: Floats  # their weights, shape (n1, ..., 2)
+    dofs: Ints  # their scalar dofs, shape (n1, ..., 2)
+    shape: FaceShape  # its map before knots were inserted, which goes on beyond its edges
 
     @classmethod
     def of(cls, patch: Patch, dofs: Ints, end: tuple[int, int, int]) -> "PatchFace":
@@ -101,32 +85,23 @@ class PatchFace:
         """Ends of the non-empty knot spans along each parameter."""
         return tuple(np.unique(knots) for knots in self.knots)
 
-    @cached_property
-    def greville(self) -> tuple[Floats, ...]:
-        """Greville abscissae along each parameter."""
-        return tuple(greville(k, p) for k, p in zip(self.knots, self.degrees, strict=True))
-
-    @cached_property
-    def botella(self) -> tuple[Floats, ...]:
-        """Parameters of the maxima of the B-splines along each parameter."""
-        return tuple(botella(k, p) for k, p in zip(self.knots, self.degrees, strict=True))
-
-    @cached_property
-    def span_diameters(self) -> Floats:
-        """Longest diagonal of each knot span (m), flat."""
-        corners = grid_points(self.breaks)
-        counts = [len(b) for b in self.breaks]
-        x = self.tangents(corners)[0].reshape(*counts, self.dim)
-        if self.dim == 2:
-            return np.linalg.norm(np.diff(x, axis=0), axis=-1)
-        rising = np.linalg.norm(x[1:, 1:] - x[:-1, :-1], axis=-1)
-        falling = np.linalg.norm(x[1:, :-1] - x[:-1, 1:], axis=-1)
-        return np.maximum(rising, falling).ravel()
+    def abscissae(self, kind: str) -> Floats:
+        """Tensor grid of ``greville`` abscissae, or of maxima of the B-splines (``botella``)."""
+        along = {"greville": greville, "botella": botella}[kind]
+        return grid_points(
+            tuple(along(k, p) for k, p in zip(self.knots, self.degrees, strict=True))
+        )
 
     @cached_property
     def size(self) -> float:
-        """Diameter of its largest knot span (m)."""
-        return float(self.span_diameters.max())
+        """Longest diagonal of a knot span (m)."""
+        counts = [len(b) for b in self.breaks]
+        x = self.tangents(grid_points(self.breaks))[0].reshape(*counts, self.dim)
+        if self.dim == 2:
+            return float(np.linalg.norm(np.diff(x, axis=0), axis=-1).max())
+        rising = np.linalg.norm(x[1:, 1:] - x[:-1, :-1], axis=-1)
+        falling = np.linalg.norm(x[1:, :-1] - x[:-1, 1:], axis=-1)
+        return float(np.maximum(rising, falling).max())
 
     def trace(self, xi: Floats) -> tuple[Ints, Floats]:
         """Functions with a value on the face: flat numbers and values, both (n, functions)."""
@@ -149,16 +124,9 @@ class PatchFace:
         ends = [net[tuple(-int(k == axis) for k in self._axes)] for axis in self._axes]
         length = np.array([knots[-1] - knots[0] for knots in self.knots])
         edges = (np.array(ends) - corner).T / length
-        flat = corner + self._from_first_corner(grid_points(self.greville)) @ edges.T
+        flat = corner + self._from_first_corner(self.abscissae("greville")) @ edges.T
         off = np.abs(flat - self._points[:, 0]).max()
         return (corner, edges) if off <= _ROUNDING * np.abs(net).max() else None
-
-    @property
-    def flat_area(self) -> float:
-        """Area (m^2; length in 2D) of a face that is affine."""
-        assert self.affine is not None
-        extent = np.prod([knots[-1] - knots[0] for knots in self.knots])
-        return float(extent * np.linalg.norm(cross(self.affine[1][None])))
 
     @property
     def _axes(self) -> range:
@@ -189,33 +157,13 @@ class PatchFace:
         at, splines, slopes = self._splines(xi, derivatives=True)
         return projected(np.stack([splines, *slopes], axis=1) @ self._homogeneous[at])
 
-    def tangents_on(self, parameters: tuple[Floats, ...]) -> tuple[Floats, Floats]:
-        """The same on a tensor grid of parameters, points in C order: one direction at a time."""
-        if self.affine is not None:
-            return self.tangents(grid_points(parameters))
-        net = self._homogeneous.reshape(*self.weights.shape[:-1], self.dim + 1)
-        parts = [net] * self.dim
-        for k, (knots, p) in enumerate(zip(self.knots, self.degrees, strict=True)):
-            values, slopes = (basis_matrix(knots, p, parameters[k], d) for d in (0, 1))
-            parts = [
-                applied_along(slopes if number == k + 1 else values, part, k)
-                for number, part in enumerate(parts)
-            ]
-        return projected(np.stack(parts, axis=-2).reshape(-1, self.dim, self.dim + 1))
-
     def normals(self, xi: Floats) -> tuple[Floats, Floats, Floats]:
         """Positions (n, dim), outward unit normals (n, dim), area per reference area (n,).
 
         By Nanson's formula det J J^-T maps the outward reference normal to the cross product of
         the tangents. On collapsed edges, where that vanishes, limits are taken from close by.
         """
-        return self._normals(xi, *self.tangents(xi))
-
-    def normals_on(self, parameters: tuple[Floats, ...]) -> tuple[Floats, Floats, Floats]:
-        """The same on a tensor grid of parameters, points in C order."""
-        return self._normals(grid_points(parameters), *self.tangents_on(parameters))
-
-    def _normals(self, xi: Floats, x: Floats, tangents: Floats) -> tuple[Floats, Floats, Floats]:
+        x, tangents = self.tangents(xi)
         if self.affine is not None:
             flat = cross(self.affine[1][None])
             size = np.linalg.norm(flat)

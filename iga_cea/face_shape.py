@@ -18,21 +18,11 @@ from iga_cea.splines import basis_functions
 
 @dataclass(frozen=True)
 class FaceShape:
-    """The map of a face of a patch that is not refined.
+    """The map of a face of a patch that is not refined."""
 
-    Parameters
-    ----------
-    degrees
-        Degree along each of the remaining parameters, in axis order.
-    knots
-        Open knot vectors along them.
-    net
-        Control points (m) times weights, then weights, shape (functions, dim + 1).
-    """
-
-    degrees: tuple[int, ...]
-    knots: tuple[Floats, ...]
-    net: Floats
+    degrees: tuple[int, ...]  # degree along each of the remaining parameters, in axis order
+    knots: tuple[Floats, ...]  # open knot vectors along them
+    net: Floats  # control points (m) times weights, then weights, shape (functions, dim + 1)
 
     @classmethod
     def of(cls, geometry: PatchGeometry, axis: int, side: int) -> "FaceShape":

@@ -1,14 +1,8 @@
-"""Grids of parameters, rational functions from those with weights, work cut into chunks."""
-
-from collections.abc import Iterator
+"""Grids of parameters, and rational functions from those with weights."""
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-
-BUDGET = 64_000_000
-"""Bytes that the temporaries of one chunk may take."""
 
 
 def grid_points(parameters: tuple[Floats, ...]) -> Floats:
@@ -21,23 +15,9 @@ def outer_products(a: Floats, b: Floats) -> Floats:
     return (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)
 
 
-def applied_along(matrix: csr_array, net: Floats, axis: int) -> Floats:
-    """A matrix applied to one axis of a net."""
-    turned = np.moveaxis(net, axis, 0)
-    product = matrix @ turned.reshape(len(turned), -1)
-    return np.moveaxis(product.reshape(-1, *turned.shape[1:]), 0, axis)
-
-
 def projected(homogeneous: Floats) -> tuple[Floats, Floats]:
     """Positions and derivatives from those of w x and w: (w x)' = w' x + w x'."""
     weight = homogeneous[:, 0, -1]
     x = homogeneous[:, 0, :-1] / weight[:, None]
     turned = homogeneous[:, 1:, :-1] - homogeneous[:, 1:, -1:] * x[:, None]
     return x, (turned / weight[:, None, None]).swapaxes(1, 2)
-
-
-def chunks(count: int, bytes_each: float) -> Iterator[slice]:
-    """Slices that cover ``range(count)``, each within the budget."""
-    step = max(1, int(BUDGET / bytes_each))
-    for start in range(0, count, step):
-        yield slice(start, min(start + step, count))

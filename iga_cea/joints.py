@@ -8,13 +8,12 @@ from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
 from cea.location import locate_along
+from cea.surface_points import connected
 from iga_cea.face import PatchFace
 from iga_cea.grids import grid_points
 from iga_cea.patch import subdivided
@@ -73,8 +72,8 @@ def _check_pieces(faces: Sequence[PatchFace], joints: Sequence["_Joint"], field:
     """Refuse patches that make several bodies, with how far these are apart."""
     patches, of_face = np.unique([face.patch for face in faces], return_inverse=True)
     ends = np.searchsorted(patches, [(j.a.patch, j.b.patch) for j in joints]).reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(patches),) * 2)
-    count, piece = connected_components(graph, directed=False)
+    piece = connected(ends, len(patches))
+    count = piece.max() + 1
     if count == 1:
         return
     nets = [face.control_points[..., 0, :].reshape(-1, face.dim) for face in faces]

@@ -52,45 +52,33 @@ def _cut_at(face: PatchFace, axis: int, knots: Sequence[float]) -> Iterator[Patc
 
 def _cut(face: PatchFace, axis: int, knot: float) -> tuple[PatchFace, PatchFace]:
     """Both sides of a knot at which the splines along an axis are no more than continuous."""
-    below, above = _knots(face.knots[axis], face.degrees[axis], knot)
-    shapes = _cut_shape(face.shape, axis, knot)
+    shape = face.shape
+    sizes = [len(knots) - p - 1 for knots, p in zip(shape.knots, shape.degrees, strict=True)]
+    net = shape.net.reshape(*sizes, -1)
     pieces = []
-    for knots, start, shape in zip((below, above), (True, False), shapes, strict=True):
-        count = len(knots) - face.degrees[axis] - 1
-        kept = slice(count) if start else slice(-count, None)
-        net = (slice(None),) * axis + (kept,)
+    for (knots, own), (plain, of_shape) in zip(
+        _sides(face, axis, knot), _sides(shape, axis, knot), strict=True
+    ):
         pieces.append(
             replace(
                 face,
-                knots=(*face.knots[:axis], knots, *face.knots[axis + 1 :]),
-                control_points=np.ascontiguousarray(face.control_points[net]),
-                weights=np.ascontiguousarray(face.weights[net]),
-                dofs=np.ascontiguousarray(face.dofs[net]),
-                shape=shape,
+                knots=knots,
+                control_points=np.ascontiguousarray(face.control_points[own]),
+                weights=np.ascontiguousarray(face.weights[own]),
+                dofs=np.ascontiguousarray(face.dofs[own]),
+                shape=replace(shape, knots=plain, net=net[of_shape].reshape(-1, net.shape[-1])),
             )
         )
     return pieces[0], pieces[1]
 
 
-def _cut_shape(shape: FaceShape, axis: int, knot: float) -> tuple[FaceShape, FaceShape]:
-    """Both sides of the map before knots were inserted."""
-    sizes = [len(k) - p - 1 for k, p in zip(shape.knots, shape.degrees, strict=True)]
-    net = shape.net.reshape(*sizes, -1)
-    below, above = _knots(shape.knots[axis], shape.degrees[axis], knot)
-    first, last = (len(knots) - shape.degrees[axis] - 1 for knots in (below, above))
-    parts = (net.take(range(first), axis), net.take(range(sizes[axis] - last, sizes[axis]), axis))
-    one, other = (
-        replace(
-            shape,
-            knots=(*shape.knots[:axis], knots, *shape.knots[axis + 1 :]),
-            net=part.reshape(-1, shape.net.shape[1]),
-        )
-        for knots, part in zip((below, above), parts, strict=True)
-    )
-    return one, other
-
-
-def _knots(knots: Floats, degree: int, knot: float) -> tuple[Floats, Floats]:
-    """Open knot vectors on both sides of a knot."""
+def _sides(
+    of: PatchFace | FaceShape, axis: int, knot: float
+) -> Iterator[tuple[tuple[Floats, ...], tuple[slice, ...]]]:
+    """Knots of what lies below and above a knot along an axis, and its part of the net."""
+    knots, degree = of.knots[axis], of.degrees[axis]
     end = np.full(degree + 1, knot)
-    return np.append(knots[knots < knot], end), np.append(end, knots[knots > knot])
+    below, above = np.append(knots[knots < knot], end), np.append(end, knots[knots > knot])
+    first, last = (len(side) - degree - 1 for side in (below, above))
+    for side, part in ((below, slice(first)), (above, slice(-last, None))):
+        yield (*of.knots[:axis], side, *of.knots[axis + 1 :]), (slice(None),) * axis + (part,)

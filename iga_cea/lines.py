@@ -19,27 +19,14 @@ from iga_cea.splines import basis_functions, gauss_rule
 
 @dataclass(frozen=True)
 class Line:
-    """Functions of one parameter and their slopes at the Gauss points.
-
-    Parameters
-    ----------
-    degree
-        Degree.
-    functions
-        Number of functions.
-    first
-        First function on each span, shape (spans,).
-    tables
-        Values and slopes of the functions of each span, (2, spans, points, degree + 1).
-    weights
-        Gauss weights, (spans, points).
-    """
+    """Functions of one parameter and their slopes at the Gauss points."""
 
     degree: int
-    functions: int
-    first: Ints
+    functions: int  # their number
+    first: Ints  # first function on each span, shape (spans,)
+    # values and slopes of the functions of each span, (2, spans, points, degree + 1)
     tables: Floats
-    weights: Floats
+    weights: Floats  # Gauss weights, (spans, points)
 
     @classmethod
     def of(cls, patch: Patch, axis: int, weights: Floats | None = None) -> "Line":

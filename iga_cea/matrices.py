@@ -51,15 +51,15 @@ class NurbsMatrices:
     """
 
     def __init__(self, multipatch: Multipatch, comm: Any) -> None:
-        self._multipatch, self._comm, self._dim = multipatch, comm, multipatch.dim
+        self.multipatch, self.comm, self.dim = multipatch, comm, multipatch.dim
 
     @cached_property
     def _pattern(self) -> Pattern:
-        return Pattern.of(self._multipatch, self._comm.rank)
+        return Pattern.of(self.multipatch, self.comm.rank)
 
     def stiffness(self, elasticity: Elasticity) -> Any:
         """Elastic stiffness (N/m), symmetric."""
-        dim = self._dim
+        dim = self.dim
 
         def coefficients(metric: Metric) -> Coefficients:
             shape, x = metric.measure.shape, metric.x.reshape(dim, -1)
@@ -77,8 +77,8 @@ class NurbsMatrices:
                         found[k, m][:, j] = np.einsum("ian,an->in", stress, g.reshape(dim, -1))
             return {key: each.reshape(dim * dim, *shape) for key, each in found.items()}
 
-        data = entries(self._multipatch, self._pattern, Form(dim, coefficients), self._comm)
-        return block_matrix(self._pattern, data, dim, self._comm)
+        data = entries(self.multipatch, self._pattern, Form(dim, coefficients), self.comm)
+        return block_matrix(self._pattern, data, dim, self.comm)
 
     def mass(self, rho: float) -> Any:
         """Consistent mass (kg) of a density (kg/m^3), symmetric."""
@@ -86,7 +86,7 @@ class NurbsMatrices:
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Stiffness int sigma_ij d_i N_a d_j N_b that stresses of a displacement make (N/m)."""
-        dim = self._dim
+        dim = self.dim
 
         def coefficients(metric: Metric) -> Coefficients:
             slope = metric.field_gradient
@@ -100,8 +100,8 @@ class NurbsMatrices:
                 for k, m in product(pulled, repeat=2)
             }
 
-        form = Form(1, coefficients, displacement.reshape(-1, self._dim))
-        data = entries(self._multipatch, self._pattern, form, self._comm)
+        form = Form(1, coefficients, displacement.reshape(-1, self.dim))
+        data = entries(self.multipatch, self._pattern, form, self.comm)
         return self._of_each_component(data)
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
@@ -109,8 +109,8 @@ class NurbsMatrices:
         transport = self._transport(rho, rotation)
         if rotation.coriolis:
             return self._of_each_component(transport)
-        spin = rotation.spin(self._dim)
-        return self._sum((transport, np.eye(self._dim)), (self._products(rho), -2 * spin))
+        spin = rotation.spin(self.dim)
+        return self._sum((transport, np.eye(self.dim)), (self._products(rho), -2 * spin))
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
         """Z of a rotation, kg, symmetric."""
@@ -125,9 +125,9 @@ class NurbsMatrices:
         squares = self._scalar(coefficients)
         if rotation.coriolis:
             return self._of_each_component(squares)
-        spin = rotation.spin(self._dim)
+        spin = rotation.spin(self.dim)
         return self._sum(
-            (squares, np.eye(self._dim)),
+            (squares, np.eye(self.dim)),
             (self._transport(rho, rotation), spin),
             (self._products(rho), spin.T @ spin),
         )
@@ -152,7 +152,7 @@ class NurbsMatrices:
 
     def _speeds(self, rotation: Rotation) -> Callable[[Metric], dict[int, Floats]]:
         """Gives the velocity along each parameter at 1 rad/s."""
-        spin, origin = rotation.spin(self._dim), np.asarray(rotation.origin[: self._dim])
+        spin, origin = rotation.spin(self.dim), np.asarray(rotation.origin[: self.dim])
 
         def speeds(metric: Metric) -> dict[int, Floats]:
             velocity = np.tensordot(spin, metric.x - origin[:, None, None, None], axes=1)
@@ -163,12 +163,12 @@ class NurbsMatrices:
     def _scalar(self, coefficients: Callable[[Metric], Coefficients], sign: int = 1) -> Floats:
         """Entries of a scalar matrix that is symmetric, or skew if the sign is -1."""
         form = Form(1, coefficients)
-        return entries(self._multipatch, self._pattern, form, self._comm, sign=sign)
+        return entries(self.multipatch, self._pattern, form, self.comm, sign=sign)
 
     def _of_each_component(self, scalar: Floats) -> Any:
-        return component_matrix(self._pattern, scalar, self._dim, self._comm)
+        return component_matrix(self._pattern, scalar, self.dim, self.comm)
 
     def _sum(self, *parts: tuple[Floats, Floats]) -> Any:
         """Sum of Kronecker products of scalar matrices with small ones."""
-        data = combined(self._pattern, parts, self._dim)
-        return block_matrix(self._pattern, data, self._dim, self._comm)
+        data = combined(self._pattern, parts, self.dim)
+        return block_matrix(self._pattern, data, self.dim, self.comm)

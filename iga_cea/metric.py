@@ -28,24 +28,14 @@ _PRODUCT = 4 * np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Metric:
-    """The map on a grid of points.
+    """The map on a grid of points."""
 
-    Parameters
-    ----------
-    measure
-        Jacobian, over W^2 where weights are no product, (n1, n2, n3).
-    gradients
-        Gradients of the parameters, and g under :data:`VALUE` where weights are no product, each
-        (dim, n1, n2, n3).
-    x
-        Positions (m), (dim, n1, n2, n3).
-    field_gradient
-        Gradient of the field that goes with the map, (components, dim, n1, n2, n3).
-    """
-
-    measure: Floats
+    measure: Floats  # jacobian, over W^2 where weights are no product, (n1, n2, n3)
+    # gradients of the parameters, and g under :data:`VALUE` where weights are no product, each
+    # (dim, n1, n2, n3)
     gradients: dict[int, Floats]
-    x: Floats
+    x: Floats  # positions (m), (dim, n1, n2, n3)
+    # gradient of the field that goes with the map, (components, dim, n1, n2, n3)
     field_gradient: Floats
 
 
@@ -73,19 +63,8 @@ def lines_of(patch: Patch, factors: Sequence[Floats] | None) -> list[Line]:
 class Map:
     """The map of a patch at the Gauss points of some spans.
 
-    Parameters
-    ----------
-    patch
-        The patch.
-    rational
-        Whether weights are in the lines.
-    across
-        Matrices of values and slopes along the second and the third parameter, each
-        (points, functions).
-    field
-        Coefficients of a field, (n1, ..., components).
-    name
-        Name of the patch in messages.
+    Weights may be in the lines (``rational``); matrices of values and slopes along the second and
+    the third parameter are (points, functions) each, coefficients of a field (n1, ..., components).
     """
 
     def __init__(

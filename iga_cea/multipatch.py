@@ -15,10 +15,9 @@ from functools import reduce
 from itertools import product
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from cea.arrays import Floats, Ints
+from cea.surface_points import connected
 from iga_cea.collapse import coinciding, face_is_collapsed
 from iga_cea.face import PatchFace
 from iga_cea.joints import joined_dofs
@@ -29,21 +28,12 @@ End = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Multipatch:
-    """Joined patches with their numbering.
+    """Joined patches with their numbering."""
 
-    Parameters
-    ----------
-    patches
-        The refined patches.
-    dofs
-        Scalar dof of each control point of each patch, in the shape of its net.
-    dof_ranges
-        First scalar dof of each rank, and their number last, shape (ranks + 1,).
-    """
-
-    patches: tuple[Patch, ...]
+    patches: tuple[Patch, ...]  # the refined patches
+    # scalar dof of each control point of each patch, in the shape of its net
     dofs: tuple[Ints, ...]
-    dof_ranges: Ints
+    dof_ranges: Ints  # first scalar dof of each rank, and their number last, shape (ranks + 1,)
 
     @property
     def dim(self) -> int:
@@ -106,21 +96,12 @@ def _merge(patches: Sequence[Patch], copies: Sequence[Ints], count: int, field: 
         coinciding(patch.collapsed, copy) for patch, copy in zip(patches, copies, strict=True)
     ]
     pairs = np.concatenate([joined_dofs(faces, field), *points])
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    label = connected_components(graph, directed=False)[1]
+    label = connected(pairs, count)
     # Number components by their first copy, so that joining changes the order as little as it can.
     _, first, inverse = np.unique(label, return_index=True, return_inverse=True)
     rank_of_label = np.empty(len(first), dtype=np.int64)
     rank_of_label[np.argsort(first)] = np.arange(len(first))
     return rank_of_label[inverse]
-
-
-def _slowest_first(spans: Sequence[int]) -> list[int]:
-    """Parameters by falling number of spans, the first one last of equal ones.
-
-    What ranks share along the first parameter each of them computes (:mod:`iga_cea.separation`).
-    """
-    return sorted(range(len(spans)), key=lambda axis: (-spans[axis], -axis))
 
 
 def _middle_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
@@ -140,7 +121,8 @@ def _middle_elements(patches: Sequence[Patch]) -> tuple[Ints, int]:
             along.append((lowest + highest) // 2)
         spans = patch.spans
         numbers = np.meshgrid(*along, indexing="ij")
-        order = _slowest_first(spans)
+        # The first one last of equal ones: what ranks share along it each of them computes.
+        order = sorted(range(len(spans)), key=lambda axis: (-spans[axis], -axis))
         number = np.ravel_multi_index(
             [numbers[axis] for axis in order], [spans[axis] for axis in order]
         )

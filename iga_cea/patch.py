@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.errors import InputError
+from cea.errors import InputError, require
 from iga_cea.collapse import COLLAPSED, Lines, collapsed_lines
 from iga_cea.splines import basis_matrix, elevation_matrix, insertion_matrix, knots_with_breaks
 
@@ -51,26 +51,13 @@ class PatchGeometry(Protocol):
 
 @dataclass(frozen=True)
 class Patch:
-    """A patch refined to the trial space: rational with the weights of the geometry.
+    """A patch refined to the trial space: rational with the weights of the geometry."""
 
-    Parameters
-    ----------
-    degrees
-        Degree along each parameter.
-    knots
-        Open knot vector along each parameter.
-    control_points
-        Control points (m), shape (n1, ..., dim).
-    weights
-        Weights, shape (n1, ...).
-    geometry
-        The patch before it was refined: the same map on fewer and larger knot spans.
-    """
-
-    degrees: tuple[int, ...]
-    knots: tuple[Floats, ...]
-    control_points: Floats
-    weights: Floats
+    degrees: tuple[int, ...]  # degree along each parameter
+    knots: tuple[Floats, ...]  # open knot vector along each parameter
+    control_points: Floats  # control points (m), shape (n1, ..., dim)
+    weights: Floats  # weights, shape (n1, ...)
+    # the patch before it was refined: the same map on fewer and larger knot spans
     geometry: PatchGeometry
 
     @property
@@ -114,17 +101,19 @@ def check_geometry(geometry: PatchGeometry, field: str) -> None:
     if np.shape(geometry.control_points) != (*counts, dim) or len(counts) != dim:
         shapes = f"{dim} axes of functions, then {dim} coordinates; weights without the latter"
         raise InputError(f"{field}.control_points", np.shape(geometry.control_points), shapes)
-    if not np.isfinite(geometry.control_points).all():
-        raise InputError(f"{field}.control_points", geometry.control_points, "finite numbers")
-    _check_weights(geometry.weights, f"{field}.weights")
+    finite = bool(np.isfinite(geometry.control_points).all())
+    require(finite, f"{field}.control_points", geometry.control_points, "finite numbers")
+    weights = np.asarray(geometry.weights)
+    positive = bool(np.isfinite(weights).all() and np.all(weights > 0))
+    require(positive, f"{field}.weights", weights, "positive numbers")
     for axis, (knots, p, n) in enumerate(
         zip(geometry.knots, geometry.degrees, counts, strict=True)
     ):
         _check_knots(knots, p, n, f"{field}.knots[{axis}]")
         breaks = geometry.breaks[axis]
-        if np.any(breaks < knots[0]) or np.any(breaks > knots[-1]):
-            allowed = f"parameters from {knots[0]} to {knots[-1]}"
-            raise InputError(f"{field}.breaks[{axis}]", breaks, allowed)
+        within = bool(np.all((breaks >= knots[0]) & (breaks <= knots[-1])))
+        allowed = f"parameters from {knots[0]} to {knots[-1]}"
+        require(within, f"{field}.breaks[{axis}]", breaks, allowed)
     _check_map(geometry, field)
 
 
@@ -138,12 +127,6 @@ def _check_knots(knots: Floats, degree: int, functions: int, field: str) -> None
     if not (ends and inside and continuous and np.all(np.diff(knots) >= 0)):
         allowed = f"{n + p + 1} rising knots, ends {p + 1} times, others at most {p} times"
         raise InputError(field, knots, allowed)
-
-
-def _check_weights(weights: Floats, field: str) -> None:
-    """Refuse weights that are not positive."""
-    if not (np.isfinite(weights).all() and np.all(np.asarray(weights) > 0)):
-        raise InputError(field, weights, "positive numbers")
 
 
 def _check_map(geometry: PatchGeometry, field: str) -> None:

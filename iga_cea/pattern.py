@@ -26,34 +26,22 @@ from iga_cea.sum_factorisation import Box
 
 @dataclass(frozen=True)
 class Pattern:
-    """Scalar sparsity of the rows of one rank.
+    """Scalar sparsity of the rows of one rank."""
 
-    Parameters
-    ----------
-    first, last
-        Its scalar dofs.
-    starts
-        Where each sparse row starts, first those in columns of this rank, then those in columns of
-        others, and where the last ends, shape (2 * rows + 1,).
-    columns
-        Global scalar dofs, rising in each sparse row.
-    rows
-        For each patch the row of each function, -1 where it is another rank's, in the shape of the
-        net.
-    tables
-        For each patch the place in its sparse row of function i with offset j - i, -1 where there
-        is none, shape (functions of the rank, offsets).
-    outer
-        For each patch whether that is a column of another rank, of the same shape; None where there
-        is no other rank.
-    """
-
-    first: int
-    last: int
+    first: int  # its first scalar dof
+    last: int  # that of the next rank
+    # where each sparse row starts, first those in columns of this rank, then those in columns of
+    # others, and where the last ends, shape (2 * rows + 1,)
     starts: Ints
-    columns: Ints
+    columns: Ints  # global scalar dofs, rising in each sparse row
+    # for each patch the row of each function, -1 where it is another rank's, in the shape of the
+    # net
     rows: tuple[Ints, ...]
+    # for each patch the place in its sparse row of function i with offset j - i, -1 where there is
+    # none, shape (functions of the rank, offsets)
     tables: tuple[Any, ...]
+    # for each patch whether that is a column of another rank, of the same shape; None where there
+    # is no other rank
     outer: tuple[Any, ...] | None
 
     @classmethod

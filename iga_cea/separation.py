@@ -32,18 +32,10 @@ _ROUNDING = 6 * np.finfo(float).eps
 
 @dataclass(frozen=True)
 class Separation:
-    """Rows that stand for all, for one kind of derivatives.
+    """Rows that stand for all, for one kind of derivatives."""
 
-    Parameters
-    ----------
-    rows
-        Points of the first parameter.
-    factors
-        U, (points, rows).
-    """
-
-    rows: Ints
-    factors: Floats
+    rows: Ints  # points of the first parameter
+    factors: Floats  # U, (points, rows)
 
 
 def kind_of(k: int, m: int) -> Kind:

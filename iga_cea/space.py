@@ -8,17 +8,15 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-from cea.elasticity import Elasticity
 from cea.errors import InputError
 from cea.petsc import MPI
-from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.volume import VolumeCells
 from iga_cea.cells import bezier_cells
 from iga_cea.collapse import collapsed_lines, face_is_collapsed
 from iga_cea.matrices import NurbsMatrices
-from iga_cea.multipatch import End, Multipatch, join
+from iga_cea.multipatch import End, join
 from iga_cea.patch import PatchGeometry, check_geometry, refine
 from iga_cea.prolongation import prolongation
 from iga_cea.supports import face_constraints
@@ -28,7 +26,7 @@ MAX_DEGREE = 8
 """Highest degree of a trial space."""
 
 
-class NurbsSpace:
+class NurbsSpace(NurbsMatrices):
     """Space of joined NURBS patches, rational with their weights; a :class:`cea.body.Space`.
 
     Parameters
@@ -62,14 +60,13 @@ class NurbsSpace:
         field: str = "body",
         comm: Any = MPI.COMM_WORLD,
     ) -> None:
-        self.dim = _check_patches(patches, f"{field}.patches")
+        dim = _check_patches(patches, f"{field}.patches")
         self.degree = _checked_degree(degree, patches, f"{field}.degree")
         self.continuity = _checked_continuity(continuity, self.degree, f"{field}.continuity")
-        _check_faces(faces, patches, self.dim, f"{field}.faces")
-        self.comm = comm
+        _check_faces(faces, patches, dim, f"{field}.faces")
         self._field = field
         refined = [refine(patch, self.degree, self.continuity) for patch in patches]
-        self.multipatch: Multipatch = join(refined, comm.size, f"{field}.patches")
+        super().__init__(join(refined, comm.size, f"{field}.patches"), comm)
         count = self.multipatch.num_scalar_dofs
         self.surfaces: Mapping[str, NurbsSurface] = MappingProxyType(
             {
@@ -77,7 +74,6 @@ class NurbsSpace:
                 for name, ends in faces.items()
             }
         )
-        self._matrices = NurbsMatrices(self.multipatch, comm)
 
     @property
     def ranges(self) -> Ints:
@@ -88,26 +84,6 @@ class NurbsSpace:
         """What supports leave free, held over whole faces."""
         count, gauss = self.multipatch.num_scalar_dofs, max(self.degree) + 2
         return face_constraints(self.surfaces, supports, count, self.dim, gauss, field)
-
-    def stiffness(self, elasticity: Elasticity) -> Any:
-        """Elastic stiffness (N/m), symmetric."""
-        return self._matrices.stiffness(elasticity)
-
-    def mass(self, rho: float) -> Any:
-        """Consistent mass (kg), symmetric."""
-        return self._matrices.mass(rho)
-
-    def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""
-        return self._matrices.gyroscopic(rho, rotation)
-
-    def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.rotation`), kg, symmetric."""
-        return self._matrices.convective(rho, rotation)
-
-    def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
-        """Stiffness that stresses of a displacement (m) make, N/m, symmetric."""
-        return self._matrices.geometric_stiffness(elasticity, displacement)
 
     @property
     def dof_positions(self) -> Floats:

@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.matrices import from_blocks
 from cea.petsc import PETSc
-from iga_cea.grids import chunks
 from iga_cea.pattern import Pattern
 
 _CACHED = 2**10
@@ -58,24 +57,12 @@ def combined(pattern: Pattern, parts: Sequence[tuple[Floats, Floats]], dim: int)
 
 @dataclass(frozen=True)
 class _Stretch:
-    """Tuples that lie one after the other, those of the components of some scalar rows.
+    """Tuples that lie one after the other, those of the components of some scalar rows."""
 
-    Parameters
-    ----------
-    part
-        Which these are of all.
-    source
-        The scalar entry of each.
-    rows
-        How many of them follow one another in a row of the matrix.
-    dim
-        Dimension of space.
-    """
-
-    part: slice
-    source: Ints
-    rows: Ints
-    dim: int
+    part: slice  # which these are of all
+    source: Ints  # the scalar entry of each
+    rows: Ints  # how many of them follow one another in a row of the matrix
+    dim: int  # dimension of space
 
     @property
     def component(self) -> NDArray[Any]:

@@ -15,8 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.arrays import Floats
-from iga_cea.grids import chunks
+from cea.arrays import Floats, chunks
 from iga_cea.lines import Line
 from iga_cea.metric import Map, Metric
 from iga_cea.separation import Coefficients, Kind, Separation, holds, kind_of, separate
@@ -30,21 +29,13 @@ _SAMPLES = 5
 
 @dataclass(frozen=True)
 class Form:
-    """A bilinear form.
+    """A bilinear form."""
 
-    Parameters
-    ----------
-    components
-        Components of each function: 1, or dim.
-    coefficients
-        C_km times the Jacobian from the metric, those of m, k the transposes of those of k, m up to
-        a sign that is the same for all.
-    field
-        Coefficients of the field that goes with the metric, one row for each scalar dof.
-    """
-
-    components: int
+    components: int  # components of each function: 1, or dim
+    # C_km times the Jacobian from the metric, those of m, k the transposes of those of k, m up to a
+    # sign that is the same for all
     coefficients: Callable[[Metric], Coefficients]
+    # coefficients of the field that goes with the metric, one row for each scalar dof
     field: Floats | None = None
 
 

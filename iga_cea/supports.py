@@ -33,8 +33,6 @@ from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.supports.directions import Directions, merged
 from cea.supports.elimination import ProjectedConstraints, constrain
-from cea.surface_points import SurfaceCoordinates
-from iga_cea.grids import grid_points
 from iga_cea.surface import NurbsSurface
 
 _SAME = 1e-10
@@ -62,15 +60,13 @@ def face_constraints(
         for number, face in enumerate(surface.faces):
             here = points.at.element == number
             dofs = face.dofs[..., 0].ravel()
-            own = np.full(len(dofs), order)
             for k, direction in enumerate(fields[:, here]):
-                value = np.full(len(dofs), support.values(dim)[k]) if support.prescribes else None
+                value = support.values(dim)[k]
                 if np.abs(direction - direction[0]).max() <= _SAME:
-                    along_face = np.broadcast_to(direction[0], (len(dofs), dim))
-                    held.append(Directions(dofs, along_face, value, own))
+                    held.append(Directions.of(dofs, direction[0], value, order))
                     continue
                 at_greville = _at_greville(surface, number, support)[k]
-                anchor = Directions(dofs, at_greville, value, own)
+                anchor = Directions.of(dofs, at_greville, value, order)
                 trace = surface.trace(points.at[here])
                 turning.append(_TurningFace(anchor, trace, points.weight[here], direction))
     projected = _projected(turning, dim) if turning else None
@@ -79,31 +75,20 @@ def face_constraints(
 
 @dataclass(frozen=True)
 class _TurningFace:
-    """A face with a held direction that turns along it.
+    """A face with a held direction that turns along it."""
 
-    Parameters
-    ----------
-    anchor
-        Its scalar dofs, each once, with the direction at its Greville abscissa and the
-        displacement along it, the same all over the face.
-    trace
-        Values of the functions at Gauss points, (n, num_scalar_dofs).
-    weight
-        Area weights of these points (m^2; m in 2D), (n,).
-    direction
-        Unit directions there, (n, dim).
-    """
-
+    # its scalar dofs, each once, with the direction at its Greville abscissa and the displacement
+    # along it, the same all over the face
     anchor: Directions
-    trace: csr_array
-    weight: Floats
-    direction: Floats
+    trace: csr_array  # values of the functions at Gauss points, (n, num_scalar_dofs)
+    weight: Floats  # area weights of these points (m^2; m in 2D), (n,)
+    direction: Floats  # unit directions there, (n, dim)
 
 
 def _at_greville(surface: NurbsSurface, number: int, support: Support) -> Floats:
     """Directions of a support at the Greville abscissae of a face, (directions, n, dim)."""
-    xi = grid_points(surface.faces[number].greville)
-    at = SurfaceCoordinates(np.full(len(xi), number), xi)
+    at = surface.function_points("greville")
+    at = at[at.element == number]
     return support.directions(surface.position(at), surface.normal(at))
 
 
@@ -118,13 +103,12 @@ def _projected(faces: Sequence[_TurningFace], dim: int) -> ProjectedConstraints:
     ends = np.cumsum([len(face.anchor) for face in faces])
     for face, labels in zip(faces, np.split(label, ends[:-1]), strict=True):
         test = _tests(face, labels, count)
-        support = int(face.anchor.supports[0])
+        support = int(face.anchor.support[0])
         before = shares.get(support, nothing)
         shares[support] = csr_array(before + test @ along(face.trace, face.direction))
-        right += face.anchor.values[0] * test.sum(axis=1)
+        right += face.anchor.value[0] * test.sum(axis=1)
     first = np.unique(label, return_index=True)[1]
-    values = None if anchors.value is None else anchors.value[first]
-    anchor = Directions(anchors.dof[first], anchors.direction[first], values)
+    anchor = Directions.of(anchors.dof[first], anchors.direction[first], anchors.value[first])
     return ProjectedConstraints(anchor, shares, right)
 
 

@@ -2,32 +2,25 @@
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from math import prod
-from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.surface import Surface
 from cea.surface_points import TANGENT, SurfaceCells, SurfaceCoordinates
 from iga_cea.face import PatchFace
-from iga_cea.grids import chunks, grid_points
 from iga_cea.kinks import smooth_pieces
-from iga_cea.splines import gauss_rule
 
 _AREA_POINTS = 12
 """Gauss points per span for the area: a quarter circle in one span needs ten for 1e-14."""
 
-_TRIED_POINTS = (3, 4)
+_TRIED_POINTS = (4, 5)
 """Gauss points per span that are enough, of fine spans, if they give the same area."""
 
 _SAME_AREA = 1e-14
 """Difference of areas, relative to them, that is rounding."""
-
-_ABSCISSAE = {"greville": attrgetter("greville"), "botella": attrgetter("botella")}
-"""Abscissae of a face by kind: Greville's, or the maxima of the B-splines."""
 
 
 class NurbsSurface(Surface):
@@ -45,7 +38,7 @@ class NurbsSurface(Surface):
         Scalar dofs of the body.
     """
 
-    abscissa_kinds = tuple(_ABSCISSAE)
+    abscissa_kinds = ("greville", "botella")
     abscissa_weights = ("equal", "area")
 
     def __init__(self, name: str, faces: Sequence[PatchFace], num_scalar_dofs: int) -> None:
@@ -86,25 +79,10 @@ class NurbsSurface(Surface):
         return more if same else self._areas_by(_AREA_POINTS)
 
     def _areas_by(self, n: int) -> Floats:
-        """Areas of the faces by n points per span and direction, some spans at a time."""
-        areas = np.zeros(len(self.faces))
-        for number, face in enumerate(self.faces):
-            if face.affine is not None:
-                areas[number] = face.flat_area
-                continue
-            rules = [gauss_rule(breaks, n) for breaks in face.breaks]
-            (t, weight), others = rules[0], [(x.ravel(), w.ravel()) for x, w in rules[1:]]
-            per_span = n * prod(len(x) for x, _ in others)
-            for part in chunks(len(t), 8 * per_span * 4 * self.dim**2):
-                _, _, area = face.normals_on((t[part].ravel(), *(x for x, _ in others)))
-                measure = grid_points((weight[part].ravel(), *(w for _, w in others)))
-                areas[number] += float(measure.prod(axis=1) @ area)
-        return areas
-
-    @cached_property
-    def dofs(self) -> Ints:
-        """Scalar dofs with a value on the surface, rising."""
-        return np.unique(np.concatenate([face.dofs[..., 0].ravel() for face in self.faces]))
+        """Areas of the faces by n points per span and direction."""
+        points = self.gauss_points(n)
+        faces = range(len(self.faces))
+        return np.array([points.weight[points.at.element == number].sum() for number in faces])
 
     def size(self, element: Ints) -> Floats:
         """Diameter (m) of the largest knot span of each face."""
@@ -143,7 +121,7 @@ class NurbsSurface(Surface):
 
         Of the rational functions the latter are not quite the maxima.
         """
-        grids = [grid_points(_ABSCISSAE[kind](face)) for face in self.faces]
+        grids = [face.abscissae(kind) for face in self.faces]
         element = np.repeat(np.arange(len(grids)), [len(grid) for grid in grids])
         return SurfaceCoordinates(element, np.concatenate(grids))
 

@@ -14,8 +14,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
-from cea.mesh import Floats, Ints, Mesh, facet_nodes
+from cea.mesh import Mesh, facet_nodes
 from meshes.files.content import first_of_near, named_sides
 from meshes.shapes import Disc, Shape
 

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 from cea.arrays import Floats
 from cea.errors import require
 from cea.mesh import Mesh
-from meshes.placement import Placement
+from meshes.placement import IN_PLACE, Placement
 
 if TYPE_CHECKING:  # readers of files are brought in where there is a file
     from meshes.files.content import FileContent
@@ -63,8 +63,6 @@ Sets = Annotated[
     BeforeValidator(_one_or_more, json_schema_input_type=str | tuple[str, ...]),
 ]
 """Sets of a file that make a surface; one alone may be given by its name."""
-
-_IN_PLACE = Placement()
 
 
 @dataclass(frozen=True)
@@ -164,7 +162,7 @@ class MeshFile:
         faces = surface_faces(self.content, self.elements, {n: self._sets(n) for n in surfaces})
         return {name: count for name, (_, count) in faces.items() if count}
 
-    def mesh(self, surfaces: Iterable[str], placement: Placement = _IN_PLACE) -> Mesh:
+    def mesh(self, surfaces: Iterable[str], placement: Placement = IN_PLACE) -> Mesh:
         """Its mesh, checked, with some of its surfaces: others may overlap these.
 
         Raises

@@ -21,7 +21,7 @@ from cea.errors import InputError, require
 from meshes.breaks import CLOSED, Breaks, check_ends
 from meshes.crowned import Crowned, crowned_bezier
 from meshes.patches import Face, GivenPatch, NurbsFile, Patches
-from meshes.placement import Placement
+from meshes.placement import IN_PLACE, Placement
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector, Shape
 
 Faces = dict[str, tuple[Face, ...]]
@@ -29,32 +29,17 @@ Faces = dict[str, tuple[Face, ...]]
 _LINE = np.array([0.0, 0.0, 1.0, 1.0])
 _ARC = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
 _SNAP = 1e-9
-_PLACED_AT_ORIGIN = Placement()
 
 
 @dataclass(frozen=True)
 class NurbsPatch:
-    """Coarsest exact geometry of a patch and where its element boundaries shall lie.
+    """Coarsest exact geometry of a patch and where its element boundaries shall lie."""
 
-    Parameters
-    ----------
-    degrees
-        Degree along each parameter.
-    knots
-        Open knot vector along each parameter.
-    control_points
-        Control points (m), shape (n1, ..., dim), not multiplied by the weights.
-    weights
-        Weights, shape (n1, ...).
-    breaks
-        Parameters of the wanted element boundaries along each direction, both ends included.
-    """
-
-    degrees: tuple[int, ...]
-    knots: tuple[Floats, ...]
-    control_points: Floats
-    weights: Floats
-    breaks: tuple[Floats, ...]
+    degrees: tuple[int, ...]  # along each parameter
+    knots: tuple[Floats, ...]  # open knot vector along each parameter
+    control_points: Floats  # (m), shape (n1, ..., dim), not multiplied by the weights
+    weights: Floats  # shape (n1, ...)
+    breaks: tuple[Floats, ...]  # parameters of the wanted element boundaries, both ends included
 
 
 @dataclass(frozen=True)
@@ -68,9 +53,7 @@ class NurbsShape:
     faces: Faces
 
 
-def nurbs_shape(
-    shape: Shape, breaks: Breaks, placement: Placement = _PLACED_AT_ORIGIN
-) -> NurbsShape:
+def nurbs_shape(shape: Shape, breaks: Breaks, placement: Placement = IN_PLACE) -> NurbsShape:
     """NURBS patches of a shape: one of straight shapes and sectors, four quarters of closed ones.
 
     A hub has four quarters for each of its layers.

@@ -8,10 +8,10 @@ import base64
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 from xml.etree import ElementTree
 
 import numpy as np
@@ -24,8 +24,6 @@ from meshes.mesh_file import Unit, check_unit, in_metres, is_fit
 
 Face = tuple[int, int, int]
 Faces = Mapping[str, tuple[Face, ...]]
-Spline = tuple[tuple[int, ...], tuple[tuple[float, ...], ...], Floats, Floats | None]
-"""Degrees, knots, control points (n1, ..., dim) and weights (n1, ...) in the unit of a file."""
 
 _SAME = 1e-10
 """Length of a step between control points in one place, relative to the longest."""
@@ -103,8 +101,6 @@ class GivenPatch:
 class _OfPatches(ABC):
     """What patches have, wherever they come from."""
 
-    names: ClassVar[tuple[str, ...]] = ("u", "v", "w")
-
     @property
     @abstractmethod
     def given(self) -> "Patches":
@@ -113,7 +109,7 @@ class _OfPatches(ABC):
     @property
     def directions(self) -> tuple[str, ...]:
         """Names of the parameters."""
-        return self.names[: len(self.given.patches[0].degrees)]
+        return ("u", "v", "w")[: len(self.given.patches[0].degrees)]
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -179,10 +175,8 @@ class Patches(_OfPatches):
             return tuple(nets)
         every = np.concatenate([net.reshape(-1, net.shape[-1]) for net in nets])
         first = first_of_near(every, self.merge_nodes)
-        parts = np.split(
-            every[first], np.cumsum([patch.point_weights.size for patch in self.patches])
-        )
-        return tuple(part.reshape(net.shape) for part, net in zip(parts, nets, strict=False))
+        parts = np.split(every[first], np.cumsum([net[..., 0].size for net in nets])[:-1])
+        return tuple(part.reshape(net.shape) for part, net in zip(parts, nets, strict=True))
 
     @property
     def given(self) -> "Patches":
@@ -241,44 +235,32 @@ class NurbsFile(_OfPatches):
     @cached_property
     def given(self) -> Patches:
         """Its patches (m)."""
-        splines, named = _read(*checked_state(Path(self.file), "a file of patches", _LARGEST))
+        given, named = _read(*checked_state(Path(self.file), "a file of patches", _LARGEST))
         faces = {name: ends for name, ends in named.items() if is_fit(name)} | self.faces
-        try:
-            patches = tuple(_patch(spline, self.unit) for spline in splines)
-        except InputError as error:
-            raise InputError("file", f"{self.file}: {error.field}", error.allowed) from None
+        lengths = [in_metres(patch.points, self.unit).tolist() for patch in given]
+        patches = [replace(p, control_points=tuple(x)) for p, x in zip(given, lengths, strict=True)]
         near = self.merge_nodes
         if near is not None:
             near = float(in_metres(np.array(near), self.unit))
-        return Patches(patches, faces, near)
-
-
-def _patch(spline: Spline, unit: Unit | None) -> GivenPatch:
-    """A patch in metres; of points in space, a patch of the plane keeps x and y."""
-    degrees, knots, points, weights = spline
-    dim = len(degrees)
-    if dim == 2 and points.shape[-1] == 3:
-        flat = bool((points[..., 2] == 0).all())
-        require(flat, "control_points", "z", "patches of the plane in z = 0")
-        points = points[..., :2]
-    lengths = in_metres(points, unit)
-    listed = None if weights is None else tuple(weights.tolist())
-    return GivenPatch(degrees, knots, tuple(lengths.tolist()), listed)
+        return Patches(tuple(patches), faces, near)
 
 
 @lru_cache(_KEPT)
-def _read(file: Path, _changed: int, _size: int) -> tuple[list[Spline], Faces]:
+def _read(file: Path, _changed: int, _size: int) -> tuple[list[GivenPatch], Faces]:
+    """Patches of a file, in its unit, and the faces that it names."""
     reader = {".json": _of_splinepy, ".xml": _of_gismo}.get(file.suffix.lower())
     if reader is None:
         raise InputError("file", str(file), "one that ends in .json or .xml")
     try:
         return reader(file.read_text("utf-8"))
+    except InputError as error:
+        raise InputError("file", f"{file}: {error.field}", error.allowed) from None
     except (ValueError, LookupError, TypeError, AttributeError, SyntaxError, RecursionError):
         allowed = f"a whole {file.suffix} file of patches; it is not as its format has it"
         raise InputError("file", str(file), allowed) from None
 
 
-def _of_splinepy(text: str) -> tuple[list[Spline], Faces]:
+def _of_splinepy(text: str) -> tuple[list[GivenPatch], Faces]:
     """Patches of a file of splinepy; it names no faces."""
     data = json.loads(text)
     splines = []
@@ -297,10 +279,10 @@ def _unpacked(text: str) -> Floats:
     return np.frombuffer(base64.b64decode(text), dtype=np.float64)
 
 
-def _of_gismo(text: str) -> tuple[list[Spline], Faces]:
+def _of_gismo(text: str) -> tuple[list[GivenPatch], Faces]:
     """Patches of a file of G+Smo, and its named boundaries."""
     root = ElementTree.fromstring(text)
-    splines: list[Spline] = []
+    splines: list[GivenPatch] = []
     place: dict[str | None, int] = {}
     for geometry in root.iter("Geometry"):
         place[geometry.get("id")] = len(splines)
@@ -315,7 +297,7 @@ def _of_gismo(text: str) -> tuple[list[Spline], Faces]:
     return splines, faces
 
 
-def _of_xml(geometry: ElementTree.Element) -> Spline:
+def _of_xml(geometry: ElementTree.Element) -> GivenPatch:
     vectors = {}
     for basis in geometry.iter("Basis"):
         knots = basis.find("KnotVector")
@@ -339,12 +321,16 @@ def _numbers(element: ElementTree.Element) -> Floats:
     return np.array(text.split(), dtype=float)
 
 
-def _spline(degrees: Any, knots: Any, points: Floats, weights: Any) -> Spline:
-    """A patch whose points run fastest along the first parameter."""
+def _spline(degrees: Any, knots: Any, points: Floats, weights: Any) -> GivenPatch:
+    """A patch whose points run fastest along the first parameter; in the plane z is left out."""
     vectors = tuple(tuple(float(k) for k in vector) for vector in knots)
     shape = tuple(len(k) - p - 1 for k, p in zip(vectors, degrees, strict=True))
-    order = tuple(range(len(shape)))[::-1]
-    net = points.reshape(*shape[::-1], points.shape[-1]).transpose(*order, len(shape))
+    dim = len(shape)
+    if dim == 2 and points.shape[-1] == 3:
+        flat = bool((points[..., 2] == 0).all())
+        require(flat, "control_points", "z", "patches of the plane in z = 0")
+        points = points[..., :2]
+    net = points.reshape(*shape[::-1], points.shape[-1]).transpose(*range(dim)[::-1], dim)
     if weights is not None:
-        weights = np.asarray(weights, dtype=float).reshape(shape[::-1]).T
-    return tuple(map(int, degrees)), vectors, net, weights
+        weights = tuple(np.asarray(weights, dtype=float).reshape(shape[::-1]).T.tolist())
+    return GivenPatch(tuple(map(int, degrees)), vectors, tuple(net.tolist()), weights)

@@ -50,3 +50,7 @@ class Placement:
         self.check(dim, "placement")
         rotation, translation = self.rotation, np.asarray(self.translation)
         return points @ rotation[:dim, :dim].T + translation[:dim]
+
+
+IN_PLACE = Placement()
+"""Where a shape stands by itself."""

@@ -11,12 +11,10 @@ from meshes.breaks import Breaks, check_ends
 from meshes.crowned import Crowned
 from meshes.edge_layers import Edge
 from meshes.patches import Patches
-from meshes.placement import Placement
+from meshes.placement import IN_PLACE, Placement
 from meshes.shapes import Shape
 from meshes.structured import divided, structured_mesh
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-
-_IN_PLACE = Placement()
 
 
 def shape_mesh(
@@ -26,7 +24,7 @@ def shape_mesh(
     *,
     breaks: Breaks | None = None,
     size: float | None = None,
-    placement: Placement = _IN_PLACE,
+    placement: Placement = IN_PLACE,
     edges: Sequence[Edge] = (),
     layers: int = 0,
 ) -> Mesh:

@@ -22,8 +22,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.special import roots_jacobi
 
+from cea.arrays import Floats, Ints
 from cea.errors import require
-from cea.mesh import Floats, Ints, Mesh, lattice
+from cea.mesh import Mesh, lattice
 from meshes.breaks import CLOSED, Breaks
 from meshes.edge_layers import Edge, edge_nodes, run_along, with_layers
 from meshes.placement import Placement

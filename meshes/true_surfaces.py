@@ -12,13 +12,12 @@ import numpy as np
 
 from cea.arrays import Floats
 from meshes.crowned import Crowned
-from meshes.placement import Placement
+from meshes.placement import IN_PLACE, Placement
 from meshes.shapes import MeshFile, NurbsFile, Patches, Shape, VentilatedDisc, round_surfaces
 
 Height = Callable[[Floats], tuple[Floats, Floats]]
 """Height of points above a surface (n,), which is zero on it, and its gradient (n, dim)."""
 
-_IN_PLACE = Placement()
 _STEPS = 20
 """Steps of Newton's method, at most; three or four are taken."""
 
@@ -61,7 +60,7 @@ class TrueSurface:
         return self.placement.rotation[: x.shape[1], : x.shape[1]]
 
 
-def true_surfaces(shape: Shape, placement: Placement = _IN_PLACE) -> dict[str, TrueSurface]:
+def true_surfaces(shape: Shape, placement: Placement = IN_PLACE) -> dict[str, TrueSurface]:
     """Surfaces of a shape by name; none of a mesh file: what it interpolates is unknown."""
     if isinstance(shape, MeshFile | NurbsFile | Patches):
         return {}

@@ -20,15 +20,7 @@ from cea.material import Material
 from cea.matrices import antisymmetrised, destroy, distributed, symmetrised, total
 from cea.petsc import PETSc
 from cea.rotation import Rotation
-from cea.supports.boundary import (
-    Force,
-    Pressure,
-    Spring,
-    Support,
-    check_boundary,
-    on_surfaces,
-    through_body,
-)
+from cea.supports.boundary import Force, Pressure, Spring, Support, check_surface
 from cea.supports.constraints import Constraints
 from cea.surface import Surface
 
@@ -80,15 +72,18 @@ class Body:
     forces: Sequence[Force] = ()
 
     def __post_init__(self) -> None:
-        check_boundary(
-            self.supports,
-            self.springs,
-            self.pressures,
-            self.forces,
-            self.surfaces,
-            self.dim,
-            f"bodies.{self.name}",
-        )
+        conditions: dict[str, Sequence[Support | Spring | Pressure | Force]] = {
+            "supports": self.supports,
+            "springs": self.springs,
+            "pressures": self.pressures,
+            "forces": self.forces,
+        }
+        for kind, items in conditions.items():
+            for number, item in enumerate(items):
+                place = f"bodies.{self.name}.{kind}[{number}]"
+                if item.surface is not None:
+                    check_surface(item.surface, self.surfaces, f"{place}.surface")
+                item.check(self.dim, place)
 
     @property
     def dim(self) -> int:
@@ -137,9 +132,10 @@ class Body:
         A is symmetric or skew to the last bit, and ``exactly`` makes the product so again where Z
         is more than a selection of dofs.
         """
+        if not len(self.constraints.dofs):
+            return matrix
         free = self.constraints.restrict(matrix, self.expansion)
-        if free is not matrix:
-            destroy(matrix)
+        destroy(matrix)
         return free if self.constraints.selects else exactly(free)
 
     def stiffness(self) -> Any:
@@ -212,7 +208,8 @@ class Body:
         The scalar dofs that supports hold, shape (m,), and the forces there, (supports, m, dim),
         along the directions that each holds and no other.
         """
-        return self.constraints.support_forces(force, len(self.supports))
+        held = self.constraints
+        return held.dofs, held.forces.split(force[held.dofs], len(self.supports))
 
     def load(self) -> Any:
         """Z^T (F - K u_D): forces of loads and of prescribed displacements, PETSc (free), N."""
@@ -236,9 +233,10 @@ class Body:
         forces = _surface_forces(self.surfaces, self.pressures, self.forces, shape)
         full = self.expansion.createVecLeft()
         full.setArray(forces[slice(*self._own)].ravel())
-        if (through := through_body(self.forces)) is not None:
+        through = [force.value for force in self.forces if force.surface is None]
+        if through:
             volumes, uniform = self.space.mass(1.0), full.duplicate()
-            uniform.setArray(np.tile(through, full.getLocalSize() // self.dim))
+            uniform.setArray(np.tile(np.sum(through, axis=0), full.getLocalSize() // self.dim))
             volumes.multAdd(uniform, full, full)
             destroy(volumes, uniform)
         return full
@@ -268,8 +266,10 @@ def _surface_forces(
         points = surface.gauss_points((3 * surface.cells().degree + 1) // 2)
         traction = -pressure.value * points.normal
         total += surface.trace(points.at).T @ (points.weight[:, None] * traction)
-    for name, value in on_surfaces(forces):
-        points = surfaces[name].gauss_points(surfaces[name].cells().degree + 1)
-        share = surfaces[name].trace(points.at).T @ points.weight
-        total += share[:, None] * value / points.weight.sum()
+    for force in forces:
+        if force.surface is not None:
+            surface = surfaces[force.surface]
+            points = surface.gauss_points(surface.cells().degree + 1)
+            share = surface.trace(points.at).T @ points.weight
+            total += share[:, None] * np.array(force.value) / points.weight.sum()
     return total

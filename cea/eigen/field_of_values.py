@@ -33,7 +33,6 @@ hold for the sum where they hold without them.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -73,48 +72,39 @@ _NEGATIVE = (1e-6, 1e-2, 0.1)
 """Negative damping d relative to omega that is tried: none but for rounding, and some."""
 
 
-@dataclass(frozen=True)
-class FieldOfValues:
-    """Where x^H K x / x^H M x lies, for all x, and with it every eigenvalue."""
+def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> float | None:
+    """A slope with abs(Im kappa) <= slope (Re kappa + X) where Re kappa >= -X, else None.
 
-    depth: float  # X (1/s^2)
-    bounded: bool  # whether Re kappa >= -X
-    slope: float = np.inf  # then abs(Im kappa) <= slope (Re kappa + X); infinite where not known
-
-
-def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> FieldOfValues:
-    """What one factorisation at a depth X (1/s^2) says of it; ConvergenceError when it fails.
-
-    The slope is told where a cone is asked for, and needed for a bound with circulatory pieces; it
-    stays infinite where forces are tied, or depend on each other.
+    One factorisation at the depth X (1/s^2) says so; ConvergenceError when it fails. The slope is
+    told where a cone is asked for, and needed for a bound with circulatory pieces; it stays
+    infinite where forces are tied, or depend on each other.
     """
     if matrices.symmetric:
-        return FieldOfValues(depth, count_below(matrices, -depth) == 0, 0.0)
+        return None if count_below(matrices, -depth) else 0.0
     factors, bounded = _factorised(_hermitian_part(matrices, depth), matrices.multipliers)
     if factors is None:
-        return FieldOfValues(depth, bounded=False)
+        return None
     slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
     forces = matrices.multipliers
     loose = forces is None or not (forces.tied or forces.dependent)
     if cone and bounded and loose and not factors.inertia()[1]:
         slope, share = (SAFETY * each for each in _quotients(factors, matrices))
     factors.free()
-    if not share < 1:
-        return FieldOfValues(depth, bounded=False)
-    return FieldOfValues(depth, bounded, slope / (1 - share))
+    return slope / (1 - share) if bounded and share < 1 else None
 
 
 def largest_growth(matrices: Matrices, end: float) -> float:
     """Rate (1/s) that no eigenvalue with abs(Im lambda) <= end exceeds by the cone, or infinity."""
-    field = field_of_values(matrices, _DEPTH * end**2, cone=True)
-    if not field.bounded or not np.isfinite(field.slope):
+    depth = _DEPTH * end**2
+    slope = field_of_values(matrices, depth, cone=True)
+    if slope is None or not np.isfinite(slope):
         return np.inf
     damping, least = _symmetric_damping(matrices), 0.0
     if damping is not None:
         tried = (part * end for part in _NEGATIVE)
         least = next((d for d in tried if _positive(matrices, damping, d)), np.inf)
         destroy(damping)
-    return max(field.slope * end + 2 * least, float(np.sqrt(2 * field.depth)))
+    return max(slope * end + 2 * least, float(np.sqrt(2 * depth)))
 
 
 def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
@@ -169,12 +159,13 @@ def _factorised(hermitian: Mat, forces: Multipliers | None) -> tuple[Mumps | Non
     """
     expected = 0
     if forces is not None:
-        bordered = _with_forces(hermitian, forces)
-        destroy(hermitian)
-        expected = forces.size + forces.dependent
-        if bordered is None:
+        sets = _two_sets(forces)
+        if sets is None:
+            destroy(hermitian)
             return None, False
-        hermitian = bordered
+        hermitian = bordered(hermitian, sets, symmetric=True)
+        sets.free()
+        expected = forces.size + forces.dependent
     factors = Mumps(hermitian, symmetric=True, inertia=True)
     return factors, factors.inertia()[0] == expected
 
@@ -280,8 +271,8 @@ def _hermitian_part(
     return total
 
 
-def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
-    """H with the forces of contacts as two sets of unknowns; None where there is no bound."""
+def _two_sets(forces: Multipliers) -> Multipliers | None:
+    """Forces of contacts as two sets of unknowns, of M and of D; None where there is no bound."""
     mean, half = (
         scaled_total([(0.5, forces.closure), (sign, forces.reaction)]) for sign in (0.5, -0.5)
     )
@@ -290,8 +281,8 @@ def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
     friction = local_part(half)
     friction.eliminate_zeros()
     both = bool(((np.diff(friction.indptr) > 0) & tied).any())
-    bordered_matrix = None
-    if not hermitian.comm.tompi4py().allreduce(both, MPI.LOR):
+    sets = None
+    if not forces.closure.comm.tompi4py().allreduce(both, MPI.LOR):
         other = forces.compliance.copy()
         diagonal.array[:] = np.where(tied, 1.0, diagonal.array_r)
         other.setDiagonal(diagonal)
@@ -302,8 +293,6 @@ def _with_forces(hermitian: Mat, forces: Multipliers) -> Mat | None:
         if forces.border is not None:
             border = block_diagonal([forces.border, forces.border]).convert("aij")
         sets = Multipliers(closure, closure, compliance, border, 0)
-        bordered_matrix = bordered(hermitian, sets, symmetric=True)
-        sets.free()
         destroy(other)
     destroy(mean, half, diagonal)
-    return bordered_matrix
+    return sets

@@ -31,7 +31,6 @@ from cea.eigen.subspace import (
     dense_subspace,
     leading_schur_form,
     small_eigenpairs,
-    symmetric_part,
 )
 from cea.errors import ConvergenceError
 
@@ -122,7 +121,8 @@ def krylov_schur(
         if space.size < check and space.next:
             space.extend()
             continue
-        theta, residuals = _ritz(op, space)
+        theta, vectors = small_eigenpairs(space.square, symmetric=op.symmetric)
+        residuals = np.linalg.norm(space.operator[space.size :] @ vectors, axis=0)
         sizes, least = np.abs(theta), 1 / radius_of(theta)
         inside, converged = sizes >= least, residuals <= options.tolerance * sizes
         nearly = residuals <= options.loose * sizes
@@ -152,7 +152,7 @@ def krylov_schur(
                     best=_locked(op, space, locked, theta, converged),
                 )
             restarts, full = restarts + 1, space.size
-            space.restart(*_leading(_square(op, space), theta, number + 3 * block))
+            space.restart(*_leading(space.square, theta, number + 3 * block))
             last_random -= (full - space.size) if last_random else 0
         check = max(space.size + space.next, int(options.growth * space.size))
         if nearly[wanted].all() and not (verified or last_random):
@@ -181,16 +181,6 @@ def _started(
         start = op.apply(combined(start, turn), combined(image, turn))
     space.start(start)
     return space
-
-
-def _square(op: ShiftInvert, space: KrylovSpace) -> Floats:
-    return symmetric_part(space.square) if op.symmetric else space.square
-
-
-def _ritz(op: ShiftInvert, space: KrylovSpace) -> tuple[Complexes, Floats]:
-    """Ritz values of OP on the space and the residuals of their vectors."""
-    theta, vectors = small_eigenpairs(_square(op, space), symmetric=op.symmetric)
-    return theta, np.linalg.norm(space.operator[space.size :] @ vectors, axis=0)
 
 
 def _wanted(op: ShiftInvert, theta: Complexes, inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -244,5 +234,5 @@ def _locked(
         number -= int(split)
     if not number:
         return locked
-    form, vectors = _leading(_square(op, space), theta, number)
+    form, vectors = _leading(space.square, theta, number)
     return locked.extended(space.combined(vectors), space.coupling @ vectors, form, op.shift)

@@ -10,6 +10,7 @@ import numpy as np
 from cea.arrays import Floats
 from cea.eigen.blocks import beside, combined, subtract
 from cea.eigen.shift_invert import ShiftInvert
+from cea.eigen.subspace import symmetric_part
 
 _NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
@@ -54,8 +55,9 @@ class KrylovSpace:
 
     @property
     def square(self) -> Floats:
-        """The rows of H that are those of V."""
-        return self.operator[: self.size]
+        """The rows of H that are those of V, symmetric where OP is."""
+        square = self.operator[: self.size]
+        return symmetric_part(square) if self._op.symmetric else square
 
     def start(self, block: Floats) -> None:
         """Begin with a block; V is empty."""
@@ -127,7 +129,13 @@ class KrylovSpace:
         op, first = self._op, self._locked + self.size
         most = self._room - self.size  # more directions there are not, but of rounding
         inside: Floats = np.zeros((first, w.shape[1]))
-        self._take_out_what_is_large(w, inside)
+        # OP is selfadjoint but for friction, and what it makes of a block lies in the last two, but
+        # for that and for rounding. Both are largest along the eigenvectors nearest to the shift,
+        # which the first vectors hold.
+        for start, image in self._images:
+            own = slice(start, start + image.shape[1])
+            inside[own] = op.inner(image, w)
+            subtract(w, self._take(own.start, own.stop), inside[own])
         u, image = w, op.image(w)
         rest: Floats = np.eye(w.shape[1])
         whole: Floats = np.empty(0)
@@ -165,19 +173,6 @@ class KrylovSpace:
         self.next = u.shape[1]
         self._put(first, u)
         return np.vstack([inside, rest])
-
-    def _take_out_what_is_large(self, w: Floats, inside: Floats) -> None:
-        """Project a block on those whose images are known; add its coefficients.
-
-        OP is selfadjoint but for friction, and what it makes of a block lies in the last two, but
-        for that and for rounding. Both are largest along the eigenvectors nearest to the shift,
-        which the first vectors hold.
-        """
-        for start, image in self._images:
-            stop = start + image.shape[1]
-            part = self._op.inner(image, w)
-            subtract(w, self._take(start, stop), part)
-            inside[start:stop] = part
 
     def _keep_first(self) -> None:
         """Find the image of the first vectors, if there are any."""

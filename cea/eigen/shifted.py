@@ -55,16 +55,18 @@ class Shifted:
         turns = bool(rate) and matrices.gyroscopic is not None
         self._symmetric = matrices.symmetric and not turns
         self._forces, circulatory = matrices.multipliers, matrices.circulatory
-        if rate and circulatory is not None:
+        self._factors: Mumps | None = None
+        self._update: UpdatedFactors | None = None
+        for rest in (circulatory, None) if rate and circulatory is not None else (None,):
+            if rest is None and circulatory is not None:
+                self._forces = with_circulatory(matrices.multipliers, circulatory)
             try:
-                self._factorise(circulatory)
+                self._factorise(rest)
+                break
             except SingularError:
                 self.free()
-            else:
-                return
-        if circulatory is not None:
-            self._forces = with_circulatory(matrices.multipliers, circulatory)
-        self._factorise(None)
+                if rest is None:
+                    raise
 
     @classmethod
     def quadratic(cls, matrices: Matrices, rate: float) -> "Shifted":
@@ -74,24 +76,12 @@ class Shifted:
     def _factorise(self, rest: CirculatorySum | None) -> None:
         """Factors with the forces, and what solves with pieces that stay out of them."""
         operator = self.matrices.operator(self.kappa, rate=self.rate)
-        if self._forces is not None:
-            whole = bordered(operator, self._forces, symmetric=self._symmetric)
-            destroy(operator)
-            operator = whole
-        self._update: UpdatedFactors | None = None
-        self._factors: Mumps | None = None
-        self._factors = Mumps(operator, symmetric=self._symmetric)
-        low_rank = self.matrices.low_rank if self.rate else None
-        if low_rank is None and rest is None:
-            return
-        root = np.zeros((self._local, 0)) if low_rank is None else low_rank.vectors
-        try:
-            self._update = UpdatedFactors(
-                self._factors, root, self.rate, rest, symmetric=self._symmetric
-            )
-        except SingularError:
-            self.free()
-            raise
+        low_rank, symmetric = self.matrices.low_rank if self.rate else None, self._symmetric
+        whole = bordered(operator, self._forces, symmetric=symmetric)
+        self._factors = Mumps(whole, symmetric=symmetric)
+        if low_rank is not None or rest is not None:
+            root = np.zeros((self._local, 0)) if low_rank is None else low_rank.vectors
+            self._update = UpdatedFactors(self._factors, root, self.rate, rest, symmetric=symmetric)
 
     @property
     def multipliers(self) -> int:
@@ -239,22 +229,23 @@ def count_below(matrices: Matrices, kappa: float) -> int:
     Each multiplier adds one negative eigenvalue to those of S - kappa M; so it does beside a row
     of Z^T, which takes one of its own sign and one of the other.
     """
-    shifted = matrices.operator(kappa, symmetric_part=True)
-    extra = 0
-    if matrices.multipliers is not None:
-        whole = bordered(shifted, matrices.multipliers, symmetric=True)
-        destroy(shifted)
-        shifted, extra = whole, matrices.multipliers.size
-    return inertia(shifted)[0] - extra
+    forces, shifted = matrices.multipliers, matrices.operator(kappa, symmetric_part=True)
+    negative, _ = inertia(bordered(shifted, forces, symmetric=True))
+    return negative - (0 if forces is None else forces.size)
 
 
-def bordered(operator: Any, multipliers: Multipliers, *, symmetric: bool) -> Any:
-    """[A, L^T, .; J, -C, Z; ., Z^T, .], PETSc AIJ, which MUMPS scales; L is J where symmetric."""
+def bordered(operator: Any, multipliers: Multipliers | None, *, symmetric: bool) -> Any:
+    """[A, L^T, .; J, -C, Z; ., Z^T, .], PETSc AIJ, in the place of A, which is destroyed.
+
+    MUMPS scales it; L is J where symmetric. A itself without multipliers.
+    """
+    if multipliers is None:
+        return operator
     closure = multipliers.closure
     reaction = closure if symmetric else multipliers.reaction
     transpose, corner = reaction.transpose(PETSc.Mat()), multipliers.compliance.copy()
     corner.scale(-1.0)
-    blocks, made = [[operator, transpose], [closure, corner]], [transpose, corner]
+    blocks, made = [[operator, transpose], [closure, corner]], [operator, transpose, corner]
     if (border := multipliers.border) is not None:
         across = border.transpose(PETSc.Mat())
         blocks = [[operator, transpose, None], [closure, corner, border], [None, across, None]]

@@ -54,12 +54,10 @@ class InvariantSubspace:
         """Number of eigenvalues, with multiplicity."""
         return len(self.projected)
 
-    @cached_property
+    @property
     def eigenvalues(self) -> Complexes:
         """kappa, shape (k,)."""
-        if self.symmetric:
-            return np.linalg.eigvalsh(symmetric_part(self.projected)).astype(complex)
-        return np.linalg.eigvals(self.projected).astype(complex)
+        return self._pairs[0]
 
     def eigenpairs(self, rows: int | None = None) -> tuple[Complexes, Complexes]:
         """Eigenvalues, shape (k,), and the first rows of eigenvectors, shape (rows, k).

@@ -136,15 +136,15 @@ class UndampedSearch(WindowSearch):
             return
         self.factorisations += 1
         with self.timer("factorisation"):
-            field = field_of_values(self._matrices, _DEPTH * top, cone=True)
-        radius = distance_of_cone(top, middle, field.depth, field.slope)
-        covers = field.bounded and radius <= _AROUND * plain
+            slope = field_of_values(self._matrices, _DEPTH * top, cone=True)
+        bounded = slope is not None
+        depth, reached = (_DEPTH if bounded else _DEEP) * top, -top
+        radius = np.inf if slope is None else distance_of_cone(top, middle, depth, slope)
+        covers = radius <= _AROUND * plain
         yield middle, max(plain, radius) if covers else plain
         if covers and not self.odd():
-            self.growth, self.bounded = float(np.sqrt(field.depth)), True
+            self.growth, self.bounded = float(np.sqrt(depth)), True
             return
-        bounded, reached = field.bounded, -top
-        depth = field.depth if bounded else _DEEP * top
         for _ in range(self._options.max_discs):
             centre, left = touching_disc(top, depth), depth if bounded else _REACHED * depth
             yield centre, distance_within(top, centre, -left, -reached)
@@ -161,7 +161,7 @@ class UndampedSearch(WindowSearch):
         """Whether nothing of the window has Re kappa < -depth: by as few tests as show it."""
         with self.timer("factorisation"):
             self.factorisations += 1
-            if field_of_values(self._matrices, depth).bounded:
+            if field_of_values(self._matrices, depth) is not None:
                 return True
             try:
                 self.factorisations += 1

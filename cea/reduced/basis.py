@@ -108,7 +108,7 @@ class Norms:
         compliance = block_diagonal(parts).convert("aij")
         forces = Multipliers(closure, closure, compliance, None, 0)
         destroy(*parts)
-        factors = Mumps(bordered(matrix, forces, symmetric=True), symmetric=True)
+        factors = Mumps(bordered(matrix.copy(), forces, symmetric=True), symmetric=True)
         self._made += [factors, forces]
         n = matrix.getLocalSize()[0]
 

@@ -1,12 +1,12 @@
 """Supports, springs, pressures and forces on named surfaces of a body, and through all of it."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
 from cea.arrays import Floats
-from cea.errors import InputError, did_you_mean
+from cea.errors import InputError, did_you_mean, require
 from cea.supports.frames import Cartesian, Cylindrical, Frame
 
 _CARTESIAN = Cartesian()
@@ -37,12 +37,11 @@ class Support:
     value: tuple[float, ...] | float | None = None
 
     def __post_init__(self) -> None:
-        if self.components is not None and (
-            not self.components or not set(self.components) <= {0, 1, 2}
-        ):
-            raise InputError("support.components", self.components, "one or more of 0, 1, 2")
-        if self.value is not None and not np.isfinite(self.value).all():
-            raise InputError("support.value", self.value, "finite numbers (m)")
+        if self.components is not None:
+            known = bool(self.components) and set(self.components) <= {0, 1, 2}
+            require(known, "support.components", self.components, "one or more of 0, 1, 2")
+        finite = self.value is None or bool(np.isfinite(self.value).all())
+        require(finite, "support.value", self.value, "finite numbers (m)")
 
     @property
     def prescribes(self) -> bool:
@@ -52,13 +51,11 @@ class Support:
     def check(self, dim: int, field: str) -> None:
         """Refuse components, frames and values that do not suit the dimension of space."""
         self.frame.check(dim, field)
-        size = self.frame.size(dim)
-        if self.components is not None and max(self.components) >= size:
-            raise InputError(f"{field}.components", self.components, f"below {size}")
-        held = self._held(dim)
-        if isinstance(self.value, tuple) and len(self.value) != len(held):
-            allowed = f"a number (m) for each of the {len(held)} components held"
-            raise InputError(f"{field}.value", self.value, allowed)
+        size, held = self.frame.size(dim), self._held(dim)
+        require(max(held) < size, f"{field}.components", self.components, f"below {size}")
+        fits = not isinstance(self.value, tuple) or len(self.value) == len(held)
+        allowed = f"a number (m) for each of the {len(held)} components held"
+        require(fits, f"{field}.value", self.value, allowed)
         if self.prescribes and isinstance(self.frame, Cylindrical) and {0, 1} <= set(held):
             allowed = "zero where both radial and circumferential are held"
             raise InputError(f"{field}.value", self.value, allowed)
@@ -98,8 +95,13 @@ class Spring:
 
     def __post_init__(self) -> None:
         values = np.asarray(self.stiffness, dtype=float)
-        if not np.isfinite(values).all() or (values < 0).any():
-            raise InputError("spring.stiffness", self.stiffness, "finite and not negative (N/m^3)")
+        valid = bool(np.isfinite(values).all() and (values >= 0).all())
+        require(valid, "spring.stiffness", self.stiffness, "finite and not negative (N/m^3)")
+
+    def check(self, dim: int, field: str) -> None:
+        """Refuse a spring of another dimension."""
+        allowed = f"{dim} values (N/m^3), one for each component"
+        require(len(self.stiffness) == dim, f"{field}.stiffness", self.stiffness, allowed)
 
 
 @dataclass(frozen=True)
@@ -110,8 +112,11 @@ class Pressure:
     value: float  # pressure (N/m^2), positive pushes on the body
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.value):
-            raise InputError("pressure.value", self.value, "a finite number (N/m^2)")
+        finite = bool(np.isfinite(self.value))
+        require(finite, "pressure.value", self.value, "a finite number (N/m^2)")
+
+    def check(self, dim: int, field: str) -> None:
+        """Accept any dimension."""
 
 
 @dataclass(frozen=True)
@@ -123,51 +128,12 @@ class Force:
     surface: str | None = None  # its name; None of a force on every part of the body
 
     def __post_init__(self) -> None:
-        if not np.isfinite(np.asarray(self.value, dtype=float)).all():
-            raise InputError("force.value", self.value, "finite numbers (N, or N/m^3)")
+        finite = bool(np.isfinite(np.asarray(self.value, dtype=float)).all())
+        require(finite, "force.value", self.value, "finite numbers (N, or N/m^3)")
 
-
-def on_surfaces(forces: Iterable[Force]) -> list[tuple[str, Floats]]:
-    """Surface and components (N) of those forces that are spread over one."""
-    return [(f.surface, np.array(f.value, dtype=float)) for f in forces if f.surface is not None]
-
-
-def through_body(forces: Iterable[Force]) -> Floats | None:
-    """Sum of those forces that act on every part of a body (N/m^3), shape (dim,); None without."""
-    values = [force.value for force in forces if force.surface is None]
-    return np.sum(values, axis=0) if values else None
-
-
-def check_boundary(
-    supports: Sequence[Support],
-    springs: Sequence[Spring],
-    pressures: Sequence[Pressure],
-    forces: Sequence[Force],
-    surfaces: Iterable[str],
-    dim: int,
-    field: str,
-) -> None:
-    """Refuse supports, springs and loads on unknown surfaces, or of another dimension."""
-    known = list(surfaces)
-    conditions: dict[str, Sequence[Support | Spring | Pressure | Force]] = {
-        "supports": supports,
-        "springs": springs,
-        "pressures": pressures,
-        "forces": forces,
-    }
-    for kind, items in conditions.items():
-        for number, item in enumerate(items):
-            if item.surface is not None:
-                check_surface(item.surface, known, f"{field}.{kind}[{number}].surface")
-    for number, support in enumerate(supports):
-        support.check(dim, f"{field}.supports[{number}]")
-    for number, spring in enumerate(springs):
-        if len(spring.stiffness) != dim:
-            allowed = f"{dim} values (N/m^3), one for each component"
-            raise InputError(f"{field}.springs[{number}].stiffness", spring.stiffness, allowed)
-    for number, force in enumerate(forces):
-        if len(force.value) != dim:
-            raise InputError(f"{field}.forces[{number}].value", force.value, f"{dim} components")
+    def check(self, dim: int, field: str) -> None:
+        """Refuse a force of another dimension."""
+        require(len(self.value) == dim, f"{field}.value", self.value, f"{dim} components")
 
 
 def check_surface(name: str, known: Iterable[str], field: str) -> None:

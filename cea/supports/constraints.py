@@ -20,12 +20,11 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats, Ints
-from cea.matrices import distributed
+from cea.matrices import destroy, distributed
 from cea.petsc import PETSc
 from cea.supports.directions import Directions, orthonormal
 
@@ -89,7 +88,7 @@ class ConstraintForces:
         along = np.einsum("nki,ni->nk", span[owner], held.direction)
         direction = np.einsum("nk,nki->ni", along, span[owner])
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        pairs = np.column_stack([owner, held.supports])
+        pairs = np.column_stack([owner, held.support])
         spaces, space = np.unique(pairs, axis=0, return_inverse=True)
         basis = orthonormal(space.ravel(), direction, len(spaces))[0]
         projector = np.einsum("nki,nkj->nij", basis, basis)
@@ -126,32 +125,19 @@ class Constraints:
     # is held at zero
     prescribed: Floats | None = None
 
-    @property
-    def any(self) -> bool:
-        """True when something is held."""
-        return len(self.dofs) > 0
-
     @cached_property
     def selects(self) -> bool:
         """True when free unknowns are plain displacement components: Z picks some of them."""
         alone = len(np.unique(self.rows.indices)) == self.rows.nnz
         return bool(alone and np.all(self.rows.data == 1.0))
 
-    @property
-    def kept(self) -> NDArray[np.bool_]:
-        """Where Z picks components: which, shape (dim * num_scalar_dofs,)."""
-        kept = np.ones(self.dim * self.num_scalar_dofs, dtype=bool)
-        kept[components(self.dofs, self.dim)] = np.diff(self.rows.indptr) > 0
-        return kept
-
-    def first_free(self, dofs: Ints) -> Ints:
-        """Number of the first free unknown at each scalar dof, or of the next one."""
+    def _first_free(self, dofs: Ints) -> Ints:
         return first_free_at(self.dim, self.dofs, self.removed, dofs)
 
     def expansion(self, first: int, last: int, comm: Any) -> Any:
         """Z, PETSc AIJ (full x free)."""
         local = self._local(self.rows, first, last)
-        starts, stops = self.first_free(np.array([first, last]))
+        starts, stops = self._first_free(np.array([first, last]))
         return distributed(local, (int(stops - starts), local.shape[1]), comm)
 
     def frames(self, first: int, last: int) -> csr_array:
@@ -159,7 +145,7 @@ class Constraints:
 
         B^T B = I, and B^T u gives the free unknowns of a displacement u that the supports admit.
         """
-        starts, stops = self.first_free(np.array([first, last]))
+        starts, stops = self._first_free(np.array([first, last]))
         return csr_array(self._local(self.frame, first, last)[:, int(starts) : int(stops)])
 
     def _local(self, rows: csr_array, first: int, last: int) -> csr_array:
@@ -175,7 +161,7 @@ class Constraints:
             (
                 np.concatenate([components(plain - first, dim), of_held[free.row]]),
                 np.concatenate(
-                    [(self.first_free(plain)[:, None] + component).ravel(), free.col],
+                    [(self._first_free(plain)[:, None] + component).ravel(), free.col],
                 ),
             ),
         )
@@ -192,22 +178,18 @@ class Constraints:
         vector.array[components(self.dofs[held] - first, self.dim)] = part
         return vector
 
-    def support_forces(self, force: Floats, supports: int) -> tuple[Ints, Floats]:
-        """As :meth:`cea.body.Body.support_forces`, of so many supports."""
-        return self.dofs, self.forces.split(force[self.dofs], supports)
-
     def restrict(self, matrix: Any, expansion: Any) -> Any:
         """Z^T A Z of a symmetric matrix; a product only where Z picks no components."""
-        if not self.any:
-            return matrix
         if not self.selects:
             # Ten times faster than PtAP of serial AIJ where dependent dofs have long rows.
             half = matrix.matMult(expansion)
             product = expansion.transposeMatMult(half)
-            half.destroy()
+            destroy(half)
             return product
         first, last = expansion.getOwnershipRange()
-        chosen = (first + np.flatnonzero(self.kept[first:last])).astype(PETSc.IntType)
+        picked = np.ones(self.dim * self.num_scalar_dofs, dtype=bool)
+        picked[components(self.dofs, self.dim)] = np.diff(self.rows.indptr) > 0
+        chosen = (first + np.flatnonzero(picked[first:last])).astype(PETSc.IntType)
         free = PETSc.IS().createGeneral(chosen, comm=matrix.comm)
         return matrix.createSubMatrix(free, free)
 

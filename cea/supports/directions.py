@@ -20,36 +20,31 @@ class Directions:
 
     dof: Ints  # scalar dofs, shape (n,)
     direction: Floats  # unit directions there, shape (n, dim)
-    value: Floats | None = None  # displacement along each (m), shape (n,); None of zero
-    # number of the support that holds each, shape (n,); None where all belong to the first
-    support: Ints | None = None
+    value: Floats  # displacement along each (m), shape (n,)
+    support: Ints  # number of the support that holds each, shape (n,)
 
     def __len__(self) -> int:
         return len(self.dof)
 
     @classmethod
+    def of(
+        cls, dof: Ints, direction: Floats, value: Floats | float = 0.0, support: Ints | int = 0
+    ) -> "Directions":
+        """Directions, one for all dofs or one each, and so with their values and supports."""
+        n = len(dof)
+        direction = np.broadcast_to(direction, (n, np.shape(direction)[-1]))
+        return cls(dof, direction, np.broadcast_to(value, n), np.broadcast_to(support, n))
+
+    @classmethod
     def joined(cls, parts: Sequence["Directions"], dim: int) -> "Directions":
         """Directions of several parts, in order."""
-        values = None
-        if any(part.value is not None for part in parts):
-            values = np.concatenate([part.values for part in parts])
-        none = np.zeros(0, dtype=np.int64)
+        every = [cls.of(np.zeros(0, dtype=np.int64), np.zeros((0, dim))), *parts]
         return cls(
-            np.concatenate([none, *(part.dof for part in parts)]),
-            np.concatenate([np.zeros((0, dim)), *(part.direction for part in parts)]),
-            values,
-            np.concatenate([none, *(part.supports for part in parts)]),
+            np.concatenate([part.dof for part in every]),
+            np.concatenate([part.direction for part in every]),
+            np.concatenate([part.value for part in every]),
+            np.concatenate([part.support for part in every]),
         )
-
-    @property
-    def values(self) -> Floats:
-        """Displacement along each (m), shape (n,)."""
-        return np.zeros(len(self)) if self.value is None else self.value
-
-    @property
-    def supports(self) -> Ints:
-        """Number of the support that holds each, shape (n,)."""
-        return np.zeros(len(self), dtype=np.int64) if self.support is None else self.support
 
 
 def merged(entries: Directions, cosine: float) -> Ints:

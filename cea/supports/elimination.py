@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array, hstack
 from scipy.sparse.linalg import splu
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.errors import InputError
 from cea.supports.constraints import (
     ConstraintForces,
@@ -25,8 +25,6 @@ _LARGEST = 1e6  # coefficient of a dependent dof beyond which its constraints co
 
 _SAME = 1e-9  # difference of prescribed values, relative to the largest, that is taken for rounding
 
-_CHUNK_BYTES = 64 * 2**20
-
 
 @dataclass(frozen=True)
 class ProjectedConstraints:
@@ -37,8 +35,7 @@ class ProjectedConstraints:
     # coefficients by the number of the support that they are of, shape (rows, dim *
     # num_scalar_dofs) each, which add up to C; they touch anchored dofs only
     shares: Mapping[int, csr_array]
-    # c of C u = c, shape (rows,), where anchors have values; None of zero
-    right: Floats | None = None
+    right: Floats  # c of C u = c, shape (rows,), zero where no anchor has a value
 
 
 def constrain(
@@ -54,17 +51,14 @@ def constrain(
     directions around them, or supports hold one component at different values.
     """
     dim = held.direction.shape[1]
-    anchor = projected.anchor if projected else Directions.joined([], dim)
-    every = Directions.joined([held, anchor], dim)
+    every = Directions.joined([held, projected.anchor] if projected else [held], dim)
     dofs, owner = np.unique(every.dof, return_inverse=True)
     taken, removed, slot = orthonormal(owner, every.direction, len(dofs))
     first = first_free_at(dim, dofs, removed, dofs)
     total = dim * num_scalar_dofs - int(removed.sum())
     free = frame = _free_rows(complement(taken), removed, first, total)
-    values = None
     place = slice(len(held))
-    if held.value is not None:
-        values = _held_displacement(held, owner[place], taken, slot[place], field).ravel()
+    values = _held_displacement(held, owner[place], taken, slot[place], field).ravel()
     solved = np.flatnonzero(slot[len(held) :] >= 0)
     rows = None
     if projected and len(solved):
@@ -78,17 +72,16 @@ def constrain(
         rows = RowForces(dependent, shares)
         C = rows.matrix
         free = csr_array(free + dependent @ _elimination(C @ dependent, C @ free, field))
-        if every.value is not None:
-            values = np.zeros(dim * len(dofs)) if values is None else values
-            size = np.abs(every.value).max() or 1.0  # coefficients are dropped below a size
-            right = 0.0 if projected.right is None else projected.right[solved]
-            rest = csr_array((C @ values - right)[:, None] / size)
+        if every.value.any():
+            size = np.abs(every.value).max()  # coefficients are dropped below a size
+            rest = csr_array((C @ values - projected.right[solved])[:, None] / size)
             amounts = _elimination(C @ dependent, rest, field)
             values = values + size * (dependent @ amounts).toarray()[:, 0]
     free.data[np.abs(free.data) < _NEGLIGIBLE] = 0.0
     free.eliminate_zeros()
     forces = ConstraintForces.of(held, owner[place], taken, slot[place], rows)
-    return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, forces, values)
+    prescribed = values if every.value.any() else None
+    return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, forces, prescribed)
 
 
 def _free_rows(frame: Floats, removed: Ints, first: Ints, total: int) -> csr_array:
@@ -116,10 +109,9 @@ def _elimination(solved: csr_array, free: csr_array, field: str) -> csr_array:
         factors = splu(solved.tocsc())
     except RuntimeError:
         raise _contradiction(field) from None
-    step = max(1, _CHUNK_BYTES // (8 * solved.shape[0]))
     parts = []
-    for start in range(0, len(used), step):
-        part = -factors.solve(right[:, start : start + step].toarray())
+    for chunk in chunks(len(used), 8 * solved.shape[0]):
+        part = -factors.solve(right[:, chunk].toarray())
         if not np.abs(part).max(initial=0.0) < _LARGEST:
             raise _contradiction(field)
         part[np.abs(part) < _NEGLIGIBLE] = 0.0  # before the dense part becomes sparse
@@ -148,20 +140,14 @@ def _held_displacement(
     for k in range(taken.shape[1]):
         new = np.flatnonzero(slot == k)
         before = np.einsum("nj,nj->n", along[new, :k], amount[owner[new], :k])
-        amount[owner[new], k] = (held.values[new] - before) / along[new, k]
-    _check_values(held, owner, taken, along, amount, field)
-    return np.einsum("nk,nki->ni", amount, taken)
-
-
-def _check_values(
-    held: Directions, owner: Ints, taken: Floats, along: Floats, amount: Floats, field: str
-) -> None:
-    """Refuse values that contradict each other, as far as their directions are the same."""
+        amount[owner[new], k] = (held.value[new] - before) / along[new, k]
+    # Values may not contradict each other, as far as their directions are the same.
     spanned = np.einsum("nk,nki->ni", along, taken[owner])
     sine = np.linalg.norm(held.direction - spanned, axis=1)
-    wrong = np.abs(held.values - np.einsum("nk,nk->n", along, amount[owner]))
-    largest = np.abs(held.values).max(initial=0.0)
-    if len(wrong) and (wrong > (_SAME + 4 * sine) * largest).any():
-        value = float(held.values[np.argmax(wrong)])
+    wrong = np.abs(held.value - np.einsum("nk,nk->n", along, amount[owner]))
+    largest = np.abs(held.value).max(initial=0.0)
+    if (wrong > (_SAME + 4 * sine) * largest).any():
+        value = float(held.value[np.argmax(wrong)])
         allowed = "the value of the other supports that hold the same component at an edge"
         raise InputError(f"{field}.value", value, allowed)
+    return np.einsum("nk,nki->ni", amount, taken)

@@ -1,5 +1,6 @@
 """Frames in which supports name the components they hold."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,16 +12,25 @@ _ON_AXIS = 1e-9
 """Distance from an axis at which directions about it lose sense, relative to the surface."""
 
 
-@dataclass(frozen=True)
-class Cartesian:
-    """Components x, y, z (x, y in the plane)."""
+class Frame(ABC):
+    """Components that a support may name."""
 
     def size(self, dim: int) -> int:
         """Number of components in space of dimension ``dim``."""
         return dim
 
     def check(self, dim: int, field: str) -> None:
-        """Accept any dimension."""
+        """Refuse a frame that does not suit the dimension of space."""
+        return
+
+    @abstractmethod
+    def directions(self, components: tuple[int, ...], x: Floats, normal: Floats) -> Floats:
+        """Held unit directions at points with outward normals, shape (components, n, dim)."""
+
+
+@dataclass(frozen=True)
+class Cartesian(Frame):
+    """Components x, y, z (x, y in the plane)."""
 
     def directions(self, components: tuple[int, ...], x: Floats, normal: Floats) -> Floats:
         """Held unit directions at points, shape (components, n, dim)."""
@@ -29,7 +39,7 @@ class Cartesian:
 
 
 @dataclass(frozen=True)
-class Cylindrical:
+class Cylindrical(Frame):
     """Components radial, circumferential, axial about an axis; the first two about a point in 2D.
 
     Parameters
@@ -48,10 +58,6 @@ class Cylindrical:
             raise InputError("origin", self.origin, "finite coordinates (m)")
         if self.axis and not (np.isfinite(self.axis).all() and np.any(self.axis)):
             raise InputError("axis", self.axis, "a finite vector that is not zero")
-
-    def size(self, dim: int) -> int:
-        """Number of components in space of dimension ``dim``."""
-        return dim
 
     def check(self, dim: int, field: str) -> None:
         """Refuse an axis or origin of another dimension than that of space."""
@@ -100,19 +106,13 @@ class Cylindrical:
 
 
 @dataclass(frozen=True)
-class SurfaceNormal:
+class SurfaceNormal(Frame):
     """One component, along the outward normal of the surface: a roller."""
 
     def size(self, dim: int) -> int:
         """Number of components in space of dimension ``dim``."""
         return 1
 
-    def check(self, dim: int, field: str) -> None:
-        """Accept any dimension."""
-
     def directions(self, components: tuple[int, ...], x: Floats, normal: Floats) -> Floats:
         """Held unit directions at points, shape (1, n, dim)."""
         return normal[None]
-
-
-Frame = Cartesian | Cylindrical | SurfaceNormal

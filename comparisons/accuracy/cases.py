@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from math import prod
 from typing import Any
 
+import numpy as np
+
 from cea.errors import InputError
-from comparisons.accuracy.problems import PROBLEMS, BodyMesh, Problem
+from comparisons.accuracy.problems import PROBLEMS, Problem
 from comparisons.study.formulations import Variant, variants
 from comparisons.study.study import Case
 from scenes.spec.body import Backend
@@ -22,7 +24,6 @@ DEGREES: Mapping[Backend, tuple[int, ...]] = {"fe": (1, 2, 3, 4), "iga": (2, 3, 
 _REFINEMENTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
 FEWEST = {2: 400, 3: 500}
 """Fewest degrees of freedom of a case, by dimension."""
-
 PARTS = ("errors", "no flutter")
 
 
@@ -61,15 +62,6 @@ class Options:
                     raise InputError(name, value, f"one of {', '.join(known)}")
 
 
-@dataclass(frozen=True)
-class Method:
-    """A discretisation of both bodies with a contact rule: a line of a plot."""
-
-    backend: Backend
-    degree: int
-    rule: str
-
-
 def rules(backend: Backend, gauss: int, grid: int) -> dict[str, Variant]:
     """Contact rules by name, of so many Gauss and grid points; full passes of GPTS alone."""
     every = variants((backend, backend), gauss=(gauss,), grid=grid)
@@ -77,10 +69,10 @@ def rules(backend: Backend, gauss: int, grid: int) -> dict[str, Variant]:
     return {n: v for n, v in named.items() if not v.full_pass or n.startswith("GPTS")}
 
 
-def methods() -> list[Method]:
-    """Every method: each degree of each backend with each contact rule it may have."""
+def methods() -> list[dict[str, Any]]:
+    """Every discretisation of both bodies with every contact rule that it may have."""
     return [
-        Method(backend, degree, rule)
+        {"backend": backend, "degree": degree, "rule": rule}
         for backend in BACKENDS
         for rule in rules(backend, 2, 2)
         for degree in DEGREES[backend]
@@ -95,9 +87,9 @@ def lines(options: Options) -> Iterator[Case]:
     for problem in options.problems:
         for p in options.stiffnesses:
             for method in methods():
-                few = (method.backend, method.degree) in (("fe", 2), ("iga", 2), ("iga", 3))
-                if p == options.stiffnesses[0] or few or method.rule == "mortar":
-                    yield {"problem": problem, "p": p, **vars(method)}
+                few = (method["backend"], method["degree"]) in (("fe", 2), ("iga", 2), ("iga", 3))
+                if p == options.stiffnesses[0] or few or method["rule"] == "mortar":
+                    yield {"problem": problem, "p": p, **method}
 
 
 def refinements(case: Case, options: Options) -> list[int]:
@@ -105,86 +97,59 @@ def refinements(case: Case, options: Options) -> list[int]:
 
     A problem may widen the range of the first stiffness.
     """
-    problem, method = PROBLEMS[case["problem"]], method_of(case)
+    problem, at_first = PROBLEMS[case["problem"]], case["p"] == options.stiffnesses[0]
     most = options.most_dofs_2d if problem.dim == 2 else options.most_dofs_3d
-    at_first = case["p"] == options.stiffnesses[0]
     if at_first and problem.most_dofs is not None:
         most = problem.most_dofs
-    fitting = [
-        n for n in _REFINEMENTS if FEWEST[problem.dim] <= estimated_dofs(problem, method, n) <= most
-    ]
+    fewest = FEWEST[problem.dim]
+    fitting = [n for n in _REFINEMENTS if fewest <= estimated_dofs(problem, case, n) <= most]
     if len(fitting) > options.levels:
-        steps = (i * (len(fitting) - 1) / (options.levels - 1) for i in range(options.levels))
-        fitting = [fitting[round(step)] for step in steps]
+        steps = np.linspace(0, len(fitting) - 1, options.levels).round().astype(int)
+        fitting = [fitting[step] for step in steps]
     return fitting if at_first else fitting[-1:]
 
 
-def method_of(case: Case) -> Method:
-    """Method of a line."""
-    return Method(case["backend"], case["degree"], case["rule"])
+def estimated_dofs(problem: Problem, case: Case, refinement: int) -> int:
+    """Degrees of freedom of a mesh, those of supports included; four patches close a ring."""
+    degree = case["degree"]
 
+    def functions(direction: int, coarsest: int) -> int:
+        elements, closed = refinement * coarsest, direction == problem.closed
+        if case["backend"] == "fe":
+            return degree * elements + (not closed)
+        return elements + (4 * (degree - 1) if closed else degree)
 
-def estimated_dofs(problem: Problem, method: Method, refinement: int) -> int:
-    """Degrees of freedom of a case, those of supports included."""
-    return sum(
-        problem.dim
-        * prod(
-            _functions(method, n, closed)
-            for n, closed in zip(body.elements(refinement), body.closed, strict=True)
-        )
-        for body in problem.bodies
+    return problem.dim * sum(
+        prod(functions(*each) for each in enumerate(coarsest))
+        for coarsest in problem.bodies.values()
     )
-
-
-def _functions(method: Method, elements: int, closed: bool) -> int:
-    """Basis functions along a direction; four patches make a closed one of NURBS."""
-    if method.backend == "fe":
-        return method.degree * elements + (not closed)
-    return elements + (4 * (method.degree - 1) if closed else method.degree)
 
 
 def scene_of(
-    problem: Problem,
-    method: Method,
-    refinement: int,
-    p: float,
-    changes: Mapping[str, Any] | None = None,
+    problem: Problem, case: Case, refinement: int, changes: Mapping[str, Any] | None = None
 ) -> Scene:
     """The scene of one point of a plot: p in units of the problem, more changes by their paths."""
-    scene = load_scene(problem.name, backend=method.backend).change(
-        {
-            **(changes or {}),
-            **{
-                f"bodies.{body.name}.mesh.{method.backend}": _mesh(
-                    problem, body, method, refinement
-                )
-                for body in problem.bodies
-            },
-            "contacts.interface.mu": problem.friction,
-            "analysis.max_frequency": problem.max_frequency,
+    backend, degree, closed = case["backend"], case["degree"], problem.closed is not None
+    if backend == "iga":
+        common: dict[str, Any] = {"degree": [degree] * problem.dim}
+    else:
+        cell = {2: "quadrilateral", 3: "hexahedron"}[problem.dim]
+        common = {"cell": cell, "degree": degree, "geometry_degree": problem.geometry_degree}
+        if degree == 1 and closed and problem.geometry_degree is None:
+            common["geometry_degree"] = 2  # straight facets of both sides would leave gaps
+    meshes = {
+        f"bodies.{body}.mesh.{backend}": common | {"elements": [refinement * n for n in coarsest]}
+        for body, coarsest in problem.bodies.items()
+    }
+    given = {"contacts.interface.mu": problem.friction}
+    given["analysis.max_frequency"] = problem.max_frequency
+    scene = load_scene(problem.name, backend=backend).change({**(changes or {}), **meshes, **given})
+    grid = degree + 2  # about two points for each element along an edge
+    if backend == "iga":  # a closed direction is shared by four faces
+        first = next(iter(problem.bodies.values()))
+        along = {
+            d: refinement * first[d] // (4 if d == problem.closed else 1)
+            for d in problem.in_contact
         }
-    )
-    gauss, grid = method.degree + 1, _grid_points(problem, method, refinement)
-    return rules(method.backend, gauss, grid)[method.rule].of(scene, p=problem.unit * p)
-
-
-def _mesh(problem: Problem, body: BodyMesh, method: Method, refinement: int) -> dict[str, Any]:
-    elements = list(body.elements(refinement))
-    if method.backend == "iga":
-        return {"degree": [method.degree] * problem.dim, "elements": elements}
-    cell = {2: "quadrilateral", 3: "hexahedron"}[problem.dim]
-    mesh = {"cell": cell, "degree": method.degree, "elements": elements}
-    if problem.geometry_degree is not None:
-        mesh["geometry_degree"] = problem.geometry_degree
-    elif method.degree == 1 and any(body.closed):
-        mesh["geometry_degree"] = 2  # straight facets of both sides would leave gaps
-    return mesh
-
-
-def _grid_points(problem: Problem, method: Method, refinement: int) -> int:
-    """Points of a grid: about two for each element along an edge."""
-    if method.backend == "fe":
-        return method.degree + 2
-    side = problem.bodies[0]  # a closed direction is shared by four faces
-    along = zip(side.elements(refinement), side.closed, side.in_contact, strict=True)
-    return max(2 * (n // 4 if closed else n) + 1 for n, closed, used in along if used)
+        grid = 2 * max(along.values()) + 1
+    return rules(backend, degree + 1, grid)[case["rule"]].of(scene, p=problem.unit * case["p"])

@@ -1,5 +1,7 @@
-"""Errors of lambda against run time: a line of a plot, from the coarsest mesh to the finest."""
+"""Errors of lambda against run time, and what grows where nothing may."""
 
+from collections.abc import Iterator
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -8,13 +10,12 @@ import numpy as np
 from cea.arrays import Complexes
 from cea.eigen.matching import match_spectrum
 from cea.errors import ConvergenceError, InputError
-from comparisons.accuracy.cases import Method, method_of, refinements, scene_of
-from comparisons.accuracy.exact_lists import exact
-from comparisons.accuracy.problems import PROBLEMS
+from comparisons.accuracy.cases import methods, refinements, scene_of
+from comparisons.accuracy.problems import PROBLEMS, exact
 from comparisons.study.measure import measured
-from comparisons.study.session import Session
-from comparisons.study.study import Case
+from comparisons.study.study import Case, Session
 from scenes import run_modes
+from scenes.results.matching import circumferential_orders
 
 REACH = 0.25
 """Relative distance at which a computed eigenvalue no longer stands for an exact one."""
@@ -51,9 +52,9 @@ def _reason_to_stop(case: Case, refinement: int, runs: list[dict[str, Any]], rep
 
 def measure(case: Case, refinement: int, repeats: int) -> dict[str, Any]:
     """Seconds of processor time (medians), peak memory (MB) and errors of one mesh of a line."""
-    problem, method = PROBLEMS[case["problem"]], method_of(case)
-    _warm_up(case["problem"], method)
-    scene, taken, memory = scene_of(problem, method, refinement, case["p"]), [], []
+    problem, taken, memory = PROBLEMS[case["problem"]], [], []
+    _warm_up(case["problem"], case["backend"], case["degree"], case["rule"])
+    scene = scene_of(problem, case, refinement)
     for _ in range(repeats):
         with measured() as cost:
             result = run_modes(scene)
@@ -73,9 +74,10 @@ def measure(case: Case, refinement: int, repeats: int) -> dict[str, Any]:
 
 
 @cache
-def _warm_up(problem: str, method: Method) -> None:
+def _warm_up(problem: str, backend: str, degree: int, rule: str) -> None:
     """Run the coarsest mesh once in a process: it loads or compiles forms and fills caches."""
-    run_modes(scene_of(PROBLEMS[problem], method, 1, 1.0))
+    case = {"p": 1.0, "backend": backend, "degree": degree, "rule": rule}
+    run_modes(scene_of(PROBLEMS[problem], case, 1))
 
 
 def errors(computed: Complexes, exact: Complexes, band: tuple[float, float]) -> dict[str, Any]:
@@ -91,3 +93,51 @@ def errors(computed: Complexes, exact: Complexes, band: tuple[float, float]) -> 
         for which, value in values.items():
             found[f"{name}_{which}"] = float(value) if np.isfinite(value) else None
     return found | {"missing": len(match.missing), "spurious": len(match.spurious)}
+
+
+_MIRRORED = {
+    "bodies.lower.geometry": {"shape": "rectangle", "size": [2, 0.5], "origin": [0, -0.5]},
+    "bodies.lower.material": {"E": 0.1, "nu": 0.25, "rho": 0.35},
+}
+_ALIKE = {"upper": (4, 1), "lower": (4, 1)}
+NO_FLUTTER = {
+    "layers that mirror each other": replace(PROBLEMS["blocks"], bodies=_ALIKE, mu=0.9),
+    "drum, m = 0": replace(PROBLEMS["drum"], mu=0.9),
+}
+"""Problems that cannot flutter: what grows there is a fault of the contact rule.
+
+Layers that mirror each other (even modes load the contact, odd ones slide, and friction couples
+them one way only), and axisymmetric modes of the drum, on which friction does no work.
+"""
+_REFINEMENT = 3
+"""Mesh of these problems."""
+
+
+def no_flutter_cases() -> Iterator[Case]:
+    """Every problem that cannot flutter with every contact rule, elements of degree 2."""
+    for name in NO_FLUTTER:
+        for method in methods():
+            if method["degree"] == 2:
+                yield {"problem": name, "p": 1.0, **method}
+
+
+def evaluate_no_flutter(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
+    """Largest abs(Re lambda) over abs(lambda), what residual times condition explains of it there.
+
+    ``unexplained`` modes grow or decay by more than that.
+    """
+    problem = NO_FLUTTER[case["problem"]]
+    mirrored = problem.name == "blocks"
+    result = run_modes(scene_of(problem, case, _REFINEMENT, _MIRRORED if mirrored else None))
+    modes = result.modes
+    chosen = slice(None) if mirrored else circumferential_orders(result).orders == 0
+    size = np.abs(modes.eigenvalues[chosen])
+    rates, explained = np.abs(modes.growth_rates[chosen]), modes.growth_uncertainties[chosen]
+    worst = int(np.argmax(rates / size))
+    row = {
+        "modes": len(size),
+        "growth": float(rates[worst] / size[worst]),
+        "explained": float(explained[worst] / size[worst]),
+        "unexplained": int(np.sum(rates > explained)),
+    }
+    return {"no_flutter": [row]}

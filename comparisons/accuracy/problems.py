@@ -1,11 +1,21 @@
-"""Problems with exact eigenvalues: the scene, its meshes, the listed band, the exact list."""
+"""Problems with exact eigenvalues: the scene, its meshes, the listed band, the exact list.
 
+Exact lists are stored beside the study: they cost more than what is measured with them.
+
+python -m comparisons.accuracy.problems     # computes all of them anew
+"""
+
+import json
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from math import pi
+from pathlib import Path
 
 import numpy as np
 
 from cea.arrays import Complexes
+from cea.files import write_whole
 from exact_cea.reference import whole_spectrum
 
 _BEYOND = 1.1
@@ -14,20 +24,9 @@ _FAR = 1.15
 """Upper end of the exact list relative to that of the listed band."""
 _REAL = 1e-9
 """Growth rates below this part of abs(lambda) are rounding of the exact solver."""
-
-
-@dataclass(frozen=True)
-class BodyMesh:
-    """A body with the elements along each direction of its coarsest mesh."""
-
-    name: str
-    coarsest: tuple[int, ...]
-    closed: tuple[bool, ...]  # directions that run all the way round
-    in_contact: tuple[bool, ...]  # directions along the contact surface
-
-    def elements(self, refinement: int) -> tuple[int, ...]:
-        """Elements along each direction of a refined mesh."""
-        return tuple(n * refinement for n in self.coarsest)
+STIFFNESSES = (0.1, 1.0, 10.0, 1000.0)
+"""Contact stiffnesses p of the stored lists, in units of each problem."""
+FILE = Path(__file__).with_name("exact.json")
 
 
 @dataclass(frozen=True)
@@ -35,10 +34,12 @@ class Problem:
     """A problem with exact eigenvalues, by the name of its scene."""
 
     name: str
-    bodies: tuple[BodyMesh, BodyMesh]  # a and b; their meshes never match
+    bodies: Mapping[str, tuple[int, ...]]  # elements of the coarsest meshes, of a and b
+    in_contact: tuple[int, ...]  # directions along the contact surface
     band: tuple[float, float]  # lowest and highest Im lambda of the listed modes
     mu: float  # friction coefficient, or its amplitude
     solver: str  # name of the problem of exact_cea.reference
+    closed: int | None = None  # direction that runs all the way round
     unit: float = 1.0  # of the contact stiffness p (N/m^3)
     profile: str = "{mu}"  # the friction coefficient in the scene
     depth: float | None = None  # length in z between rollers; None in plane strain and of the ring
@@ -49,7 +50,7 @@ class Problem:
     @property
     def dim(self) -> int:
         """Dimension of space."""
-        return len(self.bodies[0].coarsest)
+        return len(next(iter(self.bodies.values())))
 
     @property
     def friction(self) -> float | str:
@@ -61,16 +62,11 @@ class Problem:
         """Highest frequency searched (Hz)."""
         return _BEYOND * self.band[1] / (2 * pi)
 
-    @property
-    def highest_exact(self) -> float:
-        """Upper end of the exact list, well beyond the band: Im lambda."""
-        return _FAR * self.band[1]
-
     def exact(self, stiffness: float) -> Complexes:
         """Exact eigenvalues with Im >= 0 to well beyond the band, by frequency; p in the unit."""
         values = whole_spectrum(
             self.solver,
-            max_frequency=self.highest_exact,
+            max_frequency=_FAR * self.band[1],
             depth=self.depth,
             p=stiffness * self.unit,
             mu=self.mu,
@@ -78,38 +74,60 @@ class Problem:
         values = np.where(np.abs(values.real) < _REAL * np.abs(values), 1j * values.imag, values)
         return values[np.lexsort((values.real, values.imag))]
 
-    def listed(self, values: Complexes) -> Complexes:
-        """Those of the band."""
-        return values[(values.imag >= self.band[0]) & (values.imag <= self.band[1])]
+    def parameters(self) -> dict[str, float]:
+        """What a list depends on, beside the materials and sizes of the reference problems."""
+        return {"unit": self.unit, "mu": self.mu, "highest": _FAR * self.band[1]}
 
 
 _SINE = "{mu}*abs(sin(pi*x/2))"
 """Not negative at a wall by rounding of its coordinate either."""
-
-
-def _pair(
-    a: tuple[str, tuple[int, ...]], b: tuple[str, tuple[int, ...]], closed: str, in_contact: str
-) -> tuple[BodyMesh, BodyMesh]:
-    """Meshes of both bodies; letters name the directions that are closed and in contact."""
-    directions = "rtz" if closed else "xyz"
-    every = directions[: len(a[1])]
-    flags = [tuple(d in letters for d in every) for letters in (closed, in_contact)]
-    return BodyMesh(*a, *flags), BodyMesh(*b, *flags)
-
-
-_LAYERS = _pair(("upper", (4, 1)), ("lower", (3, 2)), "", "x")
-_RING = _pair(("outer", (1, 12)), ("inner", (1, 8)), "t", "t")
-_WALL = _pair(("outer", (1, 12, 2)), ("inner", (1, 8, 3)), "t", "tz")
-_BLOCKS = _pair(("upper", (4, 1, 3)), ("lower", (3, 2, 4)), "", "xz")
-_PLATE = _pair(("pad", (1, 12, 1)), ("disc", (2, 16, 1)), "t", "rt")
+_LAYERS = {"upper": (4, 1), "lower": (3, 2)}
+_BLOCKS = {"upper": (4, 1, 3), "lower": (3, 2, 4)}
+_RING = {"outer": (1, 12), "inner": (1, 8)}
+_WALL = {"outer": (1, 12, 2), "inner": (1, 8, 3)}
+_PLATE = {"pad": (1, 12, 1), "disc": (2, 16, 1)}
 _BAND = (0.0, 3.3)
 _EVERY = (
-    Problem("drum", _RING, (0.0, 2.5), 0.3, "drum"),
-    Problem("drum_3d", _WALL, (0.0, 2.2), 0.7, "drum", depth=1.0),
-    Problem("blocks", _LAYERS, _BAND, 1.0, "blocks", profile=_SINE),
-    Problem("blocks_constant_mu", _LAYERS, _BAND, 0.7, "blocks_constant", highest_order=2.0),
-    Problem("blocks_3d", _BLOCKS, (0.0, 2.8), 1.0, "blocks", profile=_SINE, depth=2.0),
-    Problem(*("ring", _PLATE, (1e4, 9e4), 0.3, "ring", 1e12), geometry_degree=4, most_dofs=13_000),
+    Problem("drum", _RING, (1,), (0.0, 2.5), 0.3, "drum", closed=1),
+    Problem("drum_3d", _WALL, (1, 2), (0.0, 2.2), 0.7, "drum", closed=1, depth=1.0),
+    Problem("blocks", _LAYERS, (0,), _BAND, 1.0, "blocks", profile=_SINE),
+    Problem("blocks_constant_mu", _LAYERS, (0,), _BAND, 0.7, "blocks_constant", highest_order=2.0),
+    Problem("blocks_3d", _BLOCKS, (0, 2), (0.0, 2.8), 1.0, "blocks", profile=_SINE, depth=2.0),
+    Problem(
+        "ring",
+        _PLATE,
+        (0, 1),
+        (1e4, 9e4),
+        0.3,
+        "ring",
+        closed=1,
+        unit=1e12,
+        geometry_degree=4,
+        most_dofs=13_000,
+    ),
 )
 PROBLEMS = {problem.name: problem for problem in _EVERY}
-"""Problems by name."""
+"""Problems by name; meshes of both bodies never match."""
+
+
+@cache
+def exact(name: str, stiffness: float) -> Complexes:
+    """Exact eigenvalues of a problem, p in its unit: as stored, or computed where they are not."""
+    chosen, entry = PROBLEMS[name], json.loads(FILE.read_text()).get(name, {})
+    found = entry.get("lists", {}).get(f"{stiffness:g}")
+    if found is None or entry["parameters"] != chosen.parameters():
+        return chosen.exact(stiffness)
+    return np.array([complex(re, im) for re, im in found])
+
+
+if __name__ == "__main__":
+    data = {
+        name: {
+            "parameters": chosen.parameters(),
+            "lists": {f"{p:g}": [[v.real, v.imag] for v in chosen.exact(p)] for p in STIFFNESSES},
+        }
+        for name, chosen in PROBLEMS.items()
+    }
+    # A line for each list: changes can be read.
+    lines = json.dumps(data).replace('": [[', '":\n[[').replace("]], ", "]],\n") + "\n"
+    write_whole(lines.encode(), FILE)

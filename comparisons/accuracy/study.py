@@ -1,29 +1,231 @@
 """Error of flutter eigenvalues against run time: every discretisation with every formulation."""
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
-from comparisons.accuracy import errors, no_flutter
-from comparisons.accuracy.cases import Options, lines
-from comparisons.accuracy.page import SECTIONS
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study
+import numpy as np
+import pandas as pd
+
+from comparisons.accuracy import errors
+from comparisons.accuracy.cases import INTEGRATING, YARDSTICKS, Options, lines
+from comparisons.accuracy.problems import PROBLEMS
+from comparisons.study.columns import wide
+from comparisons.study.numbers import counted, number, shown
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Process, Session, Study, StudyResult
+from scenes.spec.body import backend_name
+
+TOLERABLE = 0.01
+"""Error of growth, relative to the largest growth rate, up to which a rule is called usable."""
+_TOO_COARSE = 0.1
+"""Error of growth of a yardstick from which on a mesh says nothing of contact rules."""
+_ROUNDING = 1e-9
+"""Errors below this say nothing of the order: exact lists and Krylov iteration end here."""
+_FITTED = 3
+"""Finest meshes that an order is fitted to."""
+LINE = ["problem", "backend", "degree", "rule", "p"]
+"""Labels of a line of a plot."""
 
 
 def cases(options: Options) -> Iterator[Case]:
     """Cases of each part, labelled with it."""
     for part in options.parts:
-        for case in lines(options) if part == "errors" else no_flutter.cases():
+        for case in lines(options) if part == "errors" else errors.no_flutter_cases():
             yield {"part": part, **case}
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     """Tables of a case of its part."""
-    part = errors if case["part"] == "errors" else no_flutter
-    return part.evaluate(case, session)
+    if case["part"] == "errors":
+        return errors.evaluate(case, session)
+    return errors.evaluate_no_flutter(case, session)
 
 
+def _drawn(which: str, result: StudyResult) -> pd.DataFrame:
+    """Runs at the first stiffness that lost no modes, of those asked for."""
+    first = result.frame().query("p == @result.record['inputs']['stiffnesses'][0]")
+    return first.dropna(subset="lambda_worst").query(which)
+
+
+def orders(result: StudyResult) -> pd.DataFrame:
+    """Observed orders of the finest meshes whose error is above rounding, beside theory.
+
+    The order is the exponent q of ``error ~ refinement^-q`` by least squares. Theory knows that of
+    a smooth solution integrated exactly, capped by a singularity.
+    """
+    rows = []
+    for values, own in result.frame().groupby(LINE, sort=False):
+        line = dict(zip(LINE, values, strict=True))
+        fitted = own[own["lambda_worst"] > _ROUNDING][-_FITTED:]
+        if len(fitted) < 2:
+            continue
+        n, error = np.log(fitted["refinement"]), np.log(fitted["lambda_worst"].astype(float))
+        smooth = 2.0 * line["degree"] if line["rule"] in INTEGRATING else None
+        cap = PROBLEMS[line["problem"]].highest_order
+        theory = min(smooth, cap) if smooth and cap else smooth
+        order = -float(np.polyfit(n, error, 1)[0])
+        last = own["lambda_worst"].iloc[-1]
+        rows.append(line | {"order": order, "theory": theory, "lambda_worst": last})
+    return pd.DataFrame(rows)
+
+
+def uses(result: StudyResult) -> pd.DataFrame:
+    """Growth errors of every rule beside a yardstick, on the finest mesh that both were run on.
+
+    Lines without a yardstick at their degree are left out, and meshes on which the yardstick itself
+    lost modes or is far off.
+    """
+    frame = result.frame()
+    mesh = ["problem", "backend", "degree", "p", "refinement"]
+    best = pd.DataFrame()
+    for rule in reversed(YARDSTICKS):  # a better one takes the place of a worse one
+        own = frame.loc[frame["rule"] == rule, [*mesh, "growth_worst"]]
+        own = own.rename(columns={"growth_worst": "floor"}).assign(yardstick=rule)
+        beside = frame.loc[frame["rule"] != rule, [*mesh, "rule", "growth_worst"]].merge(own)
+        best = pd.concat([best, beside]).drop_duplicates([*mesh, "rule"], keep="last")
+    best = best[best["floor"] <= _TOO_COARSE].sort_values("refinement")
+    best = best.drop_duplicates(LINE, keep="last")
+    best["usable"] = best["growth_worst"] <= np.maximum(TOLERABLE, 2 * best["floor"])
+    found = frame[LINE].drop_duplicates().merge(best, on=LINE)
+    return found[[*LINE, "refinement", "growth_worst", "yardstick", "floor", "usable"]]
+
+
+def judged(result: StudyResult) -> pd.DataFrame:
+    """Rules that users choose among, at degree 2: over all problems usable, or how far off."""
+    frame = uses(result)
+    frame = frame[(frame["degree"] == 2) & ~frame["rule"].isin(INTEGRATING)]
+    frame = frame.assign(lost=frame["growth_worst"].isna())
+    cells = frame.groupby(["backend", "rule", "p"], sort=False).agg(
+        usable=("usable", "all"),
+        lost=("lost", "any"),
+        growth_worst=("growth_worst", "max"),
+        floor=("floor", "max"),
+    )
+    return cells.reset_index()
+
+
+def matrix(result: StudyResult) -> pd.DataFrame:
+    """For every rule and p whether it may be used, and its worst error; what yardsticks reach."""
+    cells = judged(result)
+    floors = cells.groupby(["backend", "p"], sort=False)["floor"].max().reset_index()
+    floors = floors.assign(rule="yardstick", text=floors["floor"].map(shown(2)))
+    cells["text"] = [
+        f"{'✓' if row['usable'] else '✗'} "
+        f"{'modes lost' if row['lost'] else number(row['growth_worst'], 2)}"
+        for row in cells.to_dict("records")
+    ]
+    both = pd.concat([cells, floors])
+    across = wide(both.sort_values("p", kind="stable"), ["backend", "rule"], "p", "text")
+    return both[["backend", "rule"]].drop_duplicates().merge(across)
+
+
+def in_short(result: StudyResult) -> str:
+    """Contact rules that may be used at every stiffness."""
+    every = judged(result).groupby(["backend", "rule"], sort=False)["usable"].all()
+    rules = [f"{rule} ({backend_name(backend)})" for backend, rule in every[every].index]
+    return f"Usable in every problem at every p tried: {'; '.join(rules) or 'none'}."
+
+
+def unexplained(result: StudyResult) -> str:
+    """How often something grew that must not."""
+    found = result.frame("no_flutter")["unexplained"]
+    return (
+        f"In {(found == 0).sum()} of {counted(len(found), 'run')} no mode grows by more than "
+        "its residual times its condition number explains."
+    )
+
+
+def lost(result: StudyResult) -> pd.DataFrame:
+    """Runs that missed listed modes, or found modes in the band that stand for none."""
+    found = result.frame().query("missing > 0 or spurious > 0")
+    return found[[*LINE, "refinement", "modes", "missing", "spurious"]]
+
+
+_TWO = shown(2)
+COLUMNS = {
+    "p": Column("p", show=shown(3)),
+    "lambda_worst": Column("worst error of lambda", show=_TWO),
+    "growth_worst": Column("worst error of growth", show=_TWO),
+    "floor": Column("error of the yardstick", show=_TWO),
+}
+SECTIONS = [
+    Section(
+        "Where each formulation may be used",
+        "A number is the worst error of the growth rate over all problems, relative to the largest "
+        "growth rate of the listed modes, on bodies of degree 2 and the finest mesh that a "
+        "yardstick was run on too (mortar; where that failed, segments, then GPTS); meshes too "
+        f"coarse for it are left out. ✓: in every problem at most {TOLERABLE:g} or twice the error "
+        "of the yardstick, which is that of the bodies' meshes. p counts in units of each problem.",
+        in_short,
+        [
+            Table("matrix", "Formulations by p.", matrix, COLUMNS, printed=True),
+            Table("uses", "Every rule beside its yardstick.", uses, COLUMNS, shown=False),
+        ],
+        of="runs",
+    ),
+    Section(
+        "Error against cost",
+        "Run time is processor time on one thread, median of the runs, from geometry to "
+        "eigenpairs; the first run of each problem and method in a process is not timed. Peak "
+        "memory is above what the process held before. Errors of lambda are relative to "
+        "abs(lambda), over all listed modes of the band.",
+        plots=[
+            Plot(
+                f"{part}_{x}",
+                caption,
+                partial(_drawn, which),
+                x,
+                "lambda_worst",
+                series,
+                ("problem",),
+                "xy",
+                COLUMNS,
+            )
+            for part, which, caption, series in (
+                ("degrees", "rule == 'mortar'", "Every degree, mortar.", ("degree", "backend")),
+                ("rules", "degree == 2", "Degree 2, every contact rule.", ("rule", "backend")),
+            )
+            for x in ("seconds", "dofs")
+        ],
+        tables=[
+            Table(
+                "orders",
+                "Order of the worst error of lambda in the mesh size. Theory: twice the degree "
+                "where the solution is smooth and the traces are integrated exactly; a corner "
+                "singularity caps it; point rules have no order of their own.",
+                orders,
+                COLUMNS,
+                group="problem",
+            ),
+            Table("runs", "Every run.", "runs", COLUMNS, shown=False),
+        ],
+        of="runs",
+    ),
+    Section(
+        "Where nothing may grow",
+        "Problems that cannot flutter: largest growth relative to abs(lambda), and what residual "
+        "times condition explains of it.",
+        unexplained,
+        tables=[Table("no_flutter", "", "no_flutter", COLUMNS)],
+        of="no_flutter",
+    ),
+    Section(
+        "Omissions",
+        tables=[
+            Table("omissions", "Meshes at which a line ends.", "omissions", COLUMNS),
+            Table(
+                "incomplete",
+                "Runs that missed listed modes (they have no error and are not drawn), or found "
+                "modes in the band that stand for none.",
+                lost,
+                COLUMNS,
+            ),
+        ],
+        of="runs",
+    ),
+]
 STUDY = Study(
     name="accuracy",
     title="Error of flutter eigenvalues against run time",

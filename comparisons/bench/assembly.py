@@ -16,12 +16,10 @@ import pandas as pd
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.petsc import MPI  # ahead of dolfinx
-from comparisons.study.columns import Column, medians
+from comparisons.study.columns import medians
 from comparisons.study.numbers import shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study, at_least_one
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
 from meshes.shapes import Box
 from scenes.building.build import build_body
 from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
@@ -181,12 +179,20 @@ TIMES = Table(
     "times",
     "Processor time of stiffness and mass on one thread, medians; an element over one of plain "
     "dolfinx Q2, assembled in the same round.",
-    *(times, COLUMNS),
+    times,
+    COLUMNS,
     printed=True,
 )
 PLOT = Plot(
-    *("ratio", "Time of an element against degree.", times, "degree", "ratio"),
-    *(("program",), "family", "y", COLUMNS),
+    "ratio",
+    "Time of an element against degree.",
+    times,
+    "degree",
+    "ratio",
+    ("program",),
+    ("family",),
+    "y",
+    COLUMNS,
 )
 STUDY = Study(
     name="bench assembly",

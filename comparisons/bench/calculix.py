@@ -5,7 +5,7 @@ integrates their mass with the four points of the stiffness, which is not exact;
 both with that mass, to compare what is the same, and with the exact one, to tell what that costs.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,12 +19,10 @@ from cea.body import Body
 from cea.contact.formulations import Segments
 from cea.eigen.classify import classify, thresholds
 from comparisons.bench import ccx
-from comparisons.study.columns import Column, wide
+from comparisons.study.columns import wide
 from comparisons.study.numbers import counted, decimals, number, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Study
+from comparisons.study.sections import Column, Section, Table
+from comparisons.study.study import Case, Session, Study, StudyResult
 from fe_cea import LagrangeSpace
 from scenes import run_modes
 from scenes.building.build import body_mesh
@@ -93,20 +91,26 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
         run_modes(wide_enough, bodies=bodies).eigenvalues
         for bodies in (bodies_of(wide_enough), None)
     )
-    found = dict(zip(PROGRAMS, (theirs, _sorted(same), _sorted(exact)), strict=True))
-    count = min(map(len, found.values()))
+    in_order = [v[np.lexsort((v.real, v.imag))] for v in (theirs, same, exact)]
+    found = dict(zip(PROGRAMS, in_order, strict=True))
+    count = min(map(len, in_order))
 
-    def rows(values: Mapping[str, Complexes]) -> list[dict[str, Any]]:
+    def rows(chosen: Callable[[Complexes], Complexes]) -> list[dict[str, Any]]:
         return [
-            {"program": program, "mode": i + 1, **_mode(value)}
-            for program, own in values.items()
-            for i, value in enumerate(own)
+            {
+                "program": program,
+                "mode": i,
+                "frequency": float(value.imag / (2 * np.pi)),
+                "growth": float(value.real),
+            }
+            for program, values in found.items()
+            for i, value in enumerate(chosen(values), 1)
         ]
 
     return {
         "runs": [{"calculix": ccx.version()}],
-        "modes": rows({program: values[:count] for program, values in found.items()}),
-        "unstable": rows({program: unstable(values) for program, values in found.items()}),
+        "modes": rows(lambda values: values[:count]),
+        "unstable": rows(unstable),
     }
 
 
@@ -125,14 +129,6 @@ def bodies_of(scene: Scene) -> dict[str, Body]:
     }
 
 
-def _sorted(values: Complexes) -> Complexes:
-    return values[np.lexsort((values.real, values.imag))]
-
-
-def _mode(value: complex) -> dict[str, float]:
-    return {"frequency": float(value.imag / (2 * np.pi)), "growth": float(value.real)}
-
-
 def unstable(values: Complexes) -> Complexes:
     """Modes that grow."""
     rigid = np.abs(values) <= _RIGID * np.abs(values).max(initial=0.0)
@@ -148,9 +144,8 @@ def beside(result: StudyResult, table: str) -> pd.DataFrame:
     frame = result.frame(table)
     found = frame[_MODE].drop_duplicates()
     for program in PROGRAMS:
-        own = frame.loc[frame["program"] == program, [*_MODE, "frequency", "growth"]]
-        names = {name: f"{name}, {program}" for name in ("frequency", "growth")}
-        found = found.merge(own.rename(columns=names), on=_MODE, how="left")
+        own = frame[frame["program"] == program].drop(columns="program").set_index(_MODE)
+        found = found.join(own.add_suffix(f", {program}"), on=_MODE)
     return found
 
 
@@ -208,7 +203,8 @@ STUDY = Study(
                     "differences",
                     "Worst relative difference of the first frequencies, with the mass of CalculiX "
                     "and with the exact one in this program.",
-                    *(differences, COLUMNS),
+                    differences,
+                    COLUMNS,
                     printed=True,
                 ),
                 Table("modes", "Modes by rising frequency.", lambda r: beside(r, "modes"), COLUMNS),
@@ -225,7 +221,8 @@ STUDY = Study(
                 Table(
                     "unstable",
                     "Unstable modes of each program.",
-                    *(lambda result: beside(result, "unstable"), COLUMNS),
+                    lambda result: beside(result, "unstable"),
+                    COLUMNS,
                     printed=True,
                 )
             ],

@@ -41,15 +41,8 @@ def version() -> str:
 def run(deck: Path) -> Complexes:
     """Run a deck that asks for frequencies on one thread; results are left beside it.
 
-    Returns
-    -------
-    ndarray
-        lambda (1/s) by rising frequency, each pair with both growth rates, shape (n,).
-
-    Raises
-    ------
-    InputError, ConvergenceError
-        When CalculiX is not installed, or ends without results.
+    Gives lambda (1/s) by rising frequency, each pair with both growth rates; an error where
+    CalculiX is not installed, or ends without results.
     """
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(

@@ -19,13 +19,11 @@ from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
 from cea.arrays import Complexes
 from cea.errors import InputError
-from comparisons.study.columns import Column, medians
+from comparisons.study.columns import medians
 from comparisons.study.measure import measured
 from comparisons.study.numbers import shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study, at_least_one
+from comparisons.study.sections import Column, Section, Table
+from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
 from scenes import Result
 from scenes.running.matrices import AssembledMatrices
 from scenes.spec.matrices import MatrixScene, load_matrices
@@ -36,8 +34,6 @@ _WANTED = 20
 """Eigenvalues of each."""
 _SAME = 1e-6
 """Relative distance of eigenvalues that are the same."""
-Matrices = Mapping[str, Any]
-"""M, C and K, scipy."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +98,7 @@ def evaluate(case: Case, session: Session) -> dict[str, Any]:
     return {"clock": cost.clock, "processor": cost.processor, "found": found, "modes": of}
 
 
-def nearest(assembled: AssembledMatrices, matrices: Matrices) -> Complexes:
+def nearest(assembled: AssembledMatrices, matrices: Mapping[str, Any]) -> Complexes:
     """Eigenvalues nearest to shifts in the middle of equal parts of the window."""
     top = 2 * np.pi * assembled.scene.window.max_frequency
     found = []
@@ -114,7 +110,7 @@ def nearest(assembled: AssembledMatrices, matrices: Matrices) -> Complexes:
     return np.concatenate(found)
 
 
-def _reduced(matrices: Matrices, shift: complex) -> Complexes:
+def _reduced(matrices: Mapping[str, Any], shift: complex) -> Complexes:
     """Eigenvalues nearest to a shift by the companion form, its systems reduced to Q(shift)."""
     M, C, K = (matrices[name] for name in "MCK")
     n = M.shape[0]
@@ -129,7 +125,7 @@ def _reduced(matrices: Matrices, shift: complex) -> Complexes:
     return shift + 1 / eigs(operator, _WANTED, return_eigenvectors=False)
 
 
-WAYS: Mapping[str, Callable[[AssembledMatrices, Matrices], Complexes]] = {
+WAYS: Mapping[str, Callable[[AssembledMatrices, Mapping[str, Any]], Complexes]] = {
     "cea, the whole window": lambda assembled, _: assembled.modes().eigenvalues,
     f"scipy, {_SHIFTS} shifts, Q(sigma) factorised": nearest,
 }

@@ -5,7 +5,7 @@ modes of its symmetric part and solved densely.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
@@ -21,6 +21,7 @@ from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.matrices import dense, destroy, local_part
 from cea.petsc import PETSc, SLEPc
+from cea.timing import StageTimer
 from scenes.running.system import coupled
 from scenes.spec.reading import Scene
 
@@ -71,11 +72,12 @@ class Answer:
     kappa: Complexes  # (1/s^2), those of conjugate pairs both
     vectors: Complexes  # the rows of this rank
     claims: str = ""  # what the method says of itself
+    stages: Mapping[str, float] = field(default_factory=dict)  # processor seconds, if told
 
     def inside(self, top: float) -> "Answer":
         """Those up to the end of a window."""
         kept = np.abs(np.sqrt(-self.kappa.astype(complex)).imag) <= np.sqrt(top)
-        return Answer(self.kappa[kept], self.vectors[:, kept], self.claims)
+        return replace(self, kappa=self.kappa[kept], vectors=self.vectors[:, kept])
 
 
 def backward_errors(problem: Problem, found: Answer) -> Floats:
@@ -95,16 +97,17 @@ def backward_errors(problem: Problem, found: Answer) -> Floats:
 
 def this_driver(problem: Problem, wanted: int) -> Answer:
     """All modes of the window, with what shows that they are all."""
-    modes = solve_modes(problem.pencil, np.sqrt(problem.top) / (2 * np.pi))
-    window = modes.window
+    timer = StageTimer()
+    modes = solve_modes(problem.pencil, np.sqrt(problem.top) / (2 * np.pi), timer=timer)
+    window, stages = modes.window, timer.processor_seconds
     claims = "complete" if window.bounded else f"complete to a growth of {window.max_growth:.3g}"
-    return Answer(-(modes.eigenvalues**2), modes.vectors, claims)
+    return Answer(-(modes.eigenvalues**2), modes.vectors, claims, stages)
 
 
 def slepc(problem: Problem, wanted: int) -> Answer:
     """Krylov-Schur of SLEPc with MUMPS, used as its manual shows."""
-    pencil = problem.unsymmetric(), problem.mass
-    return _krylov_schur(pencil, SLEPc.EPS.ProblemType.PGNHEP, problem.shift, wanted)
+    K, M = problem.unsymmetric(), problem.mass
+    return _krylov_schur(K, M, SLEPc.EPS.ProblemType.PGNHEP, problem.shift, wanted)
 
 
 def arpack(problem: Problem, wanted: int) -> Answer:
@@ -116,8 +119,8 @@ def arpack(problem: Problem, wanted: int) -> Answer:
 
 def projection(problem: Problem, wanted: int, count: int) -> Answer:
     """Every eigenvalue of the pencil projected on so many modes of its symmetric part."""
-    pencil = problem.stiffness, problem.mass
-    modes = _krylov_schur(pencil, SLEPc.EPS.ProblemType.GHEP, 0.0, count)
+    S, M = problem.stiffness, problem.mass
+    modes = _krylov_schur(S, M, SLEPc.EPS.ProblemType.GHEP, 0.0, count)
     basis = np.asfortranarray(modes.vectors[:, :count].real)  # some more may have converged
     K, M = (_projected(matrix, basis) for matrix in (problem.unsymmetric(), problem.mass))
     kappa, vectors = eig(K, M)
@@ -144,10 +147,10 @@ def _projected(matrix: Any, basis: Floats) -> Floats:
     return product
 
 
-def _krylov_schur(pencil: tuple[Any, Any], kind: Any, shift: float, count: int) -> Answer:
+def _krylov_schur(K: Any, M: Any, kind: Any, shift: float, count: int) -> Answer:
     """Eigenpairs nearest to a shift; SLEPc lists both of a conjugate pair."""
-    solver: Any = SLEPc.EPS().create(pencil[1].comm)
-    solver.setOperators(*pencil)
+    solver: Any = SLEPc.EPS().create(M.comm)
+    solver.setOperators(K, M)
     solver.setProblemType(kind)
     solver.setType(SLEPc.EPS.Type.KRYLOVSCHUR)
     solver.setDimensions(nev=count)
@@ -162,7 +165,7 @@ def _krylov_schur(pencil: tuple[Any, Any], kind: Any, shift: float, count: int) 
     inner.getPC().setType(PETSc.PC.Type.CHOLESKY if symmetric else PETSc.PC.Type.LU)
     inner.getPC().setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
     solver.solve()
-    real, imaginary = pencil[1].createVecs()
+    real, imaginary = M.createVecs()
     count = solver.getConverged()
     kappa = np.empty(count, dtype=complex)
     vectors = np.empty((real.getLocalSize(), count), dtype=complex, order="F")

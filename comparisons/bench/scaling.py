@@ -9,13 +9,11 @@ import pandas as pd
 
 from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.study.columns import Column, medians, wide
+from comparisons.study.columns import medians, wide
 from comparisons.study.measure import measured
 from comparisons.study.numbers import shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study, at_least_one
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
 from scenes import run_modes
 from scenes.spec.reading import Scene, load_scene
 
@@ -113,11 +111,6 @@ def stages(result: StudyResult) -> pd.DataFrame:
     return medians(result.frame(), "stage")
 
 
-def by_size(result: StudyResult) -> pd.DataFrame:
-    """Stages of the runs that differ in size."""
-    return stages(result).query("row == 'size' and processor > 0")
-
-
 def runs(result: StudyResult) -> pd.DataFrame:
     """A row for each run, its stages beside each other."""
     found = stages(result)
@@ -159,7 +152,8 @@ STUDY = Study(
                     "runs",
                     "Whole runs, stages in processor time of all ranks (s); peak memory of all "
                     "ranks above that of the program.",
-                    *(runs, COLUMNS),
+                    runs,
+                    COLUMNS,
                     group="row",
                     printed=True,
                 ),
@@ -167,14 +161,19 @@ STUDY = Study(
                     "ranks",
                     "Processor time of the rank that works longest; what it waits for others is "
                     "work too. The ratio is the number of ranks at best.",
-                    *(speed_up, COLUMNS),
+                    speed_up,
+                    COLUMNS,
                 ),
             ],
             plots=[
                 Plot(
                     "unknowns",
                     "Stages over unknowns.",
-                    *(by_size, "unknowns", "processor", ("stage",), "", "xy"),
+                    lambda result: stages(result).query("row == 'size' and processor > 0"),
+                    "unknowns",
+                    "processor",
+                    ("stage",),
+                    log="xy",
                 ),
             ],
         )

@@ -19,13 +19,11 @@ from cea.errors import InputError
 from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
 from comparisons.bench.methods import METHODS, OURS, SERIAL, Problem, backward_errors
-from comparisons.study.columns import Column, medians
+from comparisons.study.columns import medians
 from comparisons.study.measure import measured
-from comparisons.study.numbers import shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Process, Study, at_least_one
+from comparisons.study.numbers import number, shown
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Process, Session, Study, StudyResult, at_least_one
 from scenes.spec.reading import Scene, load_scene
 
 SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
@@ -38,6 +36,12 @@ SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
 """Boxes of each body along r, theta and z, six quadratic tetrahedra each."""
 MAX_FREQUENCY = 27e3
 """End of the window (Hz)."""
+_EVENTS = {
+    "factorisations": ("MatLUFactorNum", "MatCholFctrNum"),
+    "solves": ("MatSolve", "MatSolveTranspos"),
+    "blocks": ("MatMatSolve", "MatMatTrSolve"),
+}
+"""What PETSc counts of each method, by its own names."""
 
 
 @dataclass(frozen=True)
@@ -82,15 +86,15 @@ def scene(case: Case, options: Options) -> Scene:
 
 @cache
 def _problem(options: Options) -> Problem:
-    """The matrices, assembled once in a process."""
+    """The matrices, assembled once in a process, which begins to count what PETSc does."""
+    PETSc.Log.begin()
     return Problem.of(scene({}, options))
 
 
 @cache
 def _wanted(options: Options) -> int:
     """How many eigenvalues the window holds, which other methods must be told."""
-    problem = _problem(options)
-    return len(METHODS[OURS](problem, 0).inside(problem.top).kappa)
+    return len(METHODS[OURS](_problem(options), 0).inside(_problem(options).top).kappa)
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -99,23 +103,38 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     if name == SERIAL and comm.size > 1:
         raise InputError("ranks", comm.size, "1: scipy runs on one")
     problem = _problem(options)
-    wanted = 0 if name == OURS else _wanted(options)
+    wanted, before = 0 if name == OURS else _wanted(options), _counts()
     with measured() as cost:
-        found = METHODS[name](problem, wanted)
-    found = found.inside(problem.top)
+        found = METHODS[name](problem, wanted).inside(problem.top)
+    counts = {event: count - before[event] or None for event, count in _counts().items()}
     processor, lu = comm.allreduce(cost.processor), comm.allreduce(lu_seconds(problem))
     row = {
         "unknowns": int(problem.mass.getSize()[0]),
         "clock": comm.allreduce(cost.clock, MPI.MAX),
         "processor": processor,
         "factorisations_worth": processor / lu,
+        **counts,
         "memory": comm.allreduce(cost.memory or 0.0),
         "eigenvalues": len(found.kappa),
         "unstable": unstable(found.kappa),
         "backward_error": float(backward_errors(problem, found).max()),
         "claims": found.claims,
     }
-    return {"runs": [row], "eigenvalues": [{"re": k.real, "im": k.imag} for k in found.kappa]}
+    stages = [
+        {"stage": stage, "processor": taken, "factorisations_worth": taken / lu}
+        for stage, seconds in found.stages.items()
+        if (taken := comm.allreduce(seconds))
+    ]
+    values = [{"re": k.real, "im": k.imag} for k in found.kappa]
+    return {"runs": [row], "stages": stages, "eigenvalues": values}
+
+
+def _counts() -> dict[str, int]:
+    """How often PETSc factorised and solved so far."""
+    return {
+        name: sum(int(PETSc.Log.Event(event).getPerfInfo()["count"]) for event in events)
+        for name, events in _EVENTS.items()
+    }
 
 
 def lu_seconds(problem: Problem) -> float:
@@ -150,12 +169,13 @@ def errors_of(found: Complexes, exact: Complexes) -> tuple[list[float], int]:
 
 def methods(result: StudyResult) -> pd.DataFrame:
     """Medians of each method, and errors of its eigenvalues against the tightest answer."""
-    runs = medians(result.frame())
+    every = result.frame()
+    runs = medians(every)
     values = result.frame("eigenvalues").query("repeat == repeat.min()")
     kappa = {
         name: (own["re"] + 1j * own["im"]).to_numpy() for name, own in values.groupby("method")
     }
-    exact = kappa[tightest(result)]
+    exact = kappa[every.loc[every["backward_error"].idxmin(), "method"]]
     found = [errors_of(kappa[name], exact) for name in runs["method"]]
     runs["median"] = [float(np.median(errors)) for errors, _ in found]
     runs["worst"] = [max(errors) for errors, _ in found]
@@ -163,25 +183,14 @@ def methods(result: StudyResult) -> pd.DataFrame:
     return runs
 
 
-def tightest(result: StudyResult) -> str:
-    """The method whose largest backward error is the least."""
-    runs = result.frame()
-    return str(runs.loc[runs["backward_error"].idxmin(), "method"])
-
-
 COLUMNS = {
     "factorisations_worth": Column("time", "LU", shown(3)),
+    "factorisations": Column("factorised", show=number),
+    "solves": Column("solves", show=number),
+    "blocks": Column("of blocks", show=number),
     "median": Column("error, median", show=shown(2)),
     "worst": Column("worst error of λ²", show=shown(2)),
 }
-TABLE = Table(
-    "methods",
-    "Processor time of all ranks, medians, also in numeric factorisations (LU) at the shift; peak "
-    "memory of all ranks above that of the matrices; errors of the eigenvalues (λ², relative) "
-    "against the answer with the smallest backward error.",
-    *(methods, COLUMNS),
-    printed=True,
-)
 STUDY = Study(
     name="bench solve",
     title="Eigenvalues of a window beside other methods",
@@ -195,12 +204,34 @@ STUDY = Study(
         Section(
             "Methods",
             of="runs",
-            tables=[TABLE],
+            tables=[
+                Table(
+                    "methods",
+                    "Processor time of all ranks, medians, also in numeric factorisations (LU) at "
+                    "the shift; what PETSc counted; peak memory of all ranks above that of the "
+                    "matrices; errors of the eigenvalues (λ², relative) against the answer with "
+                    "the smallest backward error.",
+                    methods,
+                    COLUMNS,
+                    printed=True,
+                ),
+                Table(
+                    "stages",
+                    "Processor time by stage of the methods that tell theirs.",
+                    lambda result: medians(result.frame("stages"), "stage"),
+                    COLUMNS,
+                ),
+            ],
             plots=[
                 Plot(
                     "error_against_time",
                     "Worst error of each method over its processor time.",
-                    *(methods, "processor", "worst", ("method",), "", "xy", COLUMNS),
+                    methods,
+                    "processor",
+                    "worst",
+                    ("method",),
+                    log="xy",
+                    own=COLUMNS,
                     style="markers",
                 )
             ],

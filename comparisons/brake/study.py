@@ -7,7 +7,7 @@ stiffness (``cea study accuracy``), and mortar does not lock where p is larger s
 """
 
 import resource
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isclose
@@ -19,13 +19,10 @@ import pandas as pd
 
 from cea.errors import InputError
 from cea.petsc import MPI
-from comparisons.study.columns import Column
 from comparisons.study.numbers import decimals, number, per_cent, plain
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
+from comparisons.study.sections import Column, Plot, Section, Table
 from comparisons.study.shapes import mode_rows
-from comparisons.study.study import Case, Study
+from comparisons.study.study import Case, Session, Study, StudyResult
 from scenes.checking.memory import estimated_memory
 from scenes.results.matching import match_runs
 from scenes.spec.reading import Scene, load_scene
@@ -70,14 +67,9 @@ def cases(options: Options) -> Iterator[Case]:
 
 
 def scene(case: Case, options: Options) -> Scene:
-    """The scene of a case."""
-    return scene_of_size(case["size"], options.overrides)
-
-
-def scene_of_size(size: float, overrides: Iterable[str] = ()) -> Scene:
-    """``ventilated_brake`` with tetrahedra of one target edge length (m) in disc and pads."""
-    brake = load_scene(Path(SCENE), list(overrides))
-    return brake.change({f"bodies.{name}.mesh.fe.size": size for name in brake.bodies})
+    """``ventilated_brake`` with tetrahedra of one target edge length in disc and pads."""
+    brake = load_scene(Path(SCENE), options.overrides)
+    return brake.change({f"bodies.{name}.mesh.fe.size": case["size"] for name in brake.bodies})
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -201,8 +193,13 @@ STUDY = Study(
             ],
             [
                 Plot(
-                    *("brake", "Every mode of every mesh.", "modes", "frequency", "growth"),
-                    *(("size",), "", "", OWN),
+                    "brake",
+                    "Every mode of every mesh.",
+                    "modes",
+                    "frequency",
+                    "growth",
+                    ("size",),
+                    own=OWN,
                     style="markers",
                 )
             ],

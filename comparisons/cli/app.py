@@ -32,7 +32,7 @@ COMMANDS = {
     "bench": ("study:bench", "Time and memory beside other programs and methods."),
     "scene": ("scene:app", "Look at scenes without running them."),
     "exact": ("exact:app", "Exact eigenvalues of frictional contacts."),
-    "doctor": ("doctor:doctor", "Tell whether this installation works, and what mends it."),
+    "doctor": ("app:doctor", "Tell whether this installation works, and what mends it."),
 }
 """Place of each command below this package, and its help."""
 RENAMED = {
@@ -210,3 +210,19 @@ def _all_arrive(comm: Any) -> bool:
             return False
         sleep(0.01)
     return True
+
+
+def doctor() -> None:
+    """Tell whether this installation works, and what mends it; code 1 where it does not."""
+    from comparisons.doctor import examine
+
+    faults = 0
+    for finding in examine(launched=launched_together() is not None):
+        mark = "FAULT" if finding.mend else "well "
+        typer.echo(f"{mark}  {finding.name}: {finding.told}")
+        if finding.mend is not None:
+            faults += 1
+            typer.echo(f"       mend it: {finding.mend}")
+    typer.echo("all is well" if not faults else f"faults: {faults}")
+    if faults:
+        raise typer.Exit(1)

@@ -4,7 +4,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 from typer import Argument, Option
@@ -12,6 +12,10 @@ from typer.core import TyperGroup
 from typer.main import get_command
 
 from cea.errors import InputError
+
+if TYPE_CHECKING:
+    from scenes.spec.matrices import MatrixScene
+    from scenes.spec.reading import Scene
 
 Backend = Literal["fe", "iga"]
 
@@ -121,13 +125,27 @@ def refuse_another(given: Mapping[str, Any], stored: Mapping[str, Any]) -> None:
             raise InputError(name, value, f"{stored.get(name)!r}, as the stored result has it")
 
 
+def load(
+    scene: str, overrides: Sequence[str] | None, backend: Backend | None, data: str | None
+) -> "Scene | MatrixScene":
+    """A scene of bodies or of matrices, as its file has it; an option of the other is refused."""
+    from scenes.spec.plain import is_of_matrices
+
+    if is_of_matrices(scene):
+        from scenes.spec.matrices import load_matrices
+
+        refuse({"backend": backend}, "of a scene of matrices, which has no bodies")
+        return load_matrices(scene, overrides or (), data)
+    from scenes.spec.reading import load_scene
+
+    refuse({"data": data}, "of a scene of bodies, which reads no matrices")
+    return load_scene(scene, overrides or (), backend)
+
+
 def with_backend(scene: str, overrides: Sequence[str], backend: Backend | None) -> tuple[str, ...]:
     """Overrides that put every body of a scene on one backend, behind others."""
-    if backend is None:
-        return tuple(overrides)
-    from scenes.spec.reading import load_any
-
-    bodies = getattr(load_any(scene, overrides, backend), "bodies", ())
+    chosen = None if backend is None else load(scene, overrides, backend, None)
+    bodies = getattr(chosen, "bodies", ())
     return (*overrides, *(f'bodies.{name}.backend="{backend}"' for name in bodies))
 
 

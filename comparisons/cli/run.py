@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer import Option
 
-from comparisons.cli.options import Data, OnBackend, Out, SceneName, Settings, need
+from comparisons.cli.options import Data, OnBackend, Out, SceneName, Settings, load, need
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -35,10 +35,10 @@ def run(
     """Run one scene and write its result.json."""
     from comparisons.cli.output import working
     from scenes.spec.body import file_name
-    from scenes.spec.reading import Scene, load_any
+    from scenes.spec.reading import Scene
 
     with working("reading the scene"):
-        chosen = load_any(scene, set_ or (), backend, data)
+        chosen = load(scene, set_, backend, data)
     inputs: dict[str, Any] = {"scene": scene, "set": set_ or [], "backend": backend}
     if not isinstance(chosen, Scene):
         inputs["data"] = data

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 from typer import Option
 
-from comparisons.cli.options import PLAIN, Data, OnBackend, Out, SceneName, Settings, need
+from comparisons.cli.options import PLAIN, Data, OnBackend, Out, SceneName, Settings, load, need
 
 if TYPE_CHECKING:
     from scenes.spec.reading import Scene
@@ -31,9 +31,9 @@ def check(
     out: Out = Path("results/check"),
 ) -> None:
     """Tell every fault of a scene, else what it would take; nothing is solved."""
-    from scenes.spec.reading import Scene, load_any
+    from scenes.spec.reading import Scene
 
-    chosen = load_any(scene, set_ or [], backend, data)
+    chosen = load(scene, set_, backend, data)
     if isinstance(chosen, Scene):
         _check_bodies(chosen, out / f"{Path(scene).stem}.png" if picture else None)
     else:
@@ -50,7 +50,6 @@ def _check_bodies(scene: "Scene", file: Path | None) -> None:
     from cea.files import check_writable
     from comparisons.cli.output import print_skipped, print_warnings, working
     from scenes.checking.check import inspect_scene, told
-    from scenes.spec.problems import refuse
 
     if file is not None:
         need("pictures")
@@ -65,7 +64,7 @@ def _check_bodies(scene: "Scene", file: Path | None) -> None:
         from scenes.pictures.scene import draw_scene
 
         typer.echo(f"The picture to open: {draw_scene(inspection, file)}")
-    refuse(inspection.faults)
+    inspection.faults.refuse()
 
 
 @app.command(name="list")

@@ -18,8 +18,8 @@ from comparisons.study.run_warnings import Run, merged_warnings
 from scenes.refinement.meshes import moved_to_mortar
 from scenes.running.modes import STATE_KEPT
 from scenes.spec.body import Backend
+from scenes.spec.plain import scene_text
 from scenes.spec.reading import Scene
-from scenes.spec.toml import scene_text
 
 
 def data_of(
@@ -40,14 +40,15 @@ def data_of(
         for backend, each in followed.items()
         for mesh in each.meshes
     ]
-    windows = [mesh.window for mesh in finest.values()]
-    told = _window(inside, above, windows, top) if windows else None
-    words, growth = [m.word for m in inside], [m.estimated.value.real for m in inside]
-    held, first = (
-        _held(inside, ended, request, threshold)
-        if finest
-        else (False, f"not reached: no mesh was solved; {_reasons(ended)}")
-    )
+    held, first = False, f"not reached: no mesh was solved; {_reasons(ended)}"
+    words = ""
+    found_hints: list[str] = []
+    if finest:
+        held, first = _held(inside, ended, request, threshold)
+        searched = _window(inside, above, [mesh.window for mesh in finest.values()], top)
+        growth = [mode.estimated.value.real for mode in inside]
+        words = headline([mode.word for mode in inside], growth, searched, threshold)
+        found_hints = hints(searched)
     scenes = {f"finest_{backend}": mesh.scene for backend, mesh in finest.items()}
     tolerance = half_unit(request.sweep_digits)
     enough = [(m, e) for m, e in errors if e["bound"] is not None and e["bound"] <= tolerance]
@@ -58,8 +59,8 @@ def data_of(
         "max_frequency": top,
         "growth_threshold": threshold,
         "held": held,
-        "words": "" if told is None else headline(words, growth, told, threshold),
-        "hints": [] if told is None else hints(told),
+        "words": words,
+        "hints": found_hints,
         "modes": [mode.plain() for mode in inside],
         "levels": [plain for _, plain in errors],
         "ended": dict(ended),
@@ -84,15 +85,15 @@ def _held(
     )
     if of_growth:
         line += f", {request.of_growth} of growth in {sum(of_growth)} of {len(of_growth)}"
-    short = [
-        f"{name} of {mode.frequency:.6g} Hz ({_digits(max(0, digits))})"
-        for mode, both in zip(modes, asked, strict=True)
-        for name, shortfall, wanted in zip(
-            ("frequency", "growth"), both, (request.digits, request.of_growth), strict=True
-        )
-        if shortfall > 1
-        for digits in [floor(wanted - log10(shortfall)) if isfinite(shortfall) else 0]
-    ]
+    short = []
+    for mode, (frequency, growth) in zip(modes, asked, strict=True):
+        for name, shortfall, wanted in (
+            ("frequency", frequency, request.digits),
+            ("growth", growth, request.of_growth),
+        ):
+            if shortfall > 1:
+                reached = floor(wanted - log10(shortfall)) if isfinite(shortfall) else 0
+                short.append(f"{name} of {mode.frequency:.6g} Hz ({_digits(max(0, reached))})")
     if short:
         more = f" and {len(short) - 3} more" if len(short) > 3 else ""
         line += f"; not reached: {', '.join(short[:3])}{more}; {_reasons(ended)}"

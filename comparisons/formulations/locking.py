@@ -16,13 +16,11 @@ import pandas as pd
 
 from cea.arrays import Complexes
 from cea.eigen.matching import match_spectrum
-from comparisons.study.columns import Column, wide
+from comparisons.study.columns import wide
 from comparisons.study.formulations import Variant, variants
 from comparisons.study.numbers import shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Session, StudyResult
 from exact_cea.reference import exact_eigenvalues
 from scenes.spec.body import backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene
@@ -116,12 +114,6 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     return {"locking": [row]}
 
 
-def by_stiffness(result: StudyResult) -> pd.DataFrame:
-    """A row for each formulation, a column for each p."""
-    index = ["backend", "formulation", "points", "traces"]
-    return wide(result.frame("locking"), index, "p", "error")
-
-
 def finite(result: StudyResult) -> pd.DataFrame:
     """Runs with contacts that are not tied."""
     return result.frame("locking").query("p < inf")
@@ -143,6 +135,7 @@ def headline(result: StudyResult) -> str:
     return f"The error grows with p, or an eigenvalue is lost: {'. '.join(names) or 'none'}."
 
 
+_LABELS = ["backend", "formulation", "points", "traces"]
 OWN = {"error": Column("worst relative error of λ", show=shown(2))}
 SECTION = Section(
     "Locking",
@@ -150,11 +143,25 @@ SECTION = Section(
     "formulation locks where it grows with p; a dash stands where an eigenvalue was lost, or where "
     "p = ∞ cannot be run.",
     headline,
-    [Table("locking", "Error at each p.", by_stiffness, OWN)],
+    [
+        Table(
+            "locking",
+            "Error at each p.",
+            lambda result: wide(result.frame("locking"), _LABELS, "p", "error"),
+            OWN,
+        )
+    ],
     [
         Plot(
-            *("locking", "A line ends where an eigenvalue is lost.", finite, "p", "error"),
-            *(("formulation",), "backend", "xy", OWN),
+            "locking",
+            "A line ends where an eigenvalue is lost.",
+            finite,
+            "p",
+            "error",
+            ("formulation",),
+            ("backend",),
+            "xy",
+            OWN,
         )
     ],
     of="locking",

@@ -16,13 +16,11 @@ import pandas as pd
 from cea.errors import ConvergenceError
 from cea.system.contact_stresses import normal_stress
 from comparisons.formulations.momentum import momentum_defects, rigid_motions
-from comparisons.study.columns import Column, wide
+from comparisons.study.columns import wide
 from comparisons.study.formulations import Variant, variants
 from comparisons.study.numbers import number, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import Case
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Case, Session, StudyResult
 from scenes import Result
 from scenes.running.system import coupled
 from scenes.spec.body import Backend, LoadSpec
@@ -108,15 +106,24 @@ def _curved(P: float) -> list[str]:
     return [f"bodies.upper.material={{E={volumetric / compliance!r}, nu=0.3}}"]
 
 
-_BLOCKS = "patch_test", ("hexahedra", "tetrahedra")
-_OBLIQUE = "{vector=[1.0, 0.5, 0.3]}"
-_AROUND = "{circumferential_about=[0.0, 0.0, 1.0]}"
+_FLAT = PatchTestProblem(
+    "flat",
+    "patch_test",
+    ("hexahedra", "tetrahedra"),
+    lambda P: [_ROLLERS],
+    (3.0, 1.8),
+    "{vector=[1.0, 0.5, 0.3]}",
+)
 PROBLEMS = (
-    PatchTestProblem("flat", *_BLOCKS, lambda P: [_ROLLERS], (3.0, 1.8), _OBLIQUE),
-    PatchTestProblem("rotated", *_BLOCKS, _rotated, (3.0, 1.8), _OBLIQUE),
+    _FLAT,
+    replace(_FLAT, name="rotated", overrides=_rotated),
     PatchTestProblem(
-        *("curved", "patch_test_curved", ("quadrilaterals", "triangles")),
-        *(_curved, (2.4, 1.4), _AROUND),
+        "curved",
+        "patch_test_curved",
+        ("quadrilaterals", "triangles"),
+        _curved,
+        (2.4, 1.4),
+        "{circumferential_about=[0.0, 0.0, 1.0]}",
         held=True,
     ),
 )
@@ -236,12 +243,6 @@ def headline(result: StudyResult) -> str:
     return f"Pass on flat interfaces at every P: {', '.join(flat[flat].index) or 'none'}."
 
 
-def lines(result: StudyResult) -> pd.DataFrame:
-    """Errors over P, a panel for each two kinds of meshes."""
-    frame = runs(result)
-    return frame.assign(panel=frame["interface"] + ", " + frame["meshes"])
-
-
 OWN: Mapping[str, Column] = {
     "meshes": Column("a on b"),
     "own_error": Column("own", show=shown(1)),
@@ -259,8 +260,15 @@ SECTIONS = [
         ],
         [
             Plot(
-                *("patch_errors", "Error of every formulation over P.", lines, "P", "error"),
-                *(("formulation",), "panel", "xy", OWN),
+                "patch_errors",
+                "Error of every formulation over P.",
+                runs,
+                "P",
+                "error",
+                ("formulation",),
+                ("interface", "meshes"),
+                "xy",
+                OWN,
             )
         ],
         of="patch_tests",

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from comparisons.formulations import locking, patch_tests
-from comparisons.study.session import Session
-from comparisons.study.study import Case, Study
+from comparisons.study.study import Case, Session, Study
 from scenes.spec.reading import Scene
 
 PARTS: dict[str, Any] = {"patch_tests": patch_tests, "locking": locking}

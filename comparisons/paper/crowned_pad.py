@@ -6,6 +6,7 @@ each formulation finds its own state, whose p(x) its small motions meet.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -25,8 +26,8 @@ from comparisons.paper.figure import BACKENDS, Figure, Mesh, Row, Tables, sector
 from comparisons.study.session import Session
 from meshes.shapes import Crowned, Sector
 from scenes import Result
-from scenes.spec.body import BodySpec, MeshSpec
-from scenes.spec.reading import Scene, load_scene, on_backend, with_contact
+from scenes.spec.body import MeshSpec
+from scenes.spec.reading import Scene, load_scene
 
 CONTACT, PAD, DISC = "pad_disc", "pad", "disc"
 """Names in the scene."""
@@ -57,26 +58,16 @@ def crowned_scene(
     mesh: Mesh, formulation: Formulation, pressure: float, factor: float = 1.0
 ) -> Scene:
     """The scene, its elements finer by a factor; tetrahedra are hexahedra divided into six."""
-    scene = with_contact(
-        on_backend(load_scene("crowned_pad"), BACKENDS[mesh]), formulation=formulation
-    )
-    bodies = {n: replace(body, mesh=_mesh(body, mesh, factor)) for n, body in scene.bodies.items()}
-    (load,) = scene.loads
-    return replace(scene, bodies=bodies, loads=(replace(load, pressure=pressure),))
-
-
-def _mesh(body: BodySpec, mesh: Mesh, factor: float) -> MeshSpec:
-    def finer(elements: tuple[int, ...]) -> tuple[int, ...]:
-        return tuple(round(factor * n) for n in elements)
-
-    fe, iga = body.mesh.fe, body.mesh.iga
-    assert iga is not None
-    assert fe is not None
-    assert fe.elements is not None
-    if mesh == "NURBS":
-        return MeshSpec(iga=replace(iga, elements=finer(iga.elements)))
-    cell = "tetrahedron" if mesh == "tetrahedra" else fe.cell
-    return MeshSpec(fe=replace(fe, cell=cell, elements=finer(fe.elements)))
+    scene = load_scene("crowned_pad", backend=BACKENDS[mesh])
+    changes: dict[str, Any] = {"loads.0.pressure": pressure}
+    changes |= {f"contacts.{CONTACT}.formulation": formulation}
+    for name, body in scene.bodies.items():
+        own: Any = getattr(body.mesh, body.backend)
+        finer: Any = replace(own, elements=tuple(round(factor * n) for n in own.elements))
+        if mesh == "tetrahedra":
+            finer = replace(finer, cell="tetrahedron")
+        changes[f"bodies.{name}.mesh"] = MeshSpec(**{body.backend: finer})
+    return scene.change(changes)
 
 
 @dataclass(frozen=True)
@@ -85,15 +76,13 @@ class CrownedPad(Figure):
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
         """Scenes of every formulation under every load, those of one load together."""
-        named = formulations(mesh)
-        return {
-            f"{label}, {pressure:g}": crowned_scene(mesh, rule, pressure, factor)
-            for pressure in PRESSURES
-            for label, rule, factor in (
-                *((label, rule, 1.0) for label, rule in named.items()),
-                (FINER, named[EXACT], _REFINED),
-            )
-        }
+        scenes = {}
+        for pressure in PRESSURES:
+            for label, rule in formulations(mesh).items():
+                scenes[f"{label}, {pressure:g}"] = crowned_scene(mesh, rule, pressure)
+            finer = crowned_scene(mesh, Segments(), pressure, _REFINED)
+            scenes[f"{FINER}, {pressure:g}"] = finer
+        return scenes
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
         """Run every case; rows tell how far it is from the exact integration under its load."""
@@ -101,8 +90,7 @@ class CrownedPad(Figure):
         for pressure in PRESSURES:
             exact: tuple[Row, Floats] | None = None
             for label in (*formulations(mesh), FINER):
-                result = session.solve(session.scene[f"{label}, {pressure:g}"])
-                row, own = state(result)
+                row, own = state(session.solve(session.scene[f"{label}, {pressure:g}"]))
                 exact = exact or (row, own)
                 labels = {"formulation": label, "load": pressure}
                 rows.append(labels | row | off(row, own, *exact))

@@ -4,18 +4,12 @@ mu = 0.7; the knots of the disc trace the boundary of the pad.
 """
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 from cea.contact.formulations import Form, Formulation, GaussPointToSurface, Greville, Grid
 from comparisons.paper.figure import BACKENDS, MOST_LAGRANGE, Mesh, as_lagrange
 from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import (
-    ComplexEigenvalueAnalysis,
-    Scene,
-    load_scene,
-    on_backend,
-    with_contact,
-)
+from scenes.spec.reading import Scene, load_scene
 
 DISC, PAD = "disc", "pad"
 """Names of the bodies."""
@@ -82,49 +76,34 @@ class DiscPad:
     def scene(self, mesh: Mesh) -> Scene:
         """The scene of the case on a kind of mesh."""
         case = self.on(mesh)
-        scene = on_backend(load_scene("disc_pad"), BACKENDS[mesh])
-        bodies = {
-            name: replace(spec, mesh=case._mesh(spec.mesh, name, mesh))
-            for name, spec in scene.bodies.items()
-        }
-        assert isinstance(scene.analysis, ComplexEigenvalueAnalysis)
-        analysis = replace(scene.analysis, max_frequency=MAX_FREQUENCY)
-        return with_contact(
-            replace(scene, bodies=bodies, analysis=analysis),
-            **{n: getattr(case, n) for n in ("formulation", "P", "form", "full_pass")},
-        )
+        scene = load_scene("disc_pad", backend=BACKENDS[mesh])
+        changes: dict[str, Any] = {"analysis.max_frequency": MAX_FREQUENCY}
+        for field in ("formulation", "P", "form", "full_pass"):
+            changes[f"contacts.pad_disc.{field}"] = getattr(case, field)
+        for name, body in scene.bodies.items():
+            changes[f"bodies.{name}.mesh"] = case._mesh(body.mesh, name, mesh)
+        return scene.change(changes)
 
-    def _mesh(self, spec: MeshSpec, name: str, mesh: Mesh) -> MeshSpec:
-        degree, fe, iga = self.degree, spec.fe, spec.iga
-        assert fe is not None
-        assert fe.elements is not None
-        assert iga is not None
+    def _mesh(self, spec: Any, name: str, mesh: Mesh) -> MeshSpec:
+        degree = self.degree
         if mesh == "tetrahedra" and not self.divided:
             return MeshSpec(fe=FeMesh("tetrahedron", degree, size=_SIZES[name] * degree / 2))
-        through = {} if self.boundary == "ignored" else iga.through
-        added = 0
+        through = {} if self.boundary == "ignored" else spec.iga.through
+        added = (0, 0, 0)
         if through and self.boundary == "refined":
             through = {
                 axis: tuple(e + side * _REFINED[axis] for e in edges for side in (-1, 0, 1))
                 for axis, edges in through.items()
             }
-            added = 4
-
-        def elements(counts: tuple[int, ...], factor: float) -> tuple[int, ...]:
-            each = zip(counts, (added, added, 0), strict=True)
-            return tuple(max(1, round(factor * n)) + more for n, more in each)
-
-        if mesh == "NURBS":
-            spans = elements(iga.elements, min(1.0, _SPANS_KEPT_TO / degree))
-            return MeshSpec(iga=IgaMesh((degree,) * 3, spans, through=through))
-        return MeshSpec(
-            fe=FeMesh(
-                "tetrahedron" if self.divided else "hexahedron",
-                degree,
-                elements=elements(fe.elements, 2 / degree),
-                through=through,
-            )
-        )
+            added = (4, 4, 0)
+        nurbs = mesh == "NURBS"
+        factor = min(1.0, _SPANS_KEPT_TO / degree) if nurbs else 2 / degree
+        counts = zip((spec.iga if nurbs else spec.fe).elements, added, strict=True)
+        elements: Any = tuple(max(1, round(factor * n)) + more for n, more in counts)
+        if nurbs:
+            return MeshSpec(iga=IgaMesh((degree,) * 3, elements, through=through))
+        cell: Any = "tetrahedron" if self.divided else "hexahedron"
+        return MeshSpec(fe=FeMesh(cell, degree, elements=elements, through=through))
 
 
 GPTS = DiscPad(GaussPointToSurface(5))

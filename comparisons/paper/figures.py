@@ -5,12 +5,12 @@ from dataclasses import replace
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, Mortar, Segments
 from cea.errors import InputError
 from comparisons.paper.crowned_pad import CROWNED_PAD
-from comparisons.paper.diagram import Diagram
 from comparisons.paper.disc_pad import COLLOCATION, GPTS, GRID, HIGH, LOW, LUMPED, MIDDLE, DiscPad
 from comparisons.paper.figure import Figure
 from comparisons.paper.lumping import LUMPING, SHAPES
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
 from comparisons.paper.patch_test import QUADRATURE, SETTINGS, PatchTest, PatchTests
+from comparisons.paper.spectra import Diagram
 
 
 def _gpts(points: int, *, lumped: bool = False) -> GaussPointToSurface:
@@ -157,21 +157,21 @@ DIAGRAMS = (
 FIGURES: dict[str, Figure] = {
     figure.name: figure
     for figure in (
-        *(NORMAL_COMPLIANCE, *SETTINGS, *PATCH_TESTS, QUADRATURE),
-        *(SHAPES, LUMPING, *DIAGRAMS, CROWNED_PAD),
+        NORMAL_COMPLIANCE,
+        *SETTINGS,
+        *PATCH_TESTS,
+        QUADRATURE,
+        SHAPES,
+        LUMPING,
+        *DIAGRAMS,
+        CROWNED_PAD,
     )
 }
 """Every figure by its number or name."""
 
 
 def chosen(names: tuple[str, ...]) -> list[Figure]:
-    """Figures of some names, all by default.
-
-    Raises
-    ------
-    InputError
-        When there is no such figure.
-    """
+    """Figures of some names, all by default; refused where there is no such figure."""
     known = {part: name for name in FIGURES for part in name.split(" and ")}
     for name in names:
         if name not in known:

@@ -25,10 +25,9 @@ from cea.eigen.blocks import times
 from cea.eigen.matching import ModeMatch
 from cea.matrices import destroy
 from cea.surface import Surface
-from comparisons.paper.diagram import case_row
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
 from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of
-from comparisons.paper.spectra import Spectrum, displacements, means_of, measures, paired
+from comparisons.paper.spectra import Spectrum, case_row, displacements, means_of, measures, paired
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
@@ -67,7 +66,7 @@ class ModeShapes(Figure):
         label = case_row(P, 1, RUNS["lumped"].on(mesh))
         measured = label | measures(lumped, plain, match) | {"paper": "much below 1"}
         modes = common_mode(match, plain)[::-1]
-        motions = [run.motion[mode] for run, mode in zip((plain, lumped), modes, strict=True)]
+        motion = lumped.motion[modes[1]] / plain.motion[modes[0]]
         lines, numbers, slopes = [], [], []
         curves: list[Floats] = []
         for (name, result), mode in zip(results.items(), modes, strict=True):
@@ -87,10 +86,7 @@ class ModeShapes(Figure):
         slope = "slope of the disc at the boundary of the pad"
         far = np.abs(curves[1] - curves[0]).max()
         numbers += [
-            quoted(
-                *(f"motion of the disc in the contact, {over}", "much below 1"),
-                motions[1] / motions[0],
-            ),
+            quoted(f"motion of the disc in the contact, {over}", "much below 1", motion),
             quoted(f"{slope}, {over}", "above 1", slopes[1] / slopes[0]),
             quoted("largest difference of the disc's lines, of 1", None, far),
         ]
@@ -207,22 +203,17 @@ class Lumping(Figure):
 def false_shifts(plain: Result, lumped: Result) -> Floats:
     """First order relative shifts of all frequencies of a run by what lumping adds, (modes,)."""
     modes = plain.modes
-    difference = _stiffness(lumped).copy()
-    difference.axpy(-1.0, _stiffness(plain))
+    difference: Any = lumped.system.contacts[0].K_n.copy()
+    difference.axpy(-1.0, plain.system.contacts[0].K_n)
     products = np.einsum("ij,ij->j", modes.vectors.conj(), times(difference, modes.vectors)).real
     energies = difference.comm.tompi4py().allreduce(products)
     destroy(difference)
     return energies / (2 * np.abs(modes.eigenvalues) ** 2)
 
 
-def _stiffness(result: Result) -> Any:
-    """K_n, PETSc AIJ (N/m)."""
-    return result.system.contacts[0].K_n
-
-
 def rotation_ratio(result: Result) -> float:
     """Energy of a rotation about the x axis in K_n: of both bodies, over that of the pad alone."""
-    contact = result.system.contacts[0]
+    contact: Any = result.system.contacts[0]
     sides = {contact.a: contact.interface.a, contact.b: contact.interface.b}
     height = contact.interface.points.x[:, 1].mean()
     energies = []
@@ -235,7 +226,7 @@ def rotation_ratio(result: Result) -> float:
             vector.restoreSubVector(result.system.index_sets[name], part)
             destroy(u)
         product = vector.duplicate()
-        _stiffness(result).mult(vector, product)
+        contact.K_n.mult(vector, product)
         energies.append(vector.dot(product))
         destroy(vector, product)
     return float(energies[0] / energies[1])

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from cea.contact.laws import NormalCompliance
-from comparisons.paper.figure import Figure, Mesh, Tables, quoted
+from comparisons.paper.figure import Figure, Mesh, Row, Tables, quoted, rows_of
 from comparisons.study.session import Session
 
 
@@ -33,24 +33,21 @@ class Law(Figure):
         closure = np.linspace(-0.5, 2.0, 126) * at
         steady, p = float(law.pressure(at)), float(law.slope(at))
         curves = {"law": law.pressure(closure), "linearised": steady + p * (closure - at)}
-        named = {
-            "m_n": (law.m, ""),
-            "c_n": (law.c, f"N/m^{2 + law.m:g}"),
-            "closure of steady sliding": (self.closure, "m"),
-            "pressure of steady sliding": (steady, "N/m²"),
-            "p = m_n c_n (u_n - g_n)^(m_n - 1)": (p, "N/m³"),
-            "P, over the pad of disc_pad": (p * self.area, "N/m"),
-        }
+        rows: list[Row] = []
+        for curve, pressure in curves.items():
+            rows += rows_of({"curve": [curve] * 126, "closure": closure, "pressure": pressure})
+        numbers = [
+            quoted("m_n", None, law.m),
+            quoted("c_n", None, law.c, f"N/m^{2 + law.m:g}"),
+            quoted("closure of steady sliding", None, self.closure, "m"),
+            quoted("pressure of steady sliding", None, steady, "N/m²"),
+            quoted("p = m_n c_n (u_n - g_n)^(m_n - 1)", None, p, "N/m³"),
+            quoted("P, over the pad of disc_pad", None, p * self.area, "N/m"),
+        ]
         for part in (0.01, 0.1):
             change = f"error of the linearised change, perturbation {part:.0%}"
-            named[change] = self.error(part), ""
-        lines = [
-            {"curve": curve, "closure": x, "pressure": y}
-            for curve, values in curves.items()
-            for x, y in zip(closure, values, strict=True)
-        ]
-        numbers = [quoted(name, None, value, unit) for name, (value, unit) in named.items()]
-        return {"law": lines, "numbers": numbers}
+            numbers.append(quoted(change, None, self.error(part)))
+        return {"law": rows, "numbers": numbers}
 
     def error(self, part: float) -> float:
         """Relative error of the change of pressure when the closure grows by a part of itself."""
@@ -61,7 +58,8 @@ class Law(Figure):
 
 _PAD_AREA = 0.5 * (0.14**2 - 0.09**2) * np.radians(40.0)
 NORMAL_COMPLIANCE = Law(
-    *("1", "Normal compliance and its linearisation at steady sliding"),
+    "1",
+    "Normal compliance and its linearisation at steady sliding",
     NormalCompliance(1e16, 2.0),
     1e-5,
     float(_PAD_AREA),

@@ -5,10 +5,9 @@ stress on the interface is -1000 N/m^2 exactly. A discretisation is told by the 
 normal stress: its largest minus its smallest value over the interface.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import floor, log10
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,7 +37,7 @@ from comparisons.study.session import Session
 from scenes import Result
 from scenes.building.build import build_bodies, build_interfaces
 from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, StaticAnalysis, load_scene, on_backend, with_contact
+from scenes.spec.reading import Scene, StaticAnalysis, load_scene, with_contact
 
 EXACT = -1000.0
 """Normal stress on the interface (N/m^2)."""
@@ -84,21 +83,17 @@ class PatchTest:
 
     def scene(self, mesh: Mesh) -> Scene:
         """The scene of the case on a kind of mesh."""
-        scene = on_backend(load_scene(Path("patch_test")), BACKENDS[mesh])
-        sizes = zip(("upper", "lower"), self.elements, strict=True)
-        bodies = {n: replace(scene.bodies[n], mesh=self._mesh(mesh, size)) for n, size in sizes}
-        scene = replace(scene, bodies=bodies)
-        return with_contact(scene, formulation=self.formulation, P=self.P, form="penalty")
-
-    def _mesh(self, mesh: Mesh, n: int) -> MeshSpec:
-        """Both meshes of a body; the one that its backend does not use says nothing."""
-        elements, degree = (n, n, 1), min(self.degree, MOST_LAGRANGE)
-        return MeshSpec(
-            fe=FeMesh("tetrahedron", degree, size=_WIDTH / n)
-            if mesh == "tetrahedra"
-            else FeMesh("hexahedron", degree, elements=elements),
-            iga=IgaMesh((self.degree,) * 3, elements, (self.continuity,) * 3),
-        )
+        changes: dict[str, Any] = {"contacts.interface.form": "penalty"}
+        changes |= {f"contacts.interface.{f}": getattr(self, f) for f in ("formulation", "P")}
+        degree = min(self.degree, MOST_LAGRANGE)
+        for name, n in zip(("upper", "lower"), self.elements, strict=True):
+            elements = (n, n, 1)
+            fe = FeMesh("hexahedron", degree, elements=elements)
+            if mesh == "tetrahedra":
+                fe = FeMesh("tetrahedron", degree, size=_WIDTH / n)
+            iga = IgaMesh((self.degree,) * 3, elements, (self.continuity,) * 3)
+            changes[f"bodies.{name}.mesh"] = MeshSpec(fe=fe, iga=iga)
+        return load_scene("patch_test", backend=BACKENDS[mesh]).change(changes)
 
 
 @dataclass(frozen=True)
@@ -126,21 +121,19 @@ class PatchTests(Figure):
         """Oscillations of every case; stresses along the diagonal and over the interface."""
         rows, lines, maps = [], [], []
         for label, case in self.on(mesh).items():
-            result = session.solve(session.scene[label])
-            line, plane, row = stresses(result)
+            line, plane, row = stresses(session.solve(session.scene[label]))
             lines.append(line)
             maps.append(plane)
             rows.append({"case": label, "paper": case.paper, **row, "remark": case.remark})
         session.keep("lines", np.stack(lines))
         session.keep("maps", np.stack(maps))
-        worse = {row["case"]: row["oscillation"] for row in rows}
-        return {"patch_tests": rows, "numbers": list(self._compared(mesh, worse))}
-
-    def _compared(self, mesh: Mesh, worse: Mapping[str, float]) -> Iterator[Row]:
+        worse, numbers = {row["case"]: row["oscillation"] for row in rows}, []
         for pair in self.ratios:
             over, under = (self.cases[i].on(mesh).label for i in pair)
             if over != under:
-                yield quoted(f"{over} over {under}", "below 1", worse[over] / worse[under])
+                ratio = worse[over] / worse[under]
+                numbers.append(quoted(f"{over} over {under}", "below 1", ratio))
+        return {"patch_tests": rows, "numbers": numbers}
 
 
 def stresses(result: Result) -> tuple[Floats, Floats, Row]:
@@ -181,9 +174,8 @@ def drawn(figure: PatchTests, mesh: Mesh, result: StudyResult) -> Picture:
 
     Each panel has its own scale, since oscillations go from 1e-9 to 3000 N/m^2.
     """
-    frame = result.frame("patch_tests")
-    frame = frame[(frame["figure"] == figure.name) & (frame["mesh"] == mesh)]
     labels = {"figure": figure.name, "mesh": mesh}
+    frame = result.frame("patch_tests", **labels)
     lines, maps = (result.array(labels, name) for name in ("lines", "maps"))
     rows = -(-len(frame) // _ACROSS)
     columns = -(-len(frame) // rows)
@@ -248,7 +240,7 @@ class Setting(Figure):
         """Mesh both bodies; numbers of what is meshed, and the points of side a."""
         scene: Scene = session.scene["scene"]
         bodies = build_bodies(scene, StageTimer())
-        upper, lower = bodies["upper"], bodies["lower"]
+        upper, lower = bodies["upper"].surfaces["z_min"], bodies["lower"].surfaces["z_max"]
         shapes: Any = [scene.bodies[name].geometry for name in ("upper", "lower")]
         material, paper = scene.bodies["upper"].material, {**_PAPER, **self.paper}
         rows: list[tuple[str, Any, str]] = [
@@ -259,30 +251,32 @@ class Setting(Figure):
             ("E", material.means[0], "N/m²"),
             ("nu", material.means[2], ""),
             ("pressure", scene.loads[0].pressure, "N/m²"),
-            ("elements of a", len(upper.surfaces["z_min"].cells().element), ""),
-            ("elements of b", len(lower.surfaces["z_max"].cells().element), ""),
+            ("elements of a", len(upper.cells().element), ""),
+            ("elements of b", len(lower.cells().element), ""),
         ]
         numbers = [quoted(what, paper.get(what), value, unit) for what, value, unit in rows]
         for what, rule in _POINTS.items():
             own = rule if mesh == "NURBS" else as_lagrange(rule)
-            interfaces = build_interfaces(
-                with_contact(scene, formulation=own), bodies, StageTimer()
-            )
+            with_rule = with_contact(scene, formulation=own)
+            points = len(build_interfaces(with_rule, bodies, StageTimer())[INTERFACE].points)
             remark = "" if own is rule else own.label
-            points = len(interfaces[INTERFACE].points)
-            numbers.append(quoted(what, paper.get(what), points, "", remark))
+            numbers.append(quoted(what, paper.get(what), points, remark=remark))
         return {"numbers": numbers}
 
 
 _ON: tuple[Mesh, ...] = ("NURBS", "hexahedra")
 SETTINGS = (
     Setting(
-        *("2", "Figure 2: contact patch test", PatchTest(Greville())),
+        "2",
+        "Figure 2: contact patch test",
+        PatchTest(Greville()),
         {"Greville points of a": 25.0, "grid points of a": 81.0},
         meshes=_ON,
     ),
     Setting(
-        *("11", "Figure 11: second contact patch test", PatchTest(Greville(), elements=(5, 3))),
+        "11",
+        "Figure 11: second contact patch test",
+        PatchTest(Greville(), elements=(5, 3)),
         meshes=_ON,
     ),
 )
@@ -314,16 +308,12 @@ class Quadrature(Figure):
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
         """Scenes of every space with every number of points."""
-        cases = [
-            PatchTest(GaussPointToSurface(n), degree=degree, continuity=continuity)
-            for degree, continuity in _SPACES[mesh]
-            for n in self.points
-        ]
-        analysis = StaticAnalysis("static", _FEW_SAMPLES)
-        return {
-            f"{case.space}, {n}": replace(case.scene(mesh), analysis=analysis)
-            for case, n in zip(cases, self.points * len(_SPACES[mesh]), strict=True)
-        }
+        analysis, scenes = StaticAnalysis("static", _FEW_SAMPLES), {}
+        for degree, continuity in _SPACES[mesh]:
+            for n in self.points:
+                case = PatchTest(GaussPointToSurface(n), degree=degree, continuity=continuity)
+                scenes[f"{case.space}, {n}"] = replace(case.scene(mesh), analysis=analysis)
+        return scenes
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
         """Oscillation on the worse side for each number of points, and the fitted slopes."""
@@ -334,14 +324,9 @@ class Quadrature(Figure):
                 sides = session.solve(session.scene[f"{space}, {n}"]).stresses[INTERFACE].values()
                 errors.append(max(side.oscillation for side in sides))
                 rows.append({"space": space, "c": c, "points": n, "oscillation": errors[-1]})
-            slope = fitted_slope(self.points, errors)
+            slope = float(np.polyfit(np.log(self.points), np.log(errors), 1)[0])
             numbers.append(quoted(f"slope, {space}", None, slope, "", f"-(c + 2) = {-(c + 2)}"))
         return {"quadrature": rows, "numbers": numbers}
-
-
-def fitted_slope(points: tuple[int, ...], errors: list[float]) -> float:
-    """Least squares slope of log error against log points."""
-    return float(np.polyfit(np.log(points), np.log(errors), 1)[0])
 
 
 def expected(result: StudyResult) -> pd.DataFrame:

@@ -1,22 +1,24 @@
-"""Modes of disc and pad at points that depend on no mesh, and what tells one run from another.
+"""Stability diagrams of disc and pad: modes at points that depend on no mesh, runs compared.
 
 Every measure of every pair of runs is one row: figures and claims look numbers up.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import inf, tau
 from typing import Any
 
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.matching import NEAR, GroupMatch, ModeMatch, ModeSet, match_modes
+from cea.eigen.matching import NEAR, ModeMatch, ModeSet, match_modes
 from cea.errors import InputError
-from comparisons.paper.disc_pad import DISC, PAD
-from comparisons.paper.figure import Row, polar_points, sector_points
+from comparisons.paper.disc_pad import DISC, PAD, DiscPad
+from comparisons.paper.figure import Figure, Mesh, Row, Tables, polar_points, sector_points
+from comparisons.study.study import Session
 from meshes.shapes import Annulus, Sector
 from scenes import Result
+from scenes.spec.reading import Scene
 
 WITHIN = 0.01
 """Relative difference below which modes coincide."""
@@ -134,18 +136,6 @@ def _median_over(match: ModeMatch, own: Floats, reference: Floats) -> float | No
     return float(np.median(found)) if len(found) else None
 
 
-def pair_row(pair: GroupMatch) -> Row:
-    """A pair of modes as a row: frequencies (Hz) and growth rates (1/s) of both."""
-    (first, second) = pair.means
-    return {
-        "frequency": first.imag / tau,
-        "growth": first.real,
-        "reference_frequency": second.imag / tau,
-        "reference_growth": second.real,
-        "assurance": pair.assurance,
-    }
-
-
 def _shapes(result: Result) -> tuple[Complexes, Floats, Floats]:
     """Displacements on both sides of the contact and on circles of the disc, (rows, modes).
 
@@ -190,3 +180,94 @@ def displacements(
         raise InputError("x", f"{len(x)} points", f"points on {body}.{surface}")
     u = result.mode_shapes(f"{body}.{surface}", found.at[hit], modes)
     return u.reshape(-1, u.shape[-1]), hit
+
+
+_SPECTRA: dict[str, Spectrum] = {}
+"""Spectra of this process by scene: figures that share a case compute it once."""
+
+
+@dataclass(frozen=True)
+class Diagram(Figure):
+    """Growth rates against frequencies, formulations overlaid."""
+
+    cases: tuple[DiscPad, ...]  # the first is the reference of the others
+    stiffnesses: tuple[float, ...] = ()  # a diagram for each P (N/m); empty: that of the cases
+    # what the paper says of a case beside its reference, by P and number of the case
+    paper: Mapping[tuple[float, int], str] = field(default_factory=dict)
+
+    def panels(self, mesh: Mesh) -> dict[float, dict[int, DiscPad]]:
+        """Cases by P and number; of those that become equal on a kind of mesh, the first."""
+        panels = {}
+        for P in self.stiffnesses or (self.cases[0].P,):
+            found: dict[str, tuple[int, DiscPad]] = {}
+            for number, case in enumerate(self.cases):
+                if case.exists_on(mesh):
+                    own = replace(case, P=P).on(mesh)
+                    found.setdefault(own.label, (number, own))
+            panels[P] = dict(found.values())
+        return panels
+
+    def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
+        """Scenes of all cases."""
+        return {
+            f"{case.label}, P = {P:g}": case.scene(mesh)
+            for P, cases in self.panels(mesh).items()
+            for case in cases.values()
+        }
+
+    def evaluate(self, mesh: Mesh, session: Session) -> Tables:
+        """Modes of every case, pairs of them with those of the reference, measures."""
+        every = [(P, n, c) for P, cases in self.panels(mesh).items() for n, c in cases.items()]
+        spectra = {}
+        # Cases of equal bodies follow each other.
+        for P, n, case in sorted(every, key=lambda each: (each[2].degree, each[2].boundary)):
+            scene = session.scene[f"{case.label}, P = {P:g}"]
+            if (key := repr(scene)) not in _SPECTRA:
+                _SPECTRA[key] = Spectrum.of(session.solve(scene))
+            spectra[P, n] = _SPECTRA[key]
+        tables: Tables = {"runs": [], "modes": [], "matches": [], "measures": []}
+        for P, n, case in every:
+            label, own, reference = case_row(P, n, case), spectra[P, n], spectra[P, 0]
+            run, modes = run_tables(label, own)
+            tables["runs"].append(run)
+            tables["modes"] += modes
+            if n:
+                match = paired(own, reference)
+                for pair, (mine, its) in ((group, group.means) for group in match.groups):
+                    tables["matches"].append(
+                        {
+                            **label,
+                            "frequency": mine.imag / tau,
+                            "growth": mine.real,
+                            "reference_frequency": its.imag / tau,
+                            "reference_growth": its.real,
+                            "assurance": pair.assurance,
+                        }
+                    )
+                said = {"paper": self.paper.get((P, n))}
+                tables["measures"].append(label | measures(own, reference, match) | said)
+        return tables
+
+
+def case_row(P: float, number: int, case: DiscPad) -> Row:
+    """Labels of a case of a diagram."""
+    return {"P": P, "number": number, "case": case.label, "degree": case.degree}
+
+
+def run_tables(label: Row, spectrum: Spectrum) -> tuple[Row, list[Row]]:
+    """A run as a row, and rows of its modes."""
+    unstable = set(spectrum.unstable.tolist())
+    columns = spectrum.modes.eigenvalues, spectrum.residuals, spectrum.conditions
+    modes = [
+        {
+            **label,
+            "frequency": value.imag / tau,
+            "growth": value.real,
+            "residual": residual,
+            "condition": condition,
+            "unstable": i in unstable,
+        }
+        for i, (value, residual, condition) in enumerate(zip(*columns, strict=True))
+    ]
+    run = {name: spectrum.run[name] for name in ("dofs", "points", "seconds")}
+    return label | run | {"unstable": len(unstable)}, modes

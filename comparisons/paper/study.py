@@ -1,7 +1,8 @@
 """The paper's figures, each computed, stored, drawn and set beside the numbers of its text."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,14 +11,11 @@ from matplotlib.figure import Figure as Picture
 
 from comparisons.paper import lumping, patch_test
 from comparisons.paper.claims import judged
-from comparisons.paper.figure import Mesh, Tables
+from comparisons.paper.figure import Figure, Tables
 from comparisons.paper.figures import DIAGRAMS, FIGURES, PATCH_TESTS, chosen
-from comparisons.study.columns import Column
 from comparisons.study.numbers import number, shown
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Drawing, Frame, Plot, Section, Table
-from comparisons.study.session import Session
-from comparisons.study.study import CHOOSES, Case, Study
+from comparisons.study.sections import Column, Drawing, Frame, Plot, Section, Table
+from comparisons.study.study import CHOOSES, Case, Session, Study, StudyResult
 
 
 @dataclass(frozen=True)
@@ -50,52 +48,27 @@ def evaluate(case: Case, session: Session) -> Tables:
     return FIGURES[case["figure"]].evaluate(case["mesh"], session)
 
 
-def _of(table: str, *figures: str) -> Callable[[StudyResult], pd.DataFrame]:
-    """Rows of a table, of some figures alone."""
-
-    def frame(result: StudyResult) -> pd.DataFrame:
-        every = result.frame(table)
-        return every[every["figure"].isin(figures)] if figures and len(every) else every
-
-    return frame
-
-
-def _panels(*names: str, table: str, figure: str = "") -> Callable[[StudyResult], pd.DataFrame]:
-    """Rows of a table with a column that sets panels apart."""
-
-    def frame(result: StudyResult) -> pd.DataFrame:
-        every = _of(table, *([figure] if figure else []))(result)
-        if every.empty:
-            return every
-        words = [
-            every[n].map(lambda v: f"P = {number(v, 1)}") if n == "P" else every[n] for n in names
-        ]
-        return every.assign(panel=words[0].str.cat(words[1:], sep=", "))
-
-    return frame
-
-
 def _melted(result: StudyResult) -> pd.DataFrame:
     """Lines of Figure 5, those of disc and pad below each other."""
-    frame = _panels("mesh", "run", table="lines")(result)
+    frame = result.frame("lines")
     if frame.empty:
         return frame
-    return frame.melt(["panel", "arc"], ["disc", "pad"], "body", "u").dropna()
+    return frame.melt(["mesh", "run", "arc"], ["disc", "pad"], "body", "u").dropna()
 
 
-def _drawing(draw: Any, figure: Any, mesh: Mesh) -> Drawing:
-    def drawing(result: StudyResult) -> Picture | None:
-        made = any(case["labels"] == {"figure": figure.name, "mesh": mesh} for case in result.cases)
-        return draw(figure, mesh, result) if made else None
+def _drawings(draw: Any, *figures: Figure) -> Iterator[Drawing]:
+    """Pictures of some figures, one for each kind of mesh."""
+    for figure in figures:
+        for mesh in figure.meshes:
 
-    drawing.__name__ = f"figure_{figure.name.replace(' ', '_')}_{mesh}"
-    drawing.__doc__ = f"{figure.title}, {mesh}."
-    return drawing
+            def drawing(result: StudyResult, of: Any = figure, on: Any = mesh) -> Picture | None:
+                labels = {"figure": of.name, "mesh": on}
+                made = any(case["labels"] == labels for case in result.cases)
+                return draw(of, on, result) if made else None
 
-
-def _drawings(module: Any, *figures: Any) -> list[Drawing]:
-    """Pictures that a module draws of some figures, one for each kind of mesh."""
-    return [_drawing(module.drawn, each, mesh) for each in figures for mesh in each.meshes]
+            drawing.__name__ = f"figure_{figure.name.replace(' ', '_')}_{mesh}"
+            drawing.__doc__ = f"{figure.title}, {mesh}."
+            yield drawing
 
 
 def headline(result: StudyResult) -> str | None:
@@ -108,14 +81,10 @@ def headline(result: StudyResult) -> str | None:
     return f"{everywhere} of {len(frame)} claims hold on every kind of mesh, {nowhere} on none."
 
 
-def _quoted(value: float | str) -> str:
-    return value if isinstance(value, str) else number(value)
-
-
 OWN = {
     "figure": Column("figure"),
     "what": Column("what"),
-    "paper": Column("paper", show=_quoted),
+    "paper": Column("paper", show=lambda v: v if isinstance(v, str) else number(v)),
     "ours": Column("ours", show=shown(3)),
     "unit": Column("unit"),
     "oscillation": Column("oscillation, worse side", "N/m²", shown(3)),
@@ -133,19 +102,17 @@ OWN = {
 }
 
 
-def _table(name: str, caption: str, *, group: str = "figure", **options: Any) -> Table:
-    return Table(name, caption, options.pop("frame", _of(name)), OWN, group, **options)
+def _table(name: str, caption: str, **options: Any) -> Table:
+    return Table(name, caption, **{"frame": name, "own": OWN, "group": "figure"} | options)
 
 
-def _plot(
-    name: str, caption: str, frame: Frame, x: str, y: str, series: str, **options: Any
-) -> Plot:
-    return Plot(name, caption, frame, x, y, (series,), own=OWN, **options)
+def _plot(name: str, caption: str, frame: Frame, x: str, y: str, series: str, **more: Any) -> Plot:
+    return Plot(name, caption, frame, x, y, (series,), own=OWN, **more)
 
 
 def _by_load(y: str, caption: str, log: str = "x") -> Plot:
-    named = f"crowned_{y}", caption, _of("crowned"), "load", y, "formulation"
-    return _plot(*named, panel="mesh", log=log)
+    name, panel = f"crowned_{y}", ("mesh",)
+    return _plot(name, caption, "crowned", "load", y, "formulation", panel=panel, log=log)
 
 
 SECTIONS = [
@@ -165,7 +132,10 @@ SECTIONS = [
             _plot(
                 "figure_1",
                 "Figure 1: the law and its tangent at steady sliding.",
-                *(_of("law"), "closure", "pressure", "curve"),
+                "law",
+                "closure",
+                "pressure",
+                "curve",
             ),
         ],
     ),
@@ -176,7 +146,7 @@ SECTIONS = [
         "slip of units, and D2C0 comes near with 12 × 12. No pair of uniform meshes of 2 to 8 "
         "elements a side gives all four oscillations of Figure 12.",
         tables=[_table("patch_tests", "Every run.", printed=True)],
-        plots=_drawings(patch_test, *PATCH_TESTS),
+        plots=[*_drawings(patch_test.drawn, *PATCH_TESTS)],
     ),
     Section(
         "Gauss points",
@@ -184,9 +154,13 @@ SECTIONS = [
         tables=[_table("quadrature", "Errors.", shown=False)],
         plots=[
             _plot(
-                *("points", FIGURES["points"].title, _of("quadrature")),
-                *("points", "oscillation", "space"),
-                panel="mesh",
+                "points",
+                FIGURES["points"].title,
+                "quadrature",
+                "points",
+                "oscillation",
+                "space",
+                panel=("mesh",),
                 log="xy",
                 lines=patch_test.expected,
             )
@@ -204,16 +178,23 @@ SECTIONS = [
             _table("lines", "Lines of Figure 5.", shown=False),
         ],
         plots=[
-            *_drawings(lumping, lumping.SHAPES),
+            *_drawings(lumping.drawn, lumping.SHAPES),
             _plot(
                 "figure_5",
                 "Figure 5: normal displacement across the boundary of the pad.",
-                *(_melted, "arc", "u", "body"),
-                panel="panel",
+                _melted,
+                "arc",
+                "u",
+                "body",
+                panel=("mesh", "run"),
             ),
             _plot(
-                *("lumping", FIGURES["lumping"].title, _of("lumping_shifts")),
-                *("false_shift", "shift", "mesh"),
+                "lumping",
+                FIGURES["lumping"].title,
+                "lumping_shifts",
+                "false_shift",
+                "shift",
+                "mesh",
                 style="markers",
             ),
         ],
@@ -230,14 +211,18 @@ SECTIONS = [
         tables=[
             _table("measures", "Cases beside the reference of their diagram.", printed=True),
             _table("runs", "Every run."),
-            *(_table(name, f"{name}.", shown=False) for name in ("modes", "matches")),
+            _table("modes", "modes.", shown=False),
+            _table("matches", "matches.", shown=False),
         ],
         plots=[
             _plot(
-                *(f"figure_{each.name}", f"{each.title}."),
-                _panels("mesh", "P", table="modes", figure=each.name),
-                *("frequency", "growth", "case"),
-                panel="panel",
+                f"figure_{each.name}",
+                f"{each.title}.",
+                partial(StudyResult.frame, table="modes", figure=each.name),
+                "frequency",
+                "growth",
+                "case",
+                panel=("mesh", "P"),
                 style="markers",
             )
             for each in DIAGRAMS
@@ -248,9 +233,7 @@ SECTIONS = [
         "Each formulation in the state that it finds itself, beside the exact integration "
         "(segments) on the same mesh: pressure of the law at 9 × 60 points of the pad in the mean "
         "square, P the integral of p. Tetrahedra are hexahedra divided into six.",
-        tables=[
-            _table("crowned", "Every case.", group="mesh"),
-        ],
+        tables=[_table("crowned", "Every case.", group="mesh")],
         plots=[
             _by_load("pressure_off", "Distance of the pressure from segments.", "xy"),
             _by_load("closed", "Closed part of the pad."),

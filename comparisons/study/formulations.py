@@ -59,16 +59,10 @@ class Variant:
 def variants(
     backends: tuple[Backend, Backend], *, gauss: tuple[int, ...], grid: int
 ) -> tuple[Variant, ...]:
-    """Every formulation that two sides can bear.
+    """Every formulation that sides a and b can bear, on their backends.
 
-    Parameters
-    ----------
-    backends
-        Backends of sides a and b.
-    gauss
-        Numbers of Gauss points per direction in each cell of side a.
-    grid
-        Equally spaced points per direction over a face (NURBS), or over a facet (mesh).
+    ``gauss`` are numbers of Gauss points per direction in each cell of side a, ``grid`` equally
+    spaced points per direction over a face (NURBS), or over a facet (mesh).
     """
     a, b = backends
     collocation = (

@@ -44,22 +44,10 @@ def write(
     text: str = "",
     files: bool = True,
 ) -> Path:
-    """Write tables, figures and ``report.html``, one file that needs no other; its path.
+    """Write ``report.html``, one file that needs no other, and give its path.
 
-    Parameters
-    ----------
-    title, sections
-        Of the page; a section that shows nothing is left out.
-    result
-        What frames and headlines are made of.
-    out
-        Folder.
-    shapes
-        Modes of the viewer.
-    text
-        What stands above all sections.
-    files
-        Whether tables and figures are written to files too.
+    ``result`` is what frames and headlines are made of; a section that shows nothing is left out.
+    ``text`` stands above all sections; with ``files`` tables and figures are written to files too.
     """
     to = out if files else None
     parts = [made for s in present(sections, result) if (made := _section(s, result, to, shapes))]

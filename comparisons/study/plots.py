@@ -11,7 +11,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from cea.files import write_whole
-from comparisons.study.columns import column
+from comparisons.study.columns import column, is_number
 from comparisons.study.numbers import literal
 from comparisons.study.sections import Plot, rows
 
@@ -85,15 +85,21 @@ def panels(plot: Plot, result: Any) -> list[tuple[str, list[Line]]]:
     if plot.lines is not None:
         layers.insert(0, (rows(plot.lines, result), False, True))
     places = {name: {v: i for i, v in enumerate(frame[name].unique())} for name in plot.series}
+    named = {name: column(name, frame, plot.own) for name in plot.panel}
+    every = frame[[*named]].drop_duplicates().to_dict("records") if named else [{}]
     made = []
-    for value in frame[plot.panel].unique() if plot.panel else [None]:
+    for values in every:
         lines: list[Line] = []
         for points, marked, joined in layers:
-            inside = plot.panel and plot.panel in points
-            own = points[points[plot.panel] == value] if inside else points
-            lines += _lines(plot, own, places, marked, joined)
-        title = column(plot.panel, frame, plot.own).cell(value) if plot.panel else ""
-        made.append((title, lines))
+            for name, value in values.items():
+                points = points[points[name] == value] if name in points else points
+            lines += _lines(plot, points, places, marked, joined)
+        cells = {str(name): c.cell(values[name]) for name, c in named.items()}
+        words = [
+            f"{named[n].title} = {cell}" if is_number(named[n]) else cell
+            for n, cell in cells.items()
+        ]
+        made.append((", ".join(words), lines))
     return made
 
 

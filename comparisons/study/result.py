@@ -30,28 +30,24 @@ class StudyResult:
 
     record: Data
     arrays: Mapping[str, Mapping[str, np.ndarray]] = field(default_factory=dict)
-    _frames: dict[str, pd.DataFrame] = field(default_factory=dict, repr=False)
+    _frames: dict[Any, pd.DataFrame] = field(default_factory=dict, repr=False)
 
     @property
     def cases(self) -> list[dict[str, Any]]:
         """Cases in the order of the study."""
         return self.record["cases"]
 
-    def frame(self, table: str = "runs") -> pd.DataFrame:
-        """Rows of a table of all cases, the labels of their case before them; a copy."""
-        if table not in self._frames:
-            rows = [c["labels"] | row for c in self.cases for row in c["tables"].get(table, ())]
-            self._frames[table] = pd.DataFrame(rows).drop(columns=PART, errors="ignore")
-        return self._frames[table].copy()
+    def frame(self, table: str = "runs", **labels: Any) -> pd.DataFrame:
+        """Rows of a table of all cases, or those with some labels, behind these labels; a copy."""
+        key = table, *labels.items()
+        if key not in self._frames:
+            cases = [case for case in self.cases if labels.items() <= case["labels"].items()]
+            rows = [c["labels"] | row for c in cases for row in c["tables"].get(table, ())]
+            self._frames[key] = pd.DataFrame(rows).drop(columns=PART, errors="ignore")
+        return self._frames[key].copy()
 
     def array(self, case: Mapping[str, Any], name: str) -> np.ndarray:
-        """Array that the case with these labels kept.
-
-        Raises
-        ------
-        InputError
-            When there is none.
-        """
+        """Array that the case with these labels kept; an InputError where there is none."""
         for found in self.cases:
             own = self.arrays.get(found["key"], {})
             if case.items() <= found["labels"].items() and name in own:

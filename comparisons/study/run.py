@@ -3,6 +3,7 @@
 import json
 from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, fields
 from hashlib import sha256
 from pathlib import Path
@@ -16,13 +17,11 @@ from comparisons.study.progress import Progress
 from comparisons.study.result import StudyResult, read, read_arrays, write_arrays
 from comparisons.study.session import Session
 from comparisons.study.study import CHOOSES, Case, Study, evaluated
-from comparisons.study.worker import Workers
+from comparisons.study.worker import Computed, workers
 from scenes.results.record import commit, read_record, record, write_record
 from scenes.spec.plain import as_data
 
 _DIRTY = "-dirty"
-Stored = tuple[dict[str, Any], Mapping[str, Any]]
-"""A case as a record has it, and its arrays."""
 
 
 def selected(study: Study, options: Any, only: Mapping[str, str]) -> list[Case]:
@@ -51,37 +50,13 @@ def run(
     only: Mapping[str, str] | None = None,
     progress: Progress | None = None,
 ) -> StudyResult:
-    """Compute the cases that are not stored; whatever ends it, the next call goes on from there.
+    """Compute the cases that are not stored, or all; rank 0 stores each as it is done.
 
-    Each case is stored as it is done, beside the folder of the result. A stored case is taken
-    where labels, scene, options and the commit of the program agree; a checkout with changes that
-    are not committed takes none. Cases that failed are computed again.
-
-    Parameters
-    ----------
-    study
-        The study.
-    options
-        Its options.
-    out
-        Folder of the result: cases of an earlier one are taken. Nothing is written to it.
-    anew
-        Whether every case is computed.
-    only
-        Labels and values, as text, of the cases to compute; others are in the result where they
-        are stored.
-    progress
-        Told of every case as it begins.
-
-    Returns
-    -------
-    StudyResult
-        The result, on every rank. :func:`finished` removes the stored cases once it is written.
-
-    Raises
-    ------
-    InputError
-        On several ranks, where cases have processes of their own.
+    A stored case, beside or in the folder ``out``, is taken where labels, scene, options and the
+    commit of the program agree; a checkout with changes that are not committed takes none. Cases
+    that failed are computed again. ``only`` has labels and values, as text, of the cases to
+    compute; others are in the result where they are stored. Every rank has the result, and
+    :func:`finished` removes the stored cases once it is written.
     """
     comm, begun = MPI.COMM_WORLD, perf_counter()
     if study.process and comm.size > 1:
@@ -90,32 +65,33 @@ def run(
     chosen = [dict(case) for case in selected(study, options, only or {})]
     known = comm.bcast(_known(study, out) if comm.rank == 0 and not anew else {})
     session = Session(options, progress.stage)
-    workers = Workers(study.process, options) if study.process else None
-
-    def found(labels: dict[str, Any]) -> Stored | None:
-        key = key_of(study, options, labels)
-        if key in known or labels not in chosen:
-            return known.get(key)
-        progress.step(", ".join(f"{name} {_text(v)}" for name, v in labels.items()))
-        made = workers.evaluate(labels) if workers else evaluated(study, labels, session)
-        case, arrays = made[0] | {"key": key, "commit": commit()}, made[1]
-        if comm.rank == 0:
-            write_arrays(arrays, parts(out) / f"{key}.npz")
-            write_record(case, parts(out) / f"{key}.json")
-        return case, arrays
-
     every = [dict(labels) for labels in study.cases(options)]
-    if workers and study.process:
-        with workers, ThreadPoolExecutor(study.process.at_once) as threads:
-            entries = list(threads.map(found, every))
-    else:
-        entries = [found(labels) for labels in every]
-    done = [entry for entry in entries if entry is not None]
+    computing: AbstractContextManager[Any] = nullcontext(
+        lambda labels: evaluated(study, labels, session)
+    )
+    if study.process:
+        computing = workers(study.process, options)
+    at_once = study.process.at_once if study.process else 1
+    with computing as compute, ThreadPoolExecutor(at_once) as threads:
+
+        def found(labels: dict[str, Any]) -> Computed | None:
+            key = key_of(study, options, labels)
+            if key in known or labels not in chosen:
+                return known.get(key)
+            progress.step(", ".join(f"{name} {_text(v)}" for name, v in labels.items()))
+            case, arrays = compute(labels)
+            case |= {"key": key, "commit": commit()}
+            if comm.rank == 0:
+                write_arrays(arrays, parts(out) / f"{key}.npz")
+                write_record(case, parts(out) / f"{key}.json")
+            return case, arrays
+
+        entries = threads.map(found, every) if study.process else map(found, every)
+        done = [entry for entry in entries if entry is not None]
     arrays = {case["key"]: own for case, own in done if own}
     inputs = json.loads(json.dumps(asdict(options), default=str))
-    data = {"cases": [case for case, _ in done]}
-    whole = record(study.name, data, inputs=inputs, seconds=perf_counter() - begun)
-    return StudyResult(whole, arrays)
+    data, seconds = {"cases": [case for case, _ in done]}, perf_counter() - begun
+    return StudyResult(record(study.name, data, inputs=inputs, seconds=seconds), arrays)
 
 
 def key_of(study: Study, options: Any, labels: Any) -> str:
@@ -139,7 +115,7 @@ def finished(out: Path) -> None:
     rmtree(parts(out), ignore_errors=True)
 
 
-def _known(study: Study, out: Path) -> dict[str, Stored]:
+def _known(study: Study, out: Path) -> dict[str, Computed]:
     """Cases that may be taken: of an interrupted run, of a finished one, and shipped ones."""
     found = _of_result(study, study.shipped) if study.shipped else []
     if not commit().endswith(_DIRTY):
@@ -150,7 +126,7 @@ def _known(study: Study, out: Path) -> dict[str, Stored]:
     return {case["key"]: (case, arrays) for case, arrays in found if not case["failed"]}
 
 
-def _of_result(study: Study, folder: Path) -> list[Stored]:
+def _of_result(study: Study, folder: Path) -> list[Computed]:
     """Cases of a finished result."""
     try:
         result = read(study.name, folder)

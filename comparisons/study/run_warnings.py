@@ -10,13 +10,11 @@ Run = tuple[Mapping[str, Any], Iterable[Mapping[str, Any]]]
 
 
 def merged_warnings(runs: Sequence[Run], what: str) -> list[dict[str, Any]]:
-    """Warnings of runs as a record has them, with the runs that gave them.
+    """Warnings of all runs as a record has them, with the runs that gave them.
 
     Warnings of one kind are one where they are about the same: the contact, the body and whatever
-    else their data name in words.
-
-    All runs are given, those without warnings too, and what they are: "values of mu". ``places``
-    in ``data`` are the runs with ``point``, what sets the run apart, ``message`` and ``data``.
+    else their data name in words. ``places`` in ``data`` are the runs with ``point``, what sets the
+    run apart, ``message`` and ``data``; ``what`` names the runs: "values of mu".
     """
     given: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for point, warnings in runs:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from comparisons.study.columns import Column
+from comparisons.study.columns import Column as Column
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,7 +55,7 @@ class Table:
 
 @dataclass(frozen=True)
 class Plot:
-    """Lines with markers: a panel for each value of ``panel``, a line for each of ``series``.
+    """Lines with markers: a panel for all values of ``panel``, a line for those of ``series``.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class Plot:
     series
         Columns that set lines apart: the backend by its marker, others by colour.
     panel
-        Column that sets panels apart.
+        Columns that set panels apart.
     log
         Logarithmic axes: "x", "y" or "xy".
     own
@@ -87,7 +87,7 @@ class Plot:
     x: str
     y: str
     series: Sequence[str] = ()
-    panel: str = ""
+    panel: Sequence[str] = ()
     log: str = ""
     own: Mapping[Any, Column] = field(default_factory=dict)
     lines: Frame | None = None

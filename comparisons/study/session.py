@@ -17,18 +17,9 @@ _REMEMBERED = 2
 class Session:
     """What ``evaluate`` is given beside its case.
 
-    Attributes
-    ----------
-    scene
-        Scene of the case, or scenes by name; None where the study has none for each.
-    options
-        The options.
-    stage
-        Told what is being done.
-    runs
-        What the runs of the case took and left out.
-    arrays, shapes
-        What the case kept.
+    ``scene`` is the scene of the case, or scenes by name, None where the study has none; ``stage``
+    is told what is being done; ``runs`` are what the runs of the case took, ``arrays`` and
+    ``shapes`` what it kept.
     """
 
     def __init__(self, options: Any, stage: Callable[[str], None] = lambda _: None) -> None:
@@ -45,12 +36,10 @@ class Session:
         self._shown: list[tuple[str, list[Any]]] = []
 
     def solve(self, scene: Scene | None = None, **options: Any) -> Any:
-        """Run a scene, that of the case by default.
+        """Run a scene, that of the case by default, with options of :func:`scenes.run_scene`.
 
         Bodies and contact points of earlier runs are used again where their specifications are
         equal; the very scene of the last run is not run again.
-
-        Options are those of :func:`scenes.run_scene`.
         """
         scene = scene or self.scene
         assert scene is not None, "the study gives no scene for its cases"

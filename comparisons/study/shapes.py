@@ -1,7 +1,6 @@
-"""Modes as a page shows them: outsides of the bodies, and how they move.
+"""Modes as a page shows them: outsides of the bodies, and displacements u, as whole numbers.
 
-Positions and displacements are kept as whole numbers, fine enough for a screen. What is drawn at
-a phase phi is x + s Re(u e^(i phi)), at phase 0 the largest deflection.
+What is drawn at a phase phi is x + s Re(u e^(i phi)), at phase 0 the largest deflection.
 """
 
 from base64 import b64encode

@@ -7,9 +7,9 @@ from time import perf_counter
 from typing import Any
 
 from cea.errors import ConvergenceError, InputError
-from comparisons.study.result import StudyResult
+from comparisons.study.result import StudyResult as StudyResult
 from comparisons.study.sections import Section
-from comparisons.study.session import Session
+from comparisons.study.session import Session as Session
 from scenes.results.record import as_json
 from scenes.spec.reading import Scene
 

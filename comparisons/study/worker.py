@@ -10,6 +10,8 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
@@ -32,34 +34,35 @@ _ENVIRONMENT = {
 }
 
 
-class Workers:
-    """Processes that share the cases, by their ranks; they end with the context."""
+Computed = tuple[dict[str, Any], Mapping[str, Any]]
+"""A case, and its arrays by name."""
 
-    def __init__(self, process: Process, options: Any) -> None:
-        self._process, self._options = process, asdict(options)
-        self._idle: SimpleQueue[dict[int, Worker]] = SimpleQueue()
-        self._sets: list[dict[int, Worker]] = [{} for _ in range(process.at_once)]
-        for each in self._sets:
-            self._idle.put(each)
 
-    def evaluate(self, labels: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """A case, and no arrays: it travels as text. Several threads may ask."""
-        ranks, workers = labels.get("ranks", 1), self._idle.get()
+@contextmanager
+def workers(process: Process, options: Any) -> Iterator[Callable[[dict[str, Any]], Computed]]:
+    """What computes a case, in processes that several threads share; they end with the context.
+
+    A case has no arrays: it travels as text.
+    """
+    idle: SimpleQueue[dict[int, Worker]] = SimpleQueue()
+    every: list[dict[int, Worker]] = [{} for _ in range(process.at_once)]
+    for by_ranks in every:
+        idle.put(by_ranks)
+
+    def evaluate(labels: dict[str, Any]) -> Computed:
+        ranks, own = labels.get("ranks", 1), idle.get()
         try:
-            if ranks not in workers:
-                workers[ranks] = Worker(self._process.study, self._options, ranks)
-            return workers[ranks].evaluate(labels, self._process.seconds), {}
+            if ranks not in own:
+                own[ranks] = Worker(process.study, asdict(options), ranks)
+            return own[ranks].evaluate(labels, process.seconds), {}
         finally:
-            self._idle.put(workers)
+            idle.put(own)
 
-    def __enter__(self) -> "Workers":
-        """The workers themselves."""
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        """End all processes."""
-        for workers in self._sets:
-            for worker in workers.values():
+    try:
+        yield evaluate
+    finally:
+        for by_ranks in every:
+            for worker in by_ranks.values():
                 worker.end()
 
 
@@ -94,7 +97,7 @@ class Worker:
             start_new_session=True,
         )
         self._lines: Queue[str] = Queue()
-        Thread(target=self._read, args=(self._process.stdout, self._lines), daemon=True).start()
+        Thread(target=_read, args=(self._process.stdout, self._lines), daemon=True).start()
         self._ask(self._process, self._options, _STARTS)  # it is ready
         return self._process
 
@@ -107,19 +110,19 @@ class Worker:
         except (BrokenPipeError, Empty):
             return ""
 
-    @staticmethod
-    def _read(stream: Any, lines: Queue[str]) -> None:
-        for line in stream:
-            if line.startswith(_MARK):
-                lines.put(line)
-        lines.put("")  # it has ended
-
     def end(self) -> None:
         """End the process and its ranks."""
         if self._process is not None and self._process.poll() is None:
             os.killpg(self._process.pid, signal.SIGKILL)
             self._process.wait()
         self._process = None
+
+
+def _read(stream: Any, lines: Queue[str]) -> None:
+    for line in stream:
+        if line.startswith(_MARK):
+            lines.put(line)
+    lines.put("")  # it has ended
 
 
 def launcher(ranks: int) -> list[str]:

@@ -31,9 +31,13 @@ from meshes.files.elements import KINDS
 
 Type = Literal["node", "element", "surface"]
 
-_SOLID = re.compile(r"C3D(4|5|6|8|10|13|15|20)(?!V)[A-Z]*")
-_PLANE = re.compile(r"(CPE|CPS|SFM3D)(3|4|6|8)[A-Z]*")
-_SHELL = re.compile(r"(S|STRI|DS|M3D|R3D)(3|4|6|8)[A-Z0-9]*")
+_TYPES: tuple[tuple[str, int, Role], ...] = (
+    (r"C3D(4|5|6|8|10|13|15|20)(?!V)[A-Z]*", 3, "solid"),
+    (r"CPE(3|4|6|8)[A-Z]*", 2, "solid"),
+    (r"(?:CPS|SFM3D)(3|4|6|8)[A-Z]*", 2, "mark"),
+    (r"(?:S|STRI|DS|M3D|R3D)(3|4|6|8)[A-Z0-9]*", 2, "structural"),
+)
+"""Types of elements with their number of nodes, their dimension and role."""
 _OTHER_SOLIDS = ("C3D15V", "C3D27")
 """Wedges and hexahedra that may have nodes in the middles of some faces, not of others."""
 _NAMES = {(kind.reference.shape[1], len(kind.groups)): name for name, kind in KINDS.items()}
@@ -159,12 +163,9 @@ class Scope:
 
 def _known(kind: str) -> tuple[Role, str]:
     """Role of a type of element, and its name in the table of kinds; none where it is not there."""
-    if match := _SOLID.fullmatch(kind):
-        return "solid", _NAMES[3, int(match[1])]
-    if match := _PLANE.fullmatch(kind):
-        return "solid" if match[1] == "CPE" else "mark", _NAMES[2, int(match[2])]
-    if match := _SHELL.fullmatch(kind):
-        return "structural", _NAMES[2, int(match[2])]
+    for pattern, dim, role in _TYPES:
+        if match := re.fullmatch(pattern, kind):
+            return role, _NAMES[dim, int(match[1])]
     return "solid" if kind.startswith(_OTHER_SOLIDS) else "structural", ""
 
 

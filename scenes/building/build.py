@@ -17,7 +17,7 @@ from cea.contact.contact import Contact
 from cea.contact.friction import Friction, FrictionDirection, Reversed
 from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.laws import LinearLaw, NormalLaw, Sliding
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.expressions import Expression, evaluate
 from cea.mesh import Mesh
 from cea.petsc import MPI
@@ -68,17 +68,11 @@ def build_bodies(
 ) -> Mapping[str, Body]:
     """Bodies of a scene by name; of those given they are used again that are made of the same.
 
-    Bodies that no scene built are taken all.
-
-    Raises
-    ------
-    InputError
-        When the latter have other names than those of the scene.
+    Bodies that no scene built are taken all, and refused where their names are others.
     """
     if given is not None and not isinstance(given, Built):
-        if list(given) != list(scene.bodies):
-            allowed = f"those of the scene: {', '.join(scene.bodies)}"
-            raise InputError("bodies", list(given), allowed)
+        names, allowed = list(scene.bodies), f"those of the scene: {', '.join(scene.bodies)}"
+        require(list(given) == names, "bodies", list(given), allowed)
         return given
     wanted = {name: made_of(scene, name) for name in scene.bodies}
     alike = _alike(given, wanted)

@@ -14,6 +14,7 @@ from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
 from scenes.checking.memory import check_memory, estimated_memory
 from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import scene_warnings
+from scenes.spec.problems import Faults
 from scenes.spec.reading import Scene
 
 _OF_STIFFNESS = ("point-rule", "over-constrained")
@@ -41,7 +42,7 @@ class Inspection:
     """
 
     scene: Scene
-    faults: tuple[InputError, ...]
+    faults: Faults
     skipped: Mapping[str, str]
     warnings: tuple[ResultWarning, ...] = ()
     bodies: Mapping[str, Body] = field(default_factory=dict)
@@ -64,7 +65,7 @@ def inspect_scene(scene: Scene) -> Inspection:
         With every fault of its memory, bodies and contacts; one that cannot be meshed has no
         contact points.
     """
-    faults: list[InputError] = []
+    faults = Faults()
     bodies: Mapping[str, Body] = {}
     halves: dict[str, Contact] = {}
     try:
@@ -90,7 +91,7 @@ def inspect_scene(scene: Scene) -> Inspection:
         of_stiffness = warning.kind in _OF_STIFFNESS
         if not of_stiffness or scene.contacts[warning.data["contact"]].c_n is None:
             warnings.append(warning)
-    return Inspection(scene, tuple(faults), skipped_by(scene), tuple(warnings), bodies, halves)
+    return Inspection(scene, faults, skipped_by(scene), tuple(warnings), bodies, halves)
 
 
 def gaps(half: Contact) -> np.ndarray:

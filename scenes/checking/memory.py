@@ -5,10 +5,9 @@ nodes is cut in halves across its longest direction, again and again, and each c
 front of its own nodes beside those around its box that were cut before.
 """
 
-import os
 import resource
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from math import factorial, inf, prod
 from pathlib import Path
@@ -79,7 +78,7 @@ def estimated_memory(scene: Scene) -> MemoryEstimate:
     """
     dofs = nonzeros = entries = 0.0
     for body in scene.bodies.values():
-        dim, (near, width) = len(body.geometry.directions), _couplings(body)
+        dim, (near, width) = body.dim, _couplings(body)
         dofs += dofs_of(body)
         nonzeros += dim * dofs_of(body) * near**dim
         entries += dim**2 * sum(_dissected(counts, width) for counts in _node_counts(body))
@@ -97,7 +96,7 @@ def estimated_memory(scene: Scene) -> MemoryEstimate:
 
 def dofs_of(body: BodySpec) -> float:
     """Estimate of the unknowns of a body, supports not taken out."""
-    return len(body.geometry.directions) * sum(map(prod, _node_counts(body)))
+    return body.dim * sum(map(prod, _node_counts(body)))
 
 
 def _node_counts(body: BodySpec) -> list[tuple[float, ...]]:
@@ -165,22 +164,17 @@ def available_memory() -> float:
 
     What the process is confined to counts where that is less.
     """
+    give_back()  # what the process has freed
+    lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    free = [1024 * float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
+    limits = [each + _PROGRAM for each in free]
     soft = resource.getrlimit(resource.RLIMIT_AS)[0]
-    limits = [float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))]
     if soft != resource.RLIM_INFINITY:
         limits.append(float(soft))
     for file in ("memory.max", "memory/memory.limit_in_bytes"):
-        try:
+        with suppress(OSError, ValueError):  # no such group, or no limit
             limits.append(float((Path("/sys/fs/cgroup") / file).read_text()))
-        except (OSError, ValueError):
-            continue  # no such group, or no limit
-    give_back()  # what the process has freed
-    try:
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-    except OSError:
-        lines = []
-    free = [1024 * float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
-    return min(limits + [each + _PROGRAM for each in free])
+    return min(limits)
 
 
 def free_disk() -> float:

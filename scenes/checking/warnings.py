@@ -43,8 +43,13 @@ _NYQUIST = 0.8
 Shapes = Callable[[SurfaceCoordinates], Complexes]
 """Displacements of all modes at points of a surface, shape (n, dim, modes)."""
 
-_INCOMPRESSIBLE = {("fe", 1): 0.45, ("fe", 2): 0.499, ("iga", 1): 0.45, ("iga", 2): 0.495,
-                   ("iga", 3): 0.4999}  # fmt: skip
+_INCOMPRESSIBLE = {
+    ("fe", 1): 0.45,
+    ("fe", 2): 0.499,
+    ("iga", 1): 0.45,
+    ("iga", 2): 0.495,
+    ("iga", 3): 0.4999,
+}
 """Poisson's ratio by backend and degree from which volumetric locking is to be expected.
 
 From there on a cantilever of length 4 and height 1, with four elements through its height, has

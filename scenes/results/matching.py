@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 
 from cea.arrays import Complexes
 from cea.eigen.matching import (
-    NEAR,
     CircumferentialContent,
     ModeMatch,
     ModeSet,
@@ -29,14 +28,12 @@ def match_runs(
     second: Result,
     first_modes: NDArray[np.int64] | None = None,
     second_modes: NDArray[np.int64] | None = None,
-    *,
-    near: float = NEAR,
 ) -> ModeMatch:
     """Pair modes of two runs of one scene by shape on the contact surfaces and by eigenvalue.
 
     Scenes without contacts are compared on all surfaces.
     """
-    return match_modes(*_mode_sets(first, second, first_modes, second_modes), near)
+    return match_modes(*_mode_sets(first, second, first_modes, second_modes))
 
 
 def match_unstable(first: Result, second: Result) -> dict[str, Any]:

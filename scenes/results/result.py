@@ -183,18 +183,7 @@ class Result:
         return unstable[order][:count].tolist()
 
     def index(self, mode: int | None = None) -> int:
-        """Index, from 0, of a mode in all arrays.
-
-        Parameters
-        ----------
-        mode
-            Its number, from 1; by default the most unstable one.
-
-        Raises
-        ------
-        InputError
-            When there is no such mode.
-        """
+        """Index, from 0, of a mode by its number, from 1; by default that of the most unstable."""
         if mode is None and len(self.modes):
             return self.most_unstable(1)[0]
         if mode is None or not 1 <= mode <= len(self.modes):

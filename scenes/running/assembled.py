@@ -26,7 +26,7 @@ from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.swept import at_parameters, in_saddle_form, parameters_changed, parameters_meant
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.problems import fault_of
+from scenes.spec.problems import Faults
 from scenes.spec.reading import Scene
 
 _STEP = 1e-5
@@ -261,10 +261,12 @@ class AssembledScene:
 
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
+        faults = Faults()
+        faults.of(self.driver.pencil.check, values)
         left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
         return (
-            not self.depends_on_state(list(values))
-            and not list(fault_of(self.driver.pencil.check, values))
+            not faults
+            and not self.depends_on_state(list(values))
             and all(self._system.keeps_form(name, values) for name in left_open)
         )
 

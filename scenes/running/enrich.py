@@ -50,8 +50,11 @@ def richer_scene(scene: Scene, by: Enrichment | None = "degree") -> Scene:
 
 def _way(body: BodySpec) -> Enrichment:
     mesh = body.mesh.iga if body.backend == "iga" else body.mesh.fe
-    planar = len(body.geometry.directions) == 2
-    if mesh is not None and mesh.elements and (planar or _degree(body) >= _HIGHEST[body.backend]):
+    if (
+        mesh is not None
+        and mesh.elements
+        and (body.dim == 2 or _degree(body) >= _HIGHEST[body.backend])
+    ):
         return "bisection"
     return "smooth" if body.backend == "iga" else "degree"
 

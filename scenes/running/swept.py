@@ -11,20 +11,29 @@ from math import isclose, isfinite
 from typing import Any
 
 from cea.eigen.pencil import Pencil
-from cea.errors import InputError
+from cea.errors import InputError, require
 from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
 _SHORT = {
-    **{name: f"contacts.*.{name}" for name in ("mu", "P", "p")},
-    **{name: f"bodies.*.material.{name}" for name in ("E", "rho")},
-    **{name: f"bodies.*.damping.{name}" for name in ("alpha", "beta")},
+    "mu": "contacts.*.mu",
+    "P": "contacts.*.P",
+    "p": "contacts.*.p",
+    "E": "bodies.*.material.E",
+    "rho": "bodies.*.material.rho",
+    "alpha": "bodies.*.damping.alpha",
+    "beta": "bodies.*.damping.beta",
     "Omega": "bodies.*.rotation.rate",
 }
 """Short names of what contacts and bodies have."""
 _OF_EACH_SOLVE = (
-    *("analysis.max_frequency", "analysis.min_growth", "analysis.growth_threshold"),
-    *("name", "description", "output.pictures", "output.paraview"),
+    "analysis.max_frequency",
+    "analysis.min_growth",
+    "analysis.growth_threshold",
+    "name",
+    "description",
+    "output.pictures",
+    "output.paraview",
 )
 """Fields that no piece of a pencil is made of; one that is missing here costs an assembly."""
 _ROUNDING = 1e-12
@@ -46,12 +55,9 @@ def _meant(name: str, path: str, bonded: Iterable[str]) -> bool:
 def parameters_meant(pencil: Pencil, name: str, bonded: Iterable[str] = ()) -> list[str]:
     """Parameters of a pencil that a name means."""
     found = [each for each in pencil.parameters if _meant(name, each, bonded)]
-    if not found:
-        allowed = (
-            f"one of {', '.join(sorted(pencil.parameters)) or 'none'}; other fields make other "
-            "pieces: cea sweep ... --full solves each value in full"
-        )
-        raise InputError("parameter", _SHORT.get(name, name), allowed)
+    there = ", ".join(sorted(pencil.parameters)) or "none"
+    allowed = f"one of {there}; of others cea sweep ... --full solves each value in full"
+    require(bool(found), "parameter", _SHORT.get(name, name), allowed)
     return found
 
 
@@ -61,12 +67,11 @@ def stiffnesses_meant(contacts: Mapping[str, ContactSpec], name: str) -> dict[st
     found = {}
     for each, spec in contacts.items():
         path = f"contacts.{each}.p"
-        if not _meant(name, path, bonded):
-            continue
-        if not isinstance(spec.p, float) or not isfinite(spec.p):
-            allowed = f"a finite number in the scene; or contacts.{each}.P, or c_n, as it gives"
-            raise InputError(path, spec.p, allowed)
-        found[each] = spec.p
+        if _meant(name, path, bonded):
+            if not isinstance(spec.p, float) or not isfinite(spec.p):
+                allowed = f"a finite number in the scene; or contacts.{each}.P, or c_n, as it gives"
+                raise InputError(path, spec.p, allowed)
+            found[each] = spec.p
     return found
 
 
@@ -82,9 +87,8 @@ def no_two_alike(groups: Sequence[Iterable[str]], names: Sequence[str]) -> None:
     seen: dict[str, str] = {}
     for group, name in zip(groups, names, strict=True):
         for each in group:
-            if each in seen:
-                raise InputError("axis", name, f"other parameters than {seen[each]}: {each}")
-            seen[each] = name
+            first = seen.setdefault(each, name)
+            require(first == name, "axis", name, f"other parameters than {first}: {each}")
 
 
 def parameters_changed(
@@ -96,9 +100,8 @@ def parameters_changed(
         parameter = pencil.parameters.get(path)
         if parameter is not None:
             before, after = _field(old, path), _field(new, path)
-            if not (isinstance(before, float) and isinstance(after, float)):
-                return None
-            if not isclose(parameter.value, before, rel_tol=_ROUNDING):
+            numbers = isinstance(before, float) and isinstance(after, float)
+            if not (numbers and isclose(parameter.value, before, rel_tol=_ROUNDING)):
                 return None
             values[path] = after
         elif path not in _OF_EACH_SOLVE:
@@ -130,9 +133,9 @@ def _scaled(field: Any, value: float, own: float) -> Any:
     if own == 0 or isinstance(field, float):
         return value
     factor = value / own
-    return (
-        [factor * each for each in field] if isinstance(field, tuple) else f"{factor!r}*({field})"
-    )
+    if isinstance(field, tuple):
+        return [factor * each for each in field]
+    return f"{factor!r}*({field})"
 
 
 def _field(scene: Scene, path: str) -> Any:

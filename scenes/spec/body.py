@@ -322,6 +322,11 @@ class BodySpec:
     rotation: Rotation | None = None
 
     @property
+    def dim(self) -> int:
+        """Dimension of space."""
+        return len(self.geometry.directions)
+
+    @property
     def circulates(self) -> bool:
         """Whether damping is carried along by a rotation."""
         return self.rotation is not None and self.damping is not None

@@ -1,7 +1,8 @@
 """What is wrong with a scene between its fields, each of which is right by itself."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from math import inf
 from typing import Any
 
 from cea.contact.formulations import registered
@@ -12,10 +13,10 @@ from meshes.breaks import breaks_of
 from meshes.edge_layers import check_room, run_along
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-from scenes.spec.body import BodySpec, FeMesh, IgaMesh, LoadSpec, MeshSpec
+from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
 from scenes.spec.contact import ContactSpec, suits
 from scenes.spec.plain import leaves
-from scenes.spec.problems import fault_of
+from scenes.spec.problems import Faults
 
 Scene = Any
 """:class:`scenes.spec.reading.Scene`, whose module imports this one."""
@@ -56,26 +57,41 @@ _CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
 _NEEDS = "left out where no contact has c_n: no state of steady sliding is sought"
 
 
-def cross_checks(scene: Scene) -> Iterator[InputError]:
+def cross_checks(scene: Scene) -> Faults:
     """Faults between fields, each of which is right by itself."""
-    yield from _limit_checks(scene)
-    if not scene.bodies:
-        yield InputError("bodies", {}, "at least one body")
+    faults = Faults()
+    _limit_checks(faults, scene)
+    faults.require(bool(scene.bodies), "bodies", {}, "at least one body")
     for name, body in scene.bodies.items():
-        yield from _body_checks(f"bodies.{name}", body)
+        _body_checks(faults, f"bodies.{name}", body)
         if scene.analysis.kind == "cea" or body.rotates_in_equilibrium:
-            yield from fault_of(body.material.density, f"bodies.{name}.material")
+            faults.of(body.material.density, f"bodies.{name}.material")
     known = sorted(f"{n}.{s}" for n, body in scene.bodies.items() for s in body.geometry.surfaces)
-    yield from _contact_checks(scene, known)
+    pairs: dict[frozenset[str], str] = {}
+    for name, contact in scene.contacts.items():
+        _contact_checks(faults, scene, f"contacts.{name}", contact, known)
+        first = pairs.setdefault(frozenset((contact.a, contact.b)), name)
+        allowed = f"other sides than contacts.{first}, which joins the same surfaces"
+        sides = f"{contact.a} on {contact.b}"
+        faults.require(first == name, f"contacts.{name}.a", sides, allowed)
     for i, load in enumerate(scene.loads):
-        yield from _load_checks(scene, f"loads.{i}", load, known)
+        place = f"loads.{i}"
+        if load.surface is not None:
+            faults.of(check_surface, load.surface, known, f"{place}.surface")
+        else:
+            allowed = f"one of {', '.join(scene.bodies)}{did_you_mean(load.body, scene.bodies)}"
+            faults.require(load.body in scene.bodies, f"{place}.body", load.body, allowed)
+        if load.on in scene.bodies:
+            lists = {f"{place}.force": load.force, f"{place}.body_force": load.body_force}
+            _length_checks(faults, lists, scene.bodies[load.on].dim, "the components")
     if not scene.slides_steadily:
-        yield from _steady_checks(scene)
+        _steady_checks(faults, scene)
+    return faults
 
 
-def _limit_checks(scene: Scene) -> Iterator[InputError]:
+def _limit_checks(faults: Faults, scene: Scene) -> None:
     """Names that no path holds, more items than anybody has, and extreme numbers."""
-    yield from scene_name_checks(scene.name)
+    check_scene_name(faults, scene.name)
     counts = {name: len(getattr(scene, name)) for name in ("bodies", "contacts", "loads")}
     names = [(kind, name) for kind in ("bodies", "contacts") for name in getattr(scene, kind)]
     for name, body in scene.bodies.items():
@@ -83,230 +99,190 @@ def _limit_checks(scene: Scene) -> Iterator[InputError]:
         counts[f"bodies.{name}.springs"] = len(body.springs)
         names += [(f"bodies.{name}.geometry.faces", each) for each in body.geometry.surfaces]
     for place, count in counts.items():
-        if count > MAX_ITEMS:
-            yield InputError(place, f"{count} of them", f"at most {MAX_ITEMS}")
+        faults.require(count <= MAX_ITEMS, place, f"{count} of them", f"at most {MAX_ITEMS}")
     for place, name in names:
-        if not (0 < len(name) <= _LONGEST and name.isprintable()) or set(name) & _PARTING:
-            allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
-            yield InputError(place, name, allowed)
+        fits = 0 < len(name) <= _LONGEST and name.isprintable() and not set(name) & _PARTING
+        allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
+        faults.require(fits, place, name, allowed)
     numbers = [each for each in leaves(asdict(scene)) if isinstance(each[1], int | float)]
     for place, number in numbers:
         field = next(part for part in reversed(place.split(".")) if not part.isdecimal())
-        largest = _LARGEST_OF.get(field, LARGEST)
-        if abs(number) > largest and not (field in ("P", "p") and number == float("inf")):
-            yield InputError(place, number, f"at most {largest:g}")
-        elif field in _SCALES and 0 < abs(number) < SMALLEST:
-            yield InputError(place, number, f"at least {SMALLEST:g}")
+        largest, tied = _LARGEST_OF.get(field, LARGEST), field in ("P", "p") and number == inf
+        faults.require(abs(number) <= largest or tied, place, number, f"at most {largest:g}")
+        vanishes = field in _SCALES and 0 < abs(number) < SMALLEST
+        faults.require(not vanishes, place, number, f"at least {SMALLEST:g}")
 
 
-def scene_name_checks(name: str) -> Iterator[InputError]:
-    """Faults of the name of a scene, which files and lines on a terminal bear."""
-    if not (0 < len(name.strip()) <= len(name) <= _LONGEST and name.isprintable()):
-        yield InputError("name", name, f"a name of 1 to {_LONGEST} printable characters")
+def check_scene_name(faults: Faults, name: str) -> None:
+    """Check the name of a scene, which files and lines on a terminal bear."""
+    fits = 0 < len(name.strip()) <= len(name) <= _LONGEST and name.isprintable()
+    faults.require(fits, "name", name, f"a name of 1 to {_LONGEST} printable characters")
 
 
-def _other_lengths(
-    place: str, lists: Mapping[str, Sequence[float] | None], dim: int, each: str
-) -> Iterator[InputError]:
+def _length_checks(
+    faults: Faults, lists: Mapping[str, Sequence[float] | None], dim: int, each: str
+) -> None:
     """Lists that have another number of entries than space has dimensions."""
-    for name, values in lists.items():
-        if values is not None and len(values) != dim:
-            yield InputError(f"{place}.{name}", values, f"{dim} numbers, one for each of {each}")
+    for place, values in lists.items():
+        fits = values is None or len(values) == dim
+        faults.require(fits, place, values, f"{dim} numbers, one for each of {each}")
 
 
-def _load_checks(
-    scene: Scene, place: str, load: LoadSpec, known: Sequence[str]
-) -> Iterator[InputError]:
-    if load.surface is not None:
-        yield from fault_of(check_surface, load.surface, known, f"{place}.surface")
-    elif load.body not in scene.bodies:
-        allowed = f"one of {', '.join(scene.bodies)}{did_you_mean(load.body, scene.bodies)}"
-        yield InputError(f"{place}.body", load.body, allowed)
-    if load.on in scene.bodies:
-        dim = len(scene.bodies[load.on].geometry.directions)
-        forces = {"force": load.force, "body_force": load.body_force}
-        yield from _other_lengths(place, forces, dim, "the components")
-
-
-def _body_checks(place: str, body: BodySpec) -> Iterator[InputError]:
+def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
     """Meshes, places, supports and springs that do not suit a shape."""
-    shape, known = body.geometry, body.geometry.surfaces
-    dim, mesh = len(shape.directions), body.mesh
+    shape, known, mesh, dim = body.geometry, body.geometry.surfaces, body.mesh, body.dim
+    before = len(faults)
     for name, (low, high) in zip(shape.directions, shape.extent, strict=True):
-        if not high - low > _THIN * max(abs(low), abs(high)):
-            allowed = "a range that is not lost in the rounding of its ends"
-            yield InputError(f"{place}.geometry", f"{name} from {low} to {high}", allowed)
-            break
-    else:
-        yield from _mesh_checks(f"{place}.mesh", body, dim)
-    yield from fault_of(body.placement.check, dim, f"{place}.placement")
-    yield from fault_of(body.material.elasticity.check, dim, f"{place}.material")
+        wide, allowed = high - low > _THIN * max(abs(low), abs(high)), "a range beyond rounding"
+        faults.require(wide, f"{place}.geometry", f"{name} from {low} to {high}", allowed)
+    if len(faults) == before:
+        _mesh_checks(faults, f"{place}.mesh", body)
+    faults.of(body.placement.check, dim, f"{place}.placement")
+    faults.of(body.material.elasticity.check, dim, f"{place}.material")
     for i, support in enumerate(body.supports):
-        yield from fault_of(support.support().check, dim, f"{place}.supports.{i}")
-        yield from fault_of(check_surface, support.surface, known, f"{place}.supports.{i}.surface")
+        faults.of(support.support().check, dim, f"{place}.supports.{i}")
+        faults.of(check_surface, support.surface, known, f"{place}.supports.{i}.surface")
     for i, spring in enumerate(body.springs):
-        of_spring = {"stiffness": spring.stiffness}
-        yield from _other_lengths(f"{place}.springs.{i}", of_spring, dim, "the components")
-        yield from fault_of(check_surface, spring.surface, known, f"{place}.springs.{i}.surface")
+        lists = {f"{place}.springs.{i}.stiffness": spring.stiffness}
+        _length_checks(faults, lists, dim, "the components")
+        faults.of(check_surface, spring.surface, known, f"{place}.springs.{i}.surface")
     if body.rotation is not None:
         from scenes.spec.rotation_checks import rotation_checks
 
-        yield from rotation_checks(place, body, body.rotation)
+        rotation_checks(faults, place, body, body.rotation)
     suited = ("iga",) if shape.shape in ("patches", "nurbs_file") else ("fe", "iga")
     suited = ("fe",) if isinstance(shape, MeshFile | VentilatedDisc) else suited
-    if body.backend not in suited:
-        allowed = f"{suited[0]!r} for shape = {shape.shape!r}"
-        yield InputError(f"{place}.backend", body.backend, allowed)
-    if not isinstance(shape, MeshFile):
-        if mesh == MeshSpec():
-            yield InputError(f"{place}.mesh", None, "field required, but for a mesh file")
-        elif getattr(mesh, body.backend) is None:
-            yield InputError(f"{place}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
+    allowed = f"{suited[0]!r} for shape = {shape.shape!r}"
+    faults.require(body.backend in suited, f"{place}.backend", body.backend, allowed)
+    if mesh == MeshSpec() and not isinstance(shape, MeshFile):
+        faults.append(InputError(f"{place}.mesh", None, "field required, but for a mesh file"))
+    elif not isinstance(shape, MeshFile):
+        given, allowed = getattr(mesh, body.backend) is not None, f"needed for {body.backend!r}"
+        faults.require(given, f"{place}.mesh.{body.backend}", None, allowed)
 
 
-def _mesh_checks(place: str, body: BodySpec, dim: int) -> Iterator[InputError]:
+def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
     """Cells, numbers and sizes of elements that do not suit a shape."""
-    shape, fe, iga = body.geometry, body.mesh.fe, body.mesh.iga
+    shape, fe, iga, degree = body.geometry, body.mesh.fe, body.mesh.iga, body.mesh.degree
     if isinstance(shape, MeshFile):
         for name, given in (("fe", fe), ("iga", iga)):
-            if given is not None:
-                allowed = "left out: cells are those of the file; mesh.degree may be given"
-                yield InputError(f"{place}.{name}", given, allowed)
+            allowed = "left out: cells are those of the file; mesh.degree may be given"
+            faults.require(given is None, f"{place}.{name}", given, allowed)
         return
-    if body.mesh.degree is not None:
-        allowed = "left out but of a mesh file: fe.degree or iga.degree says it"
-        yield InputError(f"{place}.degree", body.mesh.degree, allowed)
-    numbers: dict[str, tuple[int, ...] | None] = {}
-    if fe is not None and isinstance(shape, VentilatedDisc):
-        yield from _unstructured_checks(f"{place}.fe", fe)
-    elif fe is not None:
-        numbers["fe.elements"] = fe.elements
-        if fe.cell not in _CELLS[dim]:
-            yield InputError(f"{place}.fe.cell", fe.cell, " or ".join(_CELLS[dim]))
+    allowed = "left out but of a mesh file: fe.degree or iga.degree says it"
+    faults.require(degree is None, f"{place}.degree", degree, allowed)
     if fe is not None and fe.size is not None and body.backend == "fe":
         length = max(body.lengths)
-        if not length / MAX_ELEMENTS <= fe.size <= length:
-            allowed = f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body"
-            yield InputError(f"{place}.fe.size", fe.size, allowed)
-    if iga is not None and not isinstance(shape, VentilatedDisc):
-        numbers |= {"iga.degree": iga.degree, "iga.elements": iga.elements}
-        numbers["iga.continuity"] = iga.continuity
-    yield from _other_lengths(place, numbers, dim, ", ".join(shape.directions))
+        allowed = f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body"
+        fits = length / MAX_ELEMENTS <= fe.size <= length
+        faults.require(fits, f"{place}.fe.size", fe.size, allowed)
+    if isinstance(shape, VentilatedDisc):
+        if fe is not None:
+            _unstructured_checks(faults, f"{place}.fe", fe)
+        return
+    lists: dict[str, tuple[int, ...] | None] = {}
+    if fe is not None:
+        cells = _CELLS[body.dim]
+        faults.require(fe.cell in cells, f"{place}.fe.cell", fe.cell, " or ".join(cells))
+        lists[f"{place}.fe.elements"] = fe.elements
+    if iga is not None:
+        lists[f"{place}.iga.degree"] = iga.degree
+        lists[f"{place}.iga.elements"] = iga.elements
+        lists[f"{place}.iga.continuity"] = iga.continuity
+    _length_checks(faults, lists, body.dim, ", ".join(shape.directions))
     for name, one in (("fe", fe), ("iga", iga)):
-        if one is not None and len(numbers.get(f"{name}.elements") or ()) == dim:
-            yield from _elements_checks(f"{place}.{name}", body, one)
+        if one is not None and one.elements is not None and len(one.elements) == body.dim:
+            _elements_checks(faults, f"{place}.{name}", body, one)
 
 
-def _unstructured_checks(place: str, fe: FeMesh) -> Iterator[InputError]:
-    if fe.cell != "tetrahedron":
-        yield InputError(f"{place}.cell", fe.cell, "tetrahedron for such a shape")
-    elif fe.size is None:
-        yield InputError(f"{place}.elements", fe.elements, "left out, size given instead")
-    if (fe.geometry_degree or fe.degree) > MAX_CURVED:
-        allowed = f"1 to {MAX_CURVED} for such a shape, whatever the degree of the elements"
-        yield InputError(f"{place}.geometry_degree", fe.geometry_degree, allowed)
+def _unstructured_checks(faults: Faults, place: str, fe: FeMesh) -> None:
+    tetrahedra = fe.cell == "tetrahedron"
+    faults.require(tetrahedra, f"{place}.cell", fe.cell, "tetrahedron for such a shape")
+    sized = not tetrahedra or fe.size is not None
+    faults.require(sized, f"{place}.elements", fe.elements, "left out, size given instead")
+    straight = (fe.geometry_degree or fe.degree) <= MAX_CURVED
+    allowed = f"1 to {MAX_CURVED} for such a shape, whatever the degree of the elements"
+    faults.require(straight, f"{place}.geometry_degree", fe.geometry_degree, allowed)
 
 
-def _elements_checks(place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> Iterator[InputError]:
+def _elements_checks(faults: Faults, place: str, body: BodySpec, mesh: FeMesh | IgaMesh) -> None:
     """Numbers of elements, and edges of elements along a shape, that cannot be."""
-    elements = mesh.elements or ()
+    elements, shape = mesh.elements or (), body.geometry
     if not all(1 <= count <= MAX_ELEMENTS for count in elements):
-        yield InputError(f"{place}.elements", elements, f"1 to {MAX_ELEMENTS} along each direction")
+        allowed = f"1 to {MAX_ELEMENTS} along each direction"
+        faults.append(InputError(f"{place}.elements", elements, allowed))
         return
-
-    def check() -> None:
-        edges = mesh.edges if isinstance(mesh, FeMesh) else ()
-        through = mesh.boundaries if isinstance(mesh, FeMesh) else mesh.through
+    edges = mesh.edges if isinstance(mesh, FeMesh) else ()
+    through = mesh.boundaries if isinstance(mesh, FeMesh) else mesh.through
+    try:
         if edges:
-            run_along(body.geometry, edges)
-        breaks = breaks_of(body.geometry, elements, through)
+            run_along(shape, edges)
+        breaks = breaks_of(shape, elements, through)
         if edges:
-            check_room(body.geometry, breaks, edges)
-
-    for fault in fault_of(check):
+            check_room(shape, breaks, edges)
+    except InputError as fault:
         value = tuple(elements) if fault.field == "elements" else fault.value
-        yield InputError(f"{place}.{fault.field}", value, fault.allowed)
+        faults.append(InputError(f"{place}.{fault.field}", value, fault.allowed))
 
 
-def _contact_checks(scene: Scene, known: Sequence[str]) -> Iterator[InputError]:
-    """Faults of contacts; surfaces are known as "body.surface"."""
-    seen: dict[frozenset[str], str] = {}
-    for name, contact in scene.contacts.items():
-        place = f"contacts.{name}"
-        yield from _side_checks(scene, place, contact, known)
-        pressure = contact.sliding.pressure if contact.sliding is not None else None
-        if contact.sliding is not None and (pressure is None) == (contact.c_n is None):
-            allowed = "either the contact pressure (N/m^2) or c_n, which makes it of the loads"
-            yield InputError(f"{place}.sliding.pressure", pressure, allowed)
-        yield from _dimension_checks(scene, place, contact)
-        first = seen.setdefault(frozenset((contact.a, contact.b)), name)
-        if first != name:
-            allowed = f"other sides than contacts.{first}, which joins the same surfaces"
-            yield InputError(f"{place}.a", f"{contact.a} on {contact.b}", allowed)
-
-
-def _side_checks(
-    scene: Scene, place: str, contact: ContactSpec, known: Sequence[str]
-) -> Iterator[InputError]:
-    """Sides that are not there, on one body, that cannot move, or have no such abscissae."""
-    sides, rule = {"a": contact.a, "b": contact.b}, contact.formulation
-    for side, where in sides.items():
-        yield from fault_of(check_surface, where, known, f"{place}.{side}")
-    if len({where.partition(".")[0] for where in sides.values()}) == 1:
-        yield InputError(f"{place}.b", contact.b, f"another body than {contact.a}")
-        return
-    for side, where in sides.items():
-        name, _, surface = where.partition(".")
-        body = scene.bodies.get(name)
-        if body is None:
-            continue
-        for i, support in enumerate(body.supports if where in known else ()):
-            count = len(set(support.components))
-            holds = count in (0, len(body.geometry.directions)) or "normal" in support.components
-            if support.surface == surface and holds:
-                allowed = f"a surface that may move: bodies.{name}.supports.{i} holds it"
-                yield InputError(f"{place}.{side}", where, allowed)
-        if (contact.full_pass or side == "a") and not suits(rule, body.backend):
-            suited = [method for method, kind in registered().items() if suits(kind, body.backend)]
-            allowed = f"one of {', '.join(suited)} where side {side} has backend {body.backend!r}"
-            yield InputError(f"{place}.formulation.method", rule.method, allowed)
-
-
-def _dimension_checks(scene: Scene, place: str, contact: ContactSpec) -> Iterator[InputError]:
-    """Sides of different dimensions, and directions and fields of another one."""
-    names = {side.split(".")[0] for side in (contact.a, contact.b)} & set(scene.bodies)
-    dims = {len(scene.bodies[name].geometry.directions) for name in names}
-    if len(dims) > 1:
-        yield InputError(f"{place}.b", contact.b, f"a body of the same dimension as {contact.a}")
+def _contact_checks(
+    faults: Faults, scene: Scene, place: str, contact: ContactSpec, known: Sequence[str]
+) -> None:
+    """Sides that do not face each other, and what does not suit the bodies of both."""
+    sides = {"a": contact.a.partition("."), "b": contact.b.partition(".")}
+    for side in sides:
+        faults.of(check_surface, getattr(contact, side), known, f"{place}.{side}")
+    two = sides["a"][0] != sides["b"][0]
+    faults.require(two, f"{place}.b", contact.b, f"another body than {contact.a}")
+    bodies = {side: scene.bodies[n] for side, (n, _, _) in sides.items() if n in scene.bodies}
+    for side, body in bodies.items() if two else ():
+        name, _, surface = sides[side]
+        for i, support in enumerate(body.supports if f"{name}.{surface}" in known else ()):
+            held = len(set(support.components)) in (0, body.dim) or "normal" in support.components
+            allowed = f"a surface that may move: bodies.{name}.supports.{i} holds it"
+            moves = not held or support.surface != surface
+            faults.require(moves, f"{place}.{side}", getattr(contact, side), allowed)
+        if contact.full_pass or side == "a":
+            method, fits = contact.formulation.method, suits(contact.formulation, body.backend)
+            others = [each for each, kind in registered().items() if suits(kind, body.backend)]
+            allowed = f"one of {', '.join(others)} where side {side} has backend {body.backend!r}"
+            faults.require(fits, f"{place}.formulation.method", method, allowed)
+    pressure, speed = None, None
+    fields = {"p": contact.p, "mu": contact.mu}
+    if contact.sliding is not None:
+        pressure, speed = contact.sliding.pressure, contact.sliding.speed
+        fields |= {f"sliding.{name}": value for name, value in contact.sliding.fields.items()}
+        either = (pressure is None) != (contact.c_n is None)
+        allowed = "either the contact pressure (N/m^2) or c_n, which makes it of the loads"
+        faults.require(either, f"{place}.sliding.pressure", pressure, allowed)
+    dims = {body.dim for body in bodies.values()}
+    allowed = f"a body of the same dimension as {contact.a}"
+    faults.require(len(dims) < 2, f"{place}.b", contact.b, allowed)
     for dim in dims if len(dims) == 1 else ():
         if (direction := contact.friction_direction_on_a) is not None:
-            yield from fault_of(direction.check, dim, f"{place}.friction_direction_on_a")
-        sliding = contact.sliding.fields if contact.sliding is not None else {}
-        if dim == 2 and sliding.get("speed") is not None:
-            allowed = "left out in the plane, where the direction of sliding cannot turn"
-            yield InputError(f"{place}.sliding.speed", sliding["speed"], allowed)
-        fields = {"p": contact.p, "mu": contact.mu}
-        fields |= {f"sliding.{name}": value for name, value in sliding.items()}
+            faults.of(direction.check, dim, f"{place}.friction_direction_on_a")
+        allowed = "left out in the plane, where the direction of sliding cannot turn"
+        faults.require(dim == 3 or speed is None, f"{place}.sliding.speed", speed, allowed)
         for name, value in fields.items():
             if isinstance(value, str):
-                yield from fault_of(Expression(value).check, f"{place}.{name}", dim)
+                faults.of(Expression(value).check, f"{place}.{name}", dim)
 
 
-def _steady_checks(scene: Scene) -> Iterator[InputError]:
+def _steady_checks(faults: Faults, scene: Scene) -> None:
     """Fields that mean nothing without a state of steady sliding."""
-    yield from needs_no_steady_state(scene.analysis, _NEEDS)
-    if scene.analysis.kind == "static" and scene.output.pictures:
-        allowed = "0 in a static analysis of which no contact has c_n"
-        yield InputError("output.pictures", scene.output.pictures, allowed)
-    for name, body in scene.bodies.items() if scene.analysis.kind == "cea" else ():
+    check_no_steady_state(faults, scene.analysis, _NEEDS)
+    static, pictures = scene.analysis.kind == "static", scene.output.pictures
+    allowed = "0 in a static analysis of which no contact has c_n"
+    faults.require(not (static and pictures), "output.pictures", pictures, allowed)
+    for name, body in scene.bodies.items():
         for i, support in enumerate(body.supports):
-            if support.value is not None:
-                yield InputError(f"bodies.{name}.supports.{i}.value", support.value, _NEEDS)
+            free = static or support.value is None
+            faults.require(free, f"bodies.{name}.supports.{i}.value", support.value, _NEEDS)
 
 
-def needs_no_steady_state(analysis: Any, allowed: str) -> Iterator[InputError]:
-    """Fields of an analysis that need a state of steady sliding, and what is allowed without."""
-    if analysis.load_steps is not None:
-        yield InputError("analysis.load_steps", analysis.load_steps, allowed)
-    if analysis.kind == "cea" and analysis.geometric_stiffness:
-        yield InputError("analysis.geometric_stiffness", True, allowed)
+def check_no_steady_state(faults: Faults, analysis: Any, allowed: str) -> None:
+    """Check that an analysis has no field that needs a state of steady sliding."""
+    steps = analysis.load_steps
+    faults.require(steps is None, "analysis.load_steps", steps, allowed)
+    stiffens = analysis.kind == "cea" and analysis.geometric_stiffness
+    faults.require(not stiffens, "analysis.geometric_stiffness", True, allowed)

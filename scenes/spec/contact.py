@@ -159,7 +159,6 @@ class ContactSpec:
         _check_field("added_gap", self.added_gap)
         self._check_stiffness()
         method, coupling = self.formulation.method, self.formulation.coupling
-        undirected = self.friction_direction_on_a is None
         if inf in (self.P, self.p):
             stiffness = "P" if self.P is not None else "p"
             require(self.form != "penalty", stiffness, inf, "finite, or form = 'saddle'")
@@ -171,12 +170,9 @@ class ContactSpec:
             require(half_pass, "formulation.method", method, "a half pass with mu = 0")
             allowed = "one that is not bonded where it slides"
             require(self.sliding is None, "formulation", method, allowed)
-        for needs, where in (
-            (self.mu != 0, "mu is not zero"),
-            (self.sliding is not None, "it slides"),
-        ):
-            allowed = f"needed where {where}"
-            require(not (needs and undirected), "friction_direction_on_a", None, allowed)
+        directed = self.friction_direction_on_a is not None or not (self.mu or self.sliding)
+        allowed = f"needed where {'it slides' if self.sliding else 'mu is not zero'}"
+        require(directed, "friction_direction_on_a", None, allowed)
 
     @property
     def law(self) -> NormalCompliance | None:

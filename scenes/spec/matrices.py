@@ -5,7 +5,7 @@
 The A_j are read from files, the c_j are numbers or arithmetic in the parameters t.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -21,11 +21,11 @@ from scenes.spec.consistency import (
     LARGEST,
     MAX_ITEMS,
     SMALLEST,
-    needs_no_steady_state,
-    scene_name_checks,
+    check_no_steady_state,
+    check_scene_name,
 )
 from scenes.spec.plain import OF_MATRICES, changed, checked, scene_file, set_fields, tables_of
-from scenes.spec.problems import SceneError, fault_of, refuse
+from scenes.spec.problems import Faults, SceneError
 from scenes.spec.reading import Analysis, ComplexEigenvalueAnalysis
 
 Role = Literal["mass", "damping", "stiffness"]
@@ -163,7 +163,7 @@ def read_matrix_scene(data: Mapping[str, Any]) -> MatrixScene:
         With one line for each fault.
     """
     scene = checked(_adapter(), data)
-    refuse(_checks(scene))
+    _checks(scene).refuse()
     return scene
 
 
@@ -172,45 +172,46 @@ def _adapter() -> TypeAdapter[MatrixScene]:
     return TypeAdapter(MatrixScene)
 
 
-def _checks(scene: MatrixScene) -> Iterator[InputError]:
-    yield from scene_name_checks(scene.name)
-    analysis = scene.analysis
-    if analysis.kind != "cea":
-        yield InputError("analysis.kind", analysis.kind, "'cea'")
-    elif not SMALLEST <= analysis.max_frequency <= LARGEST:
-        allowed = f"{SMALLEST:g} to {LARGEST:g} (Hz)"
-        yield InputError("analysis.max_frequency", analysis.max_frequency, allowed)
-    yield from needs_no_steady_state(analysis, "left out: matrices have no contacts")
+def _checks(scene: MatrixScene) -> Faults:
+    faults, analysis = Faults(), scene.analysis
+    check_scene_name(faults, scene.name)
+    if analysis.kind == "cea":
+        top, allowed = analysis.max_frequency, f"{SMALLEST:g} to {LARGEST:g} (Hz)"
+        faults.require(SMALLEST <= top <= LARGEST, "analysis.max_frequency", top, allowed)
+    faults.require(analysis.kind == "cea", "analysis.kind", analysis.kind, "'cea'")
+    check_no_steady_state(faults, analysis, "left out: matrices have no contacts")
     names = [f"files.{name}" for name in scene.files]
     names += [f"{PARAMETERS}.{name}" for name in scene.parameters]
     if len(names) > MAX_ITEMS:
-        yield InputError("files", f"{len(names)} files and parameters", f"at most {MAX_ITEMS}")
-        return
+        value = f"{len(names)} files and parameters"
+        faults.append(InputError("files", value, f"at most {MAX_ITEMS}"))
+        return faults
     for place in names:
         name = place.partition(".")[2]
-        if not (name.isidentifier() and name.isascii()) or name in RESERVED:
-            allowed = f"a name of letters, digits and _, none of {', '.join(sorted(RESERVED))}"
-            yield InputError(place, name, allowed)
-    wrong = list(fault_of(lambda: scene.values))
-    yield from wrong or _sum_checks(scene)
+        fits = name.isidentifier() and name.isascii() and name not in RESERVED
+        allowed = f"a name of letters, digits and _, none of {', '.join(sorted(RESERVED))}"
+        faults.require(fits, place, name, allowed)
+    before = len(faults)
+    faults.of(lambda: scene.values)
+    if len(faults) == before:
+        _sum_checks(faults, scene)
+    return faults
 
 
-def _sum_checks(scene: MatrixScene) -> Iterator[InputError]:
+def _sum_checks(faults: Faults, scene: MatrixScene) -> None:
     there = f"one of the files: {', '.join(scene.files) or 'there are none'}"
     sums = {role: getattr(scene, role) for role in ROLES}
     for role, coefficients in sums.items():
-        if role != "damping" and not coefficients:
-            yield InputError(role, {}, "at least one matrix with its coefficient")
-        for matrix in coefficients.keys() - scene.files.keys():
-            yield InputError(f"{role}.{matrix}", matrix, there)
-        yield from fault_of(
-            lambda role=role: [c.at(scene.values) for c in scene.sum(role).values()]
-        )
-    for name in set(scene.symmetric or ()) - set(scene.files):
-        yield InputError(f"symmetric.{name}", name, there)
-    for name in scene.files:
-        if not any(name in coefficients for coefficients in sums.values()):
-            yield InputError(f"files.{name}", scene.files[name], "named in a sum, or left out")
+        given = role == "damping" or bool(coefficients)
+        faults.require(given, role, {}, "at least one matrix with its coefficient")
+        for matrix in coefficients:
+            faults.require(matrix in scene.files, f"{role}.{matrix}", matrix, there)
+        faults.of(lambda role=role: [c.at(scene.values) for c in scene.sum(role).values()])
+    for name in scene.symmetric or ():
+        faults.require(name in scene.files, f"symmetric.{name}", name, there)
+    for name, file in scene.files.items():
+        named = any(name in coefficients for coefficients in sums.values())
+        faults.require(named, f"files.{name}", file, "named in a sum, or left out")
 
 
 def _formula(value: Any, names: Mapping[str, str], place: str) -> Formula:

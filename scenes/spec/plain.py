@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from cea.errors import InputError, did_you_mean, require
 from cea.files import regular
-from scenes.spec.problems import SceneError, fault_of, problems, refuse
+from scenes.spec.problems import Faults, SceneError, problems
 
 SCENES = Path(__file__).parents[1] / "catalogue"
 """Folder of the scenes that come with the project."""
@@ -46,6 +46,8 @@ _PATH = re.compile(r"([^.\[\]]+(\[\d+\])*)(\.[^.\[\]]+(\[\d+\])*)*")
 """Names with dots between, and numbers of entries in brackets behind them."""
 _HALF = re.compile(r"[\ud800-\udfff]")
 """Half of a character, which no file can hold."""
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+"""Names that stand in TOML without quotes."""
 _BY_NAME = ("bodies", "contacts")
 """Tables whose entries are made whole: one field of what is not there is a name mistyped."""
 
@@ -186,8 +188,14 @@ def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> di
     """Plain data of a scene with fields changed, as its ``change`` takes them."""
     data = plain_data(scene)
     for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
-        refuse(fault_of(set_at, data, path, plain_data(new)))
+        _set(data, path, plain_data(new))
     return data
+
+
+def _set(data: dict[str, Any], path: str, value: Any) -> None:
+    faults = Faults()
+    faults.of(set_at, data, path, value)
+    faults.refuse()
 
 
 def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
@@ -200,8 +208,9 @@ def set_fields(data: dict[str, Any], overrides: Iterable[str]) -> None:
             value = table["value"] if len(table) == 1 else text
         except (ValueError, RecursionError):
             pass
-        refuse(fault_of(require, bool(equals), "--set", override, "path.to.field=value"))
-        refuse(fault_of(set_at, data, path.strip(), value))
+        if not equals:
+            raise SceneError([InputError("--set", override, "path.to.field=value")])
+        _set(data, path, value)
 
 
 def scene_names() -> list[str]:
@@ -223,11 +232,43 @@ def scene_file(scene: str | Path) -> Path:
     return of_matrices if text in matrix_scene_names() else SCENES / f"{text}.toml"
 
 
-def names_matrices(tables: Mapping[str, Any]) -> bool:
-    """Whether what a scene file says names matrices and no bodies."""
+def is_of_matrices(scene: str | Path) -> bool:
+    """Whether a scene file names matrices and no bodies."""
+    tables = tables_of(scene)
     return "files" in tables and "bodies" not in tables
 
 
-def is_of_matrices(scene: str | Path) -> bool:
-    """Whether a scene file names matrices and no bodies."""
-    return names_matrices(tables_of(scene))
+def scene_text(scene: Any) -> str:
+    """A scene as TOML: read again, it is the same scene."""
+    data = _given(plain_data(as_data(scene)))
+    lines = _lines({name: value for name, value in data.items() if name not in _BY_NAME})
+    for name in _BY_NAME:
+        for entry, table in data.get(name, {}).items():
+            lines += ["", f"[{name}.{_key(entry)}]", *_lines(table)]
+    return "\n".join(lines) + "\n"
+
+
+def _lines(table: Mapping[str, Any]) -> list[str]:
+    return [f"{_key(name)} = {_toml(value)}" for name, value in table.items()]
+
+
+def _given(value: Any) -> Any:
+    """Plain data without what is None, which TOML has no word for, and without what is empty."""
+    if isinstance(value, Mapping):
+        parts = {name: _given(part) for name, part in value.items()}
+        return {name: part for name, part in parts.items() if part not in (None, [], {})}
+    if isinstance(value, list | tuple):
+        return [_given(part) for part in value]
+    return value
+
+
+def _key(name: str) -> str:
+    return name if _BARE.fullmatch(name) else json.dumps(name, ensure_ascii=False)
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(k)} = {_toml(v)}" for k, v in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return repr(value) if isinstance(value, float) else json.dumps(value, ensure_ascii=False)

@@ -4,7 +4,7 @@ pydantic tells of each error the path, its kind and the value. The path is made 
 writes, and names that were probably meant are added.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from pydantic import ValidationError
@@ -36,19 +36,25 @@ class SceneError(ValueError):
         return type(self), (self.faults,)
 
 
-def refuse(faults: Iterable[InputError]) -> None:
-    """Raise a :class:`SceneError` of faults, where there are any."""
-    found = list(faults)
-    if found:
-        raise SceneError(found)
+class Faults(list[InputError]):
+    """Faults that are collected, to be told together."""
 
+    def require(self, condition: bool, field: str, value: object, allowed: str) -> None:
+        """Collect a fault unless a condition holds."""
+        if not condition:
+            self.append(InputError(field, value, allowed))
 
-def fault_of(check: Callable[..., Any], *arguments: Any) -> Iterator[InputError]:
-    """Fault that a shared check finds, collected with the others rather than raised."""
-    try:
-        check(*arguments)
-    except InputError as error:
-        yield error
+    def of(self, check: Callable[..., Any], *arguments: Any) -> None:
+        """Collect the fault that a check raises."""
+        try:
+            check(*arguments)
+        except InputError as error:
+            self.append(error)
+
+    def refuse(self) -> None:
+        """Raise them, where there are any."""
+        if self:
+            raise SceneError(self)
 
 
 def problems(error: ValidationError, data: Any, schema: Mapping[str, Any]) -> list[InputError]:

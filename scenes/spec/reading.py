@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, TypeAdapter
 
@@ -17,11 +17,8 @@ from cea.errors import InputError, require
 from scenes.spec.body import Backend, BodySpec, LoadSpec
 from scenes.spec.consistency import cross_checks
 from scenes.spec.contact import ContactSpec
-from scenes.spec.plain import changed, checked, names_matrices, scene_file, tables_of
-from scenes.spec.problems import SceneError, refuse
-
-if TYPE_CHECKING:
-    from scenes.spec.matrices import MatrixScene
+from scenes.spec.plain import changed, checked, scene_file, tables_of
+from scenes.spec.problems import SceneError
 
 MAX_STEPS = 1000
 """Steps in which a load is put on."""
@@ -223,7 +220,7 @@ class Scene:
             When a body has no mesh there, or a formulation does not suit it.
         """
         scene = on_backend(self, backend)
-        refuse(cross_checks(scene))
+        cross_checks(scene).refuse()
         return scene
 
 
@@ -258,7 +255,7 @@ def load_scene(
         With one line for each fault.
     """
     data = tables_of(scene, overrides)
-    if names_matrices(data):
+    if "files" in data and "bodies" not in data:
         allowed = "a scene of bodies; one of matrices is read by load_matrices"
         raise SceneError([InputError("scene", str(scene), allowed)])
     bodies = data.get("bodies")
@@ -282,28 +279,8 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
         between fields.
     """
     scene = checked(_adapter(tuple(registered().values())), data)
-    refuse(cross_checks(scene))
+    cross_checks(scene).refuse()
     return scene
-
-
-def load_any(
-    scene: str | Path,
-    overrides: Iterable[str] = (),
-    backend: Backend | None = None,
-    data: str | Path | None = None,
-) -> "Scene | MatrixScene":
-    """Read a scene of bodies or of matrices, as its file has it; an option of the other is refused.
-
-    Parameters are those of :func:`load_scene` and :func:`scenes.spec.matrices.load_matrices`.
-    """
-    if names_matrices(tables_of(scene)):
-        from scenes.spec.matrices import load_matrices
-
-        allowed = "left out of a scene of matrices, which has no bodies"
-        require(backend is None, "backend", backend, allowed)
-        return load_matrices(scene, overrides, data)
-    require(data is None, "data", data, "left out of a scene of bodies, which reads no matrices")
-    return load_scene(scene, overrides, backend)
 
 
 @cache

@@ -11,7 +11,7 @@ from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.frames import Cartesian, Cylindrical
 from scenes.spec.body import BodySpec
-from scenes.spec.problems import fault_of
+from scenes.spec.problems import Faults
 
 _AXISYMMETRIC = ("annulus", "hub", "disc", "ring")
 """Shapes that a rotation about their own axis leaves as they are, and all of their surfaces."""
@@ -20,34 +20,33 @@ _ASIDE = 1e-9
 _ALIKE = "alike all round the axis of the rotation where a body that rotates is damped"
 
 
-def rotation_checks(place: str, body: BodySpec, rotation: Rotation) -> Iterable[InputError]:
+def rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotation) -> None:
     """Rotations that do not leave a body as it is, and what does not suit them."""
-    shape = body.geometry.shape
-    dim = len(body.geometry.directions)
-    yield from fault_of(rotation.check, dim, f"{place}.rotation")
+    shape, dim, damping = body.geometry.shape, body.dim, body.damping
+    faults.of(rotation.check, dim, f"{place}.rotation")
     if shape not in _AXISYMMETRIC:
-        yield InputError(f"{place}.geometry.shape", shape, f"{', '.join(_AXISYMMETRIC)} to rotate")
+        allowed = f"{', '.join(_AXISYMMETRIC)} to rotate"
+        faults.append(InputError(f"{place}.geometry.shape", shape, allowed))
         return
-    axis = body.placement.rotation[:, 2]
-    if not _are_parallel(axis, rotation.axis):
-        yield InputError(f"{place}.rotation.axis", rotation.axis, f"along {axis.tolist()}")
-    if not _is_on_axis(body, rotation.origin):
-        allowed = f"a point of the axis of the body, as {list(body.placement.translation)}"
-        yield InputError(f"{place}.rotation.origin", rotation.origin, allowed)
-    if not _material_turns(body.material.elasticity, rotation, dim):
-        yield InputError(f"{place}.material", body.material.kind, "the same all round the rotation")
+    axis, here = body.placement.rotation[:, 2], body.placement.translation
+    parallel, on_axis = _are_parallel(axis, rotation.axis), _is_on_axis(body, rotation.origin)
+    faults.require(parallel, f"{place}.rotation.axis", rotation.axis, f"along {axis.tolist()}")
+    allowed = f"a point of the axis of the body, as {list(here)}"
+    faults.require(on_axis, f"{place}.rotation.origin", rotation.origin, allowed)
+    alike = _material_turns(body.material.elasticity, rotation, dim)
+    kind, allowed = body.material.kind, "the same all round the rotation"
+    faults.require(alike, f"{place}.material", kind, allowed)
     for i, spec in enumerate(body.supports):
-        if body.rotates_in_equilibrium and spec.support().prescribes:
-            allowed = "zero where a body rotates with damping or convective stiffness"
-            yield InputError(f"{place}.supports.{i}.value", spec.value, allowed)
-        if body.damping is not None and not _goes_round(spec.support(), body, rotation):
-            yield InputError(f"{place}.supports.{i}", list(spec.components), _ALIKE)
-    if body.damping is None or body.damping.modal is None:
-        return
-    for i, spring in enumerate(body.springs):
-        if len(spring.stiffness) == dim and not _turns(np.diag(spring.stiffness), rotation):
-            allowed = f"{_ALIKE} mode by mode"
-            yield InputError(f"{place}.springs.{i}.stiffness", spring.stiffness, allowed)
+        at_rest = not (body.rotates_in_equilibrium and spec.support().prescribes)
+        allowed = "zero where a body rotates with damping or convective stiffness"
+        faults.require(at_rest, f"{place}.supports.{i}.value", spec.value, allowed)
+        alike = damping is None or _goes_round(spec.support(), body, rotation)
+        faults.require(alike, f"{place}.supports.{i}", list(spec.components), _ALIKE)
+    for i, spring in enumerate(body.springs if damping is not None and damping.modal else ()):
+        stiffness = spring.stiffness
+        alike = len(stiffness) != dim or _turns(np.diag(stiffness), rotation)
+        allowed = f"{_ALIKE} mode by mode"
+        faults.require(alike, f"{place}.springs.{i}.stiffness", stiffness, allowed)
 
 
 def _goes_round(support: Support, body: BodySpec, rotation: Rotation) -> bool:
@@ -56,7 +55,7 @@ def _goes_round(support: Support, body: BodySpec, rotation: Rotation) -> bool:
     if components is None:
         return True
     if isinstance(frame, Cartesian):
-        held = np.isin(np.arange(len(body.geometry.directions)), components)
+        held = np.isin(np.arange(body.dim), components)
         return _turns(np.diag(held.astype(float)), rotation)
     if isinstance(frame, Cylindrical):
         along = _are_parallel(frame.axis or (0.0, 0.0, 1.0), rotation.axis)

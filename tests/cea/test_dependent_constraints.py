@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import two_blocks
+from blocks import scene_body, two_blocks
 from covering import covering
 from motions import dense
 from scipy.linalg import eigvals, null_space
@@ -14,14 +14,10 @@ INF = float("inf")
 
 
 def quarter(backend, origin, held):
-    mesh = {"degree": [2, 2], "elements": [2, 3]}
-    return {
-        "backend": backend,
-        "geometry": {"shape": "rectangle", "size": [1.0, 1.0], "origin": origin},
-        "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
-        "supports": [{"surface": "y_min"}] if held else [],
-        "mesh": {"iga": mesh, "fe": {"cell": "quadrilateral", "degree": 2, "elements": [2, 3]}},
-    }
+    geometry = {"shape": "rectangle", "size": [1.0, 1.0], "origin": origin}
+    supports = [{"surface": "y_min"}] if held else []
+    material = {"E": 1.0, "nu": 0.3, "rho": 1.0}
+    return scene_body(backend, geometry, [2, 3], supports=supports, material=material)
 
 
 def round_a_point(backend, P, *, sliding=True):

@@ -1,10 +1,12 @@
-"""Fields: numbers, expressions and functions; nothing but arithmetic gets through."""
+"""Fields and coefficients as text: values, derivatives; nothing but arithmetic gets through."""
+
+import math
 
 import numpy as np
 import pytest
 
 from cea.errors import InputError
-from cea.expressions import Expression, evaluate
+from cea.expressions import Expression, Formula, evaluate
 
 X = np.random.default_rng(1).normal(size=(50, 3))
 
@@ -43,3 +45,86 @@ def test_nothing_else_is_evaluated(text, tmp_path, monkeypatch):
     with pytest.raises(InputError, match="expression = "):
         Expression(text)(X)
     assert not any(tmp_path.iterdir())
+
+
+AT = {"parameters.a": 0.7, "parameters.b": -1.3}
+NAMES = {"a": "parameters.a", "b": "parameters.b"}
+STEP = 1e-6
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1", 1.0),
+        ("a/b - 1", 0.7 / -1.3 - 1),
+        ("(a/2)**2 - 1", 0.35**2 - 1),
+        ("1/(2*pi*1600)", 1 / (3200 * math.pi)),
+        ("-b**2", -1.69),
+        ("sqrt(abs(b))*exp(-a)", math.sqrt(1.3) * math.exp(-0.7)),
+        ("2**a", 2**0.7),
+        ("a**b", 0.7**-1.3),
+    ],
+)
+def test_values(text, value):
+    assert Formula(text, NAMES).at(AT) == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a", "a - b", "a*b", "a/b", "b/a - 1", "-a**3", "a**b", "2**a", "b**2", "+a*(b + a)",
+        "sin(a*b)", "cos(a)", "tan(a)", "arctan(b)", "sinh(a)", "cosh(a*a)", "tanh(b)",
+        "exp(-a*b)", "log(a)", "sqrt(a)", "abs(b)", "3", "a**0", "0*a",
+    ],
+)  # fmt: skip
+def test_derivatives_are_those_of_differences(text):
+    formula = Formula(text, NAMES)
+    for name in AT:
+        if name not in formula.names:
+            assert formula.derivative(name, AT) == 0
+            continue
+        up, down = (formula.at(AT | {name: AT[name] + s * STEP}) for s in (1, -1))
+        assert formula.derivative(name, AT) == pytest.approx((up - down) / (2 * STEP), abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("__import__('os').getcwd()", "no function"),
+        ("a.real", "Attribute"),
+        ("[a]", "List"),
+        ("lambda: a", "Lambda"),
+        ("a if b else a", "IfExp"),
+        ("a^2", "a power is written **"),
+        ("a < b", "Compare"),
+        ("~a", "Invert"),
+        ("a // b", "FloorDiv"),
+        ("'a'", "str"),
+        ("where(a, b, a)", "where is not among"),
+        ("sin(a, b)", "sin takes 1"),
+        ("c + a", "without c"),
+        ("sin", "without sin"),
+        ("", "invalid syntax"),
+        ("-" * 200 + "a", "nested"),
+        ("a+" * 2000 + "a", "longer"),
+    ],
+)
+def test_what_is_no_arithmetic_is_refused_before_it_is_evaluated(text, told):
+    with pytest.raises(InputError, match="coefficient") as refused:
+        Formula(text, NAMES)
+    assert told in refused.value.allowed
+
+
+@pytest.mark.parametrize(
+    "text", ["1/(a - a)", "b**0.5", "9.0**9**9**9", "exp(1000)", "log(b)", "1e308*10*a"]
+)
+def test_values_that_are_not_finite_are_refused(text):
+    with pytest.raises(InputError, match="finite value"):
+        Formula(text, NAMES).at(AT)
+
+
+def test_a_derivative_that_is_not_finite_is_refused():
+    formula = Formula("sqrt(a)", NAMES)
+    assert formula.at({"parameters.a": 0.0}) == 0
+    with pytest.raises(InputError, match="finite derivative"):
+        formula.derivative("parameters.a", {"parameters.a": 0.0})

@@ -1,16 +1,28 @@
 """Files and folders are written whole or not at all, on a full disk and in a killed process too."""
 
+import resource
 import signal
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 from time import sleep
 
 import pytest
-from disks import full_disk
 
 from cea.errors import WriteError
 from cea.files import folder_whole, write_whole
+
+
+@contextmanager
+def full_disk(size):
+    """Files cannot grow beyond a size (bytes), as on a disk with no more room."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 def names(folder):
@@ -52,6 +64,7 @@ def test_a_folder_stays_as_it_was_where_filling_it_fails(tmp_path):
 
 WRITER = """
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 from cea.files import write_whole
 out = Path(sys.argv[1])

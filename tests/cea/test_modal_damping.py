@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from blocks import assemble
+from blocks import assemble, scene_body
 from covering import covering
-from damped_numbers import alone, round_body
+from damped_numbers import alone
 
 from cea.damping import ModalDamping
 from cea.eigen.driver import solve_modes
@@ -17,8 +17,8 @@ TOP = 1.2
 def one_block(backend, modal=None, *, held=True, size=(1.0, 0.6), elements=(4, 3), **material):
     """A block alone, in plane strain."""
     geometry = {"shape": "rectangle", "size": list(size), "origin": [0.0, 0.0]}
-    body = round_body(backend, geometry, list(elements))
-    body["material"] |= {"E": 2.0} | material
+    body = scene_body(backend, geometry, list(elements))
+    body["material"] |= material
     if held:
         body["supports"] = [{"surface": "y_min"}]
     if modal is not None:

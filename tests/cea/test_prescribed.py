@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import two_blocks
+from blocks import scene_body, two_blocks
 from covering import covering
 from pressed import pressed_blocks
 
@@ -24,19 +24,11 @@ def held(value, *, dim=3):
 
 def box(backend, supports, *, dim=3, degree=2, cell=None, nu=NU, **body):
     """A static scene of one box with its corner at the origin."""
-    elements = [3, 2, 2][:dim]
     geometry = {"shape": "box" if dim == 3 else "rectangle", "size": list(SIZE[:dim])}
-    mesh = {
-        "fe": {"cell": cell or CELLS[dim][0], "degree": degree, "elements": elements},
-        "iga": {"degree": [degree] * dim, "elements": elements},
-    }
-    material = {"E": E, "nu": nu, "rho": 1.0}
-    sections = {"backend": backend, "geometry": geometry, "material": material, "mesh": mesh}
-    return {
-        "name": "box",
-        "bodies": {"box": sections | {"supports": supports} | body},
-        "analysis": {"kind": "static"},
-    }
+    body |= {"supports": supports, "material": {"E": E, "nu": nu, "rho": 1.0}}
+    section = scene_body(backend, geometry, [3, 2, 2][:dim], degree, **body)
+    section["mesh"]["fe"]["cell"] = cell or CELLS[dim][0]
+    return {"name": "box", "bodies": {"box": section}, "analysis": {"kind": "static"}}
 
 
 def solved(data):

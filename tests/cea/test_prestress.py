@@ -2,14 +2,16 @@
 
 import numpy as np
 import pytest
+from bodies import shape_body
 from covering import covering
 from motions import control_points, dense
 from pressed import pressed_blocks
 from scipy.linalg import eigh
 
 from cea.material import IsotropicMaterial
+from cea.supports.boundary import Support
+from meshes.shapes import Box, Rectangle
 from scenes import read_scene, run_scene
-from scenes.building.build import build_body
 
 STEEL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 MU = STEEL.lame[1]
@@ -18,27 +20,12 @@ GPTS = {"method": "gpts", "points": 3}
 BOTH_WAYS = [("x_min", "y"), ("x_max", "y"), ("y_min", "xy"), ("y_max", "xy")]
 
 
-def slab(backend, dim, supports=(), placement=None):
+def slab(backend, dim, supports=()):
     """A box of which the faces hold some components."""
-    elements = [1, 5, 1][:dim]
-    mesh = {
-        "fe": {"cell": {2: "quadrilateral", 3: "hexahedron"}[dim], "elements": elements},
-        "iga": {"degree": [3] * dim, "elements": elements},
-    }
-    mesh["fe"]["degree"] = 3
-    data = {
-        "backend": backend,
-        "geometry": {
-            "shape": {2: "rectangle", 3: "box"}[dim],
-            "size": [0.7, HEIGHT, 0.5][:dim],
-        },
-        "material": {"E": STEEL.E, "nu": STEEL.nu, "rho": STEEL.rho},
-        "supports": [{"surface": face, "components": list(held)} for face, held in supports],
-        "placement": placement or {},
-        "mesh": mesh,
-    }
-    scene = {"name": "slab", "bodies": {"slab": data}, "analysis": {"kind": "static"}}
-    return build_body("slab", read_scene(scene).bodies["slab"])
+    shape = Box((0.7, HEIGHT, 0.5)) if dim == 3 else Rectangle((0.7, HEIGHT))
+    cell = None if backend == "iga" else {2: "quadrilateral", 3: "hexahedron"}[dim]
+    held = [Support(face, tuple(map("xyz".index, axes))) for face, axes in supports]
+    return shape_body(shape, cell, 3, (1, 5, 1)[:dim], material=STEEL, supports=held)
 
 
 def stretch(dim, stress):

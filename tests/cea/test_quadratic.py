@@ -28,7 +28,7 @@ TOP = 1.0
 
 
 def by_size(values):
-    return sorted(values, key=lambda value: (round(value.imag, 9), value.real))
+    return np.array(sorted(values, key=lambda value: (round(value.imag, 9), value.real)))
 
 
 DAMPED = [entry for entry in stored("lumped") if np.any(entry["C"])]
@@ -41,7 +41,7 @@ def test_lumped_systems_to_twelve_digits(entry):
     exact = np.array([value for value in eigenvalues(entry) if value.imag >= 0])
     found = modes.eigenvalues
     assert len(found) == len(exact)
-    distance = np.abs(np.array(by_size(found)) - np.array(by_size(exact)))
+    distance = np.abs(by_size(found) - by_size(exact))
     assert (distance < 1e-12 * np.abs(exact).min()).all()
     assert modes.window.complete
     assert modes.residuals.max() < 1e-13
@@ -91,8 +91,8 @@ def test_without_damping_the_problem_stays_linear(backend, size):
     if not size:
         assert np.array_equal(modes.eigenvalues, linear.eigenvalues)
         assert type(modes.window) is type(linear.window)
-    same = np.array(by_size(linear.eigenvalues))
-    assert np.array(by_size(modes.eigenvalues)) == pytest.approx(same, abs=1e-9)
+    same = by_size(linear.eigenvalues)
+    assert by_size(modes.eigenvalues) == pytest.approx(same, abs=1e-9)
     assert modes.window.complete
     below_errors = size > 0 and modes.verdict() == "undecided"  # of decay less than its error
     assert below_errors or modes.verdict() == linear.verdict()
@@ -112,9 +112,7 @@ def test_proportional_damping_turns_eigenvalues_as_it_must(backend, form, mu):
     modes = solve_modes(damped(pencil, alpha, 0.0), 0.95 * TOP)
     expected = [v for v in expected if v.imag < 0.95 * 2 * np.pi * TOP]
     assert len(expected) > 3
-    assert np.array(by_size(modes.eigenvalues)) == pytest.approx(
-        np.array(by_size(expected)), abs=1e-9
-    )
+    assert by_size(modes.eigenvalues) == pytest.approx(by_size(expected), abs=1e-9)
     assert modes.window.complete
     assert modes.residuals.max() < 1e-9
 

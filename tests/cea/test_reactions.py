@@ -84,10 +84,11 @@ def test_a_dof_is_shared_along_what_each_support_holds():
     dof = np.array([3, 3, 3, 5, 5, 5, 8, 8, 8, 8, 8])
     support = np.array([0, 1, 2, 0, 1, 1, 0, 0, 1, 2, 2])
     direction = d[[0, 1, 2, 3, 3, 4, 0, 1, 1, 0, 2]]
-    constraints = constrain(10, Directions(dof, direction, support=support))
+    constraints = constrain(10, Directions.of(dof, direction, support=support))
     r = np.zeros((10, 3))
     np.add.at(r, dof, rng.normal(size=(len(dof), 1)) * direction)
-    dofs, parts = constraints.support_forces(r, 3)
+    dofs = constraints.dofs
+    parts = constraints.forces.split(r[dofs], 3)
     assert list(dofs) == [3, 5, 8]
     assert parts.sum(axis=0) == pytest.approx(r[dofs], abs=1e-13)
     for i, each in enumerate(dofs):
@@ -108,8 +109,8 @@ def test_projected_constraints_bear_the_forces_of_their_multipliers():
     rng = np.random.default_rng(3)
     n, d = 6, rng.normal(size=(4, 3))
     d /= np.linalg.norm(d, axis=1, keepdims=True)
-    held = Directions(np.array([1, 4]), d[:2])
-    anchors = Directions(np.array([1, 2, 3]), d[[2, 3, 0]])
+    held = Directions.of(np.array([1, 4]), d[:2])
+    anchors = Directions.of(np.array([1, 2, 3]), d[[2, 3, 0]])
     shares = {}
     for support in (1, 2):
         rows = np.zeros((3, n, 3))
@@ -117,13 +118,14 @@ def test_projected_constraints_bear_the_forces_of_their_multipliers():
             rows[k, [1, 2, 3]] = 0.1 * rng.random((3, 3))
             rows[k, dof] += 0.5 * direction
         shares[support] = csr_array(rows.reshape(3, -1))
-    constraints = constrain(n, held, ProjectedConstraints(anchors, shares))
+    constraints = constrain(n, held, ProjectedConstraints(anchors, shares, np.zeros(3)))
     multipliers, amounts = rng.normal(size=3), rng.normal(size=2)
     expected = np.zeros((3, n, 3))
     expected[0][held.dof] = amounts[:, None] * held.direction
     for support, rows in shares.items():
         expected[support] = (rows.T @ multipliers).reshape(n, 3)
-    dofs, parts = constraints.support_forces(expected.sum(axis=0), 3)
+    dofs = constraints.dofs
+    parts = constraints.forces.split(expected.sum(axis=0)[dofs], 3)
     assert parts == pytest.approx(expected[:, dofs], abs=1e-12)
     assert np.abs(np.delete(expected, dofs, axis=1)).max() == 0
 

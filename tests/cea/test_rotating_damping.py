@@ -9,7 +9,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from damped_numbers import alone, round_body
+from blocks import scene_body
+from damped_numbers import alone
 from petsc_matrices import dense_pencil, quadratic_eigenvalues, to_numpy
 from scipy.linalg import eigh
 
@@ -31,10 +32,11 @@ RATE = "bodies.part.rotation.rate"
 @cache
 def system(backend, kind, fine=1, springs=(), *, coriolis=False):
     """A ring with round numbers that rotates at 1 rad/s, damped."""
-    part = round_body(
+    part = scene_body(
         backend,
         RING,
         [fine, 12 * fine],
+        material={"E": 1.0, "nu": 0.3, "rho": 1.5},
         springs=[dict(each) for each in springs],
         damping=KINDS[kind],
         rotation={"rate": 1.0, "convective_stiffness": True, "coriolis": coriolis},

@@ -4,29 +4,29 @@ from functools import cache
 
 import numpy as np
 import pytest
+from bodies import shape_body
 from covering import covering
-from damped_numbers import alone, round_body
 from petsc_matrices import quadratic_eigenvalues, to_numpy
 from scipy.linalg import eigh
 
 from cea.errors import InputError
+from cea.material import IsotropicMaterial
 from cea.rotation import Rotation
-from cea.timing import StageTimer
 from meshes.placement import Placement
-from scenes.building.build import build_bodies
-from scenes.spec.reading import read_scene
+from meshes.shapes import Annulus, Ring
 
 INNER, OUTER, RATE = 0.6, 1.0, 0.05
-SOLID = {"shape": "annulus", "inner_radius": INNER, "outer_radius": OUTER, "bottom": 0, "top": 0.3}
-PLANE = {"shape": "ring", "inner_radius": INNER, "outer_radius": OUTER}
-TURNED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
+SOLID = Annulus(INNER, OUTER, -0.15, 0.15)
+PLANE = Ring(INNER, OUTER)
+TURNED = Placement(axis=(1.0, 2.0, -0.5), angle=37.0, translation=(0.3, -0.2, 0.7))
 
 
-def body(backend, geometry, fine=1, *, placement=None):
+def body(backend, shape, fine=1, *, placement=None):
     """A small body with round numbers."""
-    elements = [fine, 12 * fine, 1][: 2 if geometry["shape"] == "ring" else 3]
-    part = round_body(backend, geometry, elements, placement=placement or {})
-    return build_bodies(read_scene(alone(part)), StageTimer())["part"]
+    dim = len(shape.directions)
+    cell = None if backend == "iga" else {2: "quadrilateral", 3: "hexahedron"}[dim]
+    options = {"material": IsotropicMaterial(1.0, 0.3, 1.5), "placement": placement or Placement()}
+    return shape_body(shape, cell, 2, (fine, 12 * fine, 1)[:dim], **options)
 
 
 def matrices(part, rotation):
@@ -48,12 +48,10 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
     int rho r r^T follows from the radii. Cells of degree 2 that span 15 degrees are round to some
     1e-5; of NURBS, quadrature is not exact for rational functions.
     """
-    geometry = SOLID | {"bottom": -0.15, "top": 0.15}
-    part = body(backend, geometry, placement=placement, fine=2)
+    part = body(backend, SOLID, placement=placement, fine=2)
     turn, shift = np.eye(3), np.zeros(3)
     if placement:
-        turn = Placement(tuple(placement["axis"]), placement["angle"]).rotation
-        shift = np.array(placement["translation"])
+        turn, shift = placement.rotation, np.array(placement.translation)
     rotation = Rotation(1.0, tuple(turn[:, 2]), tuple(shift), coriolis=coriolis)
     _, _, Y, Z = matrices(part, rotation)
     plane = np.pi * (OUTER**4 - INNER**4) / 4 * 0.3
@@ -61,18 +59,13 @@ def test_linear_fields_have_their_integrals(backend, coriolis, placement):
     moments = 1.5 * turn @ np.diag([plane, plane, axial]) @ turn.T
     rng = np.random.default_rng(3)
     A, B, W = rng.normal(size=(3, 3)), rng.normal(size=(3, 3)), rotation.spin(3)
-    nodes = positions(part)
+    nodes = part.space.dof_positions
     u, v = ((matrix @ (nodes - shift).T).T.ravel() for matrix in (A, B))
     RA, RB = ((M @ W if coriolis else M @ W - W @ M) for M in (A, B))
     tolerance = {"iga": 1e-8, "fe": 1e-3}[backend]
     size = np.abs(moments).max()
     assert v @ Y @ u == pytest.approx(2 * np.trace(B.T @ RA @ moments), abs=tolerance * size)
     assert v @ Z @ u == pytest.approx(np.trace(RB.T @ RA @ moments), abs=tolerance * size)
-
-
-def positions(part):
-    """Nodes, or control points, of the scalar dofs: where linear fields are taken."""
-    return part.space.dof_positions
 
 
 @cache

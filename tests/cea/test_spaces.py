@@ -6,24 +6,21 @@ part in all but rotations and prestress.
 
 import numpy as np
 import pytest
-from bodies import lagrange_body, nurbs_body
+from bodies import PLASTIC as MATERIAL
+from bodies import shape_body
 from mpi import on_ranks
+from petsc_matrices import to_numpy
 from stub_backend import StubSpace
 
 from cea.body import Body
 from cea.errors import InputError
-from cea.material import IsotropicMaterial
-from cea.matrices import gather, local_part
+from cea.matrices import gather
 from cea.petsc import MPI
 from cea.rotation import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support
 from cea.surface_points import Status, SurfaceCoordinates
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import nurbs_shape
-from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Rectangle, Ring
 
-MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
 BOX, PLATE, RING, ANNULUS = (
     Box((1.0, 0.8, 0.5)),
     Rectangle((1.0, 0.8)),
@@ -31,7 +28,7 @@ BOX, PLATE, RING, ANNULUS = (
     Annulus(0.5, 1.0, 0.0, 0.3),
 )
 FLAT = {
-    "P2": (BOX, "tetrahedron", 2, {"size": 0.5}),
+    "P2": (BOX, "tetrahedron", 2, 0.5),
     "Q1": (BOX, "hexahedron", 1, (2, 2, 1)),
     "Q3 plane": (PLATE, "quadrilateral", 3, (2, 2)),
     "NURBS 2": (BOX, None, 2, (2, 2, 1)),
@@ -39,9 +36,9 @@ FLAT = {
     "stub": (PLATE, "stub", 1, (3, 2)),
 }
 ROUND = {
-    "P2": (ANNULUS, "tetrahedron", 2, {"size": 0.4}),
+    "P2": (ANNULUS, "tetrahedron", 2, 0.4),
     "Q2": (ANNULUS, "hexahedron", 2, (1, 12, 1)),
-    "P3 plane": (RING, "triangle", 3, {"size": 0.4}),
+    "P3 plane": (RING, "triangle", 3, 0.4),
     "NURBS 2": (ANNULUS, None, 2, (1, 8, 1)),
     "NURBS 3 plane": (RING, None, 3, (1, 8)),
 }
@@ -52,14 +49,7 @@ def made(case, **conditions):
     shape, cell, degree, mesh = case
     if cell == "stub":
         return Body("part", StubSpace(shape.size, mesh), MATERIAL, **conditions)
-    options = {"material": MATERIAL, **conditions}
-    if cell is None:
-        data = nurbs_shape(shape, breaks_of(shape, mesh))
-        degrees = (degree,) * len(mesh)
-        return nurbs_body("part", data.patches, data.faces, degrees, comm=MPI.COMM_SELF, **options)
-    given = mesh if isinstance(mesh, dict) else {"breaks": breaks_of(shape, mesh)}
-    mesh = shape_mesh(shape, cell, degree, **given)
-    return lagrange_body("part", mesh, degree=degree, comm=MPI.COMM_SELF, **options)
+    return shape_body(shape, cell, degree, mesh, comm=MPI.COMM_SELF, **conditions)
 
 
 def ends(case):
@@ -67,10 +57,6 @@ def ends(case):
     if case[1] == "stub":
         return "bottom", "top"
     return TOP["box" if case[0] is BOX else "plate"]
-
-
-def dense(matrix):
-    return local_part(matrix).toarray()
 
 
 def rigid_motions(x):
@@ -96,7 +82,7 @@ def curved(request):
 
 def test_matrices_are_symmetric_and_conserve_momentum(flat):
     part = made(flat)
-    K, M = dense(part.stiffness()), dense(part.mass())
+    K, M = to_numpy(part.stiffness()), to_numpy(part.mass())
     np.testing.assert_array_equal(K, K.T)
     np.testing.assert_array_equal(M, M.T)
     motions = rigid_motions(part.space.dof_positions)
@@ -119,7 +105,7 @@ def test_a_linear_field_is_the_answer_to_its_tractions(flat):
     strain[-1] = -0.3 / MATERIAL.E
     if dim == 2:  # plane strain
         strain = 0.3 * (1 + MATERIAL.nu) / MATERIAL.E * np.array([MATERIAL.nu, MATERIAL.nu - 1])
-    residual = dense(part.stiffness()) @ (x * strain).ravel() - part.load().array_r
+    residual = to_numpy(part.stiffness()) @ (x * strain).ravel() - part.load().array_r
     assert np.abs(residual).max() < 1e-14
 
 
@@ -132,17 +118,17 @@ def test_curved_bodies_have_no_resultant_of_a_pressure_all_around(curved):
 
 def test_curved_matrices_are_symmetric_skew_and_leave_rigid_motions_free(curved):
     part = made(curved)
-    K, motions = dense(part.stiffness()), rigid_motions(part.space.dof_positions)
+    K, motions = to_numpy(part.stiffness()), rigid_motions(part.space.dof_positions)
     assert np.abs(K @ motions).max() < 1e-12 * np.abs(K).max()
     for rotation in (Rotation(1.0), Rotation(1.0, coriolis=False)):
-        Y, Z = dense(part.gyroscopic(rotation)), dense(part.convective_stiffness(rotation))
+        Y, Z = to_numpy(part.gyroscopic(rotation)), to_numpy(part.convective_stiffness(rotation))
         np.testing.assert_array_equal(Y, -Y.T)
         np.testing.assert_array_equal(Z, Z.T)
         if not rotation.coriolis:  # nothing changes where a body turns as a whole about its axis
             turn = motions[:, part.dim]
             assert np.abs(Z @ turn).max() < 1e-12 * np.abs(Z).max()
     u = np.random.default_rng(1).normal(size=len(K))
-    S = dense(part.geometric_stiffness(u))
+    S = to_numpy(part.geometric_stiffness(u))
     np.testing.assert_array_equal(S, S.T)
     assert np.abs(S @ motions[:, : part.dim]).max() < 1e-12 * np.abs(S).max()
 
@@ -164,7 +150,7 @@ def test_round_bodies_have_the_areas_normals_and_volume_of_their_shape(curved):
             assert np.einsum("ni,ni->n", points.normal, outward).min() > 1 - allowed
             assert points.weight.min() > 0
             assert points.weight.sum() == pytest.approx(surface.area, rel=1e-3)
-    mass = dense(part.mass())[:: part.dim, :: part.dim].sum()
+    mass = to_numpy(part.mass())[:: part.dim, :: part.dim].sum()
     assert mass == pytest.approx(MATERIAL.rho * flat * height, rel=max(allowed, 1e-6))
 
 
@@ -225,7 +211,7 @@ def test_springs_and_forces_have_their_sums(flat):
     loads = [Force(value, high), Force(value)]
     part = made(flat, springs=[Spring(low, stiffness)], forces=loads)
     translations = rigid_motions(part.space.dof_positions)[:, : part.dim]
-    total = translations.T @ dense(part.stiffness()) @ translations
+    total = translations.T @ to_numpy(part.stiffness()) @ translations
     area = np.prod(flat[0].size[:-1])
     np.testing.assert_allclose(total, area * np.diag(stiffness), atol=1e-12)
     resultant = gather(part.load()).reshape(-1, part.dim).sum(axis=0)
@@ -239,10 +225,10 @@ def test_supports_leave_what_they_do_not_hold(flat):
     part = made(
         flat, supports=[Support(low, (last,))], forces=[Force((0.0,) * last + (0.2,), high)]
     )
-    Z = dense(part.expansion)
+    Z = to_numpy(part.expansion)
     np.testing.assert_allclose(Z.T @ Z, np.eye(Z.shape[1]), atol=1e-14)
-    K = Z.T @ dense(part.full_stiffness()) @ Z
-    np.testing.assert_allclose(dense(part.stiffness()), K, atol=1e-13 * np.abs(K).max())
+    K = Z.T @ to_numpy(part.full_stiffness()) @ Z
+    np.testing.assert_allclose(to_numpy(part.stiffness()), K, atol=1e-13 * np.abs(K).max())
     surface = part.surfaces[low]
     points = surface.gauss_points(2)
     u = Z @ np.random.default_rng(2).normal(size=Z.shape[1])
@@ -324,7 +310,7 @@ def test_frequencies_of_a_sliding_plate_converge_at_twice_the_degree(kind):
         case = (PLATE, cell, degree, (1, n))
         low, high = ends(case)
         part = made(case, supports=[Support(low, (1,)), Support(high, (1,))])
-        K, M, Z = dense(part.stiffness()), dense(part.mass()), dense(part.expansion)
+        K, M, Z = to_numpy(part.stiffness()), to_numpy(part.mass()), to_numpy(part.expansion)
         y = part.space.dof_positions[:, 1]
         lines = np.unique(np.round(y, 9))[1:-1]
         # Uniform along x: one unknown for each row of nodes.
@@ -339,8 +325,16 @@ def test_frequencies_of_a_sliding_plate_converge_at_twice_the_degree(kind):
 
 
 TOPS = {
-    **{"hexahedron": 0.35, "tetrahedron": 0.35, "triangle": 0.5, "quadrilateral": 0.7},
-    **{"ring": 0.25, "closed": 0.3, "disc": 0.35, "odd": 0.4, "sector": 0.5, "hub": 0.3},
+    "hexahedron": 0.35,
+    "tetrahedron": 0.35,
+    "triangle": 0.5,
+    "quadrilateral": 0.7,
+    "ring": 0.25,
+    "closed": 0.3,
+    "disc": 0.35,
+    "odd": 0.4,
+    "sector": 0.5,
+    "hub": 0.3,
 }
 """Highest frequency (Hz) by body: planes, closed and collapsed patches, odd joints among them."""
 

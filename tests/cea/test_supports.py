@@ -1,18 +1,65 @@
-"""Supports in local frames: against plain components and dense null spaces; what is refused."""
+"""Supports in local frames: dense null spaces, rings between rollers; what is refused."""
 
 import numpy as np
 import pytest
-from blocks import ROTATED
-from lagrange_bodies import csr
+from blocks import ROTATED, scene_body
+from covering import covering
 from mpi4py import MPI
+from petsc_matrices import to_scipy
 from scipy.linalg import null_space, subspace_angles
 from scipy.sparse import csr_array
-from supported import ABOUT_PLACED, ABOUT_Z, BOX, QUARTER, RING, build, eigenvalues, on
 
+from cea.eigen.driver import solve_modes
+from cea.eigen.pencil import Pencil
+from cea.eigen.static import solve_static
 from cea.errors import InputError
+from cea.material import IsotropicMaterial
+from cea.matrices import gather
 from cea.supports.directions import Directions
 from cea.supports.elimination import ProjectedConstraints, constrain
+from cea.timing import StageTimer
+from meshes.placement import Placement
+from scenes.building.build import build_bodies
 from scenes.spec.problems import SceneError
+from scenes.spec.reading import read_scene
+
+MATERIAL = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
+BOX = {"shape": "box", "size": [1.0, 0.7, 0.4]}
+RING = {
+    "shape": "annulus",
+    "inner_radius": 0.8,
+    "outer_radius": 1.6,
+    "bottom": 0.0,
+    "top": 0.2,
+}
+QUARTER = {**RING, "shape": "sector", "start": 0.0, "end": 90.0}
+PLACED = Placement(tuple(ROTATED["axis"]), ROTATED["angle"], tuple(ROTATED["translation"]))
+ABOUT_Z = {"axis": [0.0, 0.0, 1.0]}
+ABOUT_PLACED = {"axis": PLACED.rotation[:, 2].tolist(), "origin": ROTATED["translation"]}
+
+
+def build(backend, geometry, supports, elements, *, degree=2, placement=None, pressures=()):
+    """A body as scenes say it."""
+    sections = {"supports": supports, "placement": placement or {}}
+    part = scene_body(backend, geometry, elements, degree, **sections)
+    scene = {
+        "name": "supports",
+        "bodies": {"part": part},
+        "loads": [{"surface": f"part.{name}", "pressure": p} for name, p in pressures],
+        "analysis": {"kind": "cea", "max_frequency": 1.0},
+    }
+    return build_bodies(read_scene(scene), StageTimer())["part"]
+
+
+def on(names, component="normal", **frame):
+    """One component held on each of several surfaces."""
+    return [{"surface": name, "components": [component], **frame} for name in names]
+
+
+def eigenvalues(body, max_frequency):
+    """Squares of the angular frequencies."""
+    modes = solve_modes(Pencil.of(body.stiffness(), body.mass()), max_frequency)
+    return modes.eigenvalues.imag**2
 
 
 def test_free_space_is_the_null_space_of_all_constraints():
@@ -22,24 +69,26 @@ def test_free_space_is_the_null_space_of_all_constraints():
     d = rng.normal(size=(5, 3))
     d /= np.linalg.norm(d, axis=1, keepdims=True)
     y, z = np.eye(3)[1:]
-    points = Directions(
+    points = Directions.of(
         np.array([0, 0, 0, 4, 4, 7, 8, 8]),
         np.array([d[0], d[1], d[0], d[2], d[3], d[4], z, y]),
     )
     # Dof 5 anchors two rows, dof 3 has a direction held as well, dof 7 the very one of its row.
-    points = Directions.joined([points, Directions(np.array([3]), d[4:])], 3)
-    anchors = Directions(np.array([1, 2, 3, 5, 5, 7]), np.array([*d[:4], d[0], d[4]]))
+    points = Directions.joined([points, Directions.of(np.array([3]), d[4:])], 3)
+    anchors = Directions.of(np.array([1, 2, 3, 5, 5, 7]), np.array([*d[:4], d[0], d[4]]))
     rows = np.zeros((6, n, 3))
     for k, (dof, direction) in enumerate(zip(anchors.dof, anchors.direction, strict=True)):
         rows[k, [1, 2, 3, 5, 7]] = 0.1 * rng.random((5, 3))
         rows[k, dof] += direction
     rows = rows.reshape(6, -1)
-    constraints = constrain(n, points, ProjectedConstraints(anchors, {0: csr_array(rows)}))
+    constraints = constrain(
+        n, points, ProjectedConstraints(anchors, {0: csr_array(rows)}, np.zeros(6))
+    )
 
     dense = np.zeros((len(points), n, 3))
     dense[np.arange(len(points)), points.dof] = points.direction
     expected = null_space(np.vstack([dense.reshape(len(points), -1), rows[:5]]))
-    Z = csr(constraints.expansion(0, n, MPI.COMM_SELF)).toarray()
+    Z = to_scipy(constraints.expansion(0, n, MPI.COMM_SELF)).toarray()
     assert Z.shape == expected.shape
     assert np.abs(subspace_angles(Z, expected)).max() < 1e-12
     assert not constraints.selects
@@ -59,8 +108,8 @@ def test_prescribed_values_are_met_by_all_constraints(size):
     dofs = np.array([0, 0, 0, 3, 5])
     directions = np.array([d[0], d[1], d[0], d[2], d[3]])
     values = np.einsum("ij,ij->i", directions, wanted[dofs])
-    held = Directions(dofs, directions, values)
-    anchors = Directions(np.array([1, 3, 4]), d[[0, 0, 1]], np.full(3, size))
+    held = Directions.of(dofs, directions, values)
+    anchors = Directions.of(np.array([1, 3, 4]), d[[0, 0, 1]], np.full(3, size))
     rows = np.zeros((3, n, 3))
     for k, (dof, direction) in enumerate(zip(anchors.dof, anchors.direction, strict=True)):
         rows[k, [1, 3, 4]] = 0.1 * rng.random((3, 3))
@@ -71,21 +120,24 @@ def test_prescribed_values_are_met_by_all_constraints(size):
     u = constraints.prescribed_displacement(0, n, Z).array.reshape(n, 3)
     assert np.einsum("ij,ij->i", directions, u[dofs]) == pytest.approx(values, abs=1e-13 * size)
     assert matrix @ u.ravel() == pytest.approx(right, abs=1e-12 * size)
-    assert np.abs(matrix @ csr(Z)).max() < 1e-12
+    assert np.abs(matrix @ to_scipy(Z)).max() < 1e-12
     values[2] += 1e-3 * size
     with pytest.raises(InputError, match=r"supports\.value"):
-        constrain(n, Directions(dofs, directions, values))
+        constrain(n, Directions.of(dofs, directions, values))
 
 
 def test_rows_that_cannot_be_solved_for_their_anchors_are_refused():
     x = np.eye(3)[0]
-    anchors = Directions(np.array([0, 1]), np.array([x, x]))
+    anchors = Directions.of(np.array([0, 1]), np.array([x, x]))
     nothing = Directions.joined([], 3)
     for last in ([1.0, 0, 0, 1.0, 0, 0], [1.0, 0, 0, 1.0 + 1e-9, 0.5, 0]):
         rows = csr_array(np.array([[1.0, 0, 0, 1.0, 0, 0], last]))
         with pytest.raises(InputError, match="supports of the pad"):
             constrain(
-                2, nothing, ProjectedConstraints(anchors, {0: rows}), field="supports of the pad"
+                2,
+                nothing,
+                ProjectedConstraints(anchors, {0: rows}, np.zeros(2)),
+                field="supports of the pad",
             )
 
 
@@ -96,7 +148,7 @@ def test_rollers_on_a_turned_box_leave_its_frequencies(backend):
     upright = build(backend, BOX, plain, [4, 3, 2])
     turned = build(backend, BOX, on(names), [4, 3, 2], placement=ROTATED)
     assert turned.expansion.getSize() == upright.expansion.getSize()
-    Z = csr(turned.expansion)
+    Z = to_scipy(turned.expansion)
     assert np.diff(Z.indptr).max() <= 3
     assert abs(Z.T @ Z - np.eye(Z.shape[1])).max() < 1e-14
     expected = eigenvalues(upright, 0.9)
@@ -116,7 +168,7 @@ def test_straight_sides_of_a_turned_sector(backend, component):
     upright = build(backend, QUARTER, plain, [3, 5, 1])
     sides = on(("start", "end"), component, **frame) + on(["bottom"])
     turned = build(backend, QUARTER, sides, [3, 5, 1], placement=ROTATED)
-    assert np.diff(csr(turned.expansion).indptr).max() <= 3
+    assert np.diff(to_scipy(turned.expansion).indptr).max() <= 3
     expected = eigenvalues(upright, 0.6)
     assert len(expected) > 5
     assert eigenvalues(turned, 0.6) == pytest.approx(expected, rel=1e-9)
@@ -155,3 +207,65 @@ def test_frames_that_do_not_fit_the_body_are_refused(backend, supports, field, a
     (fault,) = getattr(caught.value, "faults", [caught.value])
     assert fault.field.endswith(field)
     assert allowed in fault.allowed
+
+
+@pytest.mark.parametrize(
+    ("backend", "held"),
+    covering(
+        ["iga", "fe"],
+        [("radial", None), ("radial", ROTATED), ("normal", ROTATED)],
+        strength=1,
+    ),
+)
+def test_ring_between_rollers_turns_and_slides_freely(backend, held):
+    """Two zero eigenvalues and no more; the rotation satisfies every constraint exactly."""
+    component, placement = held
+    frame = (ABOUT_PLACED if placement else ABOUT_Z) if component == "radial" else {}
+    rims = on(("inner", "outer"), component, **frame)
+    part = build(backend, RING, rims, [2, 12, 1], placement=placement)
+    kappa = eigenvalues(part, 0.25)
+    assert np.abs(kappa[:2]).max() < 1e-12
+    assert kappa[2] == pytest.approx(5.55e-3, rel=0.01)  # the ring tilts between its rims
+
+    Z, K = to_scipy(part.expansion).toarray(), to_scipy(part.stiffness())
+    place = PLACED if placement else Placement()
+    axis, origin = place.rotation[:, 2], np.asarray(place.translation)
+    sample = part.space.volume_cells()
+    control = np.linalg.lstsq(sample.values.toarray(), sample.points, rcond=None)[0]
+    for motion in (np.cross(axis, control - origin), np.broadcast_to(axis, control.shape)):
+        v, *_ = np.linalg.lstsq(Z, motion.ravel(), rcond=None)
+        assert np.abs(Z @ v - motion.ravel()).max() < 1e-12
+        assert np.abs(K @ v).max() < 1e-12 * abs(K).max()
+
+
+PLANE = on(("bottom", "top"), "axial", **ABOUT_Z)
+
+
+@pytest.mark.parametrize(
+    ("backend", "held"),
+    covering(["iga", "fe"], [(RING, ("inner", "outer")), (QUARTER, ("start", "end"))], strength=1),
+)
+def test_ring_under_pressure_is_lame_s(backend, held):
+    """Plane strain, u_theta held: u_r = A r + B / r, in all of the body."""
+    geometry, turned = held
+    p, a, b = 0.3, RING["inner_radius"], RING["outer_radius"]
+    part = build(
+        backend,
+        geometry,
+        PLANE + on(turned, "circumferential", **ABOUT_Z),
+        [4, 24 if geometry is RING else 6, 1],
+        degree=3,
+        pressures=[("inner", p)],
+    )
+    x = solve_static(Pencil.of(part.stiffness()), part.load()).displacement
+    full = part.expansion.createVecLeft()
+    part.expansion.mult(x, full)
+    sample = part.space.volume_cells().straight()
+    u = sample.values @ gather(full).reshape(-1, 3)
+    lam, mu = MATERIAL.lame
+    scale = p * a**2 / (b**2 - a**2)
+    r = np.linalg.norm(sample.points[:, :2], axis=1)
+    radial = scale * (r / (2 * (lam + mu)) + b**2 / (2 * mu * r))
+    expected = np.zeros_like(u)
+    expected[:, :2] = sample.points[:, :2] * (radial / r)[:, None]
+    assert np.abs(u - expected).max() < 1e-4 * radial.max()

@@ -8,13 +8,13 @@ import pytest
 import scipy.linalg
 from blocks import assemble, coarse, two_blocks
 from covering import covering
-from petsc_matrices import dense_pencil, to_petsc
+from petsc_matrices import dense_pencil
+from random_pencils import pencil_of
 
 from cea.eigen import window
 from cea.eigen.driver import EigenSolver, run_window, solve_modes
-from cea.eigen.field_of_values import FieldOfValues, field_of_values
+from cea.eigen.field_of_values import field_of_values
 from cea.eigen.krylov_schur import KrylovOptions, krylov_schur
-from cea.eigen.pencil import Pencil
 from cea.eigen.regions import distance_of_cone, distance_within, touching_disc
 from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.shifted import Shifted
@@ -26,16 +26,13 @@ KRYLOV = KrylovOptions(dense_limit=0)
 """Small systems are searched as large ones are."""
 
 
-def pencil_of(blocks, *, turned=True, seed=0):
-    """A pencil of mass 1 with given diagonal blocks: their symmetric parts, and the rest."""
+def pencil_with(blocks, *, turned=True, seed=0):
+    """A pencil of mass 1 with given diagonal blocks."""
     whole = scipy.linalg.block_diag(*blocks)
     n = len(whole)
     turn = np.linalg.qr(np.random.default_rng(seed).normal(size=(n, n)))[0] if turned else np.eye(n)
-    symmetric = turn @ (0.5 * (whole + whole.T)) @ turn.T
-    rest = turn @ (0.5 * (whole - whole.T)) @ turn.T
-    symmetric = 0.5 * (symmetric + symmetric.T)
-    friction = to_petsc(-rest) if np.abs(rest).max() > 0 else None
-    return Pencil.of(to_petsc(symmetric), to_petsc(np.eye(n)), friction)
+    symmetric, rest = (turn @ (0.5 * (whole + s * whole.T)) @ turn.T for s in (1, -1))
+    return pencil_of(np.eye(n), None, 0.5 * (symmetric + symmetric.T) + rest)
 
 
 def pair(real, imaginary):
@@ -69,7 +66,7 @@ def test_growth_of_any_strength_is_found(strength, options):
     """Flutter and divergence far outside of the disc about the window, beside 150 other modes."""
     fast = -((strength + 0.4j) ** 2)
     blocks = [*band(150), pair(fast.real, fast.imag), [[-((2 * strength) ** 2)]]]
-    pencil = pencil_of(blocks, turned=strength < 1e3)
+    pencil = pencil_with(blocks, turned=strength < 1e3)
     modes = solve_modes(pencil, HERTZ, options=options)
     assert modes.window.complete
     assert modes.verdict() == "unstable"
@@ -79,12 +76,10 @@ def test_growth_of_any_strength_is_found(strength, options):
 
 def test_what_was_not_searched_is_told(monkeypatch):
     """With fewer discs than it takes the run says how far it went, and gives no verdict."""
-    monkeypatch.setattr(
-        window, "field_of_values", lambda _, depth, **__: FieldOfValues(depth, bounded=False)
-    )
+    monkeypatch.setattr(window, "field_of_values", lambda *_, **__: None)
     blocks = [*band(150, high=1e9), pair(2.0, 0.1)]
     options = KrylovOptions(dense_limit=0, max_discs=1)
-    modes = solve_modes(pencil_of(blocks), HERTZ, options=options)
+    modes = solve_modes(pencil_with(blocks), HERTZ, options=options)
     assert not modes.window.complete
     assert modes.window.max_growth == pytest.approx(np.sqrt(0.8 * 3.0))
     assert modes.verdict() == "no unstable mode found"
@@ -93,13 +88,25 @@ def test_what_was_not_searched_is_told(monkeypatch):
     assert "not excluded" in modes.window.evidence
 
 
+@pytest.mark.parametrize(("kappa", "found"), [(-2.0, True), (-1e6, False)])
+def test_a_real_mode_that_a_wrong_bound_leaves_out_is_seen_by_signs(kappa, found, monkeypatch):
+    """The determinant changes its sign at it: it is searched, or the window says that it is not."""
+    monkeypatch.setattr(window, "field_of_values", lambda *_, **__: 0.0)
+    blocks = [*band(150), np.array([[0.6, 0.3], [0.0, 0.7]]), [[kappa]]]
+    modes = solve_modes(pencil_with(blocks, turned=found), HERTZ, options=KRYLOV)
+    assert modes.window.odd != found
+    assert modes.window.complete == found
+    assert modes.verdict() == ("unstable" if found else "undecided")
+    assert ("sign of a determinant" in modes.window.evidence) != found
+
+
 @pytest.mark.parametrize("options", [KRYLOV, KrylovOptions()])
 @pytest.mark.parametrize("copies", [2, 9, 30])
 @pytest.mark.parametrize("friction", [False, True])
 def test_copies_are_all_found(copies, friction, options):
     blocks = [*band(120), *[[[0.7]]] * copies, *[[[0.0]]] * copies]
     blocks += [pair(0.6, 0.02)] if friction else [[[0.6]]]
-    modes = solve_modes(pencil_of(blocks), HERTZ, options=options)
+    modes = solve_modes(pencil_with(blocks), HERTZ, options=options)
     kappa = -(modes.eigenvalues**2)
     assert (np.abs(kappa - 0.7) < 1e-9).sum() == copies
     assert (np.abs(kappa) < 1e-9).sum() == copies
@@ -117,8 +124,8 @@ def test_the_bound_is_that_of_the_field_of_values(form, P):
     lowest = scipy.linalg.eigvalsh(0.5 * (K + K.T), M)[0]
     assert lowest < 0 or P == 1.0
     size = abs(lowest)
-    assert field_of_values(matrices, -lowest + 1e-3 * size).bounded
-    assert not field_of_values(matrices, -lowest - 1e-3 * size).bounded
+    assert field_of_values(matrices, -lowest + 1e-3 * size) is not None
+    assert field_of_values(matrices, -lowest - 1e-3 * size) is None
 
 
 @pytest.mark.parametrize(
@@ -146,11 +153,11 @@ def test_the_cone_holds_the_field_of_values(backend, mu, of_contact):
     M, _, K = dense_pencil(matrices)
     lowest = scipy.linalg.eigvalsh(0.5 * (K + K.T), M)[0]
     depth = max(0.0, -1.5 * lowest) + 0.1
-    field = field_of_values(matrices, depth, cone=True)
+    found = field_of_values(matrices, depth, cone=True)
     slope = scipy.linalg.eigvalsh(0.5j * (K.T - K), 0.5 * (K + K.T) + depth * M)[-1]
-    assert field.slope == pytest.approx(1.5 * slope, rel=0.02)
+    assert found == pytest.approx(1.5 * slope, rel=0.02)
     kappa = scipy.linalg.eigvals(K, M)
-    assert (np.abs(kappa.imag) <= field.slope * (kappa.real + depth) * (1 + 1e-9)).all()
+    assert (np.abs(kappa.imag) <= found * (kappa.real + depth) * (1 + 1e-9)).all()
 
 
 @pytest.mark.parametrize("slope", [0.0, 1e-3, 0.6, 4.0, 1e3])
@@ -168,7 +175,7 @@ def test_a_disc_about_the_middle_covers_what_a_cone_leaves(slope, depth):
 
 def test_what_converged_beyond_the_disc_has_left_vectors_too():
     values = np.cumsum(np.random.default_rng(8).uniform(0.05, 0.15, 120))
-    pencil = pencil_of([*([[value]] for value in values), pair(0.7, 0.05)], seed=8)
+    pencil = pencil_with([*([[value]] for value in values), pair(0.7, 0.05)], seed=8)
     modes = solve_modes(pencil, HERTZ, options=KRYLOV, left=True)
     assert modes.left is not None
     assert len(modes) == (values < 1.0).sum() + 2
@@ -177,7 +184,7 @@ def test_what_converged_beyond_the_disc_has_left_vectors_too():
 def test_friction_that_leaves_a_narrow_cone_takes_no_second_shift():
     """Copies and all are found about the middle, with one factorisation for the bound."""
     blocks = [*band(150, 0.4), *[[[0.9]]] * 12, pair(0.6, 0.01)]
-    with EigenSolver(pencil_of(blocks), KRYLOV) as driver:
+    with EigenSolver(pencil_with(blocks), KRYLOV) as driver:
         modes = driver.solve(HERTZ)
         assert driver.factorisations == 2
     assert modes.window.complete
@@ -189,7 +196,7 @@ def test_friction_that_leaves_a_narrow_cone_takes_no_second_shift():
 def test_a_wide_cone_takes_a_second_shift(beyond):
     """Flutter that the first disc does not hold."""
     blocks = [*band(beyond, 1.05, 4.0), *band(beyond // 4, 0.013, 0.99), [[900.0]], pair(0.2, 0.75)]
-    modes = solve_modes(pencil_of(blocks), HERTZ, options=KRYLOV)
+    modes = solve_modes(pencil_with(blocks), HERTZ, options=KRYLOV)
     assert modes.window.discs == 2
     assert modes.window.complete
     kappa = -(modes.eigenvalues**2)
@@ -202,7 +209,7 @@ def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
     """The middle of the window, exactly and but for rounding."""
     for turned in (False, True):
         blocks = [*band(60), [[0.5]], pair(0.8, 0.1)]
-        modes = solve_modes(pencil_of(blocks, turned=turned), HERTZ, options=KRYLOV)
+        modes = solve_modes(pencil_with(blocks, turned=turned), HERTZ, options=KRYLOV)
         kappa = np.sort_complex(-(modes.eigenvalues**2))
         assert kappa == pytest.approx([0.5, 0.5, 0.8 - 0.1j, 0.8 + 0.1j], abs=1e-11)
         assert modes.trusted.all()
@@ -211,7 +218,7 @@ def test_a_shift_that_is_an_eigenvalue_is_stepped_aside_from():
 
 def test_the_sign_of_the_determinant_counts_real_eigenvalues():
     blocks = [[[-9.0]], [[-4.0]], [[1.0]], pair(-2.0, 3.0), pair(5.0, 1.0)]
-    matrices = pencil_of(blocks).at()
+    matrices = pencil_with(blocks).at()
     shifts = (-20.0, -6.0, -1.0, 3.0)
     assert [Shifted(matrices, shift).parity() for shift in shifts] == [0, 1, 0, 1]
 
@@ -229,7 +236,7 @@ def test_krylov_schur_finds_what_lapack_finds(backend, mu):
 
 
 def test_what_is_known_does_not_change_where_a_far_search_adds_to_it():
-    matrices = pencil_of([*band(100), pair(2.0, 0.1), [[-1e14]]]).at()
+    matrices = pencil_with([*band(100), pair(2.0, 0.1), [[-1e14]]]).at()
     known = krylov_schur(ShiftInvert(matrices, 1.0, np.inf), 5.0, KRYLOV)
     before = np.sort_complex(known.eigenvalues)
     both = krylov_schur(ShiftInvert(matrices, -1.2e14, np.inf), 0.5e14, KRYLOV, known)
@@ -241,7 +248,7 @@ def test_what_is_known_does_not_change_where_a_far_search_adds_to_it():
 
 def test_verdicts_leave_open_what_errors_do():
     blocks = [*band(40, low=1.1), np.array([[0.5, 1.0], [-1e-18, 0.5]])]  # a pair that coalesces
-    modes = solve_modes(pencil_of(blocks), HERTZ)
+    modes = solve_modes(pencil_with(blocks), HERTZ)
     near = np.abs(-(modes.eigenvalues**2) - 0.5) < 1e-3
     verdicts = np.array(modes.verdicts(1e-9))
     assert near.sum() == 2
@@ -253,7 +260,7 @@ def test_verdicts_leave_open_what_errors_do():
 def test_modes_lost_to_rounding_are_refused():
     blocks = [[[1e-3]], *band(5), *[[[value]] for value in np.geomspace(1e15, 1e22, 30)]]
     with pytest.raises(ConvergenceError, match="lost to rounding") as caught:
-        solve_modes(pencil_of(blocks), HERTZ)
+        solve_modes(pencil_with(blocks), HERTZ)
     assert "stable" not in caught.value.best.verdicts()
 
 
@@ -269,13 +276,13 @@ def test_displacements_of_bodies_that_nothing_holds_are_refused(backend):
 @pytest.mark.parametrize("options", [KrylovOptions(), KRYLOV], ids=["LAPACK", "Krylov"])
 def test_a_mode_that_rounding_moved_out_of_an_empty_window_is_told(options):
     """Rounding of 1e12 moves kappa = 1e-8 by 1e-4: it may lie anywhere about the window."""
-    pencil = pencil_of([np.diag([1e-8, *np.logspace(6, 12, 29)])])
+    pencil = pencil_with([np.diag([1e-8, *np.logspace(6, 12, 29)])])
     with EigenSolver(pencil, options) as driver, pytest.raises(ConvergenceError, match="rounding"):
         run_window(driver, 1e-4 * HERTZ * 2)
 
 
 def test_an_empty_window_names_the_lowest_mode_above():
-    with EigenSolver(pencil_of([np.diag([4.0, 9.0, 16.0])])) as driver:
+    with EigenSolver(pencil_with([np.diag([4.0, 9.0, 16.0])])) as driver:
         modes = run_window(driver, 1.0 * HERTZ)
     assert len(modes) == 0
     assert modes.window.lowest == pytest.approx(2.0 * HERTZ, rel=1e-9)

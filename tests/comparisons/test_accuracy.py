@@ -10,17 +10,10 @@ from reference_data import both_signs, eigenvalues, stored
 
 from cea.eigen.matching import match_spectrum
 from cea.errors import ConvergenceError, InputError
-from comparisons.accuracy import errors, page
-from comparisons.accuracy.cases import (
-    Options,
-    estimated_dofs,
-    method_of,
-    methods,
-    refinements,
-    scene_of,
-)
-from comparisons.accuracy.exact_lists import exact
-from comparisons.accuracy.problems import PROBLEMS
+from comparisons.accuracy import errors
+from comparisons.accuracy import study as page
+from comparisons.accuracy.cases import Options, estimated_dofs, methods, refinements, scene_of
+from comparisons.accuracy.problems import PROBLEMS, exact
 from comparisons.accuracy.study import STUDY
 from comparisons.study.result import StudyResult, read
 from comparisons.study.run import run
@@ -74,27 +67,36 @@ def test_unknown_problems_and_parts_are_refused(change, field):
 
 def test_every_method_of_every_problem_is_a_scene():
     for chosen, method in product(PROBLEMS.values(), methods()):
-        scene = scene_of(chosen, method, 2, 10.0)
+        scene = scene_of(chosen, method | {"p": 10.0}, 2)
         contact = scene.contacts["interface"]
         assert contact.p == 10 * chosen.unit
-        assert contact.full_pass == (method.rule == "GPTS, full pass")
+        assert contact.full_pass == (method["rule"] == "GPTS, full pass")
         assert scene.analysis.max_frequency > chosen.band[1] / (2 * np.pi)
-        for name, body in zip(("a", "b"), chosen.bodies, strict=True):
-            assert getattr(contact, name).startswith(body.name + ".")
-            mesh = getattr(scene.bodies[body.name].mesh, method.backend)
-            assert mesh.elements == body.elements(2)
-            degree = mesh.degree if method.backend == "fe" else mesh.degree[0]
-            assert degree == method.degree
+        assert [side.partition(".")[0] for side in (contact.a, contact.b)] == list(chosen.bodies)
+        for name, coarsest in chosen.bodies.items():
+            mesh = getattr(scene.bodies[name].mesh, method["backend"])
+            assert mesh.elements == tuple(2 * n for n in coarsest)
+            degree = mesh.degree if method["backend"] == "fe" else mesh.degree[0]
+            assert degree == method["degree"]
+
+
+def test_a_line_has_as_many_meshes_as_asked_for():
+    case = {"problem": "blocks", "p": 1.0, "backend": "fe", "degree": 2, "rule": "mortar"}
+    every = refinements(case, Options(levels=99))
+    assert refinements(case, Options(levels=1)) == every[:1]
+    assert refinements(case, Options(levels=2)) == [every[0], every[-1]]
+    assert refinements(case | {"p": 10.0}, Options(levels=1, stiffnesses=(1.0, 10.0))) == every[:1]
 
 
 def test_a_mesh_is_measured():
     case = {"problem": "blocks", "p": 1.0, "backend": "iga", "degree": 3, "rule": "GPTS"}
     chosen = PROBLEMS["blocks"]
     row = errors.measure(case, 2, repeats=2)
-    assert row["dofs"] <= estimated_dofs(chosen, method_of(case), 2)
+    assert row["dofs"] <= estimated_dofs(chosen, case, 2)
     assert row["points"] == 4 * 2 * 4
     assert 0 < row["assembly"] < row["seconds"]
-    assert row["modes"] == len(chosen.listed(exact("blocks", 1.0)))
+    values = exact("blocks", 1.0).imag
+    assert row["modes"] == np.sum((values >= chosen.band[0]) & (values <= chosen.band[1]))
     assert row["missing"] == row["spurious"] == 0
     assert 1e-6 < row["lambda_median"] < row["lambda_worst"] < 0.02
     json.dumps(row, allow_nan=False)

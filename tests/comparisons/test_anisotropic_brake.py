@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from comparisons.cli.app import app
 from scenes import read_scene, run_modes
-from scenes.spec.toml import scene_text
+from scenes.spec.plain import scene_text
 
 LINING = {
     "kind": "orthotropic",

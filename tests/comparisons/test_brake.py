@@ -11,7 +11,7 @@ from comparisons.brake.study import (
     STUDY,
     Options,
     brake_modes,
-    scene_of_size,
+    scene,
 )
 from comparisons.study.run import run
 from scenes.checking.memory import estimated_memory
@@ -97,7 +97,9 @@ def test_sizes_that_do_not_fall_are_refused(sizes):
 
 def test_the_estimate_knows_how_fine_the_disc_is():
     """Its dofs are those of the mesh, whatever the size: walls and holes bound that."""
-    assert estimated_memory(scene_of_size(0.0055)).dofs == pytest.approx(483_000, rel=0.25)
+    assert estimated_memory(scene({"size": 0.0055}, Options())).dofs == pytest.approx(
+        483_000, rel=0.25
+    )
 
 
 @pytest.mark.parametrize(

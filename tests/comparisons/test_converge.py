@@ -24,8 +24,8 @@ from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
 from comparisons.study.progress import Progress
 from scenes import run_modes
+from scenes.spec.plain import scene_text
 from scenes.spec.reading import load_scene, read_scene
-from scenes.spec.toml import scene_text
 
 SILENT = Progress(step=lambda _: None, stage=lambda _: None)
 MU_CRITICAL = 0.05989842834808168909

@@ -12,10 +12,9 @@ from cea.errors import InputError
 from comparisons.cli.app import main
 from comparisons.paper.claims import CLAIMS, Evidence, judged
 from comparisons.paper.crowned_pad import COLLOCATION, QUADRATURE
-from comparisons.paper.diagram import Diagram, case_row, run_tables
 from comparisons.paper.figures import FIGURES, chosen
 from comparisons.paper.patch_test import PatchTests
-from comparisons.paper.spectra import Spectrum
+from comparisons.paper.spectra import Diagram, Spectrum, case_row, run_tables
 from comparisons.paper.study import STUDY, Options, cases
 from comparisons.study.result import StudyResult, read
 from comparisons.study.run import run

@@ -14,14 +14,13 @@ from cea.system.contact_stresses import stress_map
 from cea.timing import StageTimer
 from comparisons.paper import crowned_pad
 from comparisons.paper.crowned_pad import CONTACT, PAD, crowned_scene
-from comparisons.paper.diagram import Diagram
 from comparisons.paper.disc_pad import GPTS, LUMPED, DiscPad
 from comparisons.paper.figure import midpoints
 from comparisons.paper.figures import FIGURES
 from comparisons.paper.lumping import EDGE, SHAPES, false_shifts, rotation_ratio
 from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
 from comparisons.paper.patch_test import PatchTest
-from comparisons.paper.spectra import Spectrum, means_of, measures, paired
+from comparisons.paper.spectra import Diagram, Spectrum, means_of, measures, paired
 from scenes import run_modes, run_scene
 from scenes.building.build import build_bodies
 

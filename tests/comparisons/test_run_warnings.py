@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from blocks import rectangle
 
 from comparisons.study.run_warnings import kinds_at, merged_warnings
 from comparisons.sweep.page import read_sweep
@@ -12,41 +13,34 @@ from comparisons.sweep.scene import mapped
 from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import values
 from scenes import load_scene, run_modes
+from scenes.spec.plain import scene_text
 from scenes.spec.reading import read_scene
-from scenes.spec.toml import scene_text
 
 NU, STIFFNESS = "bodies.pad.material.nu", "contacts.sliding.p"
 
 
 def overhang(backend, **contact):
     """A pad that reaches beyond the bar it slides on."""
-    mesh = {
-        "fe": {"cell": "quadrilateral", "degree": 2, "elements": [3, 1]},
-        "iga": {"degree": [2, 2], "elements": [3, 1]},
-    }
     material = {"E": 1e10, "nu": 0.3, "rho": 2500.0}
-    pad = {"shape": "rectangle", "size": [0.04, 0.01], "origin": [0.0, 0.01]}
-    bar = {"shape": "rectangle", "size": [0.125, 0.01], "origin": [-0.1, 0.0]}
-    common = {"backend": backend, "material": material, "mesh": mesh}
-    return read_scene({
-        "name": "overhang",
-        "bodies": {
-            "pad": common | {"geometry": pad},
-            "bar": common | {"geometry": bar, "supports": [{"surface": "y_min"}]},
-        },
-        "contacts": {
-            "sliding": {
-                "a": "pad.y_min",
-                "b": "bar.y_max",
-                "formulation": {"method": "gpts", "points": 5},
-                "p": 1e12,
-                "mu": 0.4,
-                "friction_direction_on_a": {"vector": [1.0, 0.0]},
-                "max_missed": 0.5,
-            } | contact,
-        },
-        "analysis": {"kind": "cea", "max_frequency": 20000.0},
-    })  # fmt: skip
+    pad = rectangle(backend, [0.04, 0.01], [3, 1], origin=[0.0, 0.01], material=material)
+    bar = rectangle(backend, [0.125, 0.01], [3, 1], origin=[-0.1, 0.0], material=material)
+    sliding = {
+        "a": "pad.y_min",
+        "b": "bar.y_max",
+        "formulation": {"method": "gpts", "points": 5},
+        "p": 1e12,
+        "mu": 0.4,
+        "friction_direction_on_a": {"vector": [1.0, 0.0]},
+        "max_missed": 0.5,
+    }
+    return read_scene(
+        {
+            "name": "overhang",
+            "bodies": {"pad": pad, "bar": bar | {"supports": [{"surface": "y_min"}]}},
+            "contacts": {"sliding": sliding | contact},
+            "analysis": {"kind": "cea", "max_frequency": 20000.0},
+        }
+    )
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from comparisons.sweep.tables import values
 from scenes import load_scene, run_modes
 from scenes.running.assembled import AssembledScene
 from scenes.running.swept import parameters_meant
-from scenes.spec.toml import scene_text
+from scenes.spec.plain import scene_text
 
 PRESSURE = "loads.0.pressure"
 MESHES = tuple(

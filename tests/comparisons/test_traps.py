@@ -13,9 +13,9 @@ from cea.files import check_writable, regular
 from comparisons.sweep.points import read_axis
 from meshes.files.reading import read_mesh_file
 from scenes.results.record import read_record
+from scenes.spec.plain import scene_text
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
-from scenes.spec.toml import scene_text
 
 ENDS = "import sys; sys.argv[0] = 'cea'\nfrom comparisons.cli.app import main\nmain()"
 

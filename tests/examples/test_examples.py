@@ -141,7 +141,7 @@ def scene_file(name):
 def test_scenes_for_error_bars_have_no_faults(backend, name):
     scene = load_scene(scene_file(name), [], backend)
     inspection = inspect_scene(scene)
-    assert inspection.faults == ()
+    assert not inspection.faults
     assert all(contact.formulation.method == "mortar" for contact in scene.contacts.values())
     assert has_singular_edges(scene)
 

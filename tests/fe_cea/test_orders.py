@@ -7,14 +7,16 @@ import basix.ufl
 import dolfinx
 import numpy as np
 import pytest
-from bodies import dolfinx_body
+from bodies import dolfinx_body, shape_body
 from covering import covering
-from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body_of, csr
+from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body_of
 from mpi4py import MPI
+from petsc_matrices import to_scipy
 from scipy.sparse.linalg import spsolve
 
 from cea.location import locate_along
 from cea.surface_points import SurfaceCoordinates
+from meshes.placement import Placement
 
 every_element = pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
 
@@ -62,9 +64,9 @@ def test_polynomials_of_the_degree_are_exact(cell, degree):
     slope = np.array([0.7, -0.4, 0.5])[: body.dim]
     density = ((lam + mu) * slope[0] ** 2 + mu * slope @ slope) / (slope @ slope)
     gradient_squared = integral(body, lambda x: (gradient(x) ** 2).sum(axis=1), 2 * degree)
-    energy = moved.ravel() @ (csr(body.stiffness()) @ moved.ravel())
+    energy = moved.ravel() @ (to_scipy(body.stiffness()) @ moved.ravel())
     assert energy == pytest.approx(density * gradient_squared, rel=1e-11)
-    kinetic = moved.ravel() @ (csr(body.mass()) @ moved.ravel())
+    kinetic = moved.ravel() @ (to_scipy(body.mass()) @ moved.ravel())
     squared = integral(body, lambda x: value(x) ** 2, 2 * degree)
     assert kinetic == pytest.approx(MATERIAL.rho * squared, rel=1e-11)
 
@@ -151,3 +153,32 @@ def test_location_agrees_with_brute_force_on_curved_surfaces(cell, name, count):
     assert np.array_equal(found.status, status)
     hit = ~found.missed
     np.testing.assert_allclose(found.distance[hit], distance[hit], atol=1e-8)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize(("cell", "mesh"), [("tetrahedron", 0.4), ("hexahedron", (3, 16, 2))])
+@pytest.mark.parametrize("name", ["z_max", "top"])
+def test_grid_has_shared_points_once(name, cell, mesh, degree):
+    surface = shape_body((ROUND if name == "top" else FLAT)[3], cell, degree, mesh).surfaces[name]
+    corners = len(surface.grid(2))
+    for n in (3, 5):
+        points = surface.grid(n)
+        assert len(np.unique(np.round(points.x, 9), axis=0)) == len(points)
+        facets = surface.num_elements
+        # Euler: V - E + F is 0 for a ring, 1 for a disc.
+        edges = corners + facets - (0 if name == "top" else 1)
+        inner = (n - 2) * (n - 3) // 2 if cell == "tetrahedron" else (n - 2) ** 2
+        assert len(points) == corners + edges * (n - 2) + facets * inner
+
+
+@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
+def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell):
+    """Facets of a quarter circle leave the boxes of their corners by far more than the reach."""
+    mesh = 0.6 if cell == "tetrahedron" else (1, 4, 1)
+    body = shape_body(ROUND[3], cell, 2, mesh, placement=Placement(angle=45.0))
+    for name in ("inner", "outer"):
+        surface = body.surfaces[name]
+        points = surface.gauss_points(8)
+        found = surface.locate(points.x, points.normal, reach=1e-6)
+        assert not found.missed.any()
+        np.testing.assert_allclose(surface.position(found.at), points.x, atol=1e-8)

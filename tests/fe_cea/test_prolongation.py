@@ -8,7 +8,8 @@ import pytest
 from bodies import lagrange_body
 from dolfinx.fem import Function, functionspace
 from dolfinx.geometry import bb_tree, compute_colliding_cells, compute_collisions_points
-from lagrange_bodies import FLAT, MATERIAL, ROUND, SPACE, body_of, csr
+from lagrange_bodies import FLAT, MATERIAL, ROUND, SPACE, body_of
+from petsc_matrices import to_scipy
 
 from cea.errors import InputError
 from cea.nested.prolongation import of_body as prolongation
@@ -55,11 +56,11 @@ def test_boxes_divided(cell, degree):
 def assert_kept(coarse, fine):
     step = prolongation(coarse, fine)
     assert step.defect < 1e-10
-    P, u = csr(step.matrix), RNG.uniform(-1, 1, step.matrix.getSize()[1])
+    P, u = to_scipy(step.matrix), RNG.uniform(-1, 1, step.matrix.getSize()[1])
     x = inside(coarse)
     assert np.abs(values(fine, P @ u, x) - values(coarse, u, x)).max() < 1e-12
     for name in ("stiffness", "mass"):
-        wanted, whole = (csr(getattr(part, name)()) for part in (coarse, fine))
+        wanted, whole = (to_scipy(getattr(part, name)()) for part in (coarse, fine))
         assert abs(P.T @ whole @ P - wanted).max() < 1e-12 * abs(wanted).max()
 
 
@@ -67,7 +68,7 @@ def test_curved_cells_of_one_geometry():
     coarse, fine = (body_of(ROUND, "hexahedron", q, order=2) for q in (2, 3))
     step = prolongation(coarse, fine)
     assert step.defect < 1e-10
-    P = csr(step.matrix)
+    P = to_scipy(step.matrix)
     u = RNG.uniform(-1, 1, P.shape[1])
     for name, surface in fine.surfaces.items():
         points = surface.gauss_points(3)

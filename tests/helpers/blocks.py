@@ -15,18 +15,41 @@ PLACEMENTS = ["axis-aligned", "rotated"]
 ROTATED = {"axis": [1.0, 2.0, -0.5], "angle": 37.0, "translation": [0.3, -0.2, 0.7]}
 
 
-def block(backend, size, origin, elements, *, placement=None, supports=(), **mesh):
-    """Body section of a scene: a block with soft steel-like numbers."""
+def scene_body(backend, geometry, elements, degree=2, **sections):
+    """Body section of a scene: boxes, or quadrilaterals, of soft steel-like numbers."""
+    dim = len(elements)
+    cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
     return {
         "backend": backend,
-        "geometry": {"shape": "box", "size": size, "origin": origin},
+        "geometry": geometry,
         "material": {"E": 2.0, "nu": 0.3, "rho": 1.5},
-        "supports": list(supports),
-        "placement": placement or {},
         "mesh": {
-            "fe": {"cell": "hexahedron", "degree": 2, "elements": elements} | mesh.get("fe", {}),
-            "iga": {"degree": [2, 2, 2], "elements": elements} | mesh.get("iga", {}),
+            "fe": {"cell": cell, "degree": degree, "elements": elements},
+            "iga": {"degree": [degree] * dim, "elements": elements},
         },
+    } | sections
+
+
+def block(backend, size, origin, elements, *, placement=None, supports=(), **mesh):
+    """Body section of a scene: a block."""
+    geometry = {"shape": "box", "size": size, "origin": origin}
+    held = {"supports": list(supports), "placement": placement or {}}
+    body = scene_body(backend, geometry, elements, **held)
+    for name, changed in mesh.items():
+        body["mesh"][name] |= changed
+    return body
+
+
+def rectangle(backend, size, elements, *, origin=(0.0, 0.0), degree=2, **fields):
+    """Body section of a rectangle with the same elements on both backends, and other fields."""
+    return {
+        "backend": backend,
+        "geometry": {"shape": "rectangle", "size": list(size), "origin": list(origin)},
+        "mesh": {
+            "fe": {"cell": "quadrilateral", "degree": min(degree, 4), "elements": elements},
+            "iga": {"degree": [degree, degree], "elements": elements},
+        },
+        **fields,
     }
 
 

@@ -1,8 +1,16 @@
 """Bodies on one backend in one call."""
 
 from cea.body import Body
+from cea.material import IsotropicMaterial
 from fe_cea import LagrangeSpace
 from iga_cea import NurbsSpace
+from meshes.breaks import breaks_of
+from meshes.nurbs_shapes import nurbs_shape
+from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
+
+PLASTIC = IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
+PLAIN = Placement()
 
 _OF_SPACES = ("degree", "continuity", "mass_quadrature", "true_surfaces", "comm")
 
@@ -25,3 +33,19 @@ def dolfinx_body(name, mesh, facet_tags, surface_tags, **options):
 def nurbs_body(name, patches, faces, degree, **options):
     """Body of NURBS patches."""
     return _body(NurbsSpace, name, patches, faces, degree, **options)
+
+
+def shape_body(shape, cell, degree, mesh, *, order=None, placement=PLAIN, **options):
+    """Body of a shape: cells of a kind, or NURBS patches where that is None.
+
+    Its mesh is the number of elements along each direction, or the size of triangles and
+    tetrahedra.
+    """
+    options.setdefault("material", PLASTIC)
+    given = {"size": mesh} if isinstance(mesh, float) else {"breaks": breaks_of(shape, mesh)}
+    if cell is None:
+        data = nurbs_shape(shape, given["breaks"], placement)
+        degrees = degree if isinstance(degree, tuple) else (degree,) * len(mesh)
+        return nurbs_body("part", data.patches, data.faces, degrees, **options)
+    made = shape_mesh(shape, cell, order or degree, placement=placement, **given)
+    return lagrange_body("part", made, degree=degree, **options)

@@ -1,27 +1,16 @@
 """Small scenes whose every field can be changed: linear, pressed together, damped, rotating."""
 
+from blocks import rectangle
 from damped_numbers import modally_damped_disc
 
 from scenes.spec.reading import read_scene
 
 
-def rectangle(backend, size, origin, elements):
-    """Body section of a rectangle with springs on its sides."""
-    return {
-        "backend": backend,
-        "geometry": {"shape": "rectangle", "size": size, "origin": origin},
-        "material": {"E": 2.0, "nu": 0.3, "rho": 1.5},
-        "mesh": {
-            "fe": {"cell": "quadrilateral", "degree": 2, "elements": elements},
-            "iga": {"degree": [2, 2], "elements": elements},
-        },
-    }
-
-
 def linear(backend):
     """Two rectangles in contact of a given stiffness, with a load that changes no mode."""
-    upper = rectangle(backend, [0.5, 0.3], [0.2, 0.4], [3, 1])
-    lower = rectangle(backend, [1.0, 0.4], [0.0, 0.0], [4, 1])
+    material = {"E": 2.0, "nu": 0.3, "rho": 1.5}
+    upper = rectangle(backend, [0.5, 0.3], [3, 1], origin=[0.2, 0.4], material=material)
+    lower = rectangle(backend, [1.0, 0.4], [4, 1], material=dict(material))
     upper["supports"] = [{"surface": "y_max"}]
     upper["springs"] = [{"surface": "x_min", "stiffness": [0.3, 0.1]}]
     lower["supports"] = [{"surface": "y_min", "components": ["x", "y"]}]

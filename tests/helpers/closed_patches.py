@@ -35,9 +35,13 @@ def annulus(inner, outer, *, quarters=False, gap=0.0):
 def as_shape(geometry):
     """The same as a shape."""
     patches = tuple(
-        GivenPatch(tuple(p["degrees"]), tuple(map(tuple, p["knots"])),
-                   tuple(p["control_points"]), tuple(p["weights"]))
+        GivenPatch(
+            tuple(p["degrees"]),
+            tuple(map(tuple, p["knots"])),
+            tuple(p["control_points"]),
+            tuple(p["weights"]),
+        )
         for p in geometry["patches"]
-    )  # fmt: skip
+    )
     faces = {name: tuple(map(tuple, ends)) for name, ends in geometry["faces"].items()}
     return Patches(patches, faces)

@@ -1,21 +1,8 @@
 """A damped scene with a rotating disc and a pad that slides: data, and numbers on any ranks."""
 
+from blocks import scene_body
+
 RATE = 0.3
-
-
-def round_body(backend, geometry, elements, **fields):
-    """A body with round numbers, of cells of degree 2."""
-    dim = len(elements)
-    cell = {2: "quadrilateral", 3: "hexahedron"}[dim]
-    return {
-        "backend": backend,
-        "geometry": geometry,
-        "material": {"E": 1.0, "nu": 0.3, "rho": 1.5},
-        "mesh": {
-            "fe": {"cell": cell, "degree": 2, "elements": elements},
-            "iga": {"degree": [2] * dim, "elements": elements},
-        },
-    } | fields
 
 
 def alone(body, max_frequency=1.0):
@@ -26,7 +13,7 @@ def alone(body, max_frequency=1.0):
 
 def damped_disc(backend, **contact):
     """A disc that rotates under a pad, both damped, with everything that acts on velocities."""
-    disc = round_body(
+    disc = scene_body(
         backend,
         {
             "shape": "annulus",
@@ -41,7 +28,7 @@ def damped_disc(backend, **contact):
         damping={"alpha": 0.01, "beta": 0.002},
         rotation={"rate": RATE, "convective_stiffness": True},
     )
-    pad = round_body(
+    pad = scene_body(
         backend,
         {
             "shape": "sector",

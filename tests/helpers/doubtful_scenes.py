@@ -1,5 +1,7 @@
 """Scenes whose numbers, motions or places are unlikely to be meant."""
 
+from blocks import rectangle
+
 from scenes import run_scene
 from scenes.checking.check import inspect_scene
 from scenes.spec.reading import read_scene
@@ -9,20 +11,10 @@ STEEL, TONNES = {"E": 2.1e11, "rho": 7850.0}, {"E": 2.1e5, "rho": 7.85e-9}
 
 def bar(backend, *, E=2.1e11, rho=7850.0, size=(0.2, 0.02), analysis=None, **others):
     """A bar in plane strain that is held at its left end."""
+    material, supports = {"E": E, "nu": 0.0, "rho": rho}, [{"surface": "x_min"}]
     scene = {
         "name": "bar",
-        "bodies": {
-            "bar": {
-                "backend": backend,
-                "geometry": {"shape": "rectangle", "size": list(size)},
-                "material": {"E": E, "nu": 0.0, "rho": rho},
-                "supports": [{"surface": "x_min"}],
-                "mesh": {
-                    "fe": {"cell": "quadrilateral", "degree": 2, "elements": [8, 2]},
-                    "iga": {"degree": [2, 2], "elements": [8, 2]},
-                },
-            }
-        },
+        "bodies": {"bar": rectangle(backend, size, [8, 2], material=material, supports=supports)},
         "analysis": analysis or {"kind": "cea", "max_frequency": 2000.0},
     }
     return scene | others

@@ -4,15 +4,14 @@ from functools import reduce
 from itertools import pairwise, product
 
 import numpy as np
-from bodies import nurbs_body
+from bodies import shape_body
 from scipy.interpolate import BSpline
 from scipy.sparse import csr_array, diags_array, kron
 
 from cea.body import Body
 from cea.material import IsotropicMaterial
 from iga_cea.splines import basis_matrix
-from meshes.breaks import breaks_of
-from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
+from meshes.nurbs_shapes import NurbsPatch
 from meshes.placement import Placement
 
 STEEL = IsotropicMaterial(E=2.1, nu=0.3, rho=7.8)
@@ -25,14 +24,8 @@ def body(shape, elements, degree, placement: Placement | None = None, **options)
     """Body of a shape, turned in space or in the plane unless a placement says otherwise."""
     if placement is None:
         placement = TILTED if len(degree) == 3 else TURNED
-    data = nurbs_shape(shape, breaks_of(shape, elements), placement)
     options.setdefault("material", STEEL)
-    return nurbs_body("part", data.patches, data.faces, degree, **options)
-
-
-def scipy_of(matrix) -> csr_array:
-    indptr, indices, values = matrix.getValuesCSR()
-    return csr_array((values, indices, indptr), shape=matrix.getSize())
+    return shape_body(shape, None, tuple(degree), elements, placement=placement, **options)
 
 
 def turned(patch: NurbsPatch, axes: tuple[int, ...], flip: int) -> NurbsPatch:
@@ -89,8 +82,8 @@ def _points(patch, order):
         spans = []
         for a, b in pairwise(np.unique(knots)):
             x = (a + b) / 2 + (b - a) / 2 * nodes
-            spans.append([(*ts, (b - a) / 2 * w) for *ts, w in
-                          zip(spline(x), spline(x, nu=1), weights, strict=True)])  # fmt: skip
+            values = zip(spline(x), spline(x, nu=1), (b - a) / 2 * weights, strict=True)
+            spans.append(list(values))
         tables.append(spans)
     X, w = patch.control_points.reshape(-1, dim), patch.weights.ravel()
     for element in product(*tables):

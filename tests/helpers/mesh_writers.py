@@ -6,6 +6,7 @@ import gmsh
 import meshio
 import numpy as np
 import pytest
+import pyvista
 
 from cea.mesh import DIMENSION, Mesh, lattice
 from meshes.breaks import breaks_of
@@ -18,18 +19,16 @@ from meshes.unstructured import gmsh_session
 
 NEEDED = {".cdb": "mapdl_archive", ".xdmf": "h5py", ".vtu": "meshio"}
 FACETS = {"tetrahedron": "triangle", "hexahedron": "quadrilateral"}
-ANSYS = {"tetrahedron4": 285, "tetrahedron10": 187}
-BRICKS = {
-    "hexahedron8": range(8),
-    "wedge6": [0, 1, 2, 2, 3, 4, 5, 5],
-    "pyramid5": [0, 1, 2, 3, 4, 4, 4, 4],
-    "tetrahedron4": [0, 1, 2, 2, 3, 3, 3, 3],
-    "hexahedron20": range(20),
-    "wedge15": [0, 1, 2, 2, 3, 4, 5, 5, 6, 7, 2, 8, 9, 10, 5, 11, 12, 13, 14, 14],
-    "pyramid13": [0, 1, 2, 3, 4, 4, 4, 4, 5, 6, 7, 8, 4, 4, 4, 4, 9, 10, 11, 12],
-    "tetrahedron10": [0, 1, 2, 2, 3, 3, 3, 3, 4, 5, 2, 6, 3, 3, 3, 3, 7, 8, 9, 9],
+VTK = {
+    "tetrahedron4": 10,
+    "hexahedron8": 12,
+    "wedge6": 13,
+    "pyramid5": 14,
+    "tetrahedron10": 24,
+    "hexahedron20": 25,
+    "wedge15": 26,
+    "pyramid13": 27,
 }
-"""Nodes of elements as bricks (SOLID185, SOLID186) whose nodes fall on one another."""
 
 
 def file_of(folder, name):
@@ -60,45 +59,38 @@ def abaqus_deck(points, solids, node_sets):
     return "\n".join(lines) + "\n"
 
 
-def ansys_archive(points, solids, node_sets):
-    """An archive as CDWRITE makes it; what is not tetrahedra alone has bricks of one type."""
-    kinds = sorted({kind for _, kind, _ in solids})
-    alone = ANSYS.get(kinds[0]) if len(kinds) == 1 else None
-    of_type = alone or {8: 185, 20: 186}[len(BRICKS[kinds[0]])]
-    n = len(points)
-    lines = ["/PREP7", f"ET, 1, {of_type}", f"NBLOCK,6,SOLID,{n},{n}", "(3i9,6e21.13e3)"]
-    for i, x in enumerate(points.tolist(), 1):
-        lines.append(f"{i:9d}{0:9d}{0:9d}" + "".join(_fortran(value) for value in x))
-    lines.append("N,R5.3,LOC,       -1,")
-    rows, sets = [], []
-    for name, kind, nodes in solids:
-        sets += _component(name, "ELEM", len(rows) + 1 + np.arange(len(nodes)))
-        rows += (nodes if alone else nodes[:, list(BRICKS[kind])]).tolist()
-    lines += [f"EBLOCK,19,SOLID,{len(rows)},{len(rows)}", "(19i9)"]
-    for i, row in enumerate(rows, 1):
-        numbers = [1, 1, 1, 1, 0, 0, 0, 0, len(row), 0, i, *(node + 1 for node in row)]
-        lines += ["".join(f"{k:9d}" for k in part) for part in (numbers[:19], numbers[19:]) if part]
+def vtk_grid(points, solids, node_sets):
+    """A grid of VTK with a number from 1 for each set of elements, and its node sets."""
+    cells, groups = {}, {}
+    for i, (kind, nodes) in enumerate(solids.values(), 1):
+        cells.setdefault(VTK[kind], []).append(nodes)
+        groups.setdefault(VTK[kind], []).append(np.full(len(nodes), i))
+    grid = pyvista.UnstructuredGrid({k: np.concatenate(v) for k, v in cells.items()}, points)
+    grid.cell_data["group"] = np.concatenate([np.concatenate(groups[k]) for k in cells])
     for name, nodes in node_sets.items():
-        sets += _component(name, "NODE", np.unique(nodes) + 1)
-    return "\n".join([*lines, f"{-1:9d}", *sets, "FINISH"]) + "\n"
+        on = np.isin(np.arange(len(points)), nodes)
+        grid.point_data[name.upper()] = on.astype(np.uint8)
+    return grid
 
 
 def write_sets(file, points, solids, node_sets):
-    """A deck or an archive."""
-    writer = {".inp": abaqus_deck, ".cdb": ansys_archive}[file.suffix]
-    every = [(name, *of_kind) for name, of_kind in solids.items()]
-    file.write_text(writer(points, every, node_sets))
+    """A deck; or an archive, whose materials and a component of elements are the sets."""
+    if file.suffix == ".inp":
+        every = [(name, *of_kind) for name, of_kind in solids.items()]
+        file.write_text(abaqus_deck(points, every, node_sets))
+        return
+    from mapdl_archive import save_as_archive
 
-
-def _fortran(value):
-    mantissa, exponent = f"{value:.13e}".split("e")
-    return f"{mantissa}E{int(exponent):+04d}".rjust(21)
-
-
-def _component(name, kind, numbers):
-    items = numbers.tolist()
-    lines = [f"CMBLOCK,{name.upper():<8},{kind},{len(items):8d}  ! component", "(8i10)"]
-    return lines + ["".join(f"{k:10d}" for k in items[i : i + 8]) for i in range(0, len(items), 8)]
+    grid = vtk_grid(points, solids, node_sets)
+    grid.cell_data["mtype"] = grid.cell_data["group"]
+    save_as_archive(file, grid)
+    for i, name in enumerate(solids, 1):
+        members = np.flatnonzero(grid.cell_data["group"] == i) + 1
+        lines = [f"CMBLOCK,{name.upper():<8},ELEM,{len(members):8d}", "(8i10)"]
+        for row in np.split(members, range(8, len(members), 8)):
+            lines.append("".join(f"{k:10d}" for k in row))
+        with file.open("a") as stream:
+            stream.write("\n".join([*lines, ""]))
 
 
 def of_meshio(kind):
@@ -381,14 +373,7 @@ def mixed_file(file, order):
     solids = {b.cell.upper(): (f"{b.cell}{b.nodes.shape[1]}", b.nodes) for b in blocks}
     low = {"LOW": np.flatnonzero(points[:, 1] == 0)}
     if file.suffix == ".vtu":  # by the library of VTK itself
-        import pyvista
-
-        types = {"HEXAHEDRON": (12, 25), "WEDGE": (13, 26), "PYRAMID": (14, 27)}
-        types["TETRAHEDRON"] = (10, 24)
-        cells = {types[name][order - 1]: nodes for name, (_, nodes) in solids.items()}
-        grid = pyvista.UnstructuredGrid(cells, points)
-        grid.point_data["LOW"] = np.isin(np.arange(len(points)), low["LOW"]).astype(int)
-        grid.save(file)
+        vtk_grid(points, solids, low).save(file)
     else:
         write_sets(file, points, solids, low)
     return points, blocks

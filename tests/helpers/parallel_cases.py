@@ -19,9 +19,7 @@ from scenes import run_modes, run_scene
 from scenes.spec.plain import SCENES, checked
 from scenes.spec.reading import load_scene, read_scene
 
-in_krylov_spaces = patch(
-    "cea.eigen.krylov_schur.KrylovOptions", lambda: KrylovOptions(dense_limit=0)
-)
+in_krylov_spaces = patch("cea.eigen.driver.KrylovOptions", lambda: KrylovOptions(dense_limit=0))
 """Small systems are searched like large ones, which ranks share: LAPACK would solve them whole."""
 GRID, GPTS = {"method": "grid", "points": 5}, {"method": "gpts", "points": 4}
 

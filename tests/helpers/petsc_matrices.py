@@ -13,10 +13,15 @@ def to_petsc(matrix):
     return distributed(csr_array(matrix), np.shape(matrix), PETSc.COMM_SELF)
 
 
+def to_scipy(matrix):
+    """CSR array of a PETSc AIJ matrix on one rank."""
+    starts, columns, values = matrix.getValuesCSR()
+    return csr_array((values, columns, starts), shape=matrix.getSize())
+
+
 def to_numpy(matrix):
     """Dense array of a PETSc AIJ matrix on one rank."""
-    starts, columns, values = matrix.getValuesCSR()
-    return np.asarray(csr_array((values, columns, starts), shape=matrix.getSize()).toarray())
+    return np.asarray(to_scipy(matrix).toarray())
 
 
 def dense_pencil(matrices):

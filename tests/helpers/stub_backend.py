@@ -41,9 +41,9 @@ class StubSpace:
         held = []
         for number, support in enumerate(supports):
             surface = self.surfaces[support.surface]
-            x, own = self.nodes[surface.line], np.full(len(surface.line), number)
+            x = self.nodes[surface.line]
             for direction in support.directions(x, np.tile(surface.normal_vector, (len(x), 1))):
-                held.append(Directions(surface.line, direction, None, own))
+                held.append(Directions.of(surface.line, direction, support=number))
         return constrain(len(self.nodes), Directions.joined(held, 2), field=field)
 
     def stiffness(self, elasticity):

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import TURNED, basis_on_grid, body, scipy_of, turned
+from iga_data import TURNED, basis_on_grid, body, turned
+from petsc_matrices import to_scipy
 
 from cea.errors import InputError
 from cea.nested.prolongation import of_body as prolongation
@@ -34,7 +35,9 @@ def values(part, u, patch, parameters):
         (Box((1.0, 0.8, 0.5)), ((2, 1, 2), (2, 2, 1), None), ((4, 3, 2), (3, 2, 2), (1, 1, 0))),
         (Disc(1.7, -0.1, 0.2), ((2, 8, 1), (2, 2, 2), None), ((4, 8, 2), (3, 3, 2), (1, 1, 1))),
         pytest.param(
-            *(HUB, ((2, 4, 2), (2, 2, 1), None), ((2, 4, 4), (2, 3, 1), (1, 1, 0))),
+            HUB,
+            ((2, 4, 2), (2, 2, 1), None),
+            ((2, 4, 4), (2, 3, 1), (1, 1, 0)),
             marks=pytest.mark.slow,
         ),
     ],
@@ -46,7 +49,7 @@ def test_coarse_functions_stay_what_they_are(shape, coarse, fine):
     step = prolongation(one, other)
     assert step.defect < 1e-10
     u = RNG.uniform(-1, 1, one.dim * one.num_scalar_dofs)
-    prolonged = scipy_of(step.matrix) @ u
+    prolonged = to_scipy(step.matrix) @ u
     for patch in range(len(one.space.multipatch.patches)):
         at = [RNG.uniform(0, 1, 5) for _ in range(one.dim)]
         difference = values(other, prolonged, patch, at) - values(one, u, patch, at)
@@ -72,7 +75,7 @@ def test_patches_whose_parameters_lie_otherwise():
     step = prolongation(coarse, fine)
     assert step.defect < 1e-10
     u = varied_coefficients(step.matrix.getSize()[1])
-    full = [scipy_of(b.expansion) @ v for b, v in ((coarse, u), (fine, scipy_of(step.matrix) @ u))]
+    full = [to_scipy(b.expansion) @ v for b, v in ((coarse, u), (fine, to_scipy(step.matrix) @ u))]
     for patch in (0, 1):
         at = [RNG.uniform(0, 1, 4) for _ in range(3)]
         apart = values(fine, full[1], patch, at) - values(coarse, full[0], patch, at)
@@ -93,7 +96,7 @@ def test_a_higher_continuity_is_met_at_full_order():
         basis = basis_on_grid(coarse.space.multipatch.patches[0], at).toarray()
         u = np.zeros_like(coarse.space.dof_positions)
         u[coarse.space.multipatch.dofs[0].ravel()] = np.linalg.lstsq(basis, np.sin(3 * x))[0]
-        apart = values(fine, scipy_of(step.matrix) @ u.ravel(), 0, at) - values(coarse, u, 0, at)
+        apart = values(fine, to_scipy(step.matrix) @ u.ravel(), 0, at) - values(coarse, u, 0, at)
         errors.append(np.abs(apart).max())
     assert -np.polyfit(np.log([8, 16, 32]), np.log(errors), 1)[0] == pytest.approx(3, abs=0.2)
 

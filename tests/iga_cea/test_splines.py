@@ -2,16 +2,13 @@
 
 import numpy as np
 import pytest
-from iga_data import basis_on_grid
+from iga_data import TILTED, basis_on_grid
 from scipy.interpolate import BSpline
 
 from iga_cea.patch import refine
-from iga_cea.splines import (
-    basis_functions,
-)
+from iga_cea.splines import basis_functions
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
-from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Sector
 
 DEGREES = range(1, 9)
@@ -41,7 +38,6 @@ def test_basis_and_derivatives_agree_with_scipy(degree: int) -> None:
         assert np.abs(ours - exact).max() <= 1e-13 * max(1.0, np.abs(exact).max())
 
 
-PLACEMENT = Placement(axis=(1.0, 2.0, -0.5), angle=33.0, translation=(0.1, -0.2, 0.3))
 SHAPES = [
     Box((1.0, 2.0, 0.5), (0.1, 0.2, 0.3)),
     Annulus(0.8, 1.7, -0.1, 0.2),
@@ -52,7 +48,7 @@ SHAPES = [
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda s: s.shape)
 @pytest.mark.parametrize("degree", [(1, 2, 1), (2, 3, 4), (6, 6, 6), (8, 8, 8)])
 def test_refinement_keeps_the_geometry(shape, degree: tuple[int, int, int]) -> None:
-    coarse = nurbs_shape(shape, breaks_of(shape, (2, 8, 3)), PLACEMENT)
+    coarse = nurbs_shape(shape, breaks_of(shape, (2, 8, 3)), TILTED)
     grid = [np.linspace(0, 1, 6)] * 3
     for geometry in coarse.patches:
         before = refine(geometry, geometry.degrees, tuple(p - 1 for p in geometry.degrees))

@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from bodies import nurbs_body
-from iga_data import basis_on_grid
+from bodies import PLASTIC, nurbs_body, shape_body
+from iga_data import TILTED, basis_on_grid
 
 from cea.body import Body
-from cea.material import IsotropicMaterial
 from cea.surface_points import Status
 from iga_cea.grids import grid_points
 from meshes.breaks import breaks_of
@@ -14,8 +13,6 @@ from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Sector, Shape
 
-STEEL = IsotropicMaterial(E=2.1, nu=0.3)
-TILTED = Placement(axis=(1.0, 2.0, -0.5), angle=33.0, translation=(0.1, -0.2, 0.3))
 INNER, OUTER, BOTTOM, TOP = 0.8, 1.7, -0.1, 0.2
 ANNULUS = Annulus(INNER, OUTER, BOTTOM, TOP)
 START, END = 20.0, 110.0
@@ -25,8 +22,7 @@ RNG = np.random.default_rng(11)
 
 
 def body(shape: Shape, elements=(2, 8, 2), degree=(2, 3, 2), placement=TILTED) -> Body:
-    data = nurbs_shape(shape, breaks_of(shape, elements), placement)
-    return nurbs_body("part", data.patches, data.faces, degree, material=STEEL)
+    return shape_body(shape, None, degree, elements, placement=placement)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +37,7 @@ def test_normals_point_outward_whatever_the_handedness() -> None:
         patch.degrees, patch.knots, patch.control_points[::-1], patch.weights, patch.breaks
     )
     faces = {"x_max": [(0, 0, 0)], "x_min": [(0, 0, 1)], "z_max": [(0, 2, 1)]}
-    part = nurbs_body("part", [mirrored], faces, (2, 2, 2), material=STEEL)
+    part = nurbs_body("part", [mirrored], faces, (2, 2, 2), material=PLASTIC)
     for name, surface in part.surfaces.items():
         points = surface.gauss_points(2)
         outward = np.eye(3)["xyz".index(name[0])] * (1 if name.endswith("max") else -1)
@@ -89,7 +85,7 @@ def test_faces_go_on_beyond_their_edges_whatever_their_outermost_spans_are():
     low, high = np.array([INNER, START, BOTTOM]), np.array([OUTER, END, TOP])
     fine = [a + (b - a) * tiny for a, b in zip(low, high, strict=True)]
     refined, plain = (
-        nurbs_body("part", data.patches, data.faces, degree, material=STEEL).surfaces["top"]
+        nurbs_body("part", data.patches, data.faces, degree, material=PLASTIC).surfaces["top"]
         for data, degree in (
             (nurbs_shape(SECTOR, fine, TILTED), (5, 5, 5)),
             (nurbs_shape(SECTOR, breaks_of(SECTOR, (1, 1, 1)), TILTED), (2, 2, 2)),

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import STEEL, basis_on_grid, body, scipy_of, slow_matrices, turned
+from iga_data import STEEL, basis_on_grid, body, slow_matrices, turned
+from petsc_matrices import to_scipy
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
@@ -57,8 +58,8 @@ def test_given_patches_are_the_shape_they_describe() -> None:
     # The middle break of the arc has another parameter: even in the parameter, not in the angle.
     middle = breaks_of(patches, (2, 2, 1))[1][1]
     assert middle == 0.5
-    difference = abs(scipy_of(ours.mass()) - scipy_of(same.mass())).max()
-    assert difference < 1e-14 * abs(scipy_of(same.mass())).max()
+    difference = abs(to_scipy(ours.mass()) - to_scipy(same.mass())).max()
+    assert difference < 1e-14 * abs(to_scipy(same.mass())).max()
 
 
 def bent() -> GivenPatch:
@@ -82,7 +83,7 @@ def test_given_knots_are_kept(degree: tuple[int, int]) -> None:
     assert (np.abs(patch.knots[1] - 0.2) < 1e-12).sum() == 1 + degree[1] - 1
     if max(degree) < 8:
         for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
-            assert np.abs(scipy_of(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
+            assert np.abs(to_scipy(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
 
 
 # Orders of the axes, each with one direction reversed.

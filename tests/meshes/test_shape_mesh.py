@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from covering import covering
 from gmsh_models import assert_outer_facets_are_named, gmsh_model, measures
-from iga_data import STEEL, body, scipy_of
+from iga_data import STEEL, body
+from petsc_matrices import to_scipy
 
 from cea.errors import InputError
 from cea.mesh import Mesh
@@ -163,7 +164,7 @@ def test_patches_of_shapes_have_them_exactly(name):
     shape, volume, areas = MEASURES[name]
     dim = len(shape.directions)
     part = body(shape, (4, 16, 5)[:dim], (2, 6, 2)[:dim])
-    assert scipy_of(part.mass()).sum() == pytest.approx(dim * STEEL.rho * volume, rel=1e-13)
+    assert to_scipy(part.mass()).sum() == pytest.approx(dim * STEEL.rho * volume, rel=1e-13)
     assert {n: each.area for n, each in part.surfaces.items()} == pytest.approx(areas, rel=1e-13)
     assert len(np.unique(np.round(part.space.dof_positions, 9), axis=0)) == part.num_scalar_dofs
 

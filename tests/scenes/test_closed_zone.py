@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from blocks import rectangle
 
 from scenes import read_scene, run_modes
 from scenes.checking.steady import closed_zone
@@ -9,37 +10,24 @@ from scenes.checking.steady import closed_zone
 SEGMENTS = {"method": "segments"}
 
 
-def body(backend, geometry, elements, degree=2, **more):
-    cell = "quadrilateral" if len(elements) == 2 else "hexahedron"
-    mesh = {
-        "fe": {"cell": cell, "degree": degree, "elements": list(elements)},
-        "iga": {"degree": [degree] * len(elements), "elements": list(elements)},
-    }
-    return {"backend": backend, "geometry": geometry, "mesh": mesh, **more}
-
-
 def crowned_pad(backend, refined, c_n, formulation=SEGMENTS, **analysis):
     """A crowned pad on a bar, with friction; the closed zone is half as wide as the pad."""
-    base = {"shape": "rectangle", "size": [0.04, 0.02], "origin": [0.0, 0.02]}
-    crown = {"shape": "crowned", "base": base, "surface": "y_min", "radii": {"x": 8.0}}
     sides = [{"surface": name, "components": ["x"]} for name in ("x_min", "x_max")]
-    bar = {"shape": "rectangle", "size": [0.1, 0.02], "origin": [-0.03, 0.0]}
-    material = {"nu": 0.3, "rho": 2500.0}
+    soft, hard = ({"E": E, "nu": 0.3, "rho": 2500.0} for E in (5e9, 1e10))
+    pad = rectangle(backend, [0.04, 0.02], [8 * refined, 3], origin=[0.0, 0.02], material=soft)
+    crown = {"shape": "crowned", "base": pad["geometry"], "surface": "y_min", "radii": {"x": 8.0}}
+    bar = rectangle(backend, [0.1, 0.02], [13 * refined, 2], origin=[-0.03, 0.0], material=hard)
     bodies = {
-        "pad": body(
-            *(backend, crown, (8 * refined, 3)), material=material | {"E": 5e9}, supports=sides
-        ),
-        "bar": body(
-            *(backend, bar, (13 * refined, 2)),
-            material=material | {"E": 1e10},
-            supports=[{"surface": "y_min"}],
-        ),
+        "pad": pad | {"geometry": crown, "supports": sides},
+        "bar": bar | {"supports": [{"surface": "y_min"}]},
     }
     contact = {"a": "pad.y_min", "b": "bar.y_max", "formulation": formulation, "reach": 1e-4}
     contact |= {"c_n": c_n, "m_n": 1.5, "mu": 0.4, "friction_direction_on_a": {"vector": [1, 0]}}
     return read_scene(
         {
-            **{"name": "crowned", "bodies": bodies, "contacts": {"s": contact}},
+            "name": "crowned",
+            "bodies": bodies,
+            "contacts": {"s": contact},
             "loads": [{"surface": "pad.y_max", "pressure": 1e6}],
             "analysis": {"kind": "cea", "max_frequency": 12000.0} | analysis,
         }

@@ -29,7 +29,7 @@ def unsolved(monkeypatch):
 def test_what_is_seen_before_is_what_a_run_has(backend):
     scene = scene_of("blocks", backend, "contacts.interface.full_pass=true")
     looked, result = inspect_scene(scene), run_modes(scene)
-    assert looked.faults == ()
+    assert not looked.faults
     assert looked.dofs == result.system.size
     assert looked.halves.keys() == result.interfaces.keys()
     for name, half in looked.halves.items():
@@ -40,7 +40,7 @@ def test_what_is_seen_before_is_what_a_run_has(backend):
 
 def test_nothing_is_solved(backend, unsolved):
     looked = inspect_scene(scene_of("blocks", backend))
-    assert looked.faults == ()
+    assert not looked.faults
     with pytest.raises(AssertionError, match="something was solved"):
         run_modes(looked.scene)
 

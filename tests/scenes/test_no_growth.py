@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import FORMULATIONS
+from blocks import FORMULATIONS, rectangle
 from covering import covering
 
 from scenes import run_scene
@@ -13,20 +13,10 @@ SOFT = {"E": 0.1, "nu": 0.25, "rho": 0.35}
 
 def layer(backend, low, fixed):
     """One of two layers that mirror each other in y = 0."""
-    return {
-        "backend": backend,
-        "geometry": {"shape": "rectangle", "size": [2.0, 0.5], "origin": [0.0, low]},
-        "material": SOFT,
-        "supports": [
-            {"surface": fixed},
-            {"surface": "x_min", "components": ["x"]},
-            {"surface": "x_max", "components": ["x"]},
-        ],
-        "mesh": {
-            "fe": {"cell": "quadrilateral", "degree": 2, "elements": [9, 3]},
-            "iga": {"degree": [3, 3], "elements": [11, 3]},
-        },
-    }
+    sides = [{"surface": name, "components": ["x"]} for name in ("x_min", "x_max")]
+    body = rectangle(backend, [2.0, 0.5], [9, 3], origin=[0.0, low], material=SOFT)
+    body["mesh"]["iga"] = {"degree": [3, 3], "elements": [11, 3]}
+    return body | {"supports": [{"surface": fixed}, *sides]}
 
 
 def mirrored_layers(backend, formulation, **contact):

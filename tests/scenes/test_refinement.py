@@ -12,10 +12,9 @@ from meshes.shapes import Hub
 from scenes.refinement.meshes import Resolution, has_singular_edges, moved_to_mortar, refined
 from scenes.refinement.singular_edges import singular_edges
 from scenes.spec.body import SupportSpec
-from scenes.spec.plain import scene_names
+from scenes.spec.plain import scene_names, scene_text
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene
-from scenes.spec.toml import scene_text
 
 
 def mesh(scene, name):

@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
+from blocks import rectangle
 from covering import covering
 
-from comparisons.accuracy.page import uses
 from comparisons.accuracy.problems import PROBLEMS
-from comparisons.accuracy.study import STUDY
+from comparisons.accuracy.study import STUDY, uses
 from comparisons.study.result import read
 from scenes import run_modes
 from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
@@ -66,28 +66,17 @@ def test_too_many_points_are_told_where_they_lock():
 
 def two_plates(shift=0.0, apart=0.0, **contact):
     """Data of a plate of length 1 on another, moved along and away from it."""
-
-    def plate(origin):
-        return {
-            "backend": "iga",
-            "geometry": {"shape": "rectangle", "size": [1.0, 0.2], "origin": origin},
-            "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
-            "supports": [{"surface": "x_min"}],
-            "mesh": {"iga": {"degree": [2, 2], "elements": [10, 2]}},
-        }
-
+    fields = {
+        "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
+        "supports": [{"surface": "x_min"}],
+    }
+    upper = rectangle("iga", [1.0, 0.2], [10, 2], origin=[shift, apart], **fields)
+    lower = rectangle("iga", [1.0, 0.2], [10, 2], origin=[0.0, -0.2], **fields)
+    sides = {"a": "upper.y_min", "b": "lower.y_max", "formulation": {"method": "mortar"}, "p": 1.0}
     return {
         "name": "plates",
-        "bodies": {"upper": plate([shift, apart]), "lower": plate([0.0, -0.2])},
-        "contacts": {
-            "c": {
-                "a": "upper.y_min",
-                "b": "lower.y_max",
-                "formulation": {"method": "mortar"},
-                "p": 1.0,
-            }
-            | contact
-        },
+        "bodies": {"upper": upper, "lower": lower},
+        "contacts": {"c": sides | contact},
         "analysis": {"kind": "cea", "max_frequency": 1.0},
     }
 
@@ -100,25 +89,16 @@ def test_a_closed_gap_is_told_with_its_width():
 
 def cantilever(backend, degree, nu, elements=4):
     """A beam of length 4 and height 1 clamped at its end."""
-    lagrange = {"cell": "quadrilateral", "degree": min(degree, 4)}
-    return read_scene(
-        {
-            "name": "cantilever",
-            "bodies": {
-                "beam": {
-                    "backend": backend,
-                    "geometry": {"shape": "rectangle", "size": [4.0, 1.0]},
-                    "material": {"E": 1.0, "nu": nu, "rho": 1.0},
-                    "supports": [{"surface": "x_min"}],
-                    "mesh": {
-                        "fe": lagrange | {"elements": [4 * elements, elements]},
-                        "iga": {"degree": [degree] * 2, "elements": [4 * elements, elements]},
-                    },
-                }
-            },
-            "analysis": {"kind": "cea", "max_frequency": 0.5},
-        }
+    beam = rectangle(
+        backend,
+        [4.0, 1.0],
+        [4 * elements, elements],
+        degree=degree,
+        material={"E": 1.0, "nu": nu, "rho": 1.0},
+        supports=[{"surface": "x_min"}],
     )
+    analysis = {"kind": "cea", "max_frequency": 0.5}
+    return read_scene({"name": "cantilever", "bodies": {"beam": beam}, "analysis": analysis})
 
 
 @cache

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Floats, Ints
 from cea.errors import InputError
-from cea.mesh import Cell, Floats, Ints, Mesh, matching_nodes, reference_nodes
+from cea.mesh import Cell, Mesh, matching_nodes, reference_nodes
 from meshes.files.content import named_sides
 from meshes.files.elements import KINDS, facet_sides, full_kind, side_nodes
 from scenes.building.build import body_mesh, used_surfaces

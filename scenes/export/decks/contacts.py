@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cea.arrays import Floats
 from cea.contact.friction import AlongVector, Circumferential
 from cea.errors import InputError
-from cea.mesh import Floats
 from cea.surface import Surface
 from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.spec.contact import ContactSpec

@@ -33,6 +33,7 @@ MAX_MODES = 10_000
 _LABEL = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,29}")
 """Names that both programs take as they are; they do not tell capitals from small letters."""
 _LABELS = "a letter, then at most 29 letters, digits, _ or -,"
+_UNWRITTEN = "left out, as it is not written,"
 
 _Claim = tuple[str, Any, Any, str]
 """A field, its value, whether that is wrong, and what is allowed."""
@@ -139,27 +140,21 @@ def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
     axes = body.material.axes
     by_text = axes is not None and not (axes.uniform or axes.cylindrical_about)
     yield f"{field}.material.axes", axes, by_text, "numbers, or cylindrical"
-    unwritten = "left out, as it is not written,"
     for name in ("springs", "damping", "rotation"):
-        yield f"{field}.{name}", getattr(body, name), getattr(body, name), unwritten
+        yield f"{field}.{name}", getattr(body, name), getattr(body, name), _UNWRITTEN
     for i, support in enumerate(body.supports):
         place, components = f"{field}.supports.{i}", list(support.components)
         yield f"{place}.components", components, set(components) - set("xyz"), "x, y or z"
-        allowed = "left out, where supports hold at zero,"
-        yield f"{place}.value", support.value, support.value is not None, allowed
+        yield f"{place}.value", support.value, support.value is not None, _UNWRITTEN
 
 
 def _claims_on_contact(field: str, contact: ContactSpec) -> Iterator[_Claim]:
-    allowed = "left out, P or p given instead,"
-    yield f"{field}.c_n", contact.c_n, contact.c_n is not None, allowed
+    for name in ("c_n", "full_pass", "sliding"):
+        yield f"{field}.{name}", getattr(contact, name), getattr(contact, name), _UNWRITTEN
     for name in ("P", "p"):
         value = getattr(contact, name)
         wrong = value is not None and not (isinstance(value, float | int) and isfinite(value))
         yield f"{field}.{name}", value, wrong, "a finite number"
     yield f"{field}.mu", contact.mu, not isinstance(contact.mu, float | int), "a number"
-    allowed = "false, since points lie on side a, the slave,"
-    yield f"{field}.full_pass", contact.full_pass, contact.full_pass, allowed
-    sliding, formulation = contact.sliding, contact.formulation
-    yield f"{field}.sliding", sliding, sliding is not None, "left out, as it is not written,"
-    bonded = formulation.coupling == "bonded"
-    yield f"{field}.formulation.method", formulation.method, bonded, "one that is not bonded"
+    method, bonded = contact.formulation.method, contact.formulation.coupling == "bonded"
+    yield f"{field}.formulation.method", method, bonded, "one that is not bonded"

@@ -1,9 +1,10 @@
-"""Sum factorisation of maps that are no tensor products, and of those that nearly are."""
+"""Matrices of NURBS bodies against slow loops: every degree, joint and map; sums of products."""
 
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import STEEL, TILTED, TURNED, body, scipy_of, slow_matrices, slow_points
+from iga_data import STEEL, TILTED, TURNED, body, slow_matrices, slow_points, turned
+from petsc_matrices import to_scipy
 
 from cea.body import Body
 from cea.rotation import Rotation
@@ -35,9 +36,51 @@ def distorted_body(shape, elements, degree, *, weights: bool, **options) -> Body
 
 def assert_agrees_with_slow_loops(part: Body) -> None:
     for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
-        A = scipy_of(ours)
+        A = to_scipy(ours)
         assert np.abs(A.toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
         assert abs(A - A.T).max() == 0
+
+
+@pytest.mark.parametrize("q", [2, 3, 4, 5, 6, 8])
+def test_every_degree_in_the_plane(q: int) -> None:
+    """Continuity 0 along one parameter, the highest along the other."""
+    assert_agrees_with_slow_loops(body(RING_SECTOR, (2, 3), (q - 1, q), continuity=(0, q - 1)))
+
+
+@pytest.mark.parametrize("q", [1, 2, 3, 4, 5, 6])
+@pytest.mark.parametrize("axis", range(3))
+def test_every_degree_in_space(axis: int, q: int) -> None:
+    degree = [1, 1, 1]
+    degree[axis] = q
+    continuity = [0, 0, 0]
+    continuity[axis] = q // 2
+    elements = [1, 1, 1]
+    elements[axis] = 3
+    assert_agrees_with_slow_loops(
+        body(Box((2.0, 1.0, 0.5)), elements, degree, continuity=continuity)
+    )
+
+
+@pytest.mark.parametrize(("axes", "flip"), [((1, 2, 0), 0), ((2, 1, 0), 2), ((0, 2, 1), 1)])
+def test_odd_orientations_in_space(axes: tuple[int, ...], flip: int) -> None:
+    halves = [
+        nurbs_shape(
+            Sector(0.8, 1.7, a, b, -0.1, 0.2),
+            (np.array([0.8, 1.1, 1.7]), np.array([a, b]), np.array([-0.1, 0.2])),
+            TILTED,
+        ).patches[0]
+        for a, b in ((10.0, 40.0), (40.0, 95.0))
+    ]
+    patches = [halves[0], turned(halves[1], axes, flip)]
+    part = nurbs_body("part", patches, {}, (2, 2, 2), material=STEEL)
+    assert part.num_scalar_dofs == 4 * 5 * 3
+    assert_agrees_with_slow_loops(part)
+
+
+@pytest.mark.parametrize("elements", [(1, 4, 1), (2, 8, 2)])
+def test_collapsed_edges(elements: tuple[int, ...]) -> None:
+    """Elements at the axis of a disc have several functions of one dof."""
+    assert_agrees_with_slow_loops(body(Disc(1.2, -0.1, 0.2), elements, (2, 2, 1)))
 
 
 @pytest.mark.parametrize("weights", [False, True])
@@ -113,7 +156,7 @@ def test_matrices_of_rotation(shape: str, coriolis: bool) -> None:
         Y -= 2 * np.kron(m, spin)
         Z += np.kron(A, spin) + np.kron(m, spin.T @ spin)
     for ours, slow in ((part.gyroscopic(rotation), Y), (part.convective_stiffness(rotation), Z)):
-        assert np.abs(scipy_of(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
+        assert np.abs(to_scipy(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
 
 
 @pytest.mark.parametrize("weights", [False, True])
@@ -126,6 +169,6 @@ def test_geometric_stiffness(weights: bool) -> None:
         slope = u[dof].T @ grad.T
         stress = lam * np.trace(slope) * np.eye(3) + mu * (slope + slope.T)
         np.add.at(slow, np.ix_(dof, dof), dV * grad.T @ stress @ grad)
-    ours = scipy_of(part.geometric_stiffness(u.ravel())).toarray()
+    ours = to_scipy(part.geometric_stiffness(u.ravel())).toarray()
     slow = np.kron(slow, np.eye(3))
     assert np.abs(ours - slow).max() <= 1e-13 * np.abs(slow).max()
