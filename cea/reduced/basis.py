@@ -62,8 +62,9 @@ class InnerProduct:
 class Norms:
     """Both norms with X and the saddle problem factorised, at some values of all parameters.
 
-    ``states`` is that of bases, ``residuals`` that of what residuals cause
-    (:meth:`caused`). Raises InputError when X is not positive definite.
+    ``states`` is that of bases, ``residuals`` that of what residuals cause (:meth:`caused`);
+    ``solve`` gives X^-1 v, the static displacements under forces. Raises InputError when X is not
+    positive definite.
     """
 
     def __init__(
@@ -86,7 +87,7 @@ class Norms:
             self.free()
             told = f"{negative} negative eigenvalues of its symmetric part"
             raise InputError("stiffness", told, "none, for a map, where parameters are least")
-        self._flexible = pieces.acting(factors.solve_block, own, own)
+        self.solve = pieces.acting(factors.solve_block, own, own)
         self._softness = [
             max(each.inverse_stiffness.at(values), _FELT / each.body_stiffness[0])
             for each in pencil.forces
@@ -130,18 +131,14 @@ class Norms:
         image, reactions = self._stiffness(block), np.zeros_like(block)
         for contact, _ in self._contacts:
             reactions += contact.closes.times(block)
-        moved = self._flexible(reactions)
+        moved = self.solve(reactions)
         for contact, softness in self._contacts:
             image += contact.closes.times(moved) + softness * contact.compliance(block)
         return image
 
-    def solve(self, block: Floats) -> Floats:
-        """X^-1 v, the static displacements under forces."""
-        return self._flexible(block)
-
     def caused(self, block: Floats) -> Floats:
         """X^-1 v and (c_c C^ + J X^-1 J^T)^-1 q: inner products in ``residuals`` are of these."""
-        return self._flexible(block) + self._pressed(block)
+        return self.solve(block) + self._pressed(block)
 
     def free(self) -> None:
         """Free the factors."""

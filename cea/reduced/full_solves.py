@@ -6,7 +6,8 @@ that the search gives.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -71,62 +72,51 @@ Solve = Callable[[float, float], tuple[Modes, Complexes]]
 """Modes at a value up to a frequency (Hz), with left vectors, and derivatives of their lambda."""
 
 
-@dataclass(frozen=True)
-class ModelLine:
-    """Spectra of a reduced model along a line, a :class:`cea.reduced.thresholds.Line`.
+def line_of_model(
+    small: SmallPencil,
+    parameters: Callable[[float], Values],
+    rates: Mapping[str, float],
+    level: float = 0.0,
+    known: Mapping[float, ReducedSpectrum] = MappingProxyType({}),
+) -> Line:
+    """Spectra of a reduced model along a line; those that are known serve again.
 
     ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
-    more than ``level`` (1/s) count; spectra that are known serve again.
+    more than ``level`` (1/s) count.
     """
+    window = replace(small.settings.window, level=level)
 
-    small: SmallPencil
-    parameters: Callable[[float], Values]
-    rates: Mapping[str, float]
-    level: float = 0.0
-    known: dict[float, ReducedSpectrum] = field(default_factory=dict)
-
-    @property
-    def window(self) -> Window:
-        """What is looked at."""
-        return replace(self.small.settings.window, level=self.level)
-
-    def at(self, value: float) -> Sample:
-        """The spectrum at a value."""
-        at = self.parameters(value)
-        found = self.known.get(value) or self.small.at(at)
-        slopes = self.small.slopes(found, at, self.rates)
+    def at(value: float) -> Sample:
+        values = parameters(value)
+        found = known.get(value) or small.at(values)
+        slopes = small.slopes(found, values, rates)
         vectors = found.shapes / np.linalg.norm(found.shapes, axis=0)
         bounds = found.errors, found.means, found.clusters
         sample = Sample(value, found.z, slopes, *bounds, vectors)
-        return sample.with_mirror_image() if self.window.damped else sample
+        return sample.with_mirror_image() if window.damped else sample
+
+    return Line(window, at)
 
 
-@dataclass
-class FullLine:
-    """Spectra by full solves, a :class:`cea.reduced.thresholds.Line`.
+def line_in_full(solve: Solve, window: Window) -> Line:
+    """Spectra by full solves; vectors are told by their parts along the modes solved first."""
+    first: list[Complexes] = []
 
-    Vectors are told by their parts along the modes that were solved first.
-    """
-
-    solve: Solve
-    window: Window
-    _first: Complexes | None = field(default=None, init=False)
-
-    def at(self, value: float) -> Sample:
-        """The spectrum at a value, with damping also its mirror image below the real axis."""
-        value = float(value)
-        modes, slopes = self.solve(value, MARGIN * self.window.max_frequency)
+    def at(value: float) -> Sample:
+        modes, slopes = solve(value, MARGIN * window.max_frequency)
         z, errors = modes.eigenvalues, modes.growth_uncertainties
-        if self._first is None:
-            self._first = _images(modes)
-        vectors = all_inner(self._first, modes.vectors, modes.pencil.comm)
+        if not first:
+            first.append(_images(modes))
+        vectors = all_inner(first[0], modes.vectors, modes.pencil.comm)
         vectors = vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny)
         numbers = np.arange(len(z))
-        if self.window.damped:
+        if window.damped:
             sample = Sample(value, z, slopes, errors, errors, numbers, vectors)
             return sample.with_mirror_image()
         errors = errors * (2 * np.abs(z) + errors)
         return Sample(value, -(z**2), -2 * z * slopes, errors, errors, numbers, vectors)
+
+    return Line(window, at)
 
 
 def _images(modes: Modes) -> Complexes:
@@ -139,16 +129,16 @@ def _images(modes: Modes) -> Complexes:
 
 
 def threshold_between(
-    line: Line, real: float, flutter: float, frequency: float | None = None
+    line: Line, real: float, flutter: float, frequency: float | None = None, count: int = 3
 ) -> Threshold:
     """The first threshold from one value on at which a mode begins to grow; without damping a pair.
 
-    That nearest to a frequency (Hz) is taken where one is given. InputError is raised when nothing
-    begins to grow, ConvergenceError when an interval before it is not resolved.
+    Spectra are made at ``count`` values first. That nearest to a frequency (Hz) is taken where one
+    is given. InputError is raised when nothing begins to grow, ConvergenceError when an interval
+    before it is not resolved.
     """
     if real == flutter:
         raise InputError("flutter", flutter, "another value than real")
-    count = _TRAINING if isinstance(line, ModelLine) else 3
     found = thresholds_along(line, np.linspace(real, flutter, count).tolist())
     kinds = ("flutter", "divergence") if line.window.damped else ("flutter",)
     way = 1.0 if flutter > real else -1.0
@@ -171,10 +161,13 @@ def threshold_between(
     return begins[0]
 
 
-def line_of(
+def _line_of(
     driver: EigenSolver, names: Sequence[str], ends: tuple[float, float], max_frequency: float
-) -> Line:
-    """Spectra of a reduced model between two values of some parameters, or by full solves."""
+) -> tuple[Line, int]:
+    """Spectra of a reduced model between two values of some parameters, or by full solves.
+
+    And how many are to be made first.
+    """
     pencil, box = driver.pencil, dict.fromkeys(names, (min(ends), max(ends)))
 
     def point(value: float) -> Mapping[str, float]:
@@ -187,11 +180,12 @@ def line_of(
     if model is not None:
         training = [point(value) for value in np.linspace(*ends, _TRAINING).tolist()]
         try:
-            Enrichment.of(model, driver).cover(training)
+            Enrichment(model, driver).cover(training)
         finally:
             model.free()
         rates = dict.fromkeys(names, 1.0)
-        return ModelLine(model.small, lambda value: pencil.values(point(value)), rates)
+        line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
+        return line, _TRAINING
     damped = any(driver.matrices(point(value)).quadratic for value in ends)
     window = Window(2 * np.pi * max_frequency, damped, decay=0.2 * np.pi * max_frequency)
 
@@ -199,7 +193,7 @@ def line_of(
         modes = driver.solve(top, point(value), left=True)
         return modes, np.sum([modes.sensitivity(name) for name in names], axis=0)
 
-    return FullLine(solve, window)
+    return line_in_full(solve, window), 3
 
 
 def first_threshold(
@@ -222,8 +216,8 @@ def first_threshold(
     for value in (real, flutter):
         driver.pencil.check(dict.fromkeys(names, value))
     before, ends = (driver.solves, driver.factorisations), (real, flutter)
-    line = line_of(driver, names, ends, max_frequency)
-    found = threshold_between(line, *ends, frequency)
+    line, count = _line_of(driver, names, ends, max_frequency)
+    found = threshold_between(line, *ends, frequency, count)
     told = confirm(driver, lambda value: dict.fromkeys(names, value), found, line.window)
     value, root = told or (found.value, found.eigenvalue)
     spent = driver.solves - before[0], driver.factorisations - before[1]

@@ -48,27 +48,21 @@ class Tested:
 class Enrichment:
     """Greedy enrichment of a reduced model by at most so many full solves.
 
-    Errors of lambda, relative to its speed, are to be no more than ``tolerance``. What was solved
-    in full is told by ``solves``, and by ``failed`` where that gave no answer.
+    Errors of lambda, relative to its speed, are to be no more than ``tolerance``. What modes must
+    be read with is told by ``warnings``; full solves are announced to ``begin`` and given to
+    ``keep``. What was solved in full is told by ``solves``, and by ``failed`` where that gave no
+    answer.
     """
 
     model: ReducedModel
-    full_solve: Callable[[Point], Snapshot]
+    driver: EigenSolver
     tolerance: float = TOLERANCE
     most: int = 100
+    warnings: Callable[[Modes, Point], tuple[ResultWarning, ...]] = lambda modes, _: modes.warnings
+    begin: Callable[[Point], None] = lambda _: None
+    keep: Callable[[Snapshot], None] = lambda _: None
     solves: list[Tested] = field(default_factory=list)
     failed: list[tuple[Point, str]] = field(default_factory=list)
-
-    @classmethod
-    def of(
-        cls,
-        model: ReducedModel,
-        driver: EigenSolver,
-        tolerance: float = TOLERANCE,
-        most: int = 100,
-    ) -> "Enrichment":
-        """Enrichment by the full solves of a driver."""
-        return cls(model, lambda point: full_solve(model, driver, point), tolerance, most)
 
     def at(self, point: Point) -> ReducedSpectrum:
         """The reduced model at a point."""
@@ -112,6 +106,17 @@ class Enrichment:
             return None
         return self.take(taken)
 
+    def full_solve(self, point: Point) -> Snapshot:
+        """A full solve that reaches as far as the model is to know."""
+        self.begin(point)
+        window, reach = self.model.small.settings.window, self.model.small.settings.reach
+        least = -reach if window.damped else None
+        top = MARGIN * window.max_frequency
+        modes = self.driver.solve(top, point, min_growth=least, left=True)
+        solved = Snapshot.of(point, modes, self.warnings(modes, point))
+        self.keep(solved)
+        return solved
+
     def take(self, taken: Snapshot) -> float | None:
         """Test the reduced model by a full solve, and take its modes in."""
         tested, found = None, self.at(taken.point)
@@ -135,20 +140,6 @@ class Enrichment:
     def worst(self, point: Point) -> float:
         """The worst bound at a point, the same on every rank."""
         return float(self.model.norms.states.comm.bcast(self.at(point).worst))
-
-
-def full_solve(
-    model: ReducedModel,
-    driver: EigenSolver,
-    point: Point,
-    warnings: Callable[[Modes, Point], tuple[ResultWarning, ...]] | None = None,
-) -> Snapshot:
-    """A full solve that reaches as far as a model is to know, perhaps with warnings of its own."""
-    settings = model.small.settings
-    least = -settings.reach if settings.window.damped else None
-    top = MARGIN * settings.window.max_frequency
-    modes = driver.solve(top, point, min_growth=least, left=True)
-    return Snapshot.of(point, modes, None if warnings is None else warnings(modes, point))
 
 
 def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:

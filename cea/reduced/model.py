@@ -18,7 +18,7 @@ bending (supremizers; G. Rozza, K. Veroy, Comput. Methods Appl. Mech. Engrg. 196
 contact opens in the full solves themselves, and needs none.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -67,10 +67,7 @@ class Snapshot:
 
     @classmethod
     def of(
-        cls,
-        point: Mapping[str, float],
-        modes: Modes,
-        warnings: tuple[ResultWarning, ...] | None = None,
+        cls, point: Mapping[str, float], modes: Modes, warnings: Sequence[ResultWarning] = ()
     ) -> "Snapshot":
         """What a basis needs of modes that have left vectors."""
         assert modes.left is not None
@@ -86,7 +83,7 @@ class Snapshot:
             modes.left.forces,
             modes.window.complete,
             float(modes.window.max_growth),
-            tuple(modes.warnings) if warnings is None else warnings,
+            tuple(warnings),
         )
 
     def plain(self) -> dict[str, Any]:

@@ -14,7 +14,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from itertools import pairwise
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,17 +48,12 @@ _NEAR_SAMPLE = 1e-3
 """Part of an interval next to its inner sample in which a place is that sample."""
 
 
-class Line(Protocol):
-    """Spectra along one parameter, on a reduced model or by full solves."""
+@dataclass(frozen=True)
+class Line:
+    """Spectra along one parameter: what is looked at, and the spectrum at a value."""
 
-    @property
-    def window(self) -> Window:
-        """What is looked at."""
-        ...
-
-    def at(self, value: float) -> Sample:
-        """The spectrum at a value."""
-        ...
+    window: Window
+    at: Callable[[float], Sample]
 
 
 @dataclass(frozen=True)

@@ -131,7 +131,7 @@ class OfMap:
         pencil, top = system.pencil(leave_out=False), analysis.max_frequency
         box = {name: (min(values), max(values)) for name, values in self.axes.items()}
         model = ReducedModel(pencil, box, top, analysis.min_growth)
-        built = Enrichment.of(model, EigenSolver(pencil))
+        built = Enrichment(model, EigenSolver(pencil))
         points = product(*self.axes.values())
         built.cover([dict(zip(self.axes, values, strict=True)) for values in points])
         found = built.at({}).window

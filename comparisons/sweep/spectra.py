@@ -63,50 +63,8 @@ class Spectra:
         return np.where(np.isfinite(growth), growth, np.nan)
 
     @classmethod
-    def of_model(
-        cls,
-        spectra: Sequence[ReducedSpectrum],
-        slopes: Sequence[Complexes],
-        numbers: Sequence[Ints],
-        threshold: float | None,
-    ) -> "Spectra":
-        """Of a reduced model at points, derivatives of shape (modes, fields) in the window."""
-        rows = []
-        for found, slope, number in zip(spectra, slopes, numbers, strict=True):
-            words, window, end = found.words(threshold), found.window, found.settings.window.end
-            above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
-            above &= np.isin(words, GROWING)
-            inside = np.flatnonzero(found.inside)
-            own = [words[i] for i in inside]
-            row = _row(window.eigenvalues, window.uncertainties, own, found.eigenvalues[above])
-            row |= {"mean_error": window.mean_errors, "worst": found.worst}
-            row |= {"growth_slope": slope.real, "frequency_slope": slope.imag / (2 * np.pi)}
-            rows.append(row | {"number": number[inside]})
-        return cls._stacked(rows)
-
-    @classmethod
-    def of_results(cls, results: Sequence[Result | None], count: int) -> "Spectra":
-        """Of full solves, None where one gave no answer, over so many fields."""
-        rows = []
-        for result in results:
-            if result is None:
-                nothing: Complexes = np.empty(0, dtype=complex)
-                row = _row(nothing, nothing.real, [], nothing) | {"worst": np.nan}
-            else:
-                errors = result.modes.growth_uncertainties
-                words = result.modes.verdicts(result.analysis.growth_threshold)
-                above = np.reshape(result.modes.window.growing_above, (-1, 2))
-                growing = above[:, 1] + 2j * np.pi * above[:, 0]
-                row = _row(result.eigenvalues, errors, words, growing) | {"worst": 0.0}
-            n = len(row["growth"])
-            unknown = np.full((n, count), np.nan)
-            row |= {"growth_slope": unknown, "frequency_slope": unknown}
-            row |= {"mean_error": np.full(n, np.nan), "number": np.full(n, -1, dtype=np.int64)}
-            rows.append(row)
-        return cls._stacked(rows)
-
-    @classmethod
-    def _stacked(cls, rows: Sequence[Mapping[str, Any]]) -> "Spectra":
+    def of_rows(cls, rows: Sequence[Mapping[str, Any]]) -> "Spectra":
+        """Of points one by one."""
         parts = []
         for i, row in enumerate(rows):
             single = {name: np.asarray(value)[None] for name, value in row.items()}
@@ -128,6 +86,36 @@ class Spectra:
     def arrays(self) -> dict[str, NDArray[Any]]:
         """It as arrays by their names."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
+
+
+def row_of_model(
+    found: ReducedSpectrum, slopes: Complexes, numbers: Ints, threshold: float | None
+) -> dict[str, Any]:
+    """A point on a reduced model, with derivatives in the window, shape (modes, fields)."""
+    words, window, end = found.words(threshold), found.window, found.settings.window.end
+    above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
+    above &= np.isin(words, GROWING)
+    inside = np.flatnonzero(found.inside)
+    own = [words[i] for i in inside]
+    row = _row(window.eigenvalues, window.uncertainties, own, found.eigenvalues[above])
+    row |= {"mean_error": window.mean_errors, "worst": found.worst, "number": numbers[inside]}
+    return row | {"growth_slope": slopes.real, "frequency_slope": slopes.imag / (2 * np.pi)}
+
+
+def row_of_result(result: Result | None, count: int) -> dict[str, Any]:
+    """A point solved in full, None where that gave no answer, over so many fields."""
+    if result is None:
+        nothing: Complexes = np.empty(0, dtype=complex)
+        row = _row(nothing, nothing.real, [], nothing) | {"worst": np.nan}
+    else:
+        errors = result.modes.growth_uncertainties
+        words = result.modes.verdicts(result.analysis.growth_threshold)
+        above = np.reshape(result.modes.window.growing_above, (-1, 2))
+        growing = above[:, 1] + 2j * np.pi * above[:, 0]
+        row = _row(result.eigenvalues, errors, words, growing) | {"worst": 0.0}
+    n = len(row["growth"])
+    row |= {"mean_error": np.full(n, np.nan), "number": np.full(n, -1, dtype=np.int64)}
+    return row | dict.fromkeys(("growth_slope", "frequency_slope"), np.full((n, count), np.nan))
 
 
 def _row(

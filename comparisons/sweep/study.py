@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -13,9 +12,9 @@ from cea.arrays import Ints
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
-from cea.reduced.full_solves import ModelLine, confirm
-from cea.reduced.greedy import TOLERANCE, Enrichment, full_solve
-from cea.reduced.model import ReducedModel, Snapshot
+from cea.reduced.full_solves import confirm, line_of_model
+from cea.reduced.greedy import TOLERANCE, Enrichment
+from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import Window
@@ -23,7 +22,7 @@ from comparisons.sweep.points import Axis, Box, Field, Points, boxes_of
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
 from comparisons.sweep.scene import InFull, Mapped, mapped, no_map
-from comparisons.sweep.spectra import Spectra
+from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
 from scenes import Result
 from scenes.results.record import record
@@ -208,7 +207,15 @@ class _Run:
             model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
         except InputError as error:
             raise no_map(error) from error
-        basis = Enrichment(model, partial(self._full_solve, model), asked.tolerance, asked.most)
+        basis = Enrichment(
+            model,
+            scene.driver,
+            asked.tolerance,
+            asked.most,
+            scene.warnings,
+            self._begin,
+            self._store.keep_solve,
+        )
         try:
             for solve in self._store.solves():
                 at = solve.point
@@ -231,13 +238,9 @@ class _Run:
             model.free()
             raise
 
-    def _full_solve(self, model: ReducedModel, point: Mapping[str, float]) -> Snapshot:
-        """A full solve, stored."""
+    def _begin(self, point: Mapping[str, float]) -> None:
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
         self._progress(f"full solve: {shown}")
-        solve = full_solve(model, self._scene.driver, point, self._scene.warnings)
-        self._store.keep_solve(solve)
-        return solve
 
     def _make(self, box: Box, names: list[str], basis: Enrichment, done: dict[int, _Part]) -> None:
         """Parts that are not there yet, shared out among the ranks."""
@@ -259,19 +262,16 @@ class _Run:
 
     def _part(self, numbers: Ints, small: SmallPencil, middle: ReducedSpectrum | None) -> _Part:
         """Thresholds of a part as plain data, and its modes as arrays."""
-        scene, spectra, slopes = self._scene, list[ReducedSpectrum](), []
+        scene, spectra, rows = self._scene, list[ReducedSpectrum](), []
         for values in (self._values(int(number)) for number in numbers):
             found = small.at(values)
             moved = [small.derivatives(found.window, values, names) for names in scene.names]
+            alike = np.full(len(found), -1) if middle is None else continued(middle, found)
+            slopes = np.stack(moved, axis=1)
+            rows.append(row_of_model(found, slopes, alike, scene.growth_threshold))
             spectra.append(found)
-            slopes.append(np.stack(moved, axis=1))
-        if middle is None:
-            of_modes = [np.full(len(found), -1, dtype=np.int64) for found in spectra]
-        else:
-            of_modes = [continued(middle, found) for found in spectra]
-        modes = Spectra.of_model(spectra, slopes, of_modes, scene.growth_threshold)
         told = self._thresholds(numbers, small, spectra) if middle is None else {}
-        return told, modes.arrays()
+        return told, Spectra.of_rows(rows).arrays()
 
     def _thresholds(
         self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]
@@ -279,7 +279,7 @@ class _Run:
         """Thresholds along a line, and what is not resolved."""
         scene, points = self._scene, self._scene.points
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
-        line = ModelLine(
+        line = line_of_model(
             small,
             lambda value: scene.pencil.values(scene.point((value, *others))),
             scene.names[0],
@@ -346,7 +346,7 @@ def _run_in_full(asked: Asked, progress: Callable[[str], None], begun: float) ->
                 failed.append({"point": at, "reason": str(error)})
     finally:
         scene.free()
-    spectra = Spectra.of_results(results, len(points.names))
+    spectra = Spectra.of_rows([row_of_result(each, len(points.names)) for each in results])
     data = record_of_full(points, spectra, results, failed, asked.why_in_full)
     seconds, warnings = perf_counter() - begun, data.pop("warnings")
     told = record(COMMAND, data, inputs=asked.plain(), seconds=seconds, warnings=warnings)

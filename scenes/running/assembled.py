@@ -13,7 +13,12 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Damping, Pencil, internal_forces, release
 from cea.errors import ConvergenceError, InputError, ResultWarning
-from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
+from cea.reduced.full_solves import (
+    ConfirmedThreshold,
+    first_threshold,
+    line_in_full,
+    threshold_between,
+)
 from cea.reduced.window import Window
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
@@ -244,7 +249,7 @@ class AssembledScene:
         state = _FollowedState(max(abs(real), abs(flutter)), lambda value: at(value)[1].pencil())
         end = 2 * np.pi * self.scene.window.max_frequency
         window = Window(end, pencil.damped, decay=0.1 * end)
-        found = threshold_between(FullLine(state, window), real, flutter, frequency)
+        found = threshold_between(line_in_full(state, window), real, flutter, frequency)
         told = tuple(system_warnings(*at(found.value)))
         parameter, spent = ", ".join(names), (state.solves, state.factorisations)
         return ConfirmedThreshold(parameter, found.value, found.eigenvalue, *spent, told)

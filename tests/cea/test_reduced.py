@@ -26,8 +26,8 @@ from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.errors import InputError
 from cea.reduced.basis import Span
-from cea.reduced.greedy import TOLERANCE, full_solve, largest_ratio
-from cea.reduced.model import ReducedModel, Snapshot
+from cea.reduced.greedy import TOLERANCE, largest_ratio
+from cea.reduced.model import Snapshot
 from cea.reduced.pieces import Pieces
 from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import MARGIN
@@ -235,8 +235,8 @@ def test_forces_add_displacements_where_a_contact_is_stiffer_than_its_bodies(rel
     pencil = blocks_pencil("fe", form="saddle")
     (contact,) = pencil.forces
     stiff = relative * contact.body_stiffness[0]
-    made = ReducedModel(pencil, {MU: (0.0, 1.0), P: (0.1 * stiff, stiff)}, TOP)
-    solved = full_solve(made, EigenSolver(pencil), {MU: 0.5, P: stiff})
+    built = enrichment(pencil, {MU: (0.0, 1.0), P: (0.1 * stiff, stiff)}, TOP)
+    made, solved = built.model, built.full_solve({MU: 0.5, P: stiff})
     made.take(solved)
     vectors = solved.real_vectors(made.norms.states, damped=False).shape[1]
     forces = made.small.forces.sum()

@@ -1,7 +1,7 @@
 """Thresholds along a parameter beside dense eigenvalues at very many values."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -27,7 +27,6 @@ class DenseLine:
     damping: Pieces | None
     end: float
     level: float = 0.0
-    made: int = field(default=0, init=False)
 
     @property
     def window(self) -> Window:
@@ -51,7 +50,6 @@ class DenseLine:
 
     def at(self, value: float) -> Sample:
         """The spectrum at a value."""
-        self.made += 1
         A, dA = self.matrices(value)
         z, left, right = eig(A, left=True, right=True)
         overlap = np.einsum("ij,ij->j", left.conj(), right)

@@ -1,5 +1,7 @@
 """Samples of fields that are spread: probabilities of growth, and every sample's certificate."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from reference_data import stored
@@ -90,20 +92,14 @@ def test_single_modes_have_rows_where_nearly_all_are_followed():
 
     def spectra(unknown):
         number = np.stack([np.where(np.arange(n) < unknown, -1, 0), np.ones(n, int)], axis=1)
-        nothing = np.zeros((n, 2))
-        return Spectra(
-            growth=np.stack([np.where(grows, 5.0, -5.0), np.full(n, -1.0)], axis=1),
-            frequency=np.tile([100.0, 130.0], (n, 1)),
-            uncertainty=nothing + 0.1,
-            mean_error=nothing,
-            verdict=np.stack([grows, np.zeros(n)], axis=1).astype(np.int8),
-            worst=np.zeros(n),
-            growth_slope=nothing[..., None],
-            frequency_slope=nothing[..., None],
-            above_growth=np.full(n, np.nan),
-            above_frequency=np.full(n, np.nan),
-            number=number,
-        )
+        told = {each.name: np.zeros((n, 2)) for each in fields(Spectra)} | {
+            "growth": np.stack([np.where(grows, 5.0, -5.0), np.full(n, -1.0)], axis=1),
+            "frequency": np.tile([100.0, 130.0], (n, 1)),
+            "uncertainty": np.full((n, 2), 0.1),
+            "verdict": np.stack([grows, np.zeros(n)], axis=1).astype(np.int8),
+            "number": number,
+        }
+        return Spectra(**told)
 
     told = probabilities(spectra(5), 0.0, damped=True)
     assert told["any"]["grows"] == grows.sum()

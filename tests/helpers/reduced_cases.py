@@ -11,7 +11,7 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
-from cea.reduced.full_solves import ModelLine
+from cea.reduced.full_solves import line_of_model
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
 
@@ -21,7 +21,7 @@ ALPHA, RATIO = "bodies.upper.damping.alpha", "bodies.lower.damping.modal.ratio"
 
 def enrichment(pencil, box, top, **options):
     """A reduced model of a pencil with nothing in it yet, and what fills it."""
-    return Enrichment.of(ReducedModel(pencil, box, top), EigenSolver(pencil), **options)
+    return Enrichment(ReducedModel(pencil, box, top), EigenSolver(pencil), **options)
 
 
 def z_of(found, eigenvalues):
@@ -141,4 +141,5 @@ def random_pencil(seed, *, damped=False, equal=False):
 def model_line(built, name, point=MappingProxyType({}), level=0.0):
     """A reduced model along one parameter, at values of the others."""
     small, pencil = built.model.small, built.model.pencil
-    return ModelLine(small, lambda value: pencil.values({**point, name: value}), {name: 1.0}, level)
+    rates = {name: 1.0}
+    return line_of_model(small, lambda value: pencil.values({**point, name: value}), rates, level)
