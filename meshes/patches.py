@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 from xml.etree import ElementTree
 
 import numpy as np
@@ -101,8 +101,6 @@ class GivenPatch:
 class _OfPatches(ABC):
     """What patches have, wherever they come from."""
 
-    names: ClassVar[tuple[str, ...]] = ("u", "v", "w")
-
     @property
     @abstractmethod
     def given(self) -> "Patches":
@@ -111,7 +109,7 @@ class _OfPatches(ABC):
     @property
     def directions(self) -> tuple[str, ...]:
         """Names of the parameters."""
-        return self.names[: len(self.given.patches[0].degrees)]
+        return ("u", "v", "w")[: len(self.given.patches[0].degrees)]
 
     @property
     def surfaces(self) -> tuple[str, ...]:
@@ -177,10 +175,8 @@ class Patches(_OfPatches):
             return tuple(nets)
         every = np.concatenate([net.reshape(-1, net.shape[-1]) for net in nets])
         first = first_of_near(every, self.merge_nodes)
-        parts = np.split(
-            every[first], np.cumsum([patch.point_weights.size for patch in self.patches])
-        )
-        return tuple(part.reshape(net.shape) for part, net in zip(parts, nets, strict=False))
+        parts = np.split(every[first], np.cumsum([net[..., 0].size for net in nets])[:-1])
+        return tuple(part.reshape(net.shape) for part, net in zip(parts, nets, strict=True))
 
     @property
     def given(self) -> "Patches":

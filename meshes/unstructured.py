@@ -135,7 +135,7 @@ def _revolved_hub(shape: Hub) -> dict[str, list[int]]:
     return surfaces
 
 
-Edge = tuple[str, tuple[float, float], bool]
+_Edge = tuple[str, tuple[float, float], bool]
 """Edge of an outline: the surface it sweeps, its first point (m), whether it is an arc."""
 
 
@@ -172,7 +172,7 @@ def _extruded(shape: Shape) -> dict[str, list[int]]:
     return surfaces
 
 
-def _loops(shape: Shape) -> list[list[Edge]]:
+def _loops(shape: Shape) -> list[list[_Edge]]:
     """Closed loops of the outline of a shape in the plane."""
     if isinstance(shape, Box | Rectangle):
         (x0, x1), (y0, y1) = shape.extent[:2]

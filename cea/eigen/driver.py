@@ -15,9 +15,14 @@ import numpy as np
 from numpy.linalg import LinAlgError
 
 from cea.arrays import Complexes
-from cea.eigen.errors import error_estimates
+from cea.eigen.errors import (
+    LeftVectors,
+    error_estimates,
+    left_vectors_of,
+    needs_left_vectors,
+    two_sided,
+)
 from cea.eigen.krylov_schur import KrylovOptions
-from cea.eigen.left_vectors import LeftVectors, left_vectors_of, needs_left_vectors, two_sided
 from cea.eigen.modes import Modes, modes_of, warnings_of
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.search import NearestSearch, Search

@@ -9,8 +9,7 @@ import numpy as np
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, column_blocks, times
 from cea.eigen.classify import cannot_grow
-from cea.eigen.errors import Eigenpairs
-from cea.eigen.left_vectors import LeftVectors
+from cea.eigen.errors import Eigenpairs, LeftVectors
 from cea.eigen.matching import DEGENERATE, group
 from cea.eigen.pencil import POWERS, Matrices, Pencil
 from cea.eigen.shift_invert import MARGIN

@@ -11,8 +11,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from cea.arrays import Complexes
+from cea.eigen.errors import SAME
 from cea.eigen.krylov_schur import CrowdedError, KrylovOptions, krylov_schur
-from cea.eigen.left_vectors import SAME
 from cea.eigen.mumps import SingularError
 from cea.eigen.pencil import Matrices
 from cea.eigen.regions import Disc

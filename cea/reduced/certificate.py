@@ -28,19 +28,20 @@ c by c sqrt(k) |y|^T E |x| (componentwise backward error; N. J. Higham,
 T. Mary, SIAM J. Sci. Comput. 41 (2019)).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import connected
-from cea.eigen.pencil import POWERS, Role
 
 _TOUCH = 10.0
 """Bound of an eigenvalue, in its distance from the next, from the inverse of which on they are
 judged together."""
+_TINY = float(np.finfo(float).tiny)
 
 
 def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
@@ -54,39 +55,20 @@ def real_times(matrix: Floats, vectors: NDArray[np.inexact]) -> Complexes:
 
 
 @dataclass(frozen=True)
-class Residuals:
-    """K, D or M on a basis V of states.
+class Term:
+    """A term f z^p A of P(z) on a basis V of states.
 
-    V^T A V; coordinates of what its images A V and A^T V cause; norm of what these leave out.
+    V^T A V; coordinates of what its images A V and A^T V cause; norm of what these leave out;
+    errors of the entries of V^T A V by rounding.
     """
 
+    factor: float
+    power: int
     square: Floats
     right: Floats
     left: Floats
     lost: float
-
-
-@dataclass(frozen=True)
-class Rounding:
-    """Errors of the entries of reduced matrices, by role."""
-
-    entries: Mapping[Role, Floats]
-
-    def of_pairs(self, left: Complexes, right: Complexes, speeds: Floats) -> Floats:
-        """What they do to y^H P x of pairs (1/s^2), with abs(lambda) (1/s), shape (n,)."""
-        y, x = np.abs(left), np.abs(right)
-        works = np.zeros(len(speeds))
-        for role, entries in self.entries.items():
-            works += speeds ** POWERS[role] * np.einsum("ij,ij->j", y, entries @ x)
-        return np.sqrt(len(y)) * works
-
-    def of_block(self, left: Complexes, right: Complexes, speed: float) -> float:
-        """Norm of the perturbation of the block of a cluster (1/s^2)."""
-        y, x = np.abs(left), np.abs(right)
-        block = np.zeros((y.shape[1], x.shape[1]))
-        for role, entries in self.entries.items():
-            block += speed ** POWERS[role] * (y.T @ entries @ x)
-        return float(np.sqrt(len(y)) * np.linalg.norm(block, 2))
+    rounding: Floats
 
 
 @dataclass(frozen=True)
@@ -94,7 +76,8 @@ class Pairs:
     """Eigenpairs of a linearised problem T q = q / (z - shift).
 
     z; x and y of M-norm one with their contact forces below, shape (k + m, n); right and left
-    vectors of T whose displacements have M-norm one, shape (k or 2 k, n); T and the shift.
+    vectors of T whose displacements have M-norm one, shape (k or 2 k, n); T and the shift; what
+    speeds in states of a damped pencil are divided by (1/s).
     """
 
     values: Complexes
@@ -104,6 +87,7 @@ class Pairs:
     duals: Complexes
     operator: Floats
     shift: float
+    scale: float
 
     def __getitem__(self, modes: Ints) -> "Pairs":
         names = ("values", "right", "left", "states", "duals")
@@ -115,33 +99,36 @@ class Certificate:
     """Bounds on errors of eigenvalues z, each of shape (n,).
 
     Of each; of the mean of its cluster, or of itself where it is alone; what the basis makes of the
-    latter, without rounding; number of the cluster; 1 / abs(y^H P'(z) x).
+    latter, without rounding; number of the cluster; y^H P'(z) x.
     """
 
     errors: Floats
     means: Floats
     reduction: Floats
     clusters: Ints
-    slopes: Floats
+    overlaps: Complexes
 
 
 @dataclass(frozen=True)
-class Certifier:
-    """What bounds are made of: reduced matrices with contact forces as unknowns, and rounding.
+class Polynomial:
+    """P(z) on a basis, contact forces among its unknowns: what is solved, and what bounds it."""
 
-    Speeds in states of a damped pencil are divided by ``scale`` (1/s).
-    """
+    terms: tuple[Term, ...]
 
-    stiffness: Residuals
-    damping: Residuals | None
-    mass: Residuals
-    rounding: Rounding
-    scale: float
+    @property
+    def damped(self) -> bool:
+        """Whether z is lambda rather than kappa."""
+        return any(each.power == 2 for each in self.terms)
+
+    def at(self, z: float) -> Floats:
+        """P(z)."""
+        total: Floats = np.sum([e.factor * z**e.power * e.square for e in self.terms], axis=0)
+        return total
 
     def certificate(self, pairs: Pairs, outside: Floats) -> Certificate:
         """Bounds of eigenpairs, with the factor g of each, shape (n,)."""
-        values, damped = pairs.values, self.damping is not None
-        slopes = 1 / np.maximum(self._overlap(pairs), np.finfo(float).tiny)
+        values, overlaps = pairs.values, self._overlaps(pairs)
+        slopes = 1 / np.maximum(np.abs(overlaps), _TINY)
         r, s = self._residuals(
             pairs.right, pairs.left, lambda image: image * values, lambda y: y * values.conj()
         )
@@ -150,9 +137,12 @@ class Certifier:
             + self._lost(np.abs(values)) * np.linalg.norm(vectors, axis=0)
             for defect, vectors in ((r, pairs.right), (s, pairs.left))
         ]
-        speeds = np.abs(values) if damped else np.sqrt(np.abs(values))
         reduction = slopes * outside * sizes[0] * sizes[1]
-        errors = reduction + slopes * self.rounding.of_pairs(pairs.left, pairs.right, speeds)
+        y, x = np.abs(pairs.left), np.abs(pairs.right)
+        errors = reduction.copy()
+        for each in self.terms:
+            works = np.einsum("ij,ij->j", y, each.rounding @ x)
+            errors += slopes * np.sqrt(len(y)) * np.abs(values) ** each.power * works
         means, clusters = errors.copy(), np.arange(len(values))
         near = np.abs(values[:, None] - values) <= _TOUCH * np.minimum(errors[:, None], errors)
         for number, members in enumerate(connected(near)):
@@ -162,16 +152,19 @@ class Certifier:
                 e, p = own + doubt, len(members)
                 reduction[members], means[members] = own, e
                 errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
-                if damped and (values[members].imag < 0).any():  # only a part of them is told
+                if self.damped and (values[members].imag < 0).any():  # only a part is told
                     means[members] = reduction[members] = errors[members]
-        return Certificate(errors, means, reduction, clusters, slopes)
+        return Certificate(errors, means, reduction, clusters, overlaps)
 
-    def _overlap(self, pairs: Pairs) -> Floats:
-        """abs(y^H P'(z) x)."""
-        turned = real_times(self.mass.square, pairs.right)
-        if self.damping is not None:
-            turned = turned * (2 * pairs.values) + real_times(self.damping.square, pairs.right)
-        return np.abs(np.einsum("ij,ij->j", pairs.left.conj(), turned))
+    def _overlaps(self, pairs: Pairs) -> Complexes:
+        """y^H P'(z) x."""
+        total = np.zeros(len(pairs.values), dtype=complex)
+        for each in self.terms:
+            if each.power:
+                projected = real_times(each.square, pairs.right)
+                speeds = each.factor * each.power * pairs.values ** (each.power - 1)
+                total += speeds * np.einsum("ij,ij->j", pairs.left.conj(), projected)
+        return total
 
     def _residuals(
         self,
@@ -183,21 +176,18 @@ class Certifier:
         """Coordinates of the residuals of right and left vectors, which z multiplies."""
         found = []
         for side, vectors, z in (("right", x, times), ("left", y, back)):
-            of_k, of_m = (
-                real_times(getattr(each, side), vectors) for each in (self.stiffness, self.mass)
-            )
-            if self.damping is None:
-                found.append(of_k - z(of_m))
-            else:
-                of_d = real_times(getattr(self.damping, side), vectors)
-                found.append(of_k + z(of_d) + z(z(of_m)))
+            parts = []
+            for each in self.terms:
+                image = real_times(getattr(each, side), vectors)
+                for _ in range(each.power):
+                    image = z(image)
+                parts.append(each.factor * image)
+            found.append(np.sum(parts, axis=0))
         return found
 
-    def _lost[T: (float, Floats)](self, size: T) -> T:
+    def _lost(self, size: Any) -> Any:
         """Norm of what coordinates of residuals leave out at |z|."""
-        if self.damping is None:
-            return self.stiffness.lost + size * self.mass.lost
-        return self.stiffness.lost + size * self.damping.lost + size**2 * self.mass.lost
+        return sum(each.lost * size**each.power for each in self.terms)
 
     def _together(self, pairs: Pairs, outside: float) -> tuple[float, float, float]:
         """Error of the block of a cluster, rounding of it, distance from a multiple of one."""
@@ -205,8 +195,8 @@ class Certifier:
         d, d_sizes, d_axes = np.linalg.svd(pairs.duals, full_matrices=False)
         x, y = pairs.right @ q_axes.conj().T / q_sizes, pairs.left @ d_axes.conj().T / d_sizes
         try:
-            turned = np.linalg.inv(d.conj().T @ q).conj().T / self.scale
-            inverse = self.scale * turned.conj().T @ d.conj().T @ (pairs.operator @ q)
+            turned = np.linalg.inv(d.conj().T @ q).conj().T / pairs.scale
+            inverse = pairs.scale * turned.conj().T @ d.conj().T @ (pairs.operator @ q)
             block = np.linalg.inv(inverse) + pairs.shift * np.eye(len(inverse))
         except np.linalg.LinAlgError:
             return np.inf, np.inf, np.inf
@@ -219,7 +209,8 @@ class Certifier:
         ]
         mean = np.trace(block) / len(block)
         spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
-        doubt = self.rounding.of_block(
-            y, x, size if self.damping is not None else float(np.sqrt(size))
+        entries = sum(
+            size**each.power * (np.abs(y).T @ each.rounding @ np.abs(x)) for each in self.terms
         )
+        doubt = float(np.sqrt(len(y)) * np.linalg.norm(entries, 2))
         return outside * lengths[0] * lengths[1], doubt, spread

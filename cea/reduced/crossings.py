@@ -5,17 +5,19 @@ above a level otherwise (:mod:`cea.reduced.following`). Its roots are found on i
 then by Newton's method on the pencil itself.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any, Literal
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from cea.arrays import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats
 from cea.eigen.matching import assign
 from cea.eigen.spectrum import SLOW
-from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, Window, error_of_half
+from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, error_of_half, grid_of
+from cea.reduced.window import Window
 
 _NEGLIGIBLE = 1e-6
 """Error of lambda, relative, up to which it does not matter whether a mode grows."""
@@ -35,7 +37,17 @@ _STRAY = 0.1
 """Part of an interval by which Newton's steps may leave it."""
 _TINY = float(np.finfo(float).tiny)
 
-Function = Callable[[Floats], Floats]
+Function = Callable[[Any], Any]
+"""Of one place or of several."""
+Quantity = Literal["growth", "coalescence", "zero", "end"]
+"""What passes zero: growth above the level, s of a pair, kappa, frequency less the window's end."""
+_KINDS: dict[Quantity, tuple[str, int]] = {
+    "growth": ("flutter", 2),
+    "coalescence": ("flutter", 2),
+    "zero": ("divergence", 1),
+    "end": ("window", 2),
+}
+"""What begins there, and how many eigenvalues of both half planes then grow."""
 
 
 @dataclass(frozen=True)
@@ -57,11 +69,6 @@ class Threshold:
     change: int
     kind: str
 
-    @property
-    def begins(self) -> bool:
-        """Whether growing modes become more as the parameter rises."""
-        return self.change > 0
-
 
 @dataclass(frozen=True)
 class Crossings:
@@ -77,33 +84,27 @@ class Crossings:
 
         Raises UnresolvedError when a sign is not sure, or Newton's method leaves the interpolant.
         """
-        grid = self._grid
-        frequencies = self.window.roots(self.unit.members(grid)).imag
-        if (frequencies < -REAL * self.window.end).all():  # conjugates of others
+        roots = self.window.roots(self.unit.members(self._grid))
+        if (roots.imag < -REAL * self.window.end).all():  # conjugates of others
             return
+        speed = max(float(np.abs(roots).min()), SLOW * self.window.end)
         if self.window.by_growth:
-            yield from self._by_growth()
+            yield from self._by_growth(_NEGLIGIBLE * speed)
         else:
-            yield from self._undamped()
-        yield from self._through_the_end(frequencies)
+            yield from self._undamped(2 * _NEGLIGIBLE * speed**2)
+        yield from self._through_the_end(len(roots))
 
     @property
     def _grid(self) -> Floats:
-        low, middle, high = self.places
-        return np.concatenate([np.linspace(low, middle, GRID), np.linspace(middle, high, GRID)[1:]])
+        return grid_of(self.places)
 
     @property
     def _width(self) -> float:
         return self.places[2] - self.places[0]
 
-    @property
-    def _speed(self) -> float:
-        """The least abs(lambda) of the unit, no less than a tenth of the window's end (1/s)."""
-        speeds = np.abs(self.window.roots(self.unit.members(self._grid)))
-        return max(float(speeds.min()), SLOW * self.window.end)
-
-    def _by_growth(self) -> Iterator[Threshold]:
+    def _by_growth(self, negligible: float) -> Iterator[Threshold]:
         """Growth rates through the level: of a pair the larger and the smaller one."""
+        end = self.window.end
         for number in range(2 if self.unit.half is not None else 1):
 
             def growth(at: Floats, number: int = number) -> Floats:
@@ -111,152 +112,136 @@ class Crossings:
                 chosen: Floats = rates.min(axis=0) if number else rates.max(axis=0)
                 return chosen
 
-            for place, sign in self._roots(growth, self.unit.doubts, _NEGLIGIBLE * self._speed):
-                z = self.unit.members(np.array([place]))[:, 0]
+            for place, sign in self._roots(growth, self.unit.doubts, negligible):
+                z = self.unit.members(place)
                 mode = int(np.argmin(np.abs(self.window.growth(z))))
                 root = complex(self.window.roots(z)[mode])
-                real = abs(root.imag) <= REAL * self.window.end
+                real = abs(root.imag) <= REAL * end
                 mirrored = len(z) == 2 and abs(z[0] - z[1].conj()) <= REAL * abs(z[0]) and not real
-                below = not mirrored and root.imag < -REAL * self.window.end
-                if (mirrored and number) or below or abs(root.imag) > self.window.end:
+                if (mirrored and number) or not -REAL * end <= root.imag <= end:
                     continue
-                kind = "divergence" if real else "flutter"
-                yield self._threshold(place, growth, "growth", kind, sign * (1 if real else 2))
+                yield self._threshold(place, sign, "growth", growth, self.unit.doubts)
 
-    def _undamped(self) -> Iterator[Threshold]:
+    def _undamped(self, negligible: float) -> Iterator[Threshold]:
         """Zeros of kappa, and of s where kappa is positive."""
-        unit, negligible = self.unit, 2 * _NEGLIGIBLE * self._speed**2
-        if unit.half is None:
-            for place, sign in self._roots(
-                lambda at: -unit.mean(at).real, unit.mean.error, negligible
-            ):
-                yield self._threshold(
-                    place, lambda at: -unit.mean(at).real, "zero", "divergence", sign
-                )
+        mean, half = self.unit.mean, self.unit.half
+        if half is None:
+
+            def single(at: Floats) -> Floats:
+                return -mean(at).real
+
+            for place, sign in self._roots(single, mean.error, negligible):
+                yield self._threshold(place, sign, "zero", single, mean.error)
             return
-        half = unit.half
-        for place, sign in self._roots(lambda at: -half(at).real, half.error, negligible**2):
-            mean = float(unit.mean(np.array([place]))[0].real)
-            if 0 < mean <= self.window.end**2:
-                yield self._threshold(
-                    place, lambda at: -half(at).real, "coalescence", "flutter", 2 * sign
-                )
+
+        def apart(at: Floats) -> Floats:
+            return -half(at).real
+
+        for place, sign in self._roots(apart, half.error, negligible**2):
+            if 0 < mean(place).real <= self.window.end**2:
+                yield self._threshold(place, sign, "coalescence", apart, half.error)
         for branch in (1.0, -1.0):
 
             def through(at: Floats, branch: float = branch) -> Floats:
-                return -(unit.mean(at).real + branch * np.sqrt(np.maximum(half(at).real, 0.0)))
+                return -(mean(at).real + branch * np.sqrt(np.maximum(half(at).real, 0.0)))
+
+            def error(at: Floats) -> Floats:
+                return mean.error(at) + half.error(at) / (2 * np.sqrt(np.abs(half(at)) + _TINY))
 
             for place, sign in _signs(through, self._grid):
-                at = np.array([place])
-                if half(at)[0].real > half.error(at)[0]:
-                    yield self._threshold(place, through, "zero", "divergence", sign)
+                if half(place).real > half.error(place):
+                    yield self._threshold(place, sign, "zero", through, error)
 
-    def _through_the_end(self, frequencies: Floats) -> Iterator[Threshold]:
+    def _through_the_end(self, members: int) -> Iterator[Threshold]:
         """Growing modes through the window's end."""
         conjugate = not self.window.damped and self.unit.half is not None
-        for branch in range(1 if conjugate else len(frequencies)):
+        for branch in range(1 if conjugate else members):
 
             def within(at: Floats, branch: int = branch) -> Floats:
                 return self.window.end - self.window.roots(self.unit.members(at))[branch].imag
 
             for place, sign in _signs(within, self._grid):
                 if self._grows(place, branch):
-                    yield self._threshold(place, within, "end", "window", 2 * sign, branch)
+                    yield self._threshold(place, sign, "end", within, None, branch)
 
-    def _grows(self, place: float, branch: int) -> bool:
-        at = np.array([place])
-        if not self.window.by_growth:
-            return self.unit.half is not None and bool(
-                self.unit.half(at)[0].real < -self.unit.half.error(at)[0]
-            )
-        growth = self.window.growth(self.unit.members(at))[branch, 0]
-        return bool(growth > self.unit.doubts(at)[0])
+    def _grows(self, at: float, branch: int) -> bool:
+        half = self.unit.half
+        if self.window.by_growth:
+            growth = self.window.growth(self.unit.members(at))[branch]
+            return bool(growth > self.unit.doubts(at))
+        return half is not None and bool(half(at).real < -half.error(at))
 
     def _threshold(
-        self, place: float, function: Function, of: str, kind: str, change: int, branch: int = 0
+        self,
+        start: float,
+        sign: int,
+        of: Quantity,
+        function: Function,
+        error: Function | None,
+        branch: int = 0,
     ) -> Threshold:
-        """A root of an interpolant, improved on the pencil itself."""
-        step = 1e-4 * self._width
-        low, high = function(np.array([place - step, place + step]))
-        slope = abs(high - low) / (2 * step)
-        doubt = float(self._doubt(of, np.array([place]))[0])
-        value, error, root, own = self._newton(place, of, branch)
-        if of != "end" and abs(value - place) > 2 * doubt / max(slope, _TINY) + REAL * self._width:
-            raise UnresolvedError(place)
-        root = complex(max(root.real, 0.0) if of == "zero" else root.real, abs(root.imag))
-        numbers = float(value), float(error), root, float(own)
-        return Threshold(*numbers, change * self.unit.copies, kind)
-
-    def _doubt(self, of: str, at: Floats) -> Floats:
-        if of == "growth":
-            return self.unit.doubts(at)
-        if of == "coalescence" and self.unit.half is not None:
-            return self.unit.half.error(at)
-        error = self.unit.mean.error(at)
-        if self.unit.half is not None:
-            half = np.maximum(np.abs(self.unit.half(at)), _TINY)
-            error = error + self.unit.half.error(at) / (2 * np.sqrt(half))
-        return error
-
-    def _newton(self, place: float, of: str, branch: int) -> tuple[float, float, complex, float]:
-        """A root on the pencil itself, its error, lambda there, and the slope."""
-        low, _, high = self.places
-        stray, error = _STRAY * self._width, np.inf
+        """A root of an interpolant, improved on the pencil itself and not far from it there."""
+        (low, _, high), stray, place = self.places, _STRAY * self._width, start
         for _ in range(_STEPS):
-            sample = self.at(place)
-            foreseen = self.unit.members(np.array([place]))[:, 0]
+            sample, foreseen = self.at(place), self.unit.members(place)
             rows, columns = assign(np.abs(sample.z[:, None] - foreseen))
             if len(rows) < len(foreseen):
                 raise UnresolvedError(place)
-            modes = rows[np.argsort(columns)]
-            value, slope, doubt, root = self._followed(sample, modes, of, branch, foreseen)
+            modes = sample[rows[np.argsort(columns)]]
+            value, slope, doubt, root = self._followed(modes, of, foreseen[branch])
             if not (np.isfinite(slope) and slope != 0):
                 raise UnresolvedError(place)
-            error, step = (abs(value) + doubt) / abs(slope), -value / slope
+            step, off = -value / slope, (abs(value) + doubt) / abs(slope)
             if abs(value) <= doubt or abs(step) <= _CONVERGED * max(abs(place), self._width):
-                return place, error, root, slope
+                break
             if not low - stray <= place + step <= high + stray:
                 raise UnresolvedError(place)
             place += step
-        if error > _SURELY * self._width:
-            raise UnresolvedError(place)
-        return place, error, root, slope
+        else:
+            if off > _SURELY * self._width:
+                raise UnresolvedError(place)
+        if error is not None:
+            h = 1e-4 * self._width
+            rate = max(abs(function(start + h) - function(start - h)) / (2 * h), _TINY)
+            if abs(place - start) > 2 * error(start) / rate + REAL * self._width:
+                raise UnresolvedError(start)
+        kind, change = _KINDS[of]
+        if of == "growth" and abs(root.imag) <= REAL * self.window.end:
+            kind, change = _KINDS["zero"]
+        return Threshold(
+            value=float(place),
+            error=float(off),
+            eigenvalue=complex(root.real, abs(root.imag)),
+            slope=float(slope),
+            change=sign * change * self.unit.copies,
+            kind=kind,
+        )
 
     def _followed(
-        self, sample: Sample, modes: Ints, of: str, branch: int, foreseen: Complexes
+        self, modes: Sample, of: Quantity, foreseen: complex
     ) -> tuple[float, float, float, complex]:
-        """What has a root, its slope and its error at a sample, and lambda."""
-        z, slopes, errors = sample.z[modes], sample.slopes[modes], sample.errors[modes]
+        """What has a root, its slope and its error at the modes of the unit, and lambda."""
+        window, z = self.window, modes.z
         if of == "coalescence":
-            half = (z[0] - z[1]) / 2
-            together = sample.clusters[modes[:1]] == sample.clusters[modes[1:]]
-            doubt = float(
-                error_of_half(np.abs([half]), errors.max(keepdims=True), together=together)[0]
-            )
-            root = complex(self.window.roots(np.array([z.mean().real + 0j]))[0])
-            return (half**2).real, (half * (slopes[0] - slopes[1])).real, doubt, root
-        roots = self.window.roots(z)
-        if of == "zero":
-            mode = int(np.argmin(np.abs(z)))
-            return z[mode].real, slopes[mode].real, float(errors[mode]), 0j
-        if of == "growth":
-            mode = int(np.argmin(np.abs(self.window.growth(z))))
+            value, root = passing(window, of, z)
+            half, together = (z[0] - z[1]) / 2, modes.clusters[0] == modes.clusters[1]
+            slope = (half * (modes.slopes[0] - modes.slopes[1])).real
+            doubt = error_of_half(abs(half), modes.errors.max(), together=together)
+            return value, float(slope), float(doubt), root
+        if of == "end":
+            chosen = np.abs(window.roots(z) - window.roots(np.array([foreseen])))
         else:
-            wanted = self.window.roots(foreseen)[branch]
-            mode = int(np.argmin(np.abs(roots - wanted)))
-        speed = slopes[mode] if self.window.damped else -slopes[mode] / (2 * roots[mode])
-        if not self.window.damped and roots[mode].real < 0:  # the root that grows
-            speed, roots = -speed.conjugate(), -roots.conj()
-        doubt = float(self.window.doubts(z[mode : mode + 1], errors[mode : mode + 1])[0])
-        if of == "growth":
-            value = float(roots[mode].real - self.window.level)
-            return value, float(speed.real), doubt, complex(roots[mode])
-        return (
-            float(roots[mode].imag - self.window.end),
-            float(speed.imag),
-            doubt,
-            complex(roots[mode]),
-        )
+            chosen = np.abs(z) if of == "zero" else np.abs(window.growth(z))
+        mode = modes[np.argsort(chosen)[:1]]
+        value, root = passing(window, of, mode.z)
+        if of == "zero":
+            return value, float(mode.slopes[0].real), float(mode.errors[0]), root
+        doubt = float(window.doubts(mode.z, mode.errors)[0])
+        upper = complex(window.roots(mode.z)[0])
+        speed = complex(mode.slopes[0] if window.damped else -mode.slopes[0] / (2 * upper))
+        if of == "end":
+            return value, speed.imag, doubt, root
+        return value, speed.real if root == upper else -speed.real, doubt, root
 
     def _roots(
         self, function: Function, error: Function, negligible: float
@@ -291,9 +276,13 @@ class Crossings:
             if j == i + 1 and nearest > 2 * abs(values[j] - values[i]) + errors[i] + errors[j]:
                 continue
             self._check_apart(grid[i + 1 : j], noise, by_bounds)
-            sign = int(signs[i])
-            place, least = _least(lambda t, sign=sign: sign * function(t), grid[i], grid[j])
-            doubt = float(error(np.array([place]))[0])
+            sign, bounds = int(signs[i]), (grid[i], grid[j])
+            options = {"xatol": 1e-12 * (grid[j] - grid[i])}
+            approach = minimize_scalar(
+                lambda t, sign=sign: sign * function(t), bounds=bounds, options=options
+            )
+            place, least = float(approach.x), float(approach.fun)
+            doubt = float(error(place))
             if least < -doubt:
                 yield _root(function, grid[i], place), -sign
                 yield _root(function, place, grid[j]), sign
@@ -320,31 +309,19 @@ def _signs(function: Function, grid: Floats) -> Iterator[tuple[float, int]]:
 
 
 def _root(function: Function, low: float, high: float) -> float:
-    if function(np.array([low]))[0] * function(np.array([high]))[0] >= 0:
+    if function(low) * function(high) >= 0:
         return (low + high) / 2
-    scale = 1e-15 * max(abs(low), abs(high)) + _TINY
-    return float(brentq(lambda t: float(function(np.array([t]))[0]), low, high, xtol=scale))
+    return float(brentq(function, low, high, xtol=1e-15 * max(abs(low), abs(high)) + _TINY))
 
 
-def _least(function: Callable[..., Floats], low: float, high: float) -> tuple[float, float]:
-    """Least value of a function in an interval, and where it is."""
-    options = {"xatol": 1e-12 * (high - low)}
-    found = minimize_scalar(
-        lambda t: float(function(np.array([t]))[0]),
-        bounds=(low, high),
-        method="bounded",
-        options=options,
-    )
-    return float(found.x), float(found.fun)
-
-
-def crossings_of(
-    window: Window, at: Callable[[float], Sample], units: Sequence[Unit], places: Sequence[float]
-) -> list[Threshold]:
-    """Thresholds of all units between three samples."""
-    low, middle, high = places
-    return [
-        each
-        for unit in units
-        for each in Crossings(window, at, unit, (low, middle, high)).thresholds()
-    ]
+def passing(window: Window, of: Quantity, z: Complexes) -> tuple[float, complex]:
+    """What passes zero of a mode, or of both of a pair, and lambda: that which grows."""
+    if of == "coalescence":
+        square = ((z[0] - z[1]) / 2) ** 2
+        return float(square.real), complex(window.roots(np.array([z.mean().real + 0j]))[0])
+    if of == "zero":
+        return float(z[0].real), 0j
+    root = complex(window.roots(z)[0])
+    if not window.damped and root.real < 0:
+        root = -root.conjugate()
+    return (root.real - window.level if of == "growth" else root.imag - window.end), root

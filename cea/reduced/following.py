@@ -12,14 +12,15 @@ described by m and s, each a cubic Hermite interpolant through values and slopes
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import assign
-from cea.reduced.spectrum import upper_root
+from cea.reduced.window import Window
 
 GRID = 17
 """Points of an interpolant in each half of an interval at which its sign is looked at."""
@@ -37,6 +38,7 @@ _CONJUGATES = 1e-14
 """Relative distance up to which two eigenvalues are conjugates."""
 _ROUNDING = 64 * float(np.finfo(float).eps)
 """Rounding of the mean of two modes, relative."""
+_TINY = float(np.finfo(float).tiny)
 
 
 class UnresolvedError(Exception):
@@ -50,45 +52,6 @@ class UnresolvedError(Exception):
     def __init__(self, at: float | None = None, noise: float = 0.0) -> None:
         super().__init__()
         self.at, self.noise = at, noise
-
-
-@dataclass(frozen=True)
-class Window:
-    """What is looked at.
-
-    Frequencies up to ``end`` (rad/s); z is lambda if ``damped``, else kappa; growth above ``level``
-    (1/s) counts; modes are known down to ``decay`` (1/s).
-    """
-
-    end: float
-    damped: bool
-    level: float = 0.0
-    decay: float = np.inf
-
-    @property
-    def by_growth(self) -> bool:
-        """Whether growth rates are compared with a level rather than pairs with a coalescence."""
-        return self.damped or self.level != 0.0
-
-    def roots(self, z: Complexes) -> Complexes:
-        """The lambda of z; of kappa those with Im lambda >= 0."""
-        return np.asarray(z, complex) if self.damped else upper_root(np.asarray(z, complex))
-
-    def growth(self, z: Complexes) -> Floats:
-        """Growth (1/s) above the level: of kappa that of the root that grows."""
-        growth = self.roots(z).real
-        return (growth if self.damped else np.abs(growth)) - self.level
-
-    def doubts(self, z: Complexes, errors: Floats) -> Floats:
-        """Errors of lambda (1/s) that errors of z make."""
-        if self.damped:
-            return errors
-        return errors / np.maximum(2 * np.sqrt(np.abs(z)), np.sqrt(errors) + np.finfo(float).tiny)
-
-    def far(self, z: Complexes, part: float) -> NDArray[np.bool_]:
-        """Which lie beyond a part of the window, or decay too fast to be known."""
-        roots = self.roots(z)
-        return (np.abs(roots.imag) > part * self.end) | (roots.real < -self.decay)
 
 
 @dataclass(frozen=True)
@@ -108,68 +71,52 @@ class Sample:
     clusters: Ints
     vectors: Complexes
 
+    def __getitem__(self, modes: Ints) -> "Sample":
+        names = ("z", "slopes", "errors", "means", "clusters", "vectors")
+        return Sample(self.value, *(getattr(self, name)[..., modes] for name in names))
+
     def with_mirror_image(self) -> "Sample":
         """It with the conjugates of lambda below the real axis."""
-        above = np.flatnonzero(self.z.imag > 0)
-        numbers = self.clusters, self.clusters.max(initial=0) + 1 + self.clusters[above]
-        return Sample(
-            self.value,
-            np.concatenate([self.z, self.z[above].conj()]),
-            np.concatenate([self.slopes, self.slopes[above].conj()]),
-            np.concatenate([self.errors, self.errors[above]]),
-            np.concatenate([self.means, self.means[above]]),
-            np.concatenate(numbers),
-            np.hstack([self.vectors, self.vectors[:, above].conj()]),
-        )
+        modes = np.arange(len(self.z))
+        above = modes[self.z.imag > 0]
+        both = self[np.concatenate([modes, above])]
+        for each in (both.z, both.slopes, both.vectors):
+            each.imag[..., len(modes) :] *= -1
+        both.clusters[len(modes) :] += 1 + self.clusters.max(initial=0)
+        return both
 
 
-@dataclass(frozen=True)
 class Hermite:
     """Two cubics through values and slopes at three places, whose values have an error ``noise``.
 
     The error of a cubic is largest in the middle: what the cubic over the whole interval misses
-    there bounds the error of the two, which is sixteen times smaller.
+    there bounds the error of the two, which is sixteen times smaller. ``misfit`` is that bound but
+    for the error of the values.
     """
 
-    places: Floats
-    values: Complexes | Floats
-    slopes: Complexes | Floats
-    noise: float
+    def __init__(
+        self, places: Floats, values: NDArray[np.inexact], slopes: NDArray[np.inexact], noise: float
+    ) -> None:
+        if not np.isfinite(slopes).all():
+            raise UnresolvedError
+        self._places, self._noise = places, noise
+        self._spline = CubicHermiteSpline(places, values, slopes)
+        low, middle, high = places
+        whole = CubicHermiteSpline(places[::2], values[::2], slopes[::2])
+        off = abs(whole(middle) - values[1])
+        off += (high - low) / 4 * abs(whole(middle, 1) - slopes[1])
+        u = (middle - low) / (high - low)
+        self.misfit = float(off / (4 * u * (1 - u)) ** 2)
 
-    @cached_property
-    def misfit(self) -> float:
-        """Bound on the error but for that of the values."""
-        (a, c, b), f, d = self.places, self.values, self.slopes
-        h, u = b - a, (c - a) / (b - a)
-        slope = (f[2] - f[0]) * 6 * u * (1 - u) / h
-        slope += d[0] * (1 - u) * (1 - 3 * u) + d[2] * u * (3 * u - 2)
-        value = _cubic(np.array(u), h, f[0], d[0], f[2], d[2])
-        return float((abs(value - f[1]) + h / 4 * abs(slope - d[1])) / (4 * u * (1 - u)) ** 2)
+    def __call__(self, at: Any) -> Any:
+        """Values at a place or at several, shape (n,)."""
+        return self._spline(at)
 
-    def __call__(self, at: Floats) -> Floats | Complexes:
-        """Values at places, shape (n,)."""
-        a, c, b = self.places
-        low = _cubic((at - a) / (c - a), c - a, *self._ends(0, 1))
-        high = _cubic((at - c) / (b - c), b - c, *self._ends(1, 2))
-        values: Floats | Complexes = np.where(at <= c, low, high)
-        return values
-
-    def error(self, at: Floats) -> Floats:
-        """Bounds on the errors there, shape (n,)."""
-        a, c, b = self.places
-        u = np.where(at <= c, (at - a) / (c - a), (at - c) / (b - c))
-        bubble: Floats = self.misfit * (4 * u * (1 - u)) ** 2 + self.noise
-        return bubble
-
-    def _ends(self, low: int, high: int) -> tuple[complex, complex, complex, complex]:
-        return self.values[low], self.slopes[low], self.values[high], self.slopes[high]
-
-
-def _cubic(u: Floats, h: float, f0: complex, d0: complex, f1: complex, d1: complex) -> Complexes:
-    """The cubic through values and slopes at both ends of an interval of width h, u in 0..1."""
-    low = (f0 * (1 + 2 * u) + h * d0 * u) * (1 - u) ** 2
-    high = (f1 * (3 - 2 * u) + h * d1 * (u - 1)) * u * u
-    return np.asarray(low + high)
+    def error(self, at: Any) -> Any:
+        """Bounds on the errors there."""
+        low, middle, high = self._places
+        u = np.where(at <= middle, (at - low) / (middle - low), (at - middle) / (high - middle))
+        return self.misfit * (4 * u * (1 - u)) ** 2 + self._noise
 
 
 @dataclass(frozen=True)
@@ -181,16 +128,16 @@ class Unit:
     half: Hermite | None
     copies: int
 
-    def members(self, at: Floats) -> Complexes:
-        """The z of its modes at places, shape (1 or 2, n)."""
+    def members(self, at: Any) -> Complexes:
+        """The z of its modes at a place, shape (1 or 2,), or at several, shape (1 or 2, n)."""
         mean = np.asarray(self.mean(at), complex)
         if self.half is None:
             return mean[None]
         root = np.sqrt(np.asarray(self.half(at), complex))
         return np.stack([mean + root, mean - root])
 
-    def doubts(self, at: Floats) -> Floats:
-        """Bounds on the errors of lambda of its modes (1/s), shape (n,)."""
+    def doubts(self, at: Any) -> Any:
+        """Bounds on the errors of lambda of its modes (1/s)."""
         error = self.mean.error(at)
         if self.half is not None:
             root, own = np.sqrt(np.abs(self.half(at))), self.half.error(at)
@@ -199,28 +146,21 @@ class Unit:
         return self.window.doubts(least, error)
 
 
-_TINY = float(np.finfo(float).tiny)
-
-
 def units_of(window: Window, samples: Sequence[Sample]) -> list[Unit]:
     """Modes and pairs between three samples at rising values; UnresolvedError if not told apart."""
-    chains = _chains(window, samples)
-    if not len(chains):
+    samples = _chained(window, samples)
+    if not len(samples[0].z):
         return []
-    chains, copies = _without_copies(samples, chains)
-    z, slopes = (
-        np.array([getattr(each, name)[chains[:, i]] for i, each in enumerate(samples)])
-        for name in ("z", "slopes")
-    )
-    places = np.array([each.value for each in samples])
-    partner = _partners(window, places, z, slopes)
+    samples, copies = _without_copies(samples)
+    z = np.array([each.z for each in samples])
+    partner = _partners(window, samples)
     units = []
     for one, other in enumerate(partner):
         members = np.array([one] if other < 0 else sorted({one, int(other)}))
         if members[0] != one or window.far(z[:, members], _FAR).all():
             continue
-        unit = _unit(window, samples, chains[members], z[:, members], slopes[:, members])
-        unit = Unit(window, unit.mean, unit.half, int(copies[members].min()))
+        own = [each[members] for each in samples]
+        unit = _unit(window, own, int(copies[members].min()))
         others = np.delete(z[1], members)
         gap = np.abs(others[:, None] - z[1, members]).min(initial=np.inf)
         if not unit.mean.misfit <= _APART * gap:
@@ -229,17 +169,17 @@ def units_of(window: Window, samples: Sequence[Sample]) -> list[Unit]:
     return units
 
 
-def _chains(window: Window, samples: Sequence[Sample]) -> Ints:
-    """Numbers of each mode in the three samples, shape (n, 3)."""
+def _chained(window: Window, samples: Sequence[Sample]) -> list[Sample]:
+    """The samples with modes that continue each other at the same places."""
     first, last = _matched(*samples[:2]), _matched(*samples[1:])
     following = dict(last.tolist())
     rows = [(i, j, following[j]) for i, j in first.tolist() if j in following]
-    chains = np.array(rows, dtype=np.int64).reshape(-1, 3)
-    for number, sample in enumerate(samples):
-        alone = np.setdiff1d(np.arange(len(sample.z)), chains[:, number])
+    chains = np.array(rows, dtype=np.int64).reshape(-1, 3).T
+    for sample, chain in zip(samples, chains, strict=True):
+        alone = np.setdiff1d(np.arange(len(sample.z)), chain)
         if not window.far(sample.z[alone], BEYOND).all():
             raise UnresolvedError
-    return chains
+    return [sample[chain] for sample, chain in zip(samples, chains, strict=True)]
 
 
 def _matched(one: Sample, other: Sample) -> Ints:
@@ -254,32 +194,25 @@ def _matched(one: Sample, other: Sample) -> Ints:
     return np.stack(assign(misfit + 1 - likeness), axis=1)
 
 
-def _without_copies(samples: Sequence[Sample], chains: Ints) -> tuple[Ints, Ints]:
+def _without_copies(samples: Sequence[Sample]) -> tuple[list[Sample], Ints]:
     """Modes that stay together at all samples once, and how many each stands for."""
-    z = np.stack([each.z[chains[:, i]] for i, each in enumerate(samples)], axis=1)
+    z = np.stack([each.z for each in samples], axis=1)
     near = np.abs(z[:, None] - z[None]) <= _COPIES * np.abs(z)[:, None]
-    first = near.all(axis=2).argmax(axis=1)
-    kept, copies = np.unique(first, return_counts=True)
-    return chains[kept], copies
+    kept, copies = np.unique(near.all(axis=2).argmax(axis=1), return_counts=True)
+    return [each[kept] for each in samples], copies
 
 
-def _partners(window: Window, places: Floats, z: Complexes, slopes: Complexes) -> Ints:
-    """The partner of each mode, -1 of single ones; z and slopes of shape (3, n).
-
-    Raises UnresolvedError when one has two.
-    """
+def _partners(window: Window, samples: Sequence[Sample]) -> Ints:
+    """The partner of each mode, -1 of single ones; UnresolvedError when one has two."""
+    places = np.array([each.value for each in samples])
+    z, slopes = (np.array([getattr(each, name) for each in samples]) for name in ("z", "slopes"))
     half = (z[:, :, None] - z[:, None]) / 2
     with np.errstate(invalid="ignore"):
-        square, slope = half**2, half * (slopes[:, :, None] - slopes[:, None])
-    low, high = np.abs(square).min(axis=0), np.abs(square).max(axis=0)
-    for i in range(2):
-        h = float(places[i + 1] - places[i])
-        for u in np.linspace(0, 1, GRID)[1:-1]:
-            ends = (square[i], slope[i], square[i + 1], slope[i + 1])
-            with np.errstate(invalid="ignore"):
-                between = np.abs(_cubic(u, h, *ends))
-            low, high = np.fmin(low, between), np.fmax(high, between)
-    near = low <= _PARTNERS**2 * high
+        slope = half * (slopes[:, :, None] - slopes[:, None])
+    slope[~np.isfinite(slope)] = 0.0  # of modes that have no interpolant
+    square = CubicHermiteSpline(places, half**2, slope)
+    distances = np.abs(square(grid_of(places)))
+    near = distances.min(axis=0) <= _PARTNERS**2 * distances.max(axis=0)
     if not window.damped:
         mirrored = np.abs(z[:, :, None] - z[:, None].conj()) <= _CONJUGATES * np.abs(z)[:, :, None]
         near |= (mirrored & (z.imag != 0)[:, :, None]).any(axis=0)
@@ -291,42 +224,38 @@ def _partners(window: Window, places: Floats, z: Complexes, slopes: Complexes) -
     return np.where(near.any(axis=1), near.argmax(axis=1), -1)
 
 
-def _unit(
-    window: Window, samples: Sequence[Sample], chains: Ints, z: Complexes, slopes: Complexes
-) -> Unit:
-    """A mode or a pair, z and slopes of shape (3, 1 or 2)."""
+def _unit(window: Window, samples: Sequence[Sample], copies: int) -> Unit:
+    """A mode or a pair of samples that hold nothing else."""
     places = np.array([each.value for each in samples])
-    errors, means, numbers = (
-        np.array([getattr(each, name)[chains[:, i]] for i, each in enumerate(samples)])
-        for name in ("errors", "means", "clusters")
-    )
-    if len(chains) == 1:
-        real = not window.damped and not z.imag.any()
-        mode = [each.real if real else each for each in (z[:, 0], slopes[:, 0])]
-        return Unit(window, _hermite(places, mode, errors.max()), None, 1)
-    together = numbers[:, 0] == numbers[:, 1]
+    z, slopes = (np.array([getattr(each, name) for each in samples]) for name in ("z", "slopes"))
+    errors = np.array([each.errors for each in samples])
+    if z.shape[1] == 1:
+        if not window.damped and not z.imag.any():
+            z, slopes = z.real, slopes.real
+        mean = Hermite(places, z[:, 0], slopes[:, 0], float(errors.max()))
+        return Unit(window, mean, None, copies)
     half, error = (z[:, 0] - z[:, 1]) / 2, errors.max(axis=1)
     with np.errstate(invalid="ignore"):
-        parts = [z.mean(axis=1), slopes.mean(axis=1), half**2, half * (slopes[:, 0] - slopes[:, 1])]
-    told = parts if window.damped else [part.real for part in parts]
-    rounding = _ROUNDING * np.abs(z).max(axis=1)
-    of_mean = np.where(together, means.max(axis=1), rounding).max()
+        told = [z.mean(axis=1), slopes.mean(axis=1), half**2, half * (slopes[:, 0] - slopes[:, 1])]
+    if not window.damped:
+        told = [each.real for each in told]
+    together = np.array([each.clusters[0] == each.clusters[1] for each in samples])
+    means = np.array([each.means.max() for each in samples])
+    of_mean = np.where(together, means, _ROUNDING * np.abs(z).max(axis=1)).max()
     of_half = error_of_half(np.abs(half), error, together=together).max()
-    mean, square = _hermite(places, told[:2], of_mean), _hermite(places, told[2:], of_half)
-    return Unit(window, mean, square, 1)
+    mean = Hermite(places, told[0], told[1], float(of_mean))
+    return Unit(window, mean, Hermite(places, told[2], told[3], float(of_half)), copies)
 
 
-def error_of_half(distance: Floats, error: Floats, *, together: NDArray[np.bool_]) -> Floats:
+def grid_of(places: Sequence[float] | Floats) -> Floats:
+    """Points between three places at which signs are looked at."""
+    low, middle, high = places
+    return np.concatenate([np.linspace(low, middle, GRID), np.linspace(middle, high, GRID)[1:]])
+
+
+def error_of_half(distance: Any, error: Any, *, together: Any) -> Any:
     """Error of s of a pair from half the distance and the larger error of its members.
 
     Where both are judged together Elsner's bound of a member is the root of that of s.
     """
     return np.where(together, error**2, (2 * distance + error) * error)
-
-
-def _hermite(places: Floats, told: Sequence[Floats | Complexes], noise: float) -> Hermite:
-    """An interpolant of values and slopes."""
-    values, slopes = told
-    if not np.isfinite(slopes).all():
-        raise UnresolvedError
-    return Hermite(places, values, slopes, float(noise))

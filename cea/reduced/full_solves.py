@@ -1,4 +1,4 @@
-"""Thresholds by full solves: spectra along a line, and what a reduced model found confirmed.
+"""Spectra along a line, on a model or by full solves, and thresholds that full solves confirm.
 
 At a threshold found what passes zero, the half distance squared of a pair or a growth rate, is
 computed on the pencil itself, and again where its slope takes it: Newton's method with the slope
@@ -6,23 +6,23 @@ that the search gives.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Protocol
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Complexes
 from cea.eigen.blocks import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError, InputError, ResultWarning
-from cea.reduced.crossings import Threshold
-from cea.reduced.following import Sample, Window
+from cea.reduced.crossings import Quantity, Threshold, passing
+from cea.reduced.following import Sample
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
-from cea.reduced.small import ModelLine
-from cea.reduced.spectrum import MARGIN
+from cea.reduced.pieces import Values
+from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import Line, thresholds_along
+from cea.reduced.window import MARGIN, Window
 
 _ASIDE = 1e-3
 """Relative distance from a pair at which it is looked for: a pencil is singular on it."""
@@ -67,32 +67,38 @@ class ConfirmedThreshold:
         return self.eigenvalue.imag / (2 * np.pi)
 
 
-class Solved(Protocol):
-    """Full solves at values of one parameter."""
-
-    def modes(self, value: float, max_frequency: float) -> Modes:
-        """All modes up to a frequency (Hz), with left vectors."""
-        ...
-
-    def derivatives(self, value: float, modes: Modes) -> Complexes:
-        """Derivatives of their lambda, shape (n,)."""
-        ...
+Solve = Callable[[float, float], tuple[Modes, Complexes]]
+"""Modes at a value up to a frequency (Hz), with left vectors, and derivatives of their lambda."""
 
 
 @dataclass(frozen=True)
-class AtParameters:
-    """Full solves of one pencil at a value that some of its parameters have."""
+class ModelLine:
+    """Spectra of a reduced model along a line, a :class:`cea.reduced.thresholds.Line`.
 
-    driver: EigenSolver
-    names: Sequence[str]
+    ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
+    more than ``level`` (1/s) count; spectra that are known serve again.
+    """
 
-    def modes(self, value: float, max_frequency: float) -> Modes:
-        """All modes up to a frequency (Hz), with left vectors."""
-        return self.driver.solve(max_frequency, dict.fromkeys(self.names, value), left=True)
+    small: SmallPencil
+    parameters: Callable[[float], Values]
+    rates: Mapping[str, float]
+    level: float = 0.0
+    known: dict[float, ReducedSpectrum] = field(default_factory=dict)
 
-    def derivatives(self, _: float, modes: Modes) -> Complexes:
-        """Derivatives of their lambda, shape (n,)."""
-        return np.sum([modes.sensitivity(name) for name in self.names], axis=0)
+    @property
+    def window(self) -> Window:
+        """What is looked at."""
+        return replace(self.small.settings.window, level=self.level)
+
+    def at(self, value: float) -> Sample:
+        """The spectrum at a value."""
+        at = self.parameters(value)
+        found = self.known.get(value) or self.small.at(at)
+        slopes = self.small.slopes(found, at, self.rates)
+        vectors = found.shapes / np.linalg.norm(found.shapes, axis=0)
+        bounds = found.errors, found.means, found.clusters
+        sample = Sample(value, found.z, slopes, *bounds, vectors)
+        return sample.with_mirror_image() if self.window.damped else sample
 
 
 @dataclass
@@ -102,16 +108,15 @@ class FullLine:
     Vectors are told by their parts along the modes that were solved first.
     """
 
-    solved: Solved
+    solve: Solve
     window: Window
     _first: Complexes | None = field(default=None, init=False)
 
     def at(self, value: float) -> Sample:
         """The spectrum at a value, with damping also its mirror image below the real axis."""
         value = float(value)
-        modes = self.solved.modes(value, MARGIN * self.window.end / (2 * np.pi))
-        slopes, z = self.solved.derivatives(value, modes), modes.eigenvalues
-        errors: Floats = modes.growth_uncertainties
+        modes, slopes = self.solve(value, MARGIN * self.window.max_frequency)
+        z, errors = modes.eigenvalues, modes.growth_uncertainties
         if self._first is None:
             self._first = _images(modes)
         vectors = all_inner(self._first, modes.vectors, modes.pencil.comm)
@@ -189,7 +194,12 @@ def line_of(
         return ModelLine(model.small, lambda value: pencil.values(point(value)), rates)
     damped = any(driver.matrices(point(value)).quadratic for value in ends)
     window = Window(2 * np.pi * max_frequency, damped, decay=0.2 * np.pi * max_frequency)
-    return FullLine(AtParameters(driver, names), window)
+
+    def solve(value: float, top: float) -> tuple[Modes, Complexes]:
+        modes = driver.solve(top, point(value), left=True)
+        return modes, np.sum([modes.sensitivity(name) for name in names], axis=0)
+
+    return FullLine(solve, window)
 
 
 def first_threshold(
@@ -232,9 +242,14 @@ def confirm(
     """
     if not found.slope:
         return None
+    of: Quantity = "growth" if window.by_growth else "coalescence"
+    if found.kind == "window":
+        of = "end"
+    elif found.kind == "divergence" and of == "coalescence":
+        of = "zero"
     value, root, before = found.value, found.eigenvalue, np.inf
     for _ in range(_STEPS):
-        passes, root = _passes_zero(driver, point(value), found, window, root)
+        passes, root = passing(window, of, _nearest(driver, point(value), of, window, root))
         step = -passes / found.slope
         if abs(step) >= before:  # nothing but rounding is left
             break
@@ -244,26 +259,16 @@ def confirm(
     return value, root
 
 
-def _passes_zero(
-    driver: EigenSolver,
-    point: Mapping[str, float],
-    found: Threshold,
-    window: Window,
-    root: complex,
-) -> tuple[float, complex]:
-    """What passes zero at a threshold, as :class:`Threshold` has it, and lambda."""
+def _nearest(
+    driver: EigenSolver, point: Mapping[str, float], of: Quantity, window: Window, root: complex
+) -> Complexes:
+    """The z of the mode, or of the pair, next to lambda."""
     near = (root or 1j * window.end * _ASIDE) * (1 + _ASIDE)
     quadratic = driver.matrices(point).quadratic
     at = -(near**2) if quadratic else float(-(near**2).real)
     modes = driver.nearest(at, 1 if window.by_growth else _NEIGHBOURS, point)
-    nearest = complex(modes.eigenvalues[np.argmin(np.abs(modes.eigenvalues - root))])
-    if found.kind == "window":
-        return nearest.imag - window.end, nearest
-    if window.by_growth:
-        return nearest.real - window.level, nearest
-    kappa = -(modes.eigenvalues**2)
-    if found.kind == "divergence":
-        return float(kappa[np.argmin(np.abs(kappa))].real), 0j
-    pair = kappa[np.argsort(np.abs(kappa - float(-(root**2).real)))[:2]]
-    mean = complex(np.sqrt(-complex(pair.mean().real)))
-    return float((((pair[0] - pair[1]) / 2) ** 2).real), mean if mean.imag >= 0 else -mean
+    z: Complexes = modes.eigenvalues if window.damped else -(modes.eigenvalues**2)
+    if of in ("growth", "end"):
+        return z[np.argsort(np.abs(modes.eigenvalues - root))[:1]]
+    count = 2 if of == "coalescence" else 1
+    return z[np.argsort(np.abs(z - float(-(root**2).real)))[:count]]

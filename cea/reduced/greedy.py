@@ -14,9 +14,9 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError, ResultWarning
-from cea.reduced.model import ReducedModel
-from cea.reduced.snapshots import Snapshot
-from cea.reduced.spectrum import MARGIN, ReducedSpectrum
+from cea.reduced.model import ReducedModel, Snapshot
+from cea.reduced.spectrum import ReducedSpectrum
+from cea.reduced.window import MARGIN
 
 Point = Mapping[str, float]
 """Values of the parameters that vary."""
@@ -145,8 +145,8 @@ def full_solve(
 ) -> Snapshot:
     """A full solve that reaches as far as a model is to know, perhaps with warnings of its own."""
     settings = model.small.settings
-    least = -settings.reach if settings.damped else None
-    top = MARGIN * settings.max_frequency
+    least = -settings.reach if settings.window.damped else None
+    top = MARGIN * settings.window.max_frequency
     modes = driver.solve(top, point, min_growth=least, left=True)
     return Snapshot.of(point, modes, None if warnings is None else warnings(modes, point))
 
@@ -157,14 +157,14 @@ def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
     Clusters are compared by their means. Both lists reach beyond the window, so that nothing hangs
     on which side of its end an eigenvalue lies.
     """
-    damped, holds = found.settings.damped, found.settings.holds
-    theirs = full.eigenvalues if damped else -(full.eigenvalues**2)
-    speeds = full.speeds if damped else full.speeds**2
+    window = found.settings.window
+    theirs = full.eigenvalues if window.damped else -(full.eigenvalues**2)
+    speeds = full.speeds if window.damped else full.speeds**2
     distance = np.abs(theirs[:, None] - found.z) / speeds[:, None]
     rows, columns = assign(distance, _REACH)
     alone = np.setdiff1d(np.arange(len(theirs)), rows)
     extra = np.setdiff1d(np.arange(len(found)), columns)
-    if holds(full.eigenvalues[alone]).any() or found.inside[extra].any():
+    if not window.far(theirs[alone]).all() or found.inside[extra].any():
         return np.inf
     ratio, clusters = 0.0, found.clusters[columns]
     for number in np.unique(clusters):
@@ -176,6 +176,6 @@ def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
         known = full.uncertainties[rows[members]]
         if members.sum() > 1:  # the mean is not as sensitive as its members
             known = known / full.conditions[rows[members]]
-        known = known.max() * (1.0 if damped else 2 * full.speeds[rows[members]].max())
+        known = known.max() * (1.0 if window.damped else 2 * full.speeds[rows[members]].max())
         ratio = max(ratio, error / (found.means[mine].max() + known))
     return float(ratio)

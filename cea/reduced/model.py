@@ -19,18 +19,19 @@ contact opens in the full solves themselves, and needs none.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
-from cea.arrays import Floats
+from cea.arrays import Complexes, Floats
+from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
-from cea.reduced.norm import Norms
+from cea.errors import ResultWarning
+from cea.reduced.basis import InnerProduct, Norms, Span
 from cea.reduced.pieces import ContactPiece, Piece, Pieces
-from cea.reduced.small import SmallPencil, SmallPiece
-from cea.reduced.snapshots import Snapshot
-from cea.reduced.span import Span
-from cea.reduced.spectrum import Settings
+from cea.reduced.spectrum import Settings, SmallPencil, SmallPiece
+from cea.reduced.window import Window
 
 BASIS = 1e-6
 """Part of an eigenvector, in the energy norm, that a basis leaves out; errors go by its square."""
@@ -40,6 +41,91 @@ FORCES = 1e-8
 """Part of the forces of a contact that the basis of forces leaves out; errors go by its square."""
 _DECAY = 0.1
 """Decay down to which a window of a damped pencil reaches by default, relative to its end."""
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Modes of a full solve with left vectors, the rows of this rank.
+
+    lambda, what its errors are relative to, errors (1/s) and condition numbers, shape (n,);
+    eigenvectors and contact forces of both sides, shape (rows, n); whether its window was shown to
+    be complete, and up to which growth (1/s) it is; what it must be read with.
+    """
+
+    point: Mapping[str, float]
+    eigenvalues: Complexes
+    speeds: Floats
+    uncertainties: Floats
+    conditions: Floats
+    right: Complexes
+    left: Complexes
+    forces: Complexes
+    left_forces: Complexes
+    complete: bool
+    max_growth: float
+    warnings: tuple[ResultWarning, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        point: Mapping[str, float],
+        modes: Modes,
+        warnings: tuple[ResultWarning, ...] | None = None,
+    ) -> "Snapshot":
+        """What a basis needs of modes that have left vectors."""
+        assert modes.left is not None
+        return cls(
+            {name: float(value) for name, value in point.items()},
+            modes.eigenvalues,
+            modes.speeds,
+            modes.growth_uncertainties,
+            modes.conditions,
+            modes.vectors,
+            modes.left.vectors,
+            modes.forces,
+            modes.left.forces,
+            modes.window.complete,
+            float(modes.window.max_growth),
+            tuple(modes.warnings) if warnings is None else warnings,
+        )
+
+    def plain(self) -> dict[str, Any]:
+        """It as plain data, without the vectors."""
+        return {
+            "point": dict(self.point),
+            "complete": bool(self.complete),
+            "max_growth": self.max_growth if np.isfinite(self.max_growth) else None,
+            "warnings": [warning.plain() for warning in self.warnings],
+        }
+
+    def real_vectors(self, norm: InnerProduct, *, damped: bool) -> Floats:
+        """States of real and imaginary parts of all vectors, each complex one of length one.
+
+        Of conjugate pairs of kappa one is enough; damped pencils have none. Phases are such that
+        real parts are as long as can be.
+        """
+        one = ((-(self.eigenvalues**2)).imag >= 0) | damped
+        parts = [_parts(norm, self.right[:, one])]
+        if norm.comm.allreduce(not np.array_equal(self.left, self.right)):
+            parts.append(_parts(norm, self.left[:, one]))
+        return np.hstack(parts)
+
+    def real_forces(self) -> Floats:
+        """States of real and imaginary parts of all contact forces."""
+        both = self.forces, self.left_forces
+        parts = np.hstack([part for each in both for part in (each.real, each.imag)])
+        return np.vstack([np.zeros((len(self.right), parts.shape[1])), parts])
+
+
+def _parts(norm: InnerProduct, vectors: Complexes) -> Floats:
+    square = norm.comm.allreduce(np.einsum("ij,ij->j", vectors, vectors))
+    vectors = vectors * np.exp(-0.5j * np.angle(square))
+    vectors = np.pad(vectors, ((0, norm.rows - len(vectors)), (0, 0)))
+    real, imaginary = np.asfortranarray(vectors.real), np.asfortranarray(vectors.imag)
+    of_imaginary = norm.lengths(imaginary)
+    lengths = np.hypot(norm.lengths(real), of_imaginary)
+    turning = of_imaginary > np.finfo(float).eps * lengths
+    return np.hstack([real / lengths, (imaginary / lengths)[:, turning]])
 
 
 class ReducedModel:
@@ -92,16 +178,17 @@ class ReducedModel:
         self._basis, self._residuals = Span(self.norms.states), Span(self.norms.residuals)
         self._forces = np.empty(0, dtype=bool)  # which vectors of the basis are forces
         self._widest: dict[ContactPiece, float] = {}
-        settings = Settings(max_frequency, self.norms.shift)
-        if any(piece.role == "damping" for piece in self._pieces.all):
-            decay = _DECAY * settings.end if min_growth is None else -min_growth
-            settings = replace(settings, decay=decay)
+        end, decay = 2 * np.pi * max_frequency, np.inf
+        damped = any(piece.role == "damping" for piece in self._pieces.all)
+        if damped:
+            decay = _DECAY * end if min_growth is None else -min_growth
+        settings = Settings(Window(end, damped, decay=decay), self.norms.shift)
         nothing = np.empty((0, 0))
-        self._projected = [
+        pieces = [
             SmallPiece(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0)
             for piece in self._pieces.all
         ]
-        self.small = SmallPencil(tuple(self._projected), 0, settings)
+        self.small = SmallPencil(tuple(pieces), self._forces, settings)
 
     @property
     def size(self) -> int:
@@ -111,7 +198,7 @@ class ReducedModel:
     def take(self, taken: Snapshot) -> None:
         """Take the right and left vectors of a full solve, up to the margin of the window, in."""
         norm, before, forces = self.norms.states, self._basis.size, taken.real_forces()
-        blocks = [taken.real_vectors(norm, damped=self.small.settings.damped)]
+        blocks = [taken.real_vectors(norm, damped=self.small.settings.window.damped)]
         for contact in self._pieces.contacts:
             own = np.zeros_like(forces)
             own[contact.rows] = forces[contact.rows]
@@ -157,14 +244,9 @@ class ReducedModel:
 
     def _project(self, before: int) -> None:
         """Project all pieces on what the basis has grown by."""
-        both = zip(self._pieces.all, self._projected, strict=True)
-        self._projected = [self._grown(piece, small, before) for piece, small in both]
-        order, rows = np.argsort(self._forces, kind="stable"), self._residuals.size
-        self.small = replace(
-            self.small,
-            pieces=tuple(piece.ordered(order, rows) for piece in self._projected),
-            displacements=int((~self._forces).sum()),
-        )
+        both = zip(self._pieces.all, self.small.pieces, strict=True)
+        pieces = [self._grown(piece, small, before) for piece, small in both]
+        self.small = replace(self.small, pieces=tuple(pieces), forces=self._forces)
 
     def _grown(self, piece: Piece, small: SmallPiece, before: int) -> SmallPiece:
         vectors, norm = self._basis.vectors, self.norms.states

@@ -145,7 +145,10 @@ class Pieces:
             return gaps, self.acting(partial(transposed_times, matrix), rows, bodies)
 
         gaps, reactions = across(forces.closure)
-        both: Product = lambda block: gaps(block) + reactions(block)  # noqa: E731
+
+        def both(block: Floats) -> Floats:
+            return gaps(block) + reactions(block)
+
         closes = Piece("stiffness", CONSTANT, both, both)
         self.all.append(closes)
         if forces.slip is not None:

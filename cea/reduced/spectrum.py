@@ -1,9 +1,10 @@
-"""Eigenvalues of a reduced model up to the end of a window and its margin, with their bounds.
+"""A pencil on a basis, in small matrices alone: eigenvalues up to the margin of a window.
 
 Undamped, the inverse of the shifted stiffness is solved for 1 / (kappa + s); damped, the companion
 form inverted about a real shift of growth. What lies in the margin helps to judge the rest.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -12,14 +13,15 @@ from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
-from cea.eigen.modes import uncertainties_of
+from cea.eigen.parameters import Dependence
+from cea.eigen.pencil import Role
 from cea.eigen.spectrum import SLOW
-from cea.reduced.certificate import Certifier, Pairs, Residuals, Rounding
+from cea.reduced.certificate import Certificate, Pairs, Polynomial, Term, real_times
+from cea.reduced.pieces import Values
+from cea.reduced.window import MARGIN, Window
 
-MARGIN = 1.15
-"""Frequency up to which eigenvectors are taken into a basis, relative to the end of the window."""
 _FURTHER = 0.05
-"""Decay beyond that of the window, relative to its end, down to which they are."""
+"""Decay beyond that of the window, relative to its end, down to which eigenvectors are taken in."""
 _BELOW = 0.05
 """Part of the window below the real axis whose eigenvalues help to judge those next to it."""
 _INFINITE = 1e4
@@ -32,34 +34,17 @@ _SAFETY = 2.0
 class Settings:
     """What bounds are made with.
 
-    Upper end of the window (Hz), shift s (1/s^2) of the energy norm, factor on the inverse outside
-    of the basis, decay (1/s) down to which damped eigenvalues are in the window, infinite without
-    damping.
+    Shift s (1/s^2) of the energy norm; factor on the inverse outside of the basis.
     """
 
-    max_frequency: float
+    window: Window
     shift: float
     safety: float = _SAFETY
-    decay: float = np.inf
-
-    @property
-    def damped(self) -> bool:
-        """Whether z is lambda rather than kappa."""
-        return self.decay < np.inf
-
-    @property
-    def end(self) -> float:
-        """Upper end of the window (1/s)."""
-        return 2 * np.pi * self.max_frequency
 
     @property
     def reach(self) -> float:
         """Decay (1/s) down to which eigenvectors of damped pencils are taken into a basis."""
-        return self.decay + _FURTHER * self.end
-
-    def holds(self, eigenvalues: Complexes) -> NDArray[np.bool_]:
-        """Which eigenvalues lambda, Im lambda >= 0, the window holds."""
-        return (eigenvalues.imag <= self.end) & (eigenvalues.real >= -self.decay)
+        return self.window.decay + _FURTHER * self.window.end
 
     def outside(self, z: Complexes) -> Floats:
         """The factor g for the inverse of the pencil outside of the basis, shape (n,).
@@ -70,50 +55,49 @@ class Settings:
         outside of it too: where one has the frequency of an eigenvalue, P on it is about
         2 |lambda| times their distance.
         """
-        kappa = -(z**2) if self.damped else z
-        top = (MARGIN * self.end) ** 2
-        of_margin = self.safety * (top + self.shift) / (top - np.minimum(kappa.real, self.end**2))
-        if not self.damped:
+        window = self.window
+        kappa = -(z**2) if window.damped else z
+        top = (MARGIN * window.end) ** 2
+        of_margin = self.safety * (top + self.shift) / (top - np.minimum(kappa.real, window.end**2))
+        if not window.damped:
             return of_margin
-        speeds, room = np.abs(z), self.reach + np.maximum(z.real, -self.decay)
-        decaying = (speeds**2 + self.shift) / np.maximum(2 * speeds, SLOW * self.end) / room
+        speeds, room = np.abs(z), self.reach + np.maximum(z.real, -window.decay)
+        decaying = (speeds**2 + self.shift) / np.maximum(2 * speeds, SLOW * window.end) / room
         return np.maximum(of_margin, self.safety * decaying)
 
 
 @dataclass(frozen=True)
-class ReducedSpectrum:
-    """Eigenvalues of a window and its margin, by rising frequency.
+class ReducedSpectrum(Certificate):
+    """Eigenvalues of a window and its margin, by rising frequency, with bounds on their errors.
 
-    kappa (1/s^2), or lambda (1/s) of damped pencils, as z, and lambda with Im lambda >= 0;
-    coordinates of their vectors of M-norm one, of displacements and contact forces below them;
-    bounds on the errors of z (:class:`cea.reduced.certificate.Certificate`).
+    kappa (1/s^2), or lambda (1/s) of damped pencils, as z; coordinates of their vectors of M-norm
+    one; which of these are of contact forces.
     """
 
-    settings: Settings
-    displacements: int
     z: Complexes
-    eigenvalues: Complexes
     right: Complexes
     left: Complexes
-    errors: Floats
-    means: Floats
-    reduction: Floats
-    clusters: Ints
-    slopes: Floats
+    settings: Settings
+    forces: NDArray[np.bool_]
 
     @classmethod
     def empty(cls, settings: Settings) -> "ReducedSpectrum":
         """What a basis without vectors knows."""
-        none, vectors = np.empty(0, dtype=complex), np.empty((0, 0), dtype=complex)
-        real, clusters = np.empty(0), np.empty(0, dtype=np.int64)
-        return cls(settings, 0, none, none, vectors, vectors, real, real, real, clusters, real)
+        none, vectors = np.empty(0), np.empty((0, 0), dtype=complex)
+        z, clusters = none.astype(complex), none.astype(np.int64)
+        return cls(none, none, none, clusters, z, z, vectors, vectors, settings, none.astype(bool))
 
     def __len__(self) -> int:
         return len(self.z)
 
     def __getitem__(self, modes: Ints) -> "ReducedSpectrum":
-        arrays = {each.name: getattr(self, each.name)[..., modes] for each in fields(self)[2:]}
+        arrays = {each.name: getattr(self, each.name)[..., modes] for each in fields(self)[:-2]}
         return replace(self, **arrays)
+
+    @property
+    def eigenvalues(self) -> Complexes:
+        """Lambda with Im lambda >= 0 (1/s), shape (n,)."""
+        return self.settings.window.roots(self.z)
 
     @property
     def window(self) -> "ReducedSpectrum":
@@ -123,24 +107,22 @@ class ReducedSpectrum:
     @property
     def inside(self) -> NDArray[np.bool_]:
         """Which are in the window, shape (n,)."""
-        return self.settings.holds(self.eigenvalues)
+        return ~self.settings.window.far(self.z)
 
     @property
     def shapes(self) -> Complexes:
         """Coordinates of the displacements of right vectors."""
-        return self.right[: self.displacements]
+        return self.right[~self.forces]
 
     @property
     def speeds(self) -> Floats:
         """abs(lambda), no less than a tenth of the window (1/s): what errors are relative to."""
-        return np.maximum(np.abs(self.eigenvalues), SLOW * self.settings.end)
+        return np.maximum(np.abs(self.eigenvalues), SLOW * self.settings.window.end)
 
     @property
     def uncertainties(self) -> Floats:
         """Bounds on errors of lambda (1/s), shape (n,)."""
-        if self.settings.damped:
-            return self.errors
-        return uncertainties_of(self.eigenvalues, self.errors)
+        return self.settings.window.doubts(self.z, self.errors)
 
     @property
     def mean_errors(self) -> Floats:
@@ -150,9 +132,10 @@ class ReducedSpectrum:
     @property
     def conditions(self) -> Floats:
         """Condition numbers of kappa in the M-norm, shape (n,)."""
-        if self.settings.damped:
-            return np.maximum(2 * np.abs(self.z) * self.slopes, 1.0)
-        return self.slopes
+        slopes = 1 / np.maximum(np.abs(self.overlaps), np.finfo(float).tiny)
+        if self.settings.window.damped:
+            return np.maximum(2 * np.abs(self.z) * slopes, 1.0)
+        return slopes
 
     @property
     def worst(self) -> float:
@@ -173,7 +156,7 @@ class ReducedSpectrum:
     @property
     def _relative(self) -> Floats:
         """What takes errors of z to those of lambda relative to its speed."""
-        return 1 / self.speeds if self.settings.damped else 1 / (2 * self.speeds**2)
+        return 1 / self.speeds if self.settings.window.damped else 1 / (2 * self.speeds**2)
 
     def _largest(self, errors: Floats) -> float:
         if not len(self.right):
@@ -184,55 +167,27 @@ class ReducedSpectrum:
         """A word for each mode, whose error is its bound, with a limit of growth (1/s)."""
         values, bounds = self.eigenvalues, self.uncertainties
         bounded = np.zeros(len(values), dtype=bool)
-        if not self.settings.damped:
+        if not self.settings.window.damped:
             bounded = cannot_grow(self.z, self.errors, symmetric=False)
         limits, rigid = thresholds(values, threshold), np.abs(values) <= bounds
         return classify(values.real, bounds, limits, bounded, rigid)
 
 
-def upper_root(kappa: Complexes) -> Complexes:
-    """The lambda = sqrt(-kappa) with Im lambda >= 0; it grows where lambda is real."""
-    root = np.sqrt(-kappa.astype(complex))
-    return np.where(root.imag < 0, -root, root) + 0j
-
-
 def reduced_spectrum(
-    stiffness: Residuals,
-    damping: Residuals | None,
-    mass: Residuals,
-    displacements: int,
-    settings: Settings,
-    rounding: Rounding,
+    pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings
 ) -> ReducedSpectrum:
-    """Eigenvalues of a window and its margin; ``damping`` is None without it.
-
-    Contact forces stand behind so many displacements.
-    """
-    k = displacements
-    K, M = stiffness.square, mass.square[:k, :k]
-    root = np.linalg.cholesky(M)
-    if damping is None:
-        pairs = _undamped(K, M, root, settings)
-        eigenvalues, scale = upper_root(pairs.values), 1.0
-    else:
-        pairs = _damped(K, damping.square[:k, :k], M, root, settings)
-        eigenvalues, scale = pairs.values, settings.end
-    certifier = Certifier(stiffness, damping, mass, rounding, scale)
-    told = certifier.certificate(pairs, settings.outside(pairs.values))
+    """Eigenvalues of a window and its margin; some of the unknowns are contact forces."""
+    pairs = _pairs(pencil, forces, settings)
+    told = pencil.certificate(pairs, settings.outside(pairs.values))
     found = ReducedSpectrum(
-        settings=settings,
-        displacements=k,
+        **vars(told),
         z=pairs.values,
-        eigenvalues=eigenvalues,
         right=pairs.right,
         left=pairs.left,
-        errors=told.errors,
-        means=told.means,
-        reduction=told.reduction,
-        clusters=told.clusters,
-        slopes=told.slopes,
+        settings=settings,
+        forces=forces,
     )
-    return found if damping is None else found[np.flatnonzero(eigenvalues.imag >= 0)]
+    return found[np.flatnonzero(pairs.values.imag >= 0)] if pencil.damped else found
 
 
 class Inverse:
@@ -241,75 +196,160 @@ class Inverse:
     A^-1 - A^-1 L S^-1 N A^-1 with S = c + N A^-1 L: nothing grows with a contact stiffness 1 / c.
     """
 
-    def __init__(self, whole: Floats, shifted: Floats) -> None:
-        k = len(shifted)
-        self._factors = lu_factor(shifted)
-        self._reacts, self._closes = whole[:k, k:], whole[k:, :k]
+    def __init__(self, whole: Floats, shifted: Floats, forces: NDArray[np.bool_]) -> None:
+        self._own, self._below = np.flatnonzero(~forces), np.flatnonzero(forces)
+        self._factors = lu_factor(shifted[np.ix_(self._own, self._own)])
+        self._reacts = whole[np.ix_(self._own, self._below)]
+        self._closes = whole[np.ix_(self._below, self._own)]
         self._flexible = lu_solve(self._factors, self._reacts)
-        self._schur = lu_factor(self._closes @ self._flexible - whole[k:, k:])
+        softness = whole[np.ix_(self._below, self._below)]
+        self._schur = lu_factor(self._closes @ self._flexible - softness)
 
     def __call__(self, block: Floats) -> Floats:
         """Displacements under a block of forces."""
         found: Floats = lu_solve(self._factors, block)
         return found - self._flexible @ lu_solve(self._schur, self._closes @ found)
 
-    def extended(self, right: Complexes, loads: Complexes) -> Complexes:
-        """Right vectors with their contact forces below, by the loads they are in balance with."""
-        gaps = self._closes @ lu_solve(self._factors, loads)
-        return np.vstack([right, lu_solve(self._schur, gaps)])
-
-    def extended_left(self, left: Complexes, loads: Complexes) -> Complexes:
-        """The same of left vectors."""
-        gaps = self._reacts.T @ lu_solve(self._factors, loads, trans=1)
-        return np.vstack([left, lu_solve(self._schur, gaps, trans=1)])
+    def extended(self, vectors: Complexes, loads: Complexes, *, left: bool = False) -> Complexes:
+        """Right or left vectors with the contact forces by which they are in balance with loads."""
+        closes, trans = (self._reacts.T, 1) if left else (self._closes, 0)
+        gaps = closes @ lu_solve(self._factors, loads, trans=trans)
+        whole = np.empty((len(self._own) + len(self._below), vectors.shape[1]), dtype=complex)
+        whole[self._own], whole[self._below] = vectors, lu_solve(self._schur, gaps, trans=trans)
+        return whole
 
 
-def _undamped(K: Floats, M: Floats, root: Floats, settings: Settings) -> Pairs:
-    """Eigenpairs by the inverse of K + s M."""
-    shift, k = settings.shift, len(M)
-    inverse = Inverse(K, K[:k, :k] + shift * M)
-    operator = root.T @ inverse(root)
+def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) -> Pairs:
+    """Eigenpairs by the inverse of P(shift): of K + s M, or of the companion form."""
+    end, damped = settings.window.end, pencil.damped
+    shift = np.sqrt(settings.shift) if damped else -settings.shift
+    scale = end if damped else 1.0
+    own = np.ix_(~forces, ~forces)
+    squares = {each.power: each.square[own] for each in pencil.terms}
+    root = np.linalg.cholesky(squares[max(squares)])
+    inverse_of, k = Inverse(pencil.at(0.0), pencil.at(shift), forces), len(root)
+    if not damped:
+        operator = root.T @ inverse_of(root)
+    else:
+        one, half = np.eye(k), solve_triangular(root, squares[1], lower=True)
+        drag = solve_triangular(root, half.T, lower=True).T  # L^-1 D L^-T
+        inverse = root.T @ inverse_of(root @ np.hstack([drag + shift * one, one]))
+        of_motion, of_speed = -inverse[:, :k], -scale * inverse[:, k:]
+        operator = np.block(
+            [[of_motion, of_speed], [(one + shift * of_motion) / scale, shift * of_speed / scale]]
+        )
     theta, duals, states = eig(operator, left=True, right=True)
-    with np.errstate(divide="ignore"):
-        kappa = 1 / theta - shift
-    speeds = upper_root(kappa)
-    order = np.lexsort((speeds.real, speeds.imag))
-    inside = (speeds.imag <= MARGIN * settings.end) & (np.abs(speeds) < _INFINITE * settings.end)
-    order = order[inside[order]]
-    kappa, states, duals = kappa[order], states[:, order], duals[:, order]
-    right = solve_triangular(root, states, lower=True, trans="T")
-    left = solve_triangular(root, duals, lower=True, trans="T")
-    loads = M @ right * (kappa + shift), M @ left * (kappa + shift).conj()
-    right, left = inverse.extended(right, loads[0]), inverse.extended_left(left, loads[1])
-    return Pairs(kappa, right, left, states, duals, operator, -shift)
-
-
-def _damped(K: Floats, D: Floats, M: Floats, root: Floats, settings: Settings) -> Pairs:
-    """Eigenpairs by the companion form, inverted about a real shift of growth."""
-    k, shift, scale = len(M), np.sqrt(settings.shift), settings.end
-    inverse_of = Inverse(K, shift**2 * M + shift * D + K[:k, :k])
-    one = np.eye(k)
-    half = solve_triangular(root, D, lower=True)
-    drag = solve_triangular(root, half.T, lower=True).T  # L^-1 D L^-T
-    inverse = root.T @ inverse_of(root @ np.hstack([drag + shift * one, one]))
-    of_motion, of_speed = -inverse[:, :k], -scale * inverse[:, k:]
-    operator = np.block(
-        [[of_motion, of_speed], [(one + shift * of_motion) / scale, shift * of_speed / scale]]
-    )
-    mu, duals, states = eig(operator, left=True, right=True)
     with np.errstate(divide="ignore", invalid="ignore"):
-        values = shift + 1 / mu
-    order = np.lexsort((values.real, values.imag))
-    inside = (values.imag >= -_BELOW * scale) & (values.imag <= MARGIN * scale)
-    inside &= (np.abs(values) < _INFINITE * scale) & (values.real >= -settings.reach)
+        values = shift + 1 / theta
+    speeds = settings.window.roots(values)
+    order = np.lexsort((speeds.real, speeds.imag))
+    inside = (speeds.imag >= -_BELOW * end) & (speeds.imag <= MARGIN * end)
+    inside &= (np.abs(speeds) < _INFINITE * end) & (speeds.real >= -settings.reach)
     order = order[inside[order]]
     values, states, duals = values[order], states[:, order], duals[:, order]
     states = states / np.linalg.norm(states[:k], axis=0)
-    duals = duals / np.linalg.norm(duals[k:], axis=0)
+    duals = duals / np.linalg.norm(duals[-k:], axis=0)
     right = solve_triangular(root, states[:k], lower=True, trans="T")
-    left = solve_triangular(root, duals[k:], lower=True, trans="T")
-    back = values.conj()
-    load = M @ right * (shift**2 - values**2) + D @ right * (shift - values)
-    left_load = M @ left * (shift**2 - back**2) + D.T @ left * (shift - back)
-    right, left = inverse_of.extended(right, load), inverse_of.extended_left(left, left_load)
-    return Pairs(values, right, left, states, duals, operator, shift)
+    left = solve_triangular(root, duals[-k:], lower=True, trans="T")
+    # Loads (P(shift) - P(z)) x are in balance with the forces of contacts.
+    moved = [(each.power, each.factor * each.square[own]) for each in pencil.terms if each.power]
+    loads = sum(A @ right * (shift**p - values**p) for p, A in moved)
+    back = sum(A.T @ left * (shift**p - values.conj() ** p) for p, A in moved)
+    right, left = inverse_of.extended(right, loads), inverse_of.extended(left, back, left=True)
+    return Pairs(values, right, left, states, duals, operator, shift, scale)
+
+
+@dataclass(frozen=True)
+class SmallPiece:
+    """One piece of a pencil on a basis V of states, with coordinates Q of what its images cause.
+
+    V^T A V; coordinates of A V and A^T V; norm of what Q does not hold of either; largest error of
+    an entry of V^T A V by rounding.
+    """
+
+    role: Role
+    coefficient: Dependence
+    square: Floats
+    right: Floats
+    left: Floats
+    lost: float
+    rounding: float = 0.0
+
+
+@dataclass(frozen=True)
+class SmallPencil:
+    """All pieces on one basis, some of whose vectors are ``forces`` of contacts."""
+
+    pieces: tuple[SmallPiece, ...]
+    forces: NDArray[np.bool_]
+    settings: Settings
+
+    def at(self, values: Values) -> ReducedSpectrum:
+        """Eigenvalues of the window and its margin at values of all parameters."""
+        if not len(self.forces):
+            return ReducedSpectrum.empty(self.settings)
+        terms = tuple(self._term(role, values) for role in self._powers)
+        return reduced_spectrum(Polynomial(terms), self.forces, self.settings)
+
+    def derivatives(
+        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
+    ) -> Complexes:
+        """Derivatives of eigenvalues lambda, as :meth:`slopes`; infinite at a coalescence."""
+        slopes = self.slopes(found, values, rates)
+        if self.settings.window.damped:
+            return slopes
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -slopes / (2 * found.eigenvalues)
+
+    def slopes(
+        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
+    ) -> Complexes:
+        """Derivatives of z where parameters change at given rates.
+
+        - y^H dP(z) x / y^H P'(z) x; infinite at a coalescence.
+        """
+        change: Complexes = np.zeros(len(found), dtype=complex)
+        for piece in self.pieces:
+            slope = sum(
+                rate * piece.coefficient.derivative(name, values) for name, rate in rates.items()
+            )
+            if slope:
+                factor, power = self._powers[piece.role]
+                image = real_times(piece.square, found.right)
+                projected = np.einsum("ij,ij->j", found.left.conj(), image)
+                change -= slope * factor * found.z**power * projected
+        with np.errstate(divide="ignore", invalid="ignore"):
+            moved: Complexes = change / found.overlaps
+        return moved
+
+    @property
+    def _powers(self) -> dict[Role, tuple[float, int]]:
+        """Factor and power of z of the terms of P(z)."""
+        if self.settings.window.damped:
+            return {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": (1.0, 2)}
+        return {"stiffness": (1.0, 0), "mass": (-1.0, 1)}
+
+    def _term(self, role: Role, values: Values) -> Term:
+        """The sum of all pieces of a role.
+
+        Its entries are off relative to their parts, and by what was seen of these.
+        """
+        pieces = [piece for piece in self.pieces if piece.role == role]
+        symmetric = all(piece.left is piece.right for piece in pieces)
+        n = len(self.forces)
+        rows = max(max(len(piece.right), len(piece.left)) for piece in self.pieces)
+        square, rounding = np.zeros((2, n, n))
+        right = np.zeros((rows, n))  # vectors of Q come later than some pieces
+        left = right if symmetric else np.zeros((rows, n))
+        lost, eps = 0.0, np.finfo(float).eps
+        for piece in pieces:
+            c = piece.coefficient.at(values)
+            if not c:
+                continue
+            square += c * piece.square
+            right[: len(piece.right)] += c * piece.right
+            if not symmetric:
+                left[: len(piece.left)] += c * piece.left
+            lost += abs(c) * piece.lost
+            rounding += abs(c) * (eps * np.abs(piece.square) + piece.rounding * (piece.square != 0))
+        return Term(*self._powers[role], square, right, left, lost, rounding)

@@ -10,8 +10,8 @@ Growing modes are counted in both half planes, so that a pair that becomes two r
 changes nothing.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from heapq import heapify, heappop, heappush
 from itertools import pairwise
 from typing import Protocol
@@ -19,8 +19,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.reduced.crossings import REAL, Threshold, crossings_of
-from cea.reduced.following import Sample, UnresolvedError, Window, units_of
+from cea.reduced.crossings import REAL, Crossings, Threshold
+from cea.reduced.following import Sample, UnresolvedError, units_of
+from cea.reduced.window import Window
 
 RESOLUTION = 1e-7
 """Width of an interval, relative to the axis, below which it is not halved again."""
@@ -108,25 +109,49 @@ def thresholds_along(
     *,
     resolution: float = RESOLUTION,
     budget: int | None = None,
+    logarithmic: bool = False,
 ) -> Found:
     """All thresholds between the first and the last of two values or more.
 
-    Intervals are halved down to ``resolution`` of the axis; at most ``budget`` spectra are made for
-    each value.
+    Intervals, of the logarithms of values where it is said, are halved down to ``resolution`` of
+    the axis; at most ``budget`` spectra are made for each value.
     """
-    most = BUDGET if budget is None else budget
-    return _Search(line, sorted(values), resolution, most).run()
+    most = (BUDGET if budget is None else budget) * len(values)
+    if not logarithmic:
+        return _Search(line.window, line.at, sorted(values), resolution, most).run()
+    given = {float(np.log(value)): value for value in sorted(values)}
+
+    def at(place: float) -> Sample:
+        value = given.get(place, float(np.exp(place)))
+        sample = line.at(value)
+        return replace(sample, value=place, slopes=sample.slopes * value)
+
+    found = _Search(line.window, at, list(given), resolution, most).run()
+    for i, each in enumerate(found.thresholds):
+        value = float(np.exp(each.value))
+        error, slope = each.error * value, each.slope / value
+        found.thresholds[i] = replace(each, value=value, error=error, slope=slope)
+    for i, left in enumerate(found.unresolved):
+        low, high = float(np.exp(left.low)), float(np.exp(left.high))
+        found.unresolved[i] = replace(left, low=low, high=high)
+    return found
 
 
 class _Search:
     """One search, with the spectra it has made."""
 
-    def __init__(self, line: Line, values: list[float], resolution: float, budget: int) -> None:
-        self._line, self._window, self._values = line, line.window, values
+    def __init__(
+        self,
+        window: Window,
+        at: Callable[[float], Sample],
+        values: list[float],
+        resolution: float,
+        most: int,
+    ) -> None:
+        self._window, self._sample, self._values, self._most = window, at, values, most
         self._known: dict[float, Sample] = {}
         self._least = resolution * (values[-1] - values[0])
         self._by_bounds = _BY_BOUNDS * float(np.diff(values).max())
-        self._most = budget * len(values)
         self._patience = _PATIENCE * len(values)
         self._found = Found()
 
@@ -183,7 +208,7 @@ class _Search:
 
     def _at(self, value: float) -> Sample:
         if value not in self._known:
-            self._known[value] = self._line.at(value)
+            self._known[value] = self._sample(value)
         return self._known[value]
 
     def _growing(self, value: float) -> NDArray[np.bool_]:
@@ -293,7 +318,8 @@ class _Search:
         """Thresholds of an interval."""
         samples = [self._at(each) for each in (low, middle, high)]
         units = units_of(self._window, samples)
-        found = crossings_of(self._window, self._at, units, (low, middle, high))
+        at, places = self._at, (low, middle, high)
+        found = [t for u in units for t in Crossings(self._window, at, u, places).thresholds()]
         sure = [each for each in (low, middle, high) if not self._undecided(each)]
         for one, other in pairwise(sure):
             change = sum(each.change for each in found if one < each.value <= other)

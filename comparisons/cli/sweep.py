@@ -140,8 +140,7 @@ def _sweep(asked: Any, out: Path) -> None:
     typer.echo(tables.headline(data))
     typer.echo(tables.words(made))
     print_frame(Table("summary", "The sweep.", tables.summary), made)
-    of_points = tables.thresholds_table if made.points.counts else tables.probability_table
-    print_frame(of_points(made), made)
+    print_frame(tables.answer_table(made), made)
     print_warnings(data["warnings"])
     if "why" in data:
         typer.echo(f"Solved in full at each value: {data['why']}")

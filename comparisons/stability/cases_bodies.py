@@ -7,8 +7,6 @@ import numpy as np
 from comparisons.stability.case import Runs, exact, formula, refused, runs
 from comparisons.stability.scenes import (
     ABOUT_Z,
-    HELD_ABOVE,
-    HELD_BELOW,
     LINING,
     STEEL,
     Scene,
@@ -55,8 +53,8 @@ def aspect() -> Runs:
     ):
         below = rectangle((width, height), (0.0, -height))
         bodies = {
-            "upper": body(rectangle((width, height)), (2, 2), E=0.5, supports=HELD_ABOVE),
-            "lower": body(below, (3, 2), supports=HELD_BELOW),
+            "upper": body(rectangle((width, height)), (2, 2), E=0.5, held="y_max"),
+            "lower": body(below, (3, 2), held="y_min"),
         }
         data = scene(bodies, contact=contact("upper.y_min", "lower.y_max"))
         yield from runs(row, data, FEW, expected=expected, tolerance=tolerance)
@@ -132,8 +130,8 @@ def narrow_sector() -> Runs:
         outer = angles | {"inner_radius": 1.0, "outer_radius": 1.5}
         inner = angles | {"inner_radius": 0.5, "outer_radius": 1.0}
         bodies = {
-            "outer": body(outer, (2, 3), supports=[{"surface": "outer"}]),
-            "inner": body(inner, (2, 2), supports=[{"surface": "inner"}]),
+            "outer": body(outer, (2, 3), held="outer"),
+            "inner": body(inner, (2, 2), held="inner"),
         }
         sliding = contact("outer.inner", "inner.outer", friction_direction_on_a=ABOUT_Z)
         may: dict[str, Any] = {"expected": "warned", "tolerance": 1e-6} if degrees < 1 else {}
@@ -165,8 +163,8 @@ def thin_strip() -> Runs:
     for slenderness in (1e2, 1e3, 2e4, 1e5):
         # Length 2, plane strain, E = rho = 1, beside Euler and Bernoulli. Half as many elements
         # lock: cubic splines are then off by 2 percent in the fourth mode, which no run tells.
-        height, held = 2.0 / slenderness, [{"surface": "x_min"}]
-        strip = body(rectangle((2.0, height)), (40, 1), degree=3, nu=0.3, supports=held)
+        height = 2.0 / slenderness
+        strip = body(rectangle((2.0, height)), (40, 1), degree=3, nu=0.3, held="x_min")
         omega = (_BENDING / 2.0) ** 2 * height / np.sqrt(12 * (1 - 0.3**2))
         expected, true = "accurate" if slenderness < 1e3 else "honest", formula(1j * omega)
         fields: dict[str, Any] = {"expected": expected, "tolerance": 5e-3, "lowest": 3}

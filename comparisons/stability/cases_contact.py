@@ -8,8 +8,6 @@ import numpy as np
 from comparisons.stability.case import Reference, Runs, exact, formula, refused, runs
 from comparisons.stability.scenes import (
     ABOUT_Z,
-    HELD_ABOVE,
-    HELD_BELOW,
     Scene,
     base,
     body,
@@ -58,8 +56,8 @@ def varying_stiffness() -> Runs:
 def _four_blocks(P: float) -> Scene:
     """Two blocks that slide on each other, two bonded on top of them and to each other."""
 
-    def block(x: float, y: float, *supports: Scene) -> Scene:
-        return body(rectangle((1.0, 1.0), (x, y)), (4, 4), supports=supports)
+    def block(x: float, y: float, held: str = "") -> Scene:
+        return body(rectangle((1.0, 1.0), (x, y)), (4, 4), held=held)
 
     def bond(a: str, b: str) -> Scene:
         return contact(a, b, formulation={"method": "bonded"}, form="saddle", mu=0.0, P=P)
@@ -67,8 +65,8 @@ def _four_blocks(P: float) -> Scene:
     upwards = {"vector": [0.0, 1.0]}
     return scene(
         {
-            "b0": block(0.0, 0.0, *HELD_BELOW),
-            "b1": block(1.0, 0.0, *HELD_BELOW),
+            "b0": block(0.0, 0.0, "y_min"),
+            "b1": block(1.0, 0.0, "y_min"),
             "b2": block(1.0, 1.0),
             "b3": block(0.0, 1.0),
         },
@@ -97,8 +95,8 @@ def _two_pads(upper: float | str, lower: float | str, joint: float) -> Scene:
         {
             "disc": body(rectangle((2.0, 0.3), (0.0, -0.3)), (7, 2), supports=ends),
             "lining": body(rectangle((0.6, 0.2), (0.7, 0.0)), (3, 1), E=0.05),
-            "backplate": body(plate, (4, 1), E=2.0, supports=HELD_ABOVE),
-            "pad": body(below, (3, 1), E=0.1, supports=HELD_BELOW),
+            "backplate": body(plate, (4, 1), E=2.0, held="y_max"),
+            "pad": body(below, (3, 1), E=0.1, held="y_min"),
         },
         above=contact("lining.y_min", "disc.y_max", p=upper),
         below=contact("pad.y_max", "disc.y_min", p=lower),
@@ -191,10 +189,10 @@ def _exact_layers(p: float, mu: float) -> Reference:
 
 
 def _drum(p: float) -> Scene:
-    soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "supports": [{"surface": "outer"}]}
+    soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "held": "outer"}
     bodies = {
         "outer": body(ring(1.0, 1.5), (2, 20), degree=3, **soft),
-        "inner": body(ring(0.5, 1.0), (2, 16), degree=3, supports=[{"surface": "inner"}]),
+        "inner": body(ring(0.5, 1.0), (2, 16), degree=3, held="inner"),
     }
     sliding = contact("outer.inner", "inner.outer", p=p, friction_direction_on_a=ABOUT_Z)
     return up_to(0.33, scene(bodies, interface=sliding))

@@ -17,7 +17,6 @@ from comparisons.stability.case import EXPECTED, Run, Runs, formula, runs
 from comparisons.stability.dense import lambdas
 from comparisons.stability.problems import WRITERS, Answer, OfFiles, OfScene, StressAnswer
 from comparisons.stability.scenes import (
-    HELD_BELOW,
     Scene,
     body,
     contact,
@@ -327,7 +326,7 @@ def _corner(p: float, *, together: bool = True, E: float = 1.0) -> Scene:
     seat["faces"] = {"base": foot, "floor": floor, "wall": wall, "corner": floor + wall}
     bodies = {
         "block": body(block, (4, 4), E=E),
-        "seat": body(seat, (3, 3), E=E, supports=[{"surface": "base"}]),
+        "seat": body(seat, (3, 3), E=E, held="base"),
     }
     if together:
         return scene(bodies, contact=_push("block.corner", "seat.corner", [1.0, 1.0], p))
@@ -347,7 +346,7 @@ def contact_corner() -> Runs:
     rigid, mu = 1e7, 0.3  # E beside a contact of p = 1 N/m³
     bodies = {
         "block": body(rectangle((1.0, 1.0)), (4, 4), E=rigid),
-        "seat": body(rectangle((2.0, 2.0), (-0.5, -0.5)), (8, 8), E=rigid, supports=HELD_BELOW),
+        "seat": body(rectangle((2.0, 2.0), (-0.5, -0.5)), (8, 8), E=rigid, held="y_min"),
     }
     of_file = scene(bodies, contact=_push("block.corner", "seat.corner", [1.0, 1.0], 1.0))
     # Motions of a rigid block along x, along y and about the corner: on a face the gap is n.u, the

@@ -10,8 +10,6 @@ from comparisons.stability.case import Runs, dense, refused, runs
 from comparisons.stability.problems import OfMap
 from comparisons.stability.scenes import (
     ABOUT_Z,
-    HELD_ABOVE,
-    HELD_BELOW,
     LINING,
     STEEL,
     Scene,
@@ -60,7 +58,7 @@ def slow() -> Runs:
 
 def arms() -> Runs:
     """Oblique arms: divergence, strong flutter, copies of zero."""
-    stiff = {"E": 100.0, "supports": [{"surface": "head"}]}
+    stiff = {"E": 100.0, "held": "head"}
     large, small = rectangle((6.0, 3.0), (-3.0, -3.0)), rectangle((2.0, 1.0), (-1.0, -1.0))
 
     def arm(width: float, lean: float, height: float, *elements: int, **fields: Any) -> Scene:
@@ -68,12 +66,12 @@ def arms() -> Runs:
         shape = patch([[-half, 0.0], [half, 0.0]], [[lean - half, height], [lean + half, height]])
         return body(shape, elements, **fields)
 
-    def ground(shape: Scene, *elements: int, held: Any = HELD_BELOW) -> Scene:
-        return body(shape, elements, E=10.0, supports=held)
+    def ground(shape: Scene, *elements: int, held: str = "y_min") -> Scene:
+        return body(shape, elements, E=10.0, held=held)
 
     first = arm(0.2, 0.36397023426620236, 1.0, 3, 8, **stiff), ground(large, 15, 6)
     second = arm(0.25, -0.2151833689734136, 1.39, 5, 4), ground(small, 9, 4)
-    third = arm(0.55, 0.4549995702848617, 0.55, 5, 2), ground(small, 9, 4, held=())
+    third = arm(0.55, 0.4549995702848617, 0.55, 5, 2), ground(small, 9, 4, held="")
     for row, end, (upper, lower), p, mu in (  # what is easily missed, the end of the window (Hz)
         ("divergence of 3.35", 0.5, first, 1e4, 1.0),
         ("flutter of 4.56", 0.4, second, 98036.108, 2.75),
@@ -97,14 +95,14 @@ def _times(number: int, one: Scene) -> Scene:
 
 def _pair(mu: float) -> Scene:
     """A square that slides on another."""
-    upper = body(rectangle((1.0, 1.0)), (1, 1), supports=HELD_ABOVE)
-    lower = body(rectangle((1.0, 1.0), (0.0, -1.0)), (2, 1), E=0.7, supports=HELD_BELOW)
+    upper = body(rectangle((1.0, 1.0)), (1, 1), held="y_max")
+    lower = body(rectangle((1.0, 1.0), (0.0, -1.0)), (2, 1), E=0.7, held="y_min")
     return scene({"u": upper, "l": lower}, c=contact("u.y_min", "l.y_max", mu=mu))
 
 
 def clusters() -> Runs:
     """Clusters of 20 equal eigenvalues, with and without friction."""
-    square = scene({"b": body(rectangle((1.0, 1.0)), (2, 2), supports=HELD_BELOW)})
+    square = scene({"b": body(rectangle((1.0, 1.0)), (2, 2), held="y_min")})
     for row, number, one, ways, lowest in (
         ("20 squares", 20, square, ALONE, 60),
         ("20 pairs, μ = 0", 20, _pair(0.0), _SIMPLE, 40),
@@ -122,8 +120,8 @@ def disc_pad() -> Runs:
     annulus = {"shape": "annulus", "inner_radius": 0.06, "outer_radius": 0.15}
     pad_at = sector | {"inner_radius": 0.09, "outer_radius": 0.14}
     disc_at = annulus | {"bottom": 0.0, "top": 0.012}
-    lining: Scene = {"E": 8e9, "rho": 2500.0, "supports": [{"surface": "top"}]}
-    steel: Scene = {"E": 2.1e11, "rho": 7800.0, "supports": [{"surface": "inner"}]}
+    lining: Scene = {"E": 8e9, "rho": 2500.0, "held": "top"}
+    steel: Scene = {"E": 2.1e11, "rho": 7800.0, "held": "inner"}
     for mu, P in ((0.0, 1e9), (0.7, 1e9), (2.5, 1e11), (2.5, 1e13)):
         sliding = {"P": P, "mu": mu, "max_missed": 0.2, "friction_direction_on_a": ABOUT_Z}
         for backend, degree, elements in (("fe", 1, (3, 20, 1)), ("iga", 2, (2, 12, 1))):

@@ -88,18 +88,10 @@ def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
 
 
 class Problem(Protocol):
-    """Something that is solved."""
+    """Something that is solved; errors tell that it is refused, or has no answer."""
 
     def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
-        """Solve it up to a frequency (Hz), where the problem does not say it.
-
-        Raises
-        ------
-        InputError, SceneError
-            When it is refused.
-        ConvergenceError
-            When it has no answer.
-        """
+        """Solve it up to a frequency (Hz), where the problem does not say it."""
         ...
 
 

@@ -8,8 +8,6 @@ Scene = dict[str, Any]
 
 STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
 LINING = {"E": 8e9, "nu": 0.3, "rho": 2500.0}
-HELD_BELOW = [{"surface": "y_min"}]
-HELD_ABOVE = [{"surface": "y_max"}]
 WALLS = [{"surface": f"x_{end}", "components": ["x"]} for end in ("min", "max")]
 """Rollers at both ends."""
 ALONG_X_IN_SPACE = {"vector": [1.0, 0.0, 0.0]}
@@ -24,6 +22,7 @@ def body(
     E: float = 1.0,
     nu: float = 0.3,
     rho: float = 1.0,
+    held: str = "",
     supports: Sequence[Mapping[str, Any]] = (),
     **others: Any,
 ) -> Scene:
@@ -37,7 +36,7 @@ def body(
         "backend": "iga",
         "geometry": dict(geometry),
         "material": {"E": E, "nu": nu, "rho": rho},
-        "supports": [dict(support) for support in supports],
+        "supports": [*([{"surface": held}] if held else []), *map(dict, supports)],
         "mesh": mesh,
         **others,
     }
@@ -48,11 +47,6 @@ def rectangle(size: Sequence[float], origin: Sequence[float] = (0.0, 0.0)) -> Sc
     return {"shape": "rectangle", "size": list(size), "origin": list(origin)}
 
 
-def box(size: Sequence[float], origin: Sequence[float]) -> Scene:
-    """A box as geometry."""
-    return {"shape": "box", "size": list(size), "origin": list(origin)}
-
-
 def ring(inner: float, outer: float) -> Scene:
     """A ring as geometry."""
     return {"shape": "ring", "inner_radius": inner, "outer_radius": outer}
@@ -60,7 +54,7 @@ def ring(inner: float, outer: float) -> Scene:
 
 def base(elements: Sequence[int] = (5, 3), **fields: Any) -> Scene:
     """The body below a pad: 2 wide, 1 high, held at its foot, its top at y = 0."""
-    ground = {"supports": HELD_BELOW, **fields}
+    ground = {"held": "y_min", **fields}
     return body(rectangle((2.0, 1.0), (0.0, -1.0)), elements, **ground)
 
 
@@ -118,8 +112,8 @@ def layers(
     ``upper`` and ``lower`` change fields of :func:`body`, ``height`` is that of the upper layer,
     ``fields`` are those of the contact.
     """
-    soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "supports": [*HELD_ABOVE, *WALLS]}
-    hard: Scene = {"supports": [*HELD_BELOW, *WALLS]}
+    soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "held": "y_max", "supports": WALLS}
+    hard: Scene = {"supports": WALLS}
     return scene(
         {
             "upper": body(rectangle((2.0, height)), upper_elements, **(soft | dict(upper or {}))),
@@ -137,7 +131,7 @@ def pad(
     **fields: Any,
 ) -> Scene:
     """A pad, its left edge at x = ``at`` and held at its back, on a base from x = 0 to 2."""
-    upper = body(rectangle((width, 0.4), (at, 0.0)), pad_elements, E=0.5, supports=HELD_ABOVE)
+    upper = body(rectangle((width, 0.4), (at, 0.0)), pad_elements, E=0.5, held="y_max")
     return scene(
         {"pad": upper, "base": base()},
         contact=contact("pad.y_min", "base.y_max", **fields),
@@ -146,9 +140,8 @@ def pad(
 
 def on_base(geometry: Mapping[str, Any], *, held: bool = True) -> Scene:
     """A NURBS body with the faces foot and head, on a base."""
-    supports = [{"surface": "head"}] if held else []
     return scene(
-        {"pad": body(geometry, (3, 2), supports=supports), "base": base()},
+        {"pad": body(geometry, (3, 2), held="head" if held else ""), "base": base()},
         contact=contact("pad.foot", "base.y_max"),
     )
 
@@ -163,10 +156,12 @@ def boxes(
     **fields: Any,
 ) -> Scene:
     """Two boxes on each other by size and elements, the upper one at x, y and of modulus E."""
-    top, bottom = ([{"surface": side}] if held else [] for side in ("z_max", "z_min"))
+    top, bottom = ("z_max", "z_min") if held else ("", "")
+    above = {"shape": "box", "size": list(upper[0]), "origin": [*at, 0.0]}
+    below = {"shape": "box", "size": list(lower[0]), "origin": [0.0, 0.0, -lower[0][2]]}
     parts = {
-        "upper": body(box(upper[0], (*at, 0.0)), upper[1], E=E, supports=top),
-        "lower": body(box(lower[0], (0.0, 0.0, -lower[0][2])), lower[1], supports=bottom),
+        "upper": body(above, upper[1], E=E, held=top),
+        "lower": body(below, lower[1], held=bottom),
     }
     along = {"friction_direction_on_a": ALONG_X_IN_SPACE}
     return scene(parts, contact=contact("upper.z_min", "lower.z_max", **(along | fields)))
@@ -189,9 +184,7 @@ def sprag(angle: float = 60.0, mu: float = 0.3, **fields: Any) -> Scene:
     slope = {"field": [f"-cos({angle}*pi/180)", f"-sin({angle}*pi/180)"]}
     roller = [{"surface": "y_max", "components": ["x"]}]
     block = body(rectangle((1.0, 0.5)), (3, 2), supports=roller, placement=turned)
-    ground = body(
-        rectangle((2.0, 1.0), (-0.5, -1.0)), (5, 2), supports=HELD_BELOW, placement=turned
-    )
+    ground = body(rectangle((2.0, 1.0), (-0.5, -1.0)), (5, 2), held="y_min", placement=turned)
     sliding = {"mu": mu, "friction_direction_on_a": slope, **fields}
     return scene(
         {"block": block, "base": ground}, contact=contact("block.y_min", "base.y_max", **sliding)
@@ -209,13 +202,12 @@ def pressed_layers(pressure: float, *, degree: int = 2, **law: Any) -> Scene:
 
 
 def uniform(data: Mapping[str, Any], p: float) -> Scene:
-    """Pressed layers where p is known."""
-    interface = dict(data["contacts"]["interface"])
-    for name in ("c_n", "m_n"):
-        interface.pop(name, None)
-    known = changed(data, {"contacts.interface": interface | {"p": p}}) | {"loads": []}
-    for name in ("load_steps", "geometric_stiffness"):
-        known["analysis"].pop(name, None)
+    """Pressed layers where p is known, without what presses them."""
+    known = changed(data, {"contacts.interface.p": p, "loads": []})
+    interface, back = known["contacts"]["interface"], known["bodies"]["upper"]["supports"][0]
+    for table in (interface, back, known["analysis"]):
+        for name in ("c_n", "m_n", "value", "load_steps", "geometric_stiffness"):
+            table.pop(name, None)
     return known
 
 

@@ -5,6 +5,7 @@ are those of lambda, abs(kappa - true) / (2 abs(true)), relative to a small part
 a motion is rigid.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -53,7 +54,10 @@ def judged(run: Run) -> dict[str, Any]:
     found: Comparison | None = None
     begun = perf_counter()
     try:
-        true = _truth(run)
+        true = None
+        if run.reference is not None:
+            with suppress(InputError, SceneError):  # what cannot be assembled can only be refused
+                true = run.reference.values()
         begun = perf_counter()
         answer = run.problem.solve(None if true is None else window_end(true, run.lowest))
         if true is None:
@@ -75,13 +79,6 @@ def judged(run: Run) -> dict[str, Any]:
         "says": [] if answer is None else list(answer.says),
         "seconds": perf_counter() - begun,
     }
-
-
-def _truth(run: Run) -> Complexes | None:
-    try:
-        return run.reference.values() if run.reference is not None else None
-    except (InputError, SceneError):  # what cannot be assembled can only be refused
-        return None
 
 
 def _wrong(reason: str) -> dict[str, Any]:

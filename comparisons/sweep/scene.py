@@ -26,7 +26,7 @@ from scenes.spec.contact import ContactSpec
 from scenes.spec.matrices import load_matrices
 from scenes.spec.plain import as_data, is_of_matrices
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import ComplexEigenvalueAnalysis, load_scene
+from scenes.spec.reading import load_scene
 
 Assembled = AssembledScene | AssembledMatrices
 """A scene that is solved at changed fields."""
@@ -82,55 +82,45 @@ def mapped(
     a field is no parameter of the pencil, or the pencil is not that of all points, or has no
     reduced model; InputError when the scene is refused, or a value.
     """
+    assembled: Assembled
     if is_of_matrices(scene):
-        matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
+        assembled = matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
+        analysis: Any = matrices.scene.window
         names = _names(matrices.driver.pencil, fields, {}, ())
-        window = matrices.scene.window
-        return _mapped(matrices, fields, names, samples, window, lambda m, _: matrices.warnings(m))
-    _refuse_data(data)
-    read = in_saddle_form(load_scene(scene, list(overrides)))
-    assembled = AssembledScene(read)
-    names = _names(assembled.driver.pencil, fields, read.contacts, assembled.bonded)
-    moved = [name for each in names for name in each if assembled.depends_on_state([name])]
-    if moved:
-        assembled.free()
-        allowed = "no parameter that moves a state of steady sliding"
-        raise NoMapError("axis", moved[0], allowed)
-    analysis = read.analysis
-    assert isinstance(analysis, ComplexEigenvalueAnalysis)
+    else:
+        _refuse_data(data)
+        read = in_saddle_form(load_scene(scene, list(overrides)))
+        assembled = bodies = AssembledScene(read)
+        analysis = read.analysis
+        names = _names(bodies.driver.pencil, fields, read.contacts, bodies.bonded)
+        moved = [name for each in names for name in each if bodies.depends_on_state([name])]
+        if moved:
+            bodies.free()
+            raise NoMapError("axis", moved[0], "no parameter that moves a state of steady sliding")
 
-    def warnings(modes: Modes, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
-        return assembled.warnings(modes, analysis.max_frequency, values)
+    def warnings(modes: Modes, at: Mapping[str, float]) -> tuple[ResultWarning, ...]:
+        if isinstance(assembled, AssembledMatrices):
+            return assembled.warnings(modes)
+        return assembled.warnings(modes, analysis.max_frequency, at)
 
-    return _mapped(assembled, fields, names, samples, analysis, warnings)
-
-
-def _mapped(
-    assembled: Assembled,
-    fields: Sequence[Field],
-    names: tuple[Mapping[str, float], ...],
-    samples: tuple[int, int],
-    window: Any,
-    warnings: Warnings,
-) -> Mapped:
-    """A scene that is assembled, at points all of which are allowed."""
-    pencil = assembled.driver.pencil
-    points = _points(pencil, fields, names, samples)
+    driver, least = assembled.driver, []
+    for each in names:
+        meant = [driver.pencil.parameter(name) for name in each]
+        signed, positive = all(p.signed for p in meant), any(p.positive for p in meant)
+        least.append(-np.inf if signed else np.finfo(float).tiny if positive else 0.0)
+    points = table_of(fields, least, *samples)
+    given = analysis.max_frequency, analysis.growth_threshold, analysis.min_growth
+    found = Mapped(driver, points, names, as_data(assembled.scene), *given, warnings)
+    ends = [found.point(each) for each in zip(*points.ends, strict=True)]
+    for values in ends:
+        for name, value in values.items():
+            driver.pencil.parameter(name).check(value)
     try:  # modes that are damped one by one may be others there
-        for values in _ends(points, names):
-            pencil.check(values)
+        for values in ends:
+            driver.pencil.check(values)
     except InputError as error:
         raise no_map(error) from error
-    return Mapped(
-        assembled.driver,
-        points,
-        names,
-        as_data(assembled.scene),
-        window.max_frequency,
-        window.growth_threshold,
-        window.min_growth,
-        warnings,
-    )
+    return found
 
 
 def _refuse_data(data: str | None) -> None:
@@ -157,37 +147,6 @@ def _names(
         raise no_map(error) from error
     no_two_alike(found, [field.name for field in fields])
     return tuple(found)
-
-
-def _points(
-    pencil: Pencil,
-    fields: Sequence[Field],
-    names: Sequence[Mapping[str, float]],
-    samples: tuple[int, int],
-) -> Points:
-    """The points, all of whose values are allowed."""
-    least = []
-    for each in names:
-        meant = [pencil.parameter(name) for name in each]
-        signed, positive = all(p.signed for p in meant), any(p.positive for p in meant)
-        least.append(-np.inf if signed else np.finfo(float).tiny if positive else 0.0)
-    points = table_of(fields, least, *samples)
-    for values in _ends(points, names):
-        for name, value in values.items():
-            pencil.parameter(name).check(value)
-    return points
-
-
-def _ends(points: Points, names: Sequence[Mapping[str, float]]) -> list[dict[str, float]]:
-    """All parameters at their least and at their greatest values."""
-    return [
-        {
-            name: factor * ends[end]
-            for ends, each in zip(points.ends, names, strict=True)
-            for name, factor in each.items()
-        }
-        for end in (0, 1)
-    ]
 
 
 def no_map(error: InputError) -> NoMapError:

@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,46 +21,29 @@ HINT = 1.05
 """Frequency, relative to the window's end, up to which growing modes above it are told."""
 ENGINE = "h5netcdf"
 """What reads and writes netCDF files."""
-_ABOUT = {
-    "growth": ("1/s", "growth rate"),
-    "frequency": ("Hz", "frequency"),
-    "uncertainty": ("1/s", "bound on the error of lambda"),
-    "mean_error": ("1", "bound on the error of the mean where modes coalesce, relative"),
-    "verdict": ("1", "verdict"),
-    "worst": ("1", "worst error that the basis makes, relative"),
-    "growth_slope": ("1/s", "derivative of the growth rate in each field, in its unit"),
-    "frequency_slope": ("Hz", "derivative of the frequency in each field, in its unit"),
-    "above_growth": ("1/s", "fastest growth just above the window's end"),
-    "above_frequency": ("Hz", "frequency of that mode"),
-    "number": ("1", "modes of one number continue each other"),
-}
-"""Unit and meaning of what is stored."""
 
 
 @dataclass(frozen=True)
 class Spectra:
     """Modes at points, by rising frequency; NaN and -1 where there are fewer.
 
-    Of each mode, shape (points, modes): growth rate (1/s), frequency (Hz), bound on the error of
-    lambda (1/s), that of the mean where modes coalesce relative to its speed, verdict (0 stable, 1
-    unstable, 2 undecided, 3 grows slowly, 4 rigid); of samples, modes of one number continue each
-    other. Derivatives have one more axis, of the fields. Of each point: what the basis makes of the
-    worst mean, zero where the pencil itself was solved and NaN where that gave no answer; growth
-    and frequency of the fastest mode that surely grows just above the window's end, NaN where none
-    does.
+    What is known of modes has the shape (points, modes), and one more axis, of the fields, where it
+    is a derivative. Words are told by their places in :data:`cea.eigen.classify.WORDS`. ``worst``
+    is zero where the pencil itself was solved and NaN where that gave no answer; what grows above
+    the window is NaN where nothing does.
     """
 
-    growth: Floats
-    frequency: Floats
-    uncertainty: Floats
-    mean_error: Floats
-    verdict: NDArray[np.int8]
-    worst: Floats
-    growth_slope: Floats
-    frequency_slope: Floats
-    above_growth: Floats
-    above_frequency: Floats
-    number: Ints
+    growth: Annotated[Floats, "1/s", "growth rate"]
+    frequency: Annotated[Floats, "Hz", "frequency"]
+    uncertainty: Annotated[Floats, "1/s", "bound on the error of lambda"]
+    mean_error: Annotated[Floats, "1", "bound on the error of the mean of a cluster, relative"]
+    verdict: Annotated[NDArray[np.int8], "1", "verdict"]
+    worst: Annotated[Floats, "1", "worst error that the basis makes, relative"]
+    growth_slope: Annotated[Floats, "1/s", "derivative of growth in each field, in its unit"]
+    frequency_slope: Annotated[Floats, "Hz", "derivative of frequency in each field, in its unit"]
+    above_growth: Annotated[Floats, "1/s", "fastest growth just above the window's end"]
+    above_frequency: Annotated[Floats, "Hz", "frequency of that mode"]
+    number: Annotated[Ints, "1", "modes of one number continue each other"]
 
     @property
     def there(self) -> NDArray[np.bool_]:
@@ -90,22 +73,15 @@ class Spectra:
         """Of a reduced model at points, derivatives of shape (modes, fields) in the window."""
         rows = []
         for found, slope, number in zip(spectra, slopes, numbers, strict=True):
-            words, window, end = found.words(threshold), found.window, found.settings.end
+            words, window, end = found.words(threshold), found.window, found.settings.window.end
             above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
             above &= np.isin(words, GROWING)
             inside = np.flatnonzero(found.inside)
-            rows.append(
-                _row(
-                    values=window.eigenvalues,
-                    uncertainty=window.uncertainties,
-                    mean_error=window.mean_errors,
-                    words=[words[i] for i in inside],
-                    slopes=slope,
-                    worst=found.worst,
-                    above=found.eigenvalues[above],
-                    number=number[inside],
-                )
-            )
+            own = [words[i] for i in inside]
+            row = _row(window.eigenvalues, window.uncertainties, own, found.eigenvalues[above])
+            row |= {"mean_error": window.mean_errors, "worst": found.worst}
+            row |= {"growth_slope": slope.real, "frequency_slope": slope.imag / (2 * np.pi)}
+            rows.append(row | {"number": number[inside]})
         return cls._stacked(rows)
 
     @classmethod
@@ -113,36 +89,29 @@ class Spectra:
         """Of full solves, None where one gave no answer, over so many fields."""
         rows = []
         for result in results:
-            values, errors = np.empty(0, dtype=complex), np.empty(0)
-            words, above, worst = list[Word](), np.empty((0, 2)), np.nan
-            if result is not None:
-                values, errors, worst = result.eigenvalues, result.modes.growth_uncertainties, 0.0
-                words = list(result.modes.verdicts(result.analysis.growth_threshold))
+            if result is None:
+                nothing: Complexes = np.empty(0, dtype=complex)
+                row = _row(nothing, nothing.real, [], nothing) | {"worst": np.nan}
+            else:
+                errors = result.modes.growth_uncertainties
+                words = result.modes.verdicts(result.analysis.growth_threshold)
                 above = np.reshape(result.modes.window.growing_above, (-1, 2))
-            n = len(values)
-            rows.append(
-                _row(
-                    values=values,
-                    uncertainty=errors,
-                    mean_error=np.full(n, np.nan),
-                    words=words,
-                    slopes=np.full((n, count), np.nan + 0j),
-                    worst=worst,
-                    above=above[:, 1] + 2j * np.pi * above[:, 0],
-                    number=np.full(n, -1, dtype=np.int64),
-                )
-            )
+                growing = above[:, 1] + 2j * np.pi * above[:, 0]
+                row = _row(result.eigenvalues, errors, words, growing) | {"worst": 0.0}
+            n = len(row["growth"])
+            unknown = np.full((n, count), np.nan)
+            row |= {"growth_slope": unknown, "frequency_slope": unknown}
+            row |= {"mean_error": np.full(n, np.nan), "number": np.full(n, -1, dtype=np.int64)}
+            rows.append(row)
         return cls._stacked(rows)
 
     @classmethod
     def _stacked(cls, rows: Sequence[Mapping[str, Any]]) -> "Spectra":
-        width = max(len(row["growth"]) for row in rows)
-        return cls(
-            **{
-                name: np.stack([_widened(np.asarray(row[name])[None], width)[0] for row in rows])
-                for name in rows[0]
-            }
-        )
+        parts = []
+        for i, row in enumerate(rows):
+            single = {name: np.asarray(value)[None] for name, value in row.items()}
+            parts.append((np.array([i]), cls(**single)))
+        return cls.joined(parts, len(rows))
 
     @classmethod
     def joined(cls, parts: Sequence[tuple[Ints, "Spectra"]], count: int) -> "Spectra":
@@ -162,30 +131,17 @@ class Spectra:
 
 
 def _row(
-    *,
-    values: Complexes,
-    uncertainty: Floats,
-    mean_error: Floats,
-    words: Sequence[Word],
-    slopes: Complexes,
-    worst: float,
-    above: Complexes,
-    number: Ints,
+    values: Complexes, uncertainty: Floats, words: Sequence[Word], above: Complexes
 ) -> dict[str, Any]:
-    """What is known at one point: its modes, the worst bound, what grows above the window."""
+    """What is known at one point: its modes, and what grows above the window."""
     fastest = above[above.real.argmax()] if len(above) else np.nan + 1j * np.nan
     return {
         "growth": values.real,
         "frequency": values.imag / (2 * np.pi),
         "uncertainty": uncertainty,
-        "mean_error": mean_error,
         "verdict": np.array([WORDS.index(word) for word in words], dtype=np.int8),
-        "growth_slope": slopes.real,
-        "frequency_slope": slopes.imag / (2 * np.pi),
-        "worst": worst,
         "above_growth": fastest.real,
         "above_frequency": fastest.imag / (2 * np.pi),
-        "number": number,
     }
 
 
@@ -209,8 +165,8 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
     names = [*points.names] if points.counts else ["sample"]
     data: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"field": list(points.names)}
-    for name, (unit, about) in _ABOUT.items():
-        array = getattr(spectra, name)
+    for name, hint in get_type_hints(Spectra, include_extras=True).items():
+        array, (unit, about) = getattr(spectra, name), hint.__metadata__
         if name == "number" and points.counts:
             continue
         dims = [*names, "mode", "field"][: len(names) + array.ndim - 1]
@@ -230,23 +186,17 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
     part.replace(file)
 
 
-def read_samples(names: Sequence[str], file: Path) -> Floats:
-    """What was drawn of fields, shape (samples, fields)."""
+def read_netcdf(names: Sequence[str], file: Path, *, grid: bool) -> tuple[list[Floats], Spectra]:
+    """Values of axes, or what was drawn of fields, and modes that were written."""
     import xarray
 
     with xarray.open_dataset(file, engine=ENGINE) as opened:
-        return np.stack([np.array(opened[name]) for name in names], axis=1)
-
-
-def read_netcdf(points: Points, file: Path) -> Spectra:
-    """Modes that were written."""
-    import xarray
-
-    with xarray.open_dataset(file, engine=ENGINE) as opened:
-        get = {name: np.array(opened[name]) for name in _ABOUT if name in opened}
-    lead = len(points.counts) or 1
+        values = [np.array(opened[name]) for name in names]
+        known = [each.name for each in fields(Spectra) if each.name in opened]
+        stored = {name: np.array(opened[name]) for name in known}
+    lead = len(names) if grid else 1
     flat: dict[str, Any] = {
-        name: each.reshape(len(points.values), *each.shape[lead:]) for name, each in get.items()
+        name: each.reshape(-1, *each.shape[lead:]) for name, each in stored.items()
     }
     flat.setdefault("number", np.full(flat["growth"].shape, -1, dtype=np.int64))
-    return Spectra(**flat)
+    return values, Spectra(**flat)

@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from cea import __version__
 from cea.errors import ResultWarning
 from cea.files import write_whole
+from cea.reduced.model import Snapshot
 from cea.reduced.pieces import Pieces
-from cea.reduced.snapshots import Snapshot
 from comparisons.sweep.scene import Mapped
 from scenes.results.record import as_json
 

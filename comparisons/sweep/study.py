@@ -1,7 +1,7 @@
 """A sweep: modes of a scene at a table of points, by bases of few full solves or in full."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from time import perf_counter
@@ -13,17 +13,13 @@ from cea.arrays import Ints
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
-from cea.reduced.crossings import Threshold
-from cea.reduced.following import Window
-from cea.reduced.full_solves import confirm
+from cea.reduced.full_solves import ModelLine, confirm
 from cea.reduced.greedy import TOLERANCE, Enrichment, full_solve
-from cea.reduced.model import ReducedModel
-from cea.reduced.small import ModelLine, SmallPencil
-from cea.reduced.snapshots import Snapshot
-from cea.reduced.spectrum import ReducedSpectrum
-from cea.reduced.thresholds import Unresolved, thresholds_along
-from comparisons.sweep.boxes import Box, boxes_of
-from comparisons.sweep.points import Axis, Field, Points, plain_fields
+from cea.reduced.model import ReducedModel, Snapshot
+from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
+from cea.reduced.thresholds import thresholds_along
+from cea.reduced.window import Window
+from comparisons.sweep.points import Axis, Box, Field, Points, boxes_of
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
 from comparisons.sweep.scene import InFull, Mapped, mapped, no_map
@@ -38,6 +34,8 @@ _AT_FIRST = 0.5
 _AT_ONCE = 64
 """Points without a certificate, the worst, that a basis takes in before all are looked at again."""
 _MOST_SAMPLES = 1_000_000
+_Part = tuple[dict[str, Any], dict[str, Any]]
+"""What a part says of thresholds as plain data, and its modes as arrays."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,8 @@ class Asked:
 
     def plain(self) -> dict[str, Any]:
         """It as plain data."""
-        told: dict[str, Any] = {"scene": str(self.scene), "fields": plain_fields(self.fields)}
+        fields = [each.plain() for each in self.fields]
+        told: dict[str, Any] = {"scene": str(self.scene), "fields": fields}
         told |= {"set": list(self.overrides), "data": self.data, "full": bool(self.why_in_full)}
         if not self.grid:
             told |= {"samples": self.samples, "seed": self.seed}
@@ -159,53 +158,43 @@ class _Run:
                 intervals.append(told)
         return Spectra.joined(made, len(self._scene.points.values)), intervals
 
-    def _box(self, number: int, box: Box) -> list[tuple[dict[str, Any], dict[str, Any]]]:
+    def _box(self, number: int, box: Box) -> list[_Part]:
         """All parts of a box, those that were stored among them."""
-        names = [f"box-{number:03d}-part-{i:05d}" for i in range(len(box.parts))]
-        done = {i: kept for i, name in enumerate(names) if (kept := self._store.part(name))}
-        summary = self._store.part(f"box-{number:03d}")
-        if summary is not None and len(done) == len(names):
-            self.bases.append(summary[0])
-            return [done[i] for i in range(len(names))]
-        done = {i: kept for i, kept in done.items() if self._certified(kept)}
-        basis = self._basis(box)
-        try:
-            while True:
-                self._make(box, names, basis, done)
-                worst_first = self._open(box, done)
-                settings, size = basis.model.small.settings, basis.model.size
-                if not worst_first or len(basis.solves) >= self._asked.most:
-                    break
-                failed = [dict(point) for point, _ in basis.failed]
-                points = [self._point(each) for each in worst_first]
-                basis.cover([point for point in points if point not in failed])
-                if basis.model.size == size:
-                    break
-                if basis.model.small.settings != settings:
-                    done.clear()
-                done = {i: kept for i, kept in done.items() if self._certified(kept)}
-        finally:
-            basis.model.free()
-        self.bases.append(self._told(basis))
-        if MPI.COMM_WORLD.rank == 0:
-            self._store.keep(f"box-{number:03d}", self.bases[-1], {})
+        name, tolerance = f"box-{number:03d}", self._asked.tolerance
+        names = [f"{name}-part-{i:05d}" for i in range(len(box.parts))]
+        done = {i: kept for i, each in enumerate(names) if (kept := self._store.part(each))}
+        summary = self._store.part(name)
+        if summary is None or len(done) < len(names):
+            basis = self._basis(box)
+            try:
+                while True:
+                    done = {i: e for i, e in done.items() if e[1]["worst"].max() <= tolerance}
+                    self._make(box, names, basis, done)
+                    worst = np.concatenate([done[i][1]["worst"] for i in range(len(names))])
+                    order = np.argsort(-worst, kind="stable")
+                    order = order[worst[order] > tolerance][:_AT_ONCE]
+                    if not len(order) or len(basis.solves) >= self._asked.most:
+                        break
+                    settings, size = basis.model.small.settings, basis.model.size
+                    points = [self._point(i) for i in np.concatenate(box.parts)[order].tolist()]
+                    failed = [dict(point) for point, _ in basis.failed]
+                    basis.cover([point for point in points if point not in failed])
+                    if basis.model.size == size:
+                        break
+                    if basis.model.small.settings != settings:
+                        done.clear()
+            finally:
+                basis.model.free()
+            told = {
+                "vectors": basis.model.size,
+                "solves": [{"tested": e.error_over_bound, **e.about} for e in basis.solves],
+                "failed": [{"point": dict(at), "reason": why} for at, why in basis.failed],
+            }
+            summary = told, {}
+            if MPI.COMM_WORLD.rank == 0:
+                self._store.keep(name, *summary)
+        self.bases.append(summary[0])
         return [done[i] for i in range(len(names))]
-
-    def _told(self, basis: Enrichment) -> dict[str, Any]:
-        """A basis as plain data."""
-        solves = [{"tested": e.error_over_bound, **e.about} for e in basis.solves]
-        failed = [{"point": dict(point), "reason": why} for point, why in basis.failed]
-        return {"vectors": basis.model.size, "solves": solves, "failed": failed}
-
-    def _certified(self, part: tuple[Mapping[str, Any], Mapping[str, Any]]) -> bool:
-        return float(part[1]["worst"].max()) <= self._asked.tolerance
-
-    def _open(self, box: Box, done: Mapping[int, tuple[Any, Any]]) -> list[int]:
-        """Numbers of points that are not certified, the worst first."""
-        points = np.concatenate(box.parts)
-        worst = np.concatenate([done[i][1]["worst"] for i in range(len(box.parts))])
-        order = np.argsort(-worst, kind="stable")
-        return points[order[worst[order] > self._asked.tolerance]][:_AT_ONCE].tolist()
 
     def _basis(self, box: Box) -> Enrichment:
         """A basis whose bounds are small at the training points of a box, and full solves agree.
@@ -213,11 +202,8 @@ class _Run:
         Raises ConvergenceError when the last full solves passed the bounds.
         """
         scene, asked = self._scene, self._asked
-        ends = {
-            name: (factor * low, factor * high)
-            for (low, high), names in zip(box.ends, scene.names, strict=True)
-            for name, factor in names.items()
-        }
+        low, high = (scene.point(each) for each in zip(*box.ends, strict=True))
+        ends = {name: (low[name], high[name]) for name in low}
         try:
             model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
         except InputError as error:
@@ -226,7 +212,7 @@ class _Run:
         try:
             for solve in self._store.solves():
                 at = solve.point
-                if all(low <= at[name] <= high for name, (low, high) in ends.items()):
+                if all(low[name] <= at[name] <= high[name] for name in ends):
                     basis.take(solve)
             own = np.concatenate(box.parts)
             checked = self._checked[np.isin(self._checked, own)]
@@ -253,13 +239,11 @@ class _Run:
         self._store.keep_solve(solve)
         return solve
 
-    def _make(
-        self, box: Box, names: list[str], basis: Enrichment, done: dict[int, tuple[Any, Any]]
-    ) -> None:
+    def _make(self, box: Box, names: list[str], basis: Enrichment, done: dict[int, _Part]) -> None:
         """Parts that are not there yet, shared out among the ranks."""
         comm, small = MPI.COMM_WORLD, basis.model.small
         missing = [i for i in range(len(box.parts)) if i not in done]
-        made: dict[int, tuple[Any, Any]] = {}
+        made: dict[int, _Part] = {}
         middle = None
         if not self._asked.grid:
             values = self._scene.points.values
@@ -273,17 +257,13 @@ class _Run:
         for part in comm.allgather(made):
             done.update(part)
 
-    def _part(
-        self, numbers: Ints, small: SmallPencil, middle: ReducedSpectrum | None
-    ) -> tuple[dict[str, Any], dict[str, Any]]:
+    def _part(self, numbers: Ints, small: SmallPencil, middle: ReducedSpectrum | None) -> _Part:
         """Thresholds of a part as plain data, and its modes as arrays."""
-        scene = self._scene
-        at = [self._values(int(number)) for number in numbers]
-        spectra = [small.at(values) for values in at]
-        slopes = []
-        for values, found in zip(at, spectra, strict=True):
-            window = found.window
-            moved = [small.derivatives(window, values, names) for names in scene.names]
+        scene, spectra, slopes = self._scene, list[ReducedSpectrum](), []
+        for values in (self._values(int(number)) for number in numbers):
+            found = small.at(values)
+            moved = [small.derivatives(found.window, values, names) for names in scene.names]
+            spectra.append(found)
             slopes.append(np.stack(moved, axis=1))
         if middle is None:
             of_modes = [np.full(len(found), -1, dtype=np.int64) for found in spectra]
@@ -296,7 +276,7 @@ class _Run:
     def _thresholds(
         self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]
     ) -> dict[str, Any]:
-        """Thresholds along a line, and what is not resolved; values in place of logarithms."""
+        """Thresholds along a line, and what is not resolved."""
         scene, points = self._scene, self._scene.points
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
         line = ModelLine(
@@ -304,33 +284,15 @@ class _Run:
             lambda value: scene.pencil.values(scene.point((value, *others))),
             scene.names[0],
             scene.growth_threshold or 0.0,
-            points.logarithmic,
+            dict(zip(values, spectra, strict=True)),
         )
-        places = [line.place(value) for value in values]
-        line.known.update(zip(places, spectra, strict=True))
-        found = thresholds_along(line, places)
+        found = thresholds_along(line, values, logarithmic=points.logarithmic)
+        at = dict(zip(points.names[1:], others, strict=True))
         return {
-            "thresholds": [
-                self._plain(
-                    others,
-                    replace(
-                        each,
-                        value=line.value(each.value),
-                        error=each.error * line.speed(each.value),
-                        slope=each.slope / line.speed(each.value),
-                    ),
-                )
-                for each in found.thresholds
-            ],
-            "unresolved": [
-                self._plain(others, replace(e, low=line.value(e.low), high=line.value(e.high)))
-                for e in found.unresolved
-            ],
+            "thresholds": [at | plain(each) for each in found.thresholds],
+            "unresolved": [at | plain(each) for each in found.unresolved],
             "resolution": found.resolution,
         }
-
-    def _plain(self, others: list[float], found: Threshold | Unresolved) -> dict[str, Any]:
-        return dict(zip(self._scene.points.names[1:], others, strict=True)) | plain(found)
 
     def confirm(self, thresholds: list[dict[str, Any]], most: int) -> None:
         """Solve in full at some thresholds, far apart, and note by how much they differ."""
@@ -342,7 +304,10 @@ class _Run:
             self._progress(f"threshold {number + 1} of {len(thresholds)}, solved in full")
             told = thresholds[number]
             others = [told[name] for name in scene.points.names[1:]]
-            at = partial(_along, scene, others)
+
+            def at(value: float, others: list[float] = others) -> dict[str, float]:
+                return scene.point((value, *others))
+
             found = confirm(scene.driver, at, threshold_of(told), window)
             told["full_solve_differs"] = None if found is None else found[0] - told["value"]
 
@@ -361,10 +326,6 @@ class _Run:
     def _values(self, number: int) -> dict[str, float]:
         """Values of all parameters at a point."""
         return self._scene.pencil.values(self._point(number))
-
-
-def _along(scene: Mapped, others: list[float], value: float) -> dict[str, float]:
-    return scene.point((value, *others))
 
 
 def _run_in_full(asked: Asked, progress: Callable[[str], None], begun: float) -> Swept:

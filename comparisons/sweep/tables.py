@@ -1,7 +1,5 @@
 """What a sweep says: its first lines, its tables, the sections of its page."""
 
-from typing import TYPE_CHECKING, Any
-
 import numpy as np
 import pandas as pd
 
@@ -12,9 +10,7 @@ from comparisons.study.result import Data
 from comparisons.study.run_warnings import kinds_at
 from comparisons.study.sections import Drawing, Section, Table
 from comparisons.sweep.spectra import UNSTABLE
-
-if TYPE_CHECKING:
-    from comparisons.sweep.study import Swept
+from comparisons.sweep.study import Swept
 
 _ON_PAGE = 500
 """Rows of a table up to which the page holds it; its file holds all."""
@@ -55,7 +51,7 @@ def headline(data: Data) -> str:
     return told + (f" {unresolved} intervals unresolved." if unresolved else "")
 
 
-def words(made: "Swept") -> str:
+def words(made: Swept) -> str:
     """How many modes have which word at the point where a mode grows fastest."""
     data, points, spectra = made.record, made.points, made.spectra
     if not spectra.there.any():
@@ -71,7 +67,7 @@ def words(made: "Swept") -> str:
     return f"Most grows at {told}: {counted(len(growth), 'mode')}: {counts}."
 
 
-def sections_of(made: "Swept", drawings: list[Drawing]) -> list[Section]:
+def sections_of(made: Swept, drawings: list[Drawing]) -> list[Section]:
     """The page of a sweep."""
     data, few = made.record, len(made.points.values) <= _ON_PAGE
     own = OWN | {name: Column(name, show=shown(6)) for name in made.points.names}
@@ -79,73 +75,66 @@ def sections_of(made: "Swept", drawings: list[Drawing]) -> list[Section]:
     tables.append(Table("sweep", "All values.", values, own, shown=few))
     if made.spectra.growth.size <= _MODES:
         tables.append(Table("modes", "Every mode.", modes, own, shown=False))
-    basis = []
-    if "why" not in data:
+    why, basis = "", []
+    if "why" in data:
+        why = f"Solved in full at each value: {data['why']}"
+    else:
         caption = "What moves the growth rate of the fastest mode: its derivatives."
         tables.append(Table("sensitivities", caption, sensitivities, own, shown=few))
         caption = "Full solves that bases rest on; errors of the reduced model there before."
         basis.append(Table("full_solves", caption, full_solves, own))
-    why = f"Solved in full at each value: {data['why']}" if "why" in data else ""
+    title, answers = "Thresholds", [answer_table(made)]
+    if not made.points.counts:
+        title, drawn = "Probability of growth", f"spread, seed {data['inputs']['seed']}."
+        answers.append(Table("fields", f"Fields that are {drawn}", fields, own))
     return [
         Section("What grows where", why, lambda _: f"{headline(data)} {words(made)}", [], drawings),
         Section("Warnings", tables=[Table("warnings", "", warnings)]),
-        Section(*_of_points(made, own)),
+        Section(title, tables=answers),
         Section("Values", tables=tables),
         Section("Full solves", tables=basis),
     ]
 
 
-def _of_points(made: "Swept", own: dict[Any, Column]) -> tuple[Any, ...]:
-    """Title, text, headline and tables of what a grid has and what samples have."""
-    if made.points.counts:
-        return "Thresholds", "", None, [thresholds_table(made, own)]
-    drawn = f"Fields that are spread, seed {made.record['inputs']['seed']}."
-    tables = [probability_table(made), Table("fields", drawn, fields, own)]
-    return "Probability of growth", "", None, tables
-
-
-def thresholds_table(made: "Swept", own: dict[Any, Column] | None = None) -> Table:
-    """Where the number of growing modes changes."""
-    data = made.record
+def answer_table(made: Swept) -> Table:
+    """Where the number of growing modes changes; of samples how many grow."""
+    data, names = made.record, made.points.names
+    if not made.points.counts:
+        caption = f"Samples that grow, of {data['values']}; intervals of 95 per cent."
+        return Table("probability", caption, probability, OWN)
     told = f"{data['resolution']:.1e}" if data["resolution"] else "no interval by count alone"
     if "why" in data:
         told = "the step between values, each of which is solved in full"
-    caption = f"Where the number of growing modes changes along {made.points.names[0]}. "
-    shown_as = (own or OWN) | {made.points.names[0]: Column(made.points.names[0], show=shown(10))}
-    return Table("thresholds", f"{caption}Resolution: {told}.", thresholds, shown_as)
+    caption = f"Where the number of growing modes changes along {names[0]}. Resolution: {told}."
+    others = {name: Column(name, show=shown(6)) for name in names[1:]}
+    own = OWN | others | {names[0]: Column(names[0], show=shown(10))}
+    return Table("thresholds", caption, thresholds, own)
 
 
-def probability_table(made: "Swept") -> Table:
-    """How many samples grow."""
-    caption = f"Samples that grow, of {made.record['values']}; intervals of 95 per cent."
-    return Table("probability", caption, probability, OWN)
-
-
-def thresholds(made: "Swept") -> pd.DataFrame:
+def thresholds(made: Swept) -> pd.DataFrame:
     """A row for each threshold, and one for each interval that is unresolved."""
-    names, rows = made.points.names, list[dict[str, Any]]()
+    first, *others = made.points.names
+    rows = []
     for each in made.record["thresholds"]:
-        rows.append(
-            {name: each[name] for name in names[1:]}
-            | {"value": each["value"], "bound": each["error"]}
-            | {"frequency": each["im"] / (2 * np.pi)}
-            | {"what": _WHAT[each["kind"]][each["change"] < 0]}
-            | {"full": each.get("full_solve_differs")}
-        )
+        what, full = _WHAT[each["kind"]][each["change"] < 0], each.get("full_solve_differs")
+        rows.append((each, each["value"], each["error"], what, full))
     for each in made.record["unresolved"]:
-        told = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
-        rows.append(
-            {name: each[name] for name in names[1:]}
-            | {"value": (each["low"] + each["high"]) / 2}
-            | {"bound": (each["high"] - each["low"]) / 2}
+        what = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
+        middle, half = (each["high"] + each["low"]) / 2, (each["high"] - each["low"]) / 2
+        rows.append((each, middle, half, what, None))
+    return pd.DataFrame(
+        [
+            {name: each[name] for name in others}
+            | {first: value, "bound": bound}
             | {"frequency": None if each["im"] is None else each["im"] / (2 * np.pi)}
-            | {"what": told, "full": None}
-        )
-    columns = [*names[1:], "value", "bound", "frequency", "what", "full"]
-    return pd.DataFrame(rows, columns=columns).rename(columns={"value": names[0]})
+            | {"what": what, "full": full}
+            for each, value, bound, what, full in rows
+        ],
+        columns=[*others, first, "bound", "frequency", "what", "full"],
+    )
 
 
-def full_solves(made: "Swept") -> pd.DataFrame:
+def full_solves(made: Swept) -> pd.DataFrame:
     """A row for each full solve."""
     solves = made.record["snapshots"]
     firsts = [group[0] for group in made.record["parameters"]]
@@ -158,7 +147,7 @@ def full_solves(made: "Swept") -> pd.DataFrame:
     )
 
 
-def summary(made: "Swept") -> pd.DataFrame:
+def summary(made: Swept) -> pd.DataFrame:
     """What the sweep rests on, and how sure it is."""
     data = made.record
     told = {"values": data["values"]}
@@ -179,7 +168,7 @@ def summary(made: "Swept") -> pd.DataFrame:
     )
 
 
-def values(made: "Swept") -> pd.DataFrame:
+def values(made: Swept) -> pd.DataFrame:
     """A row for each point: how many modes grow, the fastest, the bound, what it warns of."""
     data, points, spectra = made.record, made.points, made.spectra
     frame = pd.DataFrame(points.values, columns=[*points.names])
@@ -203,7 +192,7 @@ def values(made: "Swept") -> pd.DataFrame:
     )
 
 
-def modes(made: "Swept") -> pd.DataFrame:
+def modes(made: Swept) -> pd.DataFrame:
     """A row for each mode at each point."""
     points, spectra = made.points, made.spectra
     point, mode = np.nonzero(spectra.there)
@@ -214,7 +203,7 @@ def modes(made: "Swept") -> pd.DataFrame:
     )
 
 
-def sensitivities(made: "Swept") -> pd.DataFrame:
+def sensitivities(made: Swept) -> pd.DataFrame:
     """A row for the fastest growing mode of each point, where one grows."""
     points, spectra = made.points, made.spectra
     rows = np.flatnonzero(np.isfinite(spectra.largest))
@@ -229,7 +218,7 @@ def sensitivities(made: "Swept") -> pd.DataFrame:
     return frame
 
 
-def probability(made: "Swept") -> pd.DataFrame:
+def probability(made: Swept) -> pd.DataFrame:
     """A row for all modes together, and for each mode that may grow."""
     data = made.record
     together = {"mode": "any", "frequency": None, "seen": data["values"]} | data["any"]
@@ -243,13 +232,13 @@ def probability(made: "Swept") -> pd.DataFrame:
     )
 
 
-def fields(made: "Swept") -> pd.DataFrame:
+def fields(made: Swept) -> pd.DataFrame:
     """A row for each field that is spread."""
     both = zip(made.record["inputs"]["fields"], made.record["fields"], strict=True)
     return pd.DataFrame([asked | {"ends": str(f["ends"]), "cut": f["cut"]} for asked, f in both])
 
 
-def warnings(made: "Swept") -> pd.DataFrame:
+def warnings(made: Swept) -> pd.DataFrame:
     """A row for each warning."""
     told = made.record["warnings"]
     return pd.DataFrame([{"kind": each["kind"], "message": each["message"]} for each in told])

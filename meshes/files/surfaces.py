@@ -43,9 +43,8 @@ class Faces:
         kinds, name = _meaning(self.content, text)
         if not kinds:
             raise InputError(field, text, f"one of the {known}")
+        kinds = ["faces"] if "faces" in kinds else kinds  # a surface is what was asked for
         found = {each: self._on(each, name) for each in kinds}
-        if "faces" in found:  # a surface is what was asked for
-            found = {"faces": found["faces"]}
         inner = any((on & ~self.free).any() for on in found.values())
         free = {kind: on & self.free for kind, on in found.items() if (on & self.free).any()}
         if inner or not free:

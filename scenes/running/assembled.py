@@ -13,8 +13,8 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Damping, Pencil, internal_forces, release
 from cea.errors import ConvergenceError, InputError, ResultWarning
-from cea.reduced.following import Window
 from cea.reduced.full_solves import ConfirmedThreshold, FullLine, first_threshold, threshold_between
+from cea.reduced.window import Window
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.results.result import Result
@@ -284,20 +284,19 @@ class _FollowedState:
     solves: int = field(default=0, init=False)
     factorisations: int = field(default=0, init=False)
 
-    def modes(self, value: float, max_frequency: float) -> Modes:
-        """All modes up to a frequency (Hz), with left vectors."""
+    def __call__(self, value: float, max_frequency: float) -> tuple[Modes, Complexes]:
+        """All modes up to a frequency (Hz), with left vectors, and derivatives of their lambda.
+
+        Derivatives are made of difference quotients of the matrices, shape (n,).
+        """
         with EigenSolver(self.pencil_at(value)) as driver:
             modes = driver.solve(max_frequency, left=True)
             self.solves += driver.solves
             self.factorisations += driver.factorisations
-        return modes
-
-    def derivatives(self, value: float, modes: Modes) -> Complexes:
-        """Derivatives of their lambda by difference quotients of the matrices, shape (n,)."""
         step = _STEP * self.scale
         low, high = (_works(self.pencil_at(value + way * step), modes) for way in (-1.0, 1.0))
         with np.errstate(divide="ignore", invalid="ignore"):
-            return (low - high) / (2 * step) / (2 * modes.eigenvalues)
+            return modes, (low - high) / (2 * step) / (2 * modes.eigenvalues)
 
 
 def _works(pencil: Pencil, modes: Modes) -> Complexes:

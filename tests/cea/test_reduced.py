@@ -1,96 +1,156 @@
-"""Reduced models: eigenvalues between full solves, and bounds that none of them passes."""
+"""Reduced models, damped and not: bounds that neither full nor dense solves ever pass."""
+
+from itertools import product
 
 import numpy as np
 import pytest
-from mpi import on_ranks
+from dense_reference import dense_eigenvalues
+from petsc_matrices import to_numpy
 from reduced_cases import (
+    ALPHA,
     MU,
+    RATIO,
     P,
     blocks_pencil,
-    dense,
     enrichment,
-    errors_of_means,
     grid,
-    map_numbers,
+    model_line,
+    of_clusters,
+    plane_blocks_pencil,
     random_pencil,
+    z_of,
 )
-from same_numbers import assert_same
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.errors import InputError
-from cea.reduced.greedy import largest_ratio
-from cea.reduced.snapshots import Snapshot
-from cea.reduced.spectrum import MARGIN
+from cea.reduced.basis import Span
+from cea.reduced.greedy import TOLERANCE, full_solve, largest_ratio
+from cea.reduced.model import ReducedModel, Snapshot
+from cea.reduced.pieces import Pieces
+from cea.reduced.thresholds import thresholds_along
+from cea.reduced.window import MARGIN
 
 TOP = 0.6
+BOXES = {
+    "undamped": {MU: (0.0, 1.0), P: (0.1, 1e5)},
+    "damped": {MU: (0.0, 1.0), P: (5.0, 50.0), ALPHA: (0.0, 0.1), RATIO: (0.0, 0.04)},
+}
+TRAINING = {
+    "undamped": (np.linspace(0, 1, 3), np.geomspace(0.1, 1e5, 7)),
+    "damped": ((0.0, 0.6, 1.0), (5.0, 50.0), (0.0, 0.1), (0.0, 0.04)),
+}
+STIFF_TOP = 0.4
+BONDED = {"formulation": {"method": "bonded"}, "P": 1e6, "mu": 0.0}
+SLIDING = {
+    "formulation": {"method": "gpts", "points": 3},
+    "P": 1e6,
+    "mu": 0.4,
+    "friction_direction_on_a": {"vector": [1.0, 0.0]},
+}
 ON_NURBS = pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 """The maps of finite elements, which take as long again, are among the slow tests."""
 RNG = np.random.default_rng(7)
 
 
+def damped_pencil(backend, values=None, **contact):
+    at = {P: 3.0, ALPHA: 0.05, RATIO: 0.02} | (values or {})
+    return blocks_pencil(backend, stiffness=at[P], damping=(at[ALPHA], at[RATIO]), **contact)
+
+
 @pytest.fixture(scope="module")
 def maps():
-    """A map over mu and six decades of P for each backend, made once."""
+    """Maps over friction, stiffness and damping for each backend, made once."""
     made = {}
 
-    def of(backend):
-        if backend not in made:
-            pencil = blocks_pencil(backend)
-            built = enrichment(pencil, {MU: (0.0, 1.0), P: (0.1, 1e5)}, TOP)
-            left = built.cover(grid(mu=np.linspace(0, 1, 3), P=np.geomspace(0.1, 1e5, 7)))
-            assert left <= built.tolerance
-            made[backend] = built
-        return made[backend]
+    def of(kind, backend):
+        if (kind, backend) not in made:
+            pencil = (damped_pencil if kind == "damped" else blocks_pencil)(backend)
+            built, box = enrichment(pencil, BOXES[kind], TOP), BOXES[kind]
+            points = product(*TRAINING[kind])
+            points = [dict(zip(box, map(float, each), strict=True)) for each in points]
+            assert built.cover(points) <= built.tolerance
+            made[kind, backend] = built
+        return made[kind, backend]
 
     return of
 
 
 @ON_NURBS
-def test_values_between_full_solves_are_those_of_full_solves(maps, backend):
-    built = maps(backend)
+@pytest.mark.parametrize("kind", BOXES)
+def test_values_between_full_solves_are_those_of_full_solves(maps, kind, backend):
+    built = maps(kind, backend)
     assert len(built.solves) < 12
     tested = [e.error_over_bound for e in built.solves if e.error_over_bound is not None]
     assert 0 < max(tested) <= 1
-    full = EigenSolver(built.model.pencil)
-    for mu, decade in zip(RNG.uniform(0, 1, 4), RNG.uniform(-1, 5, 4), strict=True):
-        point = {MU: mu, P: 10**decade}
-        modes = full.solve(MARGIN * TOP, point, left=True)
+    full, settings = EigenSolver(built.model.pencil), built.model.small.settings
+    for _ in range(4):
+        point = {name: RNG.uniform(*ends) for name, ends in BOXES[kind].items()}
+        if kind == "undamped":
+            point[P] = 10 ** RNG.uniform(-1, 5)
+        least = -settings.reach if kind == "damped" else None
+        modes = full.solve(MARGIN * TOP, point, min_growth=least, left=True)
         found = built.at(point)
-        assert errors_of_means(found, -(modes.eigenvalues**2)).max() < 1e-8
+        assert of_clusters(found, z_of(found, modes.eigenvalues))[0].max() < 1e-8
         assert largest_ratio(found, Snapshot.of(point, modes)) <= 1
         assert found.worst < 1e-7
+        own = found.window
+        rows, columns = assign(np.abs(own.eigenvalues[:, None] - modes.eigenvalues))
+        off = np.abs(own.eigenvalues[rows] - modes.eigenvalues[columns])
+        assert (off <= own.uncertainties[rows] + modes.growth_uncertainties[columns]).all()
+        if kind == "damped":
+            assert (off / own.speeds[rows]).max() < 1e-8
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_no_bound_is_passed_wherever_the_basis_is_poor(seed):
+@pytest.mark.parametrize(
+    ("damped", "seed"),
+    [
+        (False, 0),
+        (False, 1),
+        (False, 2),
+        (True, 0),
+        pytest.param(True, 1, marks=pytest.mark.slow),
+        pytest.param(True, 2, marks=pytest.mark.slow),
+    ],
+)
+def test_no_bound_is_passed_wherever_the_basis_is_poor(damped, seed):
     """From bases that know far too little to such as know all: dense eigenvalues are the judge."""
-    pencil, matrices = random_pencil(seed)
-    top = 5.0 / (2 * np.pi)
-    built = enrichment(pencil, {FRICTION: (0.0, 1.0)}, top)
+    pencil, dense = random_pencil(seed, damped=damped)
+    ends = {FRICTION: 1.0, "Omega": 0.3} if damped else {FRICTION: 1.0}
+    built = enrichment(pencil, {name: (0.0, end) for name, end in ends.items()}, 5 / (2 * np.pi))
     told = 0
-    for solved in (0.8, 0.1, 0.45):
-        built.solve({FRICTION: solved})
-        for s in RNG.uniform(0, 1, 10):
-            found, kappa = built.at({FRICTION: s}).window, dense(matrices, s)
-            rows, columns = assign(np.abs(found.z[:, None] - kappa))
-            difference = np.abs(found.z[rows] - kappa[columns])
-            certain = found.errors < 0.02 * found.speeds**2
+    for solved in ((0.8, 0.1), (0.1, 0.3), (0.45, 0.0)):
+        built.solve(dict(zip(ends, solved, strict=False)))
+        for point in RNG.uniform(0, list(ends.values()), (10, len(ends))):
+            found = built.at(dict(zip(ends, point, strict=True))).window
+            z = dense(*point)
+            rows, columns = assign(np.abs(found.z[:, None] - z))
+            difference = np.abs(found.z[rows] - z[columns])
+            certain = found.errors < (0.01 * found.speeds if damped else 0.02 * found.speeds**2)
             assert (difference <= found.errors + 1e-11)[certain].all()
             told += certain.sum()
     assert told > 45
 
 
-@ON_NURBS
-def test_materials_are_parameters_too(backend):
-    pencil = blocks_pencil(backend)
-    E, rho = "bodies.upper.material.E", "bodies.lower.material.rho"
-    built = enrichment(pencil, {E: (1.0, 3.0), rho: (1.0, 2.0)}, TOP)
-    built.cover([{E: e, rho: r} for e in (1.0, 1.7, 3.0) for r in (1.0, 1.5, 2.0)])
-    point = {E: 1.37, rho: 1.81}
-    modes = EigenSolver(pencil).solve(MARGIN * TOP, point)
-    assert errors_of_means(built.at(point), -(modes.eigenvalues**2)).max() < 1e-8
+def test_near_a_coalescence_members_and_means_keep_their_bounds():
+    """Two modes of equal damping that coalesce at s = 1 exactly, in a dense system of forty."""
+    pencil, dense = random_pencil(0, damped=True, equal=True)
+    built = enrichment(pencil, {FRICTION: (0.0, 1.5)}, 5.0 / (2 * np.pi))
+    for s in (0.0, 0.7, 1.5):
+        built.solve({FRICTION: s})
+    for distance, side in product((1e-2, 1e-4, 1e-6, 1e-8), (-1, 1)):
+        s = 1 + side * distance
+        found, values = built.at({FRICTION: s}).window, dense(s)
+        pair = np.argsort(np.abs(found.eigenvalues - (1.5j - 0.02)))[:2]
+        theirs = values[np.argsort(np.abs(values - (1.5j - 0.02)))[:2]]
+        mean = abs(found.eigenvalues[pair].mean() - theirs.mean())
+        speed = found.speeds[pair].max()
+        assert mean <= found.means[pair].max() + 1e-11
+        rows, columns = assign(np.abs(found.eigenvalues[pair][:, None] - theirs))
+        difference = np.abs(found.eigenvalues[pair][rows] - theirs[columns])
+        assert (difference <= found.uncertainties[pair][rows] + 1e-7).all()
+        assert found.means[pair].max() / speed < 1e-6
 
 
 def test_tied_sides_that_rub_have_a_reduced_model(backend):
@@ -100,8 +160,43 @@ def test_tied_sides_that_rub_have_a_reduced_model(backend):
     assert built.cover([{MU: mu} for mu in np.linspace(0, 1, 5).tolist()]) <= built.tolerance
     modes = EigenSolver(pencil).solve(MARGIN * TOP, {MU: 0.63}, left=True)
     found = built.at({MU: 0.63})
-    assert errors_of_means(found, -(modes.eigenvalues**2)).max() < 1e-8
+    assert of_clusters(found, -(modes.eigenvalues**2))[0].max() < 1e-8
     assert largest_ratio(found, Snapshot.of({MU: 0.63}, modes)) <= 1
+
+
+@ON_NURBS
+def test_a_threshold_of_growth_is_that_of_full_solves(maps, backend):
+    point = {P: 40.0, ALPHA: 0.01, RATIO: 0.005}
+    line = model_line(maps("damped", backend), MU, point)
+    line = thresholds_along(line, np.linspace(0.5, 1, 9).tolist())
+    found = line.thresholds[0]
+    assert found.change > 0
+    assert not line.unresolved
+    with EigenSolver(damped_pencil(backend, point)) as driver:
+        modes = driver.solve(TOP, {MU: found.value})
+    own = int(np.argmin(np.abs(modes.eigenvalues - found.eigenvalue)))
+    off = abs(modes.growth_rates[own] / found.slope)
+    assert off < 1e-8 * found.value
+    assert off <= found.error + 1e-11
+    others = np.delete(modes.growth_rates, own)
+    assert others.max() < 0, "it is where the first begins to grow"
+
+
+def test_derivatives_of_coefficients_are_those_of_differences(backend):
+    """Of every piece, forces that were unknowns included."""
+    pencil = damped_pencil(backend, form="saddle")
+    pieces = Pieces(pencil, (P, MU, ALPHA, RATIO))
+    values, names = pencil.values({P: 7.0, MU: 0.3, ALPHA: 0.02}), {P, MU, ALPHA, RATIO}
+    seen = set()
+    for coefficient in (piece.coefficient for piece in pieces.all):
+        for name in coefficient.names & names:
+            seen.add(name)
+            step = 1e-6 * max(values[name], 1e-3)
+            ends = [coefficient.at(values | {name: values[name] + d}) for d in (-step, step)]
+            slope = coefficient.derivative(name, values)
+            assert slope == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-6, abs=1e-12)
+    assert seen == names
+    pieces.free()
 
 
 def test_what_is_no_parameter_is_refused():
@@ -110,9 +205,91 @@ def test_what_is_no_parameter_is_refused():
         enrichment(pencil, {"speed": (0.0, 1.0)}, TOP)
 
 
-@pytest.mark.mpi
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_maps_are_the_same_on_several_ranks(backend):
-    ranks = {"fe": 3, "iga": 2}[backend]
-    found = on_ranks(ranks, "reduced_cases.map_numbers", backend)
-    assert_same(found, map_numbers(backend), rel=1e-8)
+def graded(rows, columns, decades):
+    """Random columns whose singular values fall by so many decades."""
+    left, _ = np.linalg.qr(RNG.standard_normal((rows, columns)))
+    right, _ = np.linalg.qr(RNG.standard_normal((columns, columns)))
+    return left @ np.diag(np.logspace(0, -decades, columns)) @ right
+
+
+@pytest.mark.parametrize("decades", [0, 5, 11, 16])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-12])
+def test_a_span_is_orthonormal_and_leaves_out_what_it_says(maps, decades, tolerance):
+    norms = maps("undamped", "iga").model.norms
+    norm, span = norms.states, Span(norms.states)
+    for scale in (1.0, 1e9):
+        block = scale * norms.solve(graded(norm.rows, 12, decades))
+        mixed = np.hstack([block, span.vectors @ RNG.standard_normal((span.size, 3))])
+        longest = norm.lengths(mixed).max()
+        coordinates, lost = span.add(mixed, norm.image(mixed), tolerance * longest)
+        gram = span.vectors.T @ norm.image(span.vectors)
+        assert np.abs(gram - np.eye(span.size)).max() < 1e-12
+        assert lost <= tolerance * longest
+        rest = norm.lengths(mixed - span.vectors @ coordinates)
+        assert rest.max() <= lost + 1e-13 * longest
+    assert span.size <= 24
+
+
+@pytest.mark.parametrize("relative", [1e-2, 1e2])
+def test_forces_add_displacements_where_a_contact_is_stiffer_than_its_bodies(relative):
+    pencil = blocks_pencil("fe", form="saddle")
+    (contact,) = pencil.forces
+    stiff = relative * contact.body_stiffness[0]
+    made = ReducedModel(pencil, {MU: (0.0, 1.0), P: (0.1 * stiff, stiff)}, TOP)
+    solved = full_solve(made, EigenSolver(pencil), {MU: 0.5, P: stiff})
+    made.take(solved)
+    vectors = solved.real_vectors(made.norms.states, damped=False).shape[1]
+    forces = made.small.forces.sum()
+    assert made.size - forces <= vectors + (forces if relative > 1 else 0)
+    made.free()
+
+
+def inverse_of_the_saddle(matrices):
+    """K^-1 on displacements with the contact forces beside them: accurate however stiff."""
+    K, forces = to_numpy(matrices.stiffness), matrices.multipliers
+    if matrices.unsymmetric is not None:
+        K = K + to_numpy(matrices.unsymmetric)
+    J, L, C = (to_numpy(getattr(forces, name)) for name in ("closure", "reaction", "compliance"))
+    n, m = len(K), len(C)
+    right = np.vstack([np.eye(n), np.zeros((m, n))])
+    return np.linalg.solve(np.block([[K, L.T], [J, -C]]), right)[:n]
+
+
+def companion_eigenvalues(matrices):
+    """Eigenvalues lambda of the companion form of the inverse."""
+    inverse = inverse_of_the_saddle(matrices)
+    D, M = to_numpy(matrices.damping), to_numpy(matrices.mass)
+    n = len(M)
+    companion = np.block([[-inverse @ D, -inverse @ M], [np.eye(n), np.zeros((n, n))]])
+    return 1 / np.linalg.eigvals(companion)
+
+
+def truth(pencil, point):
+    """Dense eigenvalues: kappa, or lambda of a damped pencil."""
+    matrices = pencil.at(point)
+    if pencil.damped:
+        return companion_eigenvalues(matrices)
+    return dense_eigenvalues(matrices, (2 * np.pi * STIFF_TOP) ** 2).kappa
+
+
+@pytest.mark.parametrize("damped", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("contact", [BONDED, SLIDING], ids=["bonded", "sliding"])
+def test_no_bound_is_passed_however_stiff_a_contact_is(backend, contact, damped):
+    pencil = plane_blocks_pencil(backend, contact, alpha=0.02 * damped)
+    assert pencil.forces
+    assert pencil.damped == damped
+    stiff = np.geomspace(1e4, 1e9, 4).tolist()
+    box = {P: (stiff[0], stiff[-1])}
+    points = [{P: p} for p in stiff]
+    if contact is SLIDING:
+        box[MU], points = (0.0, 1.0), grid(mu=[0.0, 1.0], P=stiff)
+    built = enrichment(pencil, box, STIFF_TOP)
+    built.cover(points)
+    small = built.model.small
+    bounds = {}
+    for point in points:
+        found, true = small.at(pencil.values(point)), truth(pencil, point)
+        errors, allowed = of_clusters(found, true)
+        assert (errors < allowed).all()
+        bounds.setdefault(point[P], []).append(found.bound)
+    assert max(max(each) for each in bounds.values()) < 10 * TOLERANCE

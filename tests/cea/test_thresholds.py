@@ -1,7 +1,5 @@
 """Thresholds of flutter found on matrices, against closed forms and the exact blocks."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from covering import covering
@@ -13,9 +11,7 @@ from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
-from cea.timing import StageTimer
-from scenes.building.build import build_bodies, build_interfaces, build_system
-from scenes.spec.reading import load_scene
+from scenes import assemble, load_scene
 
 MU = "contacts.interface.mu"
 TOP = 2.5 / (2 * np.pi)
@@ -23,6 +19,11 @@ MESHES = {
     "fe": lambda n: {"upper": [8 * n, 2 * n], "lower": [5 * n, 3 * n]},
     "iga": lambda n: {"upper": [10 * n, 2 * n], "lower": [7 * n, 3 * n]},
 }
+
+
+def driver_of(stiffness, friction, mass=None):
+    mass = np.eye(len(stiffness)) if mass is None else mass
+    return EigenSolver(Pencil.of(to_petsc(stiffness), to_petsc(mass), to_petsc(friction)))
 
 
 def lumped(coupling, others=12):
@@ -35,11 +36,7 @@ def lumped(coupling, others=12):
     friction[0, 1], friction[1, 0] = -coupling, coupling
     mass = np.diag(np.linspace(1, 2, n))
     root = np.sqrt(mass)
-    return EigenSolver(
-        Pencil.of(
-            to_petsc(root @ stiffness @ root), to_petsc(mass), to_petsc(root @ friction @ root)
-        )
-    )
+    return driver_of(root @ stiffness @ root, root @ friction @ root, mass)
 
 
 def blocks(backend, degree, n, p):
@@ -49,29 +46,14 @@ def blocks(backend, degree, n, p):
         f"contacts.interface.p={float(p)}",
         *plane_meshes(backend, degree, MESHES[backend](n)),
     ]
-    scene, timer = load_scene(Path("blocks"), overrides, backend), StageTimer()
-    bodies = build_bodies(scene, timer)
-    interfaces = build_interfaces(scene, bodies, timer)
-    return EigenSolver(build_system(scene, bodies, interfaces, timer).pencil())
+    return assemble(load_scene("blocks", overrides, backend)).driver
 
 
-def exact_points():
-    """p, mu_c and omega of the stored thresholds."""
-    return [
-        (entry["p"], float(entry["mu_c"]), float(entry["omega"]))
-        for entry in stored("blocks_sine_mu_thresholds")
-    ]
-
-
-def found_at(driver, mu_c, omega, top, spread=0.05):
-    return first_threshold(
-        driver,
-        MU,
-        (1 - spread) * mu_c,
-        (1 + spread) * mu_c,
-        max_frequency=top,
-        frequency=omega / (2 * np.pi),
-    )
+EXACT = [
+    (entry["p"], float(entry["mu_c"]), float(entry["omega"]))
+    for entry in stored("blocks_sine_mu_thresholds")
+]
+"""p, mu_c and omega of the stored thresholds."""
 
 
 @pytest.mark.parametrize("coupling", [0.3, 2.0])
@@ -98,7 +80,7 @@ def test_the_first_threshold_is_found_though_another_pair_grows_faster_at_the_en
     friction = np.zeros((4, 4))
     friction[0, 1], friction[1, 0] = -0.2, 0.2
     friction[2, 3], friction[3, 2] = -1.0, 1.0
-    driver = EigenSolver(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(4), friction))))
+    driver = driver_of(stiffness, friction)
     for frequency, value in ((None, 0.25), (np.sqrt(1.05) / (2 * np.pi), 0.25), (0.25, 0.5)):
         found = first_threshold(driver, FRICTION, 0.0, 2.0, max_frequency=TOP, frequency=frequency)
         assert found.value == pytest.approx(value, rel=1e-12)
@@ -109,7 +91,7 @@ def test_divergence_is_no_flutter():
     stiffness, friction = np.diag(np.r_[1.0, 2.0, 0.05, 3.0, 4, 5, 6, 7]), np.zeros((8, 8))
     friction[0, 1], friction[1, 0] = -0.6, 0.6
     friction[2, 3], friction[3, 2] = 1.0, 0.16
-    driver = EigenSolver(Pencil.of(*(to_petsc(m) for m in (stiffness, np.eye(8), friction))))
+    driver = driver_of(stiffness, friction)
     modes = driver.solve(TOP)
     assert modes.unstable(0.0)[modes.eigenvalues.imag == 0].any()
     threshold = first_threshold(driver, FRICTION, 0.0, 1.0, max_frequency=TOP, frequency=0.0)
@@ -129,8 +111,10 @@ def test_flutter_may_lie_at_zero():
 @pytest.mark.parametrize(("mesh", "i"), covering([("fe", 4, 1), ("iga", 4, 2)], [0, 3], strength=1))
 def test_first_thresholds_of_the_blocks_on_coarse_meshes(mesh, i):
     backend, degree, n = mesh
-    p, mu_c, omega = exact_points()[i]
-    threshold = found_at(blocks(backend, degree, n, p), mu_c, omega, 0.53)
+    p, mu_c, omega = EXACT[i]
+    near, frequency = (0.95 * mu_c, 1.05 * mu_c), omega / (2 * np.pi)
+    driver = blocks(backend, degree, n, p)
+    threshold = first_threshold(driver, MU, *near, max_frequency=0.53, frequency=frequency)
     assert threshold.value == pytest.approx(mu_c, abs=1e-4)
     assert threshold.eigenvalue == pytest.approx(1j * omega, rel=1e-5)
 
@@ -139,7 +123,7 @@ def test_first_thresholds_of_the_blocks_on_coarse_meshes(mesh, i):
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_at_the_threshold_the_mean_keeps_twice_the_order_of_its_members(backend):
     """Quadratic elements: the mean converges like h^4, the members part from it like h^2."""
-    p, mu_c, omega = exact_points()[0]
+    p, mu_c, omega = EXACT[0]
     refinements, errors = (3, 4, 6), []
     for n in refinements:
         values = blocks(backend, 2, n, p).solve(0.53, {MU: mu_c}).eigenvalues

@@ -88,6 +88,18 @@ def test_what_was_not_searched_is_told(monkeypatch):
     assert "not excluded" in modes.window.evidence
 
 
+@pytest.mark.parametrize(("kappa", "found"), [(-2.0, True), (-1e6, False)])
+def test_a_real_mode_that_a_wrong_bound_leaves_out_is_seen_by_signs(kappa, found, monkeypatch):
+    """The determinant changes its sign at it: it is searched, or the window says that it is not."""
+    monkeypatch.setattr(window, "field_of_values", lambda *_, **__: 0.0)
+    blocks = [*band(150), np.array([[0.6, 0.3], [0.0, 0.7]]), [[kappa]]]
+    modes = solve_modes(pencil_with(blocks, turned=found), HERTZ, options=KRYLOV)
+    assert modes.window.odd != found
+    assert modes.window.complete == found
+    assert modes.verdict() == ("unstable" if found else "undecided")
+    assert ("sign of a determinant" in modes.window.evidence) != found
+
+
 @pytest.mark.parametrize("options", [KRYLOV, KrylovOptions()])
 @pytest.mark.parametrize("copies", [2, 9, 30])
 @pytest.mark.parametrize("friction", [False, True])

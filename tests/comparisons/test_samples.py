@@ -1,51 +1,31 @@
 """Samples of fields that are spread: probabilities of growth, and every sample's certificate."""
 
-import sys
-from dataclasses import replace
-
 import numpy as np
 import pytest
-from reference_data import plane_meshes, stored
-from scipy.stats import kstest, lognorm, norm, truncnorm
+from reference_data import stored
+from sweep_cases import MU, assert_within_bounds, sine_blocks
 
-from cea.eigen.matching import assign
-from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
-from comparisons.cli.app import main
 from comparisons.sweep.page import write_sweep
-from comparisons.sweep.points import Distribution, read_distribution, read_fields, table_of
+from comparisons.sweep.points import read_fields
 from comparisons.sweep.probabilities import growing, probabilities, wilson
 from comparisons.sweep.scene import mapped
 from comparisons.sweep.spectra import Spectra
 from comparisons.sweep.study import Asked, run
 
-MESHES = {
-    "fe": {"upper": [8, 2], "lower": [5, 3]},
-    "iga": {"upper": [10, 2], "lower": [7, 3]},
-}
-MU, P = "contacts.interface.mu", "contacts.interface.P"
-
-
-def overrides(backend):
-    """The blocks about the first threshold that their exact solution knows."""
-    entry = stored("blocks_sine_mu_thresholds")[0]
-    top = 1.2 * float(entry["omega"]) / (2 * np.pi)
-    return (
-        "contacts.interface.mu='sin(pi*x/2)'",
-        f"contacts.interface.p={float(entry['p'])}",
-        f"analysis.max_frequency={top}",
-        "analysis.growth_threshold=1e-6",  # next to the threshold growth is slow
-        *(f"bodies.{name}.backend='{backend}'" for name in ("upper", "lower")),
-        *plane_meshes(backend, 2, MESHES[backend]),
-    )
+ENTRY = stored("blocks_sine_mu_thresholds")[0]
+MU_C = float(ENTRY["mu_c"])
+CHANGES = (
+    f"contacts.interface.p={float(ENTRY['p'])}",
+    f"analysis.max_frequency={1.2 * float(ENTRY['omega']) / (2 * np.pi)}",
+    "analysis.growth_threshold=1e-6",  # next to the threshold growth is slow
+)
+"""The blocks about the first threshold that their exact solution knows."""
 
 
 def asked(backend, *distributions, count=400, **options):
     spread = read_fields(distributions)
-    return Asked("blocks", spread, overrides(backend), samples=count, **options)
-
-
-MU_C = float(stored("blocks_sine_mu_thresholds")[0]["mu_c"])
+    return Asked("blocks", spread, sine_blocks(backend, *CHANGES), samples=count, **options)
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +56,7 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backen
     """Only mu varies: what grows is what was drawn above mu_c, sample by sample."""
     swept, _ = made(backend)
     data, values = swept.record, swept.points.values[:, 0]
-    scene = mapped("blocks", read_fields(["mu=0:1:2"]), overrides(backend))
+    scene = mapped("blocks", read_fields(["mu=0:1:2"]), sine_blocks(backend, *CHANGES))
     near, top = (0.9 * MU_C, 1.1 * MU_C), scene.max_frequency
     threshold = first_threshold(scene.driver, MU, *near, max_frequency=top).value
     scene.driver.free()
@@ -144,60 +124,17 @@ def test_samples_are_those_of_full_solves(backend, tmp_path):
     wanted = asked(backend, *spread, count=60, seed=1)
     swept = run(wanted, tmp_path / "out")
     swept.store.discard()
-    spectra, points, grows = swept.spectra, swept.points, grows_in(swept)
+    points, grows = swept.points, grows_in(swept)
     assert swept.record["certified"] == 60
     scene = mapped("blocks", wanted.fields, wanted.overrides, samples=(60, 1))
     np.testing.assert_array_equal(scene.points.values, points.values)
     for i in (0, 17, 59):
         modes = scene.driver.solve(1.02 * scene.max_frequency, scene.point(points.values[i]))
-        there = spectra.there[i]
-        values = spectra.growth[i][there] + 2j * np.pi * spectra.frequency[i][there]
-        rows, columns = assign(np.abs(values[:, None] - modes.eigenvalues))
-        assert len(rows) == len(values)
-        off = np.abs(values[rows] - modes.eigenvalues[columns])
-        allowed = spectra.uncertainty[i][there][rows] + modes.growth_uncertainties[columns]
-        assert (off <= allowed).all()
+        assert_within_bounds(swept, i, modes)
         inside = modes.eigenvalues.imag <= 2 * np.pi * scene.max_frequency
         unstable = (modes.eigenvalues.real > scene.growth_threshold)[inside]
         assert grows[i].any() == unstable.any()
     scene.driver.free()
-
-
-@pytest.mark.parametrize(
-    ("text", "law"),
-    [
-        ("mu~normal:0.4:0.05", norm(0.4, 0.05)),
-        ("mu~normal:0.1:0.1:0:0.2", truncnorm(-1, 1, 0.1, 0.1)),
-        ("P~lognormal:1e9:0.5", lognorm(0.5, scale=1e9)),
-    ],
-)
-def test_samples_follow_their_distribution(text, law):
-    """Kolmogorov and Smirnov, whose statistic is no chance at this seed."""
-    values = drawn(text)[:, 0]
-    assert kstest(values, law.cdf).pvalue > 0.01
-    shifted = replace(read_distribution(text), first=1.3 * read_distribution(text).first)
-    assert kstest(table_of([shifted], [0.0], 5000, 11).values[:, 0], law.cdf).pvalue < 1e-6
-
-
-def drawn(*texts, seed=11):
-    return table_of(read_fields(texts), [0.0] * len(texts), 5000, seed).values
-
-
-def test_fields_are_drawn_independently_and_by_their_seed():
-    both = ("mu~uniform:0:1", "P~uniform:2:3")
-    values = drawn(*both)
-    assert abs(np.corrcoef(values.T)[0, 1]) < 0.05
-    assert values[:, 1].min() >= 2
-    np.testing.assert_array_equal(drawn(*both), values)
-    assert (drawn(*both, seed=1) != values).any()
-
-
-def test_what_a_field_may_not_have_is_cut_off_and_told():
-    """A sixth of a normal distribution lies more than one deviation below its mean."""
-    points = table_of(read_fields(["mu~normal:0.1:0.1", "P~uniform:-1:3"]), [0.0, 0.0], 5000, 2)
-    assert points.cut == pytest.approx((norm.cdf(-1), 0.25))
-    assert points.values.min() >= 0
-    assert kstest(points.values[:, 0], truncnorm(-1, np.inf, 0.1, 0.1).cdf).pvalue > 0.01
 
 
 def test_intervals_of_wilson():
@@ -205,39 +142,6 @@ def test_intervals_of_wilson():
     assert wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=1e-4)
     assert wilson(0, 10) == pytest.approx((0.0, 0.2775), abs=1e-4)
     assert wilson(10, 10) == pytest.approx((0.7225, 1.0), abs=1e-4)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "mu",
-        "mu~",
-        "mu~gamma:1:2",
-        "mu~normal:1",
-        "mu~uniform:0:1:0:1",
-        "~normal:0:1",
-        "mu~normal:a:1",
-    ],
-)
-def test_texts_that_are_no_distribution_are_refused(text):
-    with pytest.raises(InputError, match="name~normal"):
-        read_distribution(text)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "told"),
-    [
-        (("mu", "normal", 0.4, 0.0), "positive deviation"),
-        (("mu", "normal", np.inf, 1.0), "finite"),
-        (("mu", "uniform", 1.0, 1.0), "greater than 1"),
-        (("mu", "lognormal", -1.0, 1.0), "positive, at least 1e-30"),
-        (("mu", "normal", 0.0, 1.0, 2.0, 1.0), "greater than 2"),
-        (("mu", "normal", 0.0, 1.0, 50.0, 51.0), "between them"),
-    ],
-)
-def test_distributions_that_are_none_are_refused(arguments, told):
-    with pytest.raises(InputError, match=told):
-        Distribution(*arguments)
 
 
 @pytest.mark.parametrize(
@@ -253,10 +157,7 @@ def test_distributions_that_are_none_are_refused(arguments, told):
         (["mu~normal:-1:0.001"], "ends with values between them"),
     ],
 )
-def test_commands_that_ask_for_no_samples_are_refused(words, told, monkeypatch, capsys, tmp_path):
-    command = ["cea", "sweep", "blocks", *words, "--out", str(tmp_path / "out")]
-    monkeypatch.setattr(sys, "argv", command)
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code
-    assert told in capsys.readouterr().err
+def test_commands_that_ask_for_no_samples_are_refused(words, told, cea):
+    code, _, fault = cea("sweep", "blocks", *words)
+    assert code
+    assert told in fault

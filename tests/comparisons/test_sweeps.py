@@ -12,43 +12,29 @@ import numpy as np
 import pytest
 import xarray
 from reference_data import plane_meshes
+from sweep_cases import COARSE_DISC, MESHES, MU, P, assert_within_bounds, sine_blocks, sweep_of
 
 from cea.eigen.driver import EigenSolver
-from cea.eigen.matching import assign
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
-from comparisons.cli.app import main
-from comparisons.sweep.boxes import boxes_of
 from comparisons.sweep.page import read_sweep, write_sweep
-from comparisons.sweep.points import Axis, read_axis, read_fields, table_of
+from comparisons.sweep.points import read_axis, read_fields
 from comparisons.sweep.scene import NoMapError, mapped
 from comparisons.sweep.store import fingerprint
 from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import modes, sensitivities, thresholds, values
+from scenes import load_scene, run_modes
 
-MESHES = {
-    "fe": {"upper": [8, 2], "lower": [5, 3]},
-    "iga": {"upper": [10, 2], "lower": [7, 3]},
-}
-MU, P = "contacts.interface.mu", "contacts.interface.P"
 WAY = "contacts.interface.friction_direction_on_a"
+TOP = ("analysis.max_frequency=0.4", "analysis.growth_threshold=0.0")
 RNG = np.random.default_rng(5)
-
-
-def overrides(backend):
-    """The blocks with friction that flutters at mu0 below one, on coarse meshes."""
-    return (
-        "contacts.interface.mu='sin(pi*x/2)'",
-        "analysis.max_frequency=0.4",
-        "analysis.growth_threshold=0.0",
-        *(f"bodies.{name}.backend='{backend}'" for name in ("upper", "lower")),
-        *plane_meshes(backend, 2, MESHES[backend]),
-    )
+BONDED = Path(__file__).parent.parent / "data" / "sweeps" / "bonded.toml"
+TIED = "contacts.tie.P=inf"
 
 
 def asked(backend, *axes, **options):
-    return Asked("blocks", read_fields(axes), overrides(backend), **options)
+    return Asked("blocks", read_fields(axes), sine_blocks(backend, *TOP), **options)
 
 
 @pytest.fixture(scope="module")
@@ -83,12 +69,8 @@ def test_values_and_slopes_are_those_of_full_solves(made, backend):
         np.testing.assert_array_equal(at, spectra.growth[3 * 4 + 2])
     for i in (13 * 4 + 1, *RNG.integers(0, 84, 4)):
         there = spectra.there[i]
-        found = spectra.growth[i][there] + 2j * np.pi * spectra.frequency[i][there]
         modes = scene.driver.solve(0.42, scene.point(points.values[i]), left=True)
-        rows, columns = assign(np.abs(found[:, None] - modes.eigenvalues))
-        assert len(rows) == len(found)
-        off = np.abs(found[rows] - modes.eigenvalues[columns])
-        assert (off <= spectra.uncertainty[i][there] + modes.growth_uncertainties[columns]).all()
+        rows, columns = assert_within_bounds(swept, i, modes)
         assert (spectra.mean_error[i][there] < 1e-8).all()
         if i != 13 * 4 + 1:  # where none coalesce
             continue
@@ -141,22 +123,8 @@ def test_one_axis_in_two_boxes_has_the_thresholds_of_one(tmp_path):
     assert [each["value"] for each in whole] == pytest.approx(values, rel=1e-7)
 
 
-def test_boxes_hold_every_point_once_but_for_shared_borders():
-    points = table_of(read_fields(("P=1:1e6:log:13", "E=1:1e3:log:4", "mu=0:1:3")), [0] * 3, 0, 0)
-    boxes = boxes_of(points)
-    assert len(boxes) == 3 * 2
-    held = np.concatenate([part for box in boxes for part in box.parts])
-    assert set(held) == set(range(len(points.values)))
-    assert len(held) == len(points.values) + 2 * 4 * 3  # two borders of lines along P
-    for box in boxes:
-        low, high = np.array(box.ends).T
-        for part in (*box.parts, box.training):
-            assert ((points.values[part] >= low) & (points.values[part] <= high)).all()
-        assert (high[:2] <= 100.0001 * low[:2]).all()
-
-
 @pytest.mark.slow
-def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, monkeypatch, capsys):
+def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, cea):
     swept, _, folder = made(backend)
     names = {"sweep.nc", "sweep.csv", "thresholds.csv", "full_solves.csv", "modes.csv", "map.png"}
     assert names <= {file.name for file in folder.iterdir()}
@@ -168,11 +136,8 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, mon
     assert len(modes(again)) == swept.spectra.there.sum()
     (folder / "map.png").unlink()
     axes = ["mu=0:2:21", "P=0.5:500:log:4"]
-    command = ["cea", "sweep", "blocks", *axes, "--redraw", "--out", str(folder)]
-    monkeypatch.setattr(sys, "argv", command)
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert not end.value.code, capsys.readouterr().err
+    code, _, fault = cea("sweep", "blocks", *axes, "--redraw", "--out", folder)
+    assert not code, fault
     assert (folder / "map.png").exists()
 
 
@@ -180,14 +145,10 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, mon
 def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     """SIGKILL once three full solves are stored: all of them serve again."""
     out = tmp_path / "out"
-    settings = [part for each in overrides("iga") for part in ("--set", each)]
-    command = [
-        Path(sys.executable).with_name("cea"),
-        *("sweep", "blocks", "mu=0:2:21", "P=0.01:5e4:log:9", "--checks", "1", "--confirm", "0"),
-        *settings,
-        *("--out", out),
-    ]
-    running = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    settings = [part for each in sine_blocks("iga", *TOP) for part in ("--set", each)]
+    line = "sweep blocks mu=0:2:21 P=0.01:5e4:log:9 --checks 1 --confirm 0"
+    words = [Path(sys.executable).with_name("cea"), *line.split(), *settings, "--out", out]
+    running = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
     third = tmp_path / "out.unfinished" / "solve-0002.rank0.npz"
     begun = monotonic()
     while not third.exists() and running.poll() is None and monotonic() - begun < 120:
@@ -197,7 +158,7 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     assert third.exists()
     assert not (out / "result.json").exists()
     stored = len(list(third.parent.glob("solve-*.npz")))
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     data = json.loads((out / "result.json").read_text())
     assert data["stored_before"] == stored
@@ -231,7 +192,7 @@ def test_what_was_solved_before_an_interruption_is_not_solved_again(tmp_path):
 def test_the_fingerprint_of_a_changed_scene_is_another(backend, change):
     marks = []
     for more in ((), (), (change,)):
-        scene = mapped("blocks", [read_axis("mu=0:1:3")], (*overrides(backend), *more))
+        scene = mapped("blocks", [read_axis("mu=0:1:3")], sine_blocks(backend, *TOP, *more))
         marks.append(fingerprint(scene))
         scene.driver.free()
     assert marks[0] == marks[1] != marks[2]
@@ -277,42 +238,17 @@ def test_warnings_of_full_solves_reach_the_map(tmp_path):
 
 
 @pytest.mark.grid
-@pytest.mark.parametrize("command", ["sweep", "threshold"])
-def test_the_commands_run_on_a_backend(command, backend, tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("name", ["sweep", "threshold"])
+def test_the_commands_run_on_a_backend(name, backend, tmp_path, cea):
     coarse = (*plane_meshes(backend, 2, MESHES[backend]), "analysis.max_frequency=0.3")
     settings = [part for each in coarse for part in ("--set", each)]
-    chosen = ["--backend", backend, *settings, "--out", str(tmp_path / "out")]
-    monkeypatch.setattr(sys, "argv", ["cea", command, "blocks", "mu=0:0.2:3", *chosen])
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert not end.value.code, capsys.readouterr().err
+    chosen = ["--backend", backend, *settings, "--out", tmp_path / "out"]
+    code, _, fault = cea(name, "blocks", "mu=0:0.2:3", *chosen)
+    assert not code, fault
     found = json.loads((tmp_path / "out" / "result.json").read_text())
     assert f'bodies.upper.backend="{backend}"' in found["inputs"]["set"]
     assert (tmp_path / "out" / "sweep.png").exists()
     assert "sweep.png" in (tmp_path / "out" / "report.html").read_text()
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["mu", "mu=0", "mu=0:1", "mu=0:1:x", "mu=a:1:3", "=0:1:3", "mu=0:1:lin:3", "mu=0:1:3:4:5"],
-)
-def test_texts_that_are_no_axis_are_refused(text):
-    with pytest.raises(InputError, match="first:last:count"):
-        read_axis(text)
-
-
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({"last": 0.0}, "another last value"),
-        ({"count": 1}, "2 to"),
-        ({"last": np.inf}, "finite"),
-        ({"logarithmic": True}, "positive"),
-    ],
-)
-def test_axes_that_are_none_are_refused(changes, told):
-    with pytest.raises(InputError, match=told):
-        Axis(**{"name": "mu", "first": 0.0, "last": 1.0, "count": 3} | changes)
 
 
 def test_maps_that_are_none_are_refused():
@@ -321,7 +257,61 @@ def test_maps_that_are_none_are_refused():
     with pytest.raises(InputError, match="zero or positive"):
         mapped("blocks", [read_axis("mu=-1:1:3")])
     modal = "bodies.disc.damping={modal={ratio=0.01,max_frequency=2000.0}}"
-    coarse = ("bodies.pad.mesh.iga.elements=[3,6,2]", "bodies.disc.mesh.iga.elements=[5,32,1]")
     axis = read_axis("bodies.disc.material.E=1e11:2e11:3")
     with pytest.raises(NoMapError, match="modes were found that are damped"):
-        mapped("disc_pad_damped", [axis], (*coarse, modal))
+        mapped("disc_pad_damped", [axis], (*COARSE_DISC, modal))
+
+
+def stiff_sweep(backend, axis, out, *overrides):
+    """A sweep, and its scene."""
+    bodies = (f"bodies.{name}.backend='{backend}'" for name in ("base", "mid", "cap"))
+    overrides = (*bodies, *overrides)
+    made = sweep_of(BONDED, [axis], out / "out", overrides, checks=1, confirm=9)
+    return made, load_scene(BONDED, overrides)
+
+
+@pytest.mark.parametrize(
+    ("axis", "overrides"),
+    [
+        ("contacts.tie.P=1e-1:1e13:log:8", ()),
+        ("contacts.low.P=1e-1:1e13:log:8", ()),
+        ("contacts.low.P=1e-1:1e6:log:6", (TIED,)),
+        ("contacts.low.mu=0:0.8:6", (TIED,)),
+    ],
+)
+def test_fresh_runs_lie_within_the_bounds_of_stiff_and_tied_contacts(
+    tmp_path, backend, axis, overrides
+):
+    made, scene = stiff_sweep(backend, axis, tmp_path, *overrides)
+    assert made.record["certified"] == made.record["values"]
+    assert made.spectra.bound.max() < 1e-6
+    for i, value in enumerate(made.record["axes"][0]["values"]):
+        modes = run_modes(scene.change(axis.partition("=")[0], value)).modes
+        rows, _ = assert_within_bounds(made, i, modes)
+        assert len(rows) == len(modes.eigenvalues)
+
+
+@pytest.mark.slow
+def test_a_map_is_certified_up_to_any_stiffness(tmp_path):
+    """In the penalty form rounding leaves bounds of 1e-7 from P = 1e13 on."""
+    axes, options = ("mu=0:1:3", "P=1e12:1e14:log:3"), {"checks": 1, "confirm": 0}
+    made = sweep_of("disc_pad", axes, tmp_path / "out", COARSE_DISC, **options)
+    assert made.record["certified"] == 9
+    scene = load_scene("disc_pad", COARSE_DISC)
+    for i in (4, 8):
+        point = dict(zip(("mu", "P"), made.points.values[i], strict=True))
+        changes = {f"contacts.pad_disc.{name}": value for name, value in point.items()}
+        assert_within_bounds(made, i, run_modes(scene.change(changes)).modes)
+
+
+def test_tied_contacts_have_thresholds(tmp_path):
+    made, scene = stiff_sweep("fe", "contacts.low.P=1e-1:1e6:log:8", tmp_path, TIED)
+    assert made.record["thresholds"]
+    assert not made.record["unresolved"]
+    for each in made.record["thresholds"]:
+        assert abs(each["full_solve_differs"]) <= each["error"] + 1e-9 * each["value"]
+        change = 0
+        for way in (-1, 1):
+            at = run_modes(scene.change("contacts.low.P", each["value"] * (1 + way * 1e-6)))
+            change += way * (at.growth_rates > 10 * at.modes.growth_uncertainties).sum()
+        assert change * 2 == each["change"] or each["kind"] != "flutter"

@@ -1,23 +1,21 @@
 """Fields that are swept, by their names in a scene: on a basis and in full."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 from changed_scenes import scene_of
+from sweep_cases import MU, P, eigenvalues, sweep_of
 
 from cea.errors import ConvergenceError, InputError
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import NoMapError, mapped
-from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import values
 from scenes import load_scene, run_modes
 from scenes.running.assembled import AssembledScene
 from scenes.running.swept import parameters_meant
 from scenes.spec.plain import scene_text
 
-MU, P = "contacts.interface.mu", "contacts.interface.P"
 PRESSURE = "loads.0.pressure"
 MESHES = tuple(
     f"bodies.{body}.mesh.{mesh}.elements={elements}"
@@ -50,13 +48,8 @@ def test_p_scales_the_stiffness_of_a_contact(name):
 
 def in_full(file, field, low, high, *overrides, count=2):
     """A sweep that is solved in full."""
-    axis = read_axis(f"{field}={low}:{high}:{count}")
-    return run(Asked(file, (axis,), overrides, why_in_full="--full"), Path("unused"))
-
-
-def eigenvalues(swept, i):
-    there = swept.spectra.there[i]
-    return swept.spectra.growth[i][there] + 2j * np.pi * swept.spectra.frequency[i][there]
+    axis = f"{field}={low}:{high}:{count}"
+    return sweep_of(file, [axis], "unused", overrides, why_in_full="--full")
 
 
 def assert_runs(swept, scenes):
@@ -193,8 +186,7 @@ def test_thresholds_in_full_lie_between_values(monkeypatch):
     told = swept.record["thresholds"]
     assert told
     monkeypatch.undo()
-    exact = run(Asked(scene, (read_axis("mu=0:2:6"),), tuple(changes)), Path("unused"))
-    exact.store.discard()
+    exact = sweep_of(scene, ["mu=0:2:6"], "unused", changes)
     for each in exact.record["thresholds"]:
         assert any(abs(each["value"] - t["value"]) <= t["error"] for t in told)
     assert "no-answer" in [each["kind"] for each in swept.record["warnings"]]

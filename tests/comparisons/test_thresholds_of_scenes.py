@@ -1,19 +1,17 @@
 """Thresholds of scenes beside dense eigenvalues, and what is told where there are none."""
 
 import json
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from mpi import on_ranks
 from scipy.sparse import csr_array, save_npz
+from sweep_cases import sweep_of
 
-from comparisons.cli.app import main
 from comparisons.cli.sweep import IN_PART
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import mapped
-from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import headline
 from scenes import load_scene
 
@@ -32,10 +30,7 @@ analysis = { kind = "cea", max_frequency = 5000.0 }
 
 def found_in(scene, axis, out, data=None, overrides=()):
     """The record of a map of one axis."""
-    asked = Asked(scene, (read_axis(axis),), overrides, data=data, checks=1, confirm=9)
-    made = run(asked, out / "out")
-    made.store.discard()
-    return made.record
+    return sweep_of(scene, [axis], out / "out", overrides, data=data, checks=1, confirm=9).record
 
 
 def values_of(record):
@@ -107,17 +102,14 @@ def test_where_nothing_begins_or_a_mode_grows_above_the_window_it_is_said(tmp_pa
     assert "above-window" in [each["kind"] for each in record["warnings"]]
 
 
-def test_what_is_not_resolved_is_told_and_ends_in_part(tmp_path, single, monkeypatch, capsys):
+def test_what_is_not_resolved_is_told_and_ends_in_part(tmp_path, single, monkeypatch, cea):
     monkeypatch.setattr("cea.reduced.thresholds.BUDGET", 0)
-    axis, out = "parameters.mu=-1:1:5", tmp_path / "out"
-    command = ["cea", "threshold", str(single()), axis, "--data", str(tmp_path), "--out", str(out)]
-    monkeypatch.setattr(sys, "argv", command)
-    with pytest.raises(SystemExit) as end:
-        main()
-    assert end.value.code == IN_PART
+    out, axis = tmp_path / "out", "parameters.mu=-1:1:5"
+    code, written, _ = cea("threshold", single(), axis, "--data", tmp_path, "--out", out)
+    assert code == IN_PART
     record = json.loads((out / "result.json").read_text())
     assert record["unresolved"]
-    assert f"{len(record['unresolved'])} intervals unresolved" in capsys.readouterr().out
+    assert f"{len(record['unresolved'])} intervals unresolved" in written
     assert "unresolved" in [each["kind"] for each in record["warnings"]]
 
 
@@ -127,8 +119,8 @@ def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, 
     """The number of growing modes at 201 values of mu is what thresholds foresee."""
     overrides = ["analysis.growth_threshold=0.0"]
     overrides += [f"bodies.{name}.backend='{backend}'" for name in load_scene(scene).bodies]
-    asked = Asked(scene, (read_axis("mu=0:1:21"),), tuple(overrides), checks=1, confirm=0)
-    record = run(asked, tmp_path / "out").record
+    options = {"checks": 1, "confirm": 0}
+    record = sweep_of(scene, ["mu=0:1:21"], tmp_path / "out", overrides, **options).record
     full = mapped(scene, (read_axis("mu=0:1:201"),), tuple(overrides), None)
     values, numbers = full.points.axis(0), []
     for value in values:
@@ -149,11 +141,12 @@ def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, 
 
 
 @pytest.mark.parametrize("ranks", [2, 3])
-def test_thresholds_are_the_same_on_several_ranks(backend, ranks):
-    alone = on_ranks(1, "threshold_numbers.numbers", backend)
+def test_maps_and_thresholds_are_the_same_on_several_ranks(backend, ranks):
+    alone = on_ranks(1, "sweep_cases.threshold_numbers", backend)
     assert alone["values"]
     assert not alone["unresolved"]
-    several = on_ranks(ranks, "threshold_numbers.numbers", backend)
-    assert several["changes"] == alone["changes"]
-    assert several["values"] == pytest.approx(alone["values"], rel=1e-7)
-    assert several["first"] == pytest.approx(alone["first"], rel=1e-9)
+    several = on_ranks(ranks, "sweep_cases.threshold_numbers", backend)
+    for name in ("changes", "modes", "solves"):
+        assert several[name] == alone[name]
+    for name, digits in (("sums", 1e-8), ("squares", 1e-8), ("values", 1e-7), ("first", 1e-9)):
+        assert several[name] == pytest.approx(alone[name], rel=digits)

@@ -11,10 +11,9 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
+from cea.reduced.full_solves import ModelLine
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
-from cea.reduced.small import ModelLine
-from cea.reduced.spectrum import upper_root
 
 MU, P = "contacts.interface.mu", "contacts.interface.P"
 ALPHA, RATIO = "bodies.upper.damping.alpha", "bodies.lower.damping.modal.ratio"
@@ -25,24 +24,24 @@ def enrichment(pencil, box, top, **options):
     return Enrichment.of(ReducedModel(pencil, box, top), EigenSolver(pencil), **options)
 
 
-def kappa_of(found):
-    """Kappa of a spectrum."""
-    return -(found.eigenvalues**2) if found.settings.damped else found.z
+def z_of(found, eigenvalues):
+    """Lambda as the z of a spectrum: kappa without damping."""
+    return eigenvalues if found.settings.window.damped else -(eigenvalues**2)
 
 
-def errors_of_means(found, kappa):
-    """Errors of the means of clusters of a window, relative to the squares of their speeds."""
+def of_clusters(found, z):
+    """Errors of the means of clusters of a window, and of bounds, relative to speeds."""
     window = found.window
-    rows, columns = assign(np.abs(kappa_of(window)[:, None] - kappa))
+    rows, columns = assign(np.abs(window.z[:, None] - z))
     assert len(rows) == len(window)
-    clusters = window.clusters[rows]
-    return np.array(
-        [
-            abs((kappa_of(window)[rows] - kappa[columns])[clusters == each].mean())
-            / (window.speeds[rows][clusters == each].max() ** 2)
-            for each in np.unique(clusters)
-        ]
-    )
+    power = 1 if found.settings.window.damped else 2
+    errors, bounds = [], []
+    for number in np.unique(window.clusters):
+        own = window.clusters[rows] == number
+        speed = window.speeds[rows][own].max() ** power
+        errors.append(abs((window.z[rows] - z[columns])[own].mean()) / speed)
+        bounds.append(window.means[rows][own].max() / speed)
+    return np.array(errors), np.array(bounds)
 
 
 def grid(**axes):
@@ -54,22 +53,18 @@ def grid(**axes):
     return [dict(zip(keys, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
-def blocks_pencil(backend, *, method="gpts", stiffness=3.0, **contact):
-    """Two small blocks that rub, held at bottom and top."""
+def blocks_pencil(backend, *, method="gpts", stiffness=3.0, damping=None, **contact):
+    """Two small blocks that rub, held at bottom and top.
+
+    ``damping`` gives one Rayleigh damping alpha, the other the ratio of its modes.
+    """
     formulation = {"method": method} | ({"points": 3} if method == "gpts" else {})
     scene = coarse(two_blocks(backend, formulation, held=True, P=stiffness))
-    scene["contacts"]["interface"] |= contact
-    return assemble(scene, leave_out=False).pencil(leave_out=False)
-
-
-def damped_blocks_pencil(backend, values=None, **contact):
-    """Two small blocks that rub, one with Rayleigh damping, the other with that of its modes."""
-    at = {P: 3.0, ALPHA: 0.05, RATIO: 0.02} | (values or {})
-    scene = two_blocks(backend, {"method": "gpts", "points": 3}, held=True, P=at[P])
-    scene = coarse(scene)
-    scene["bodies"]["upper"]["damping"] = {"alpha": at[ALPHA], "beta": 0.0}
-    modal = {"ratio": at[RATIO], "max_frequency": 0.7}
-    scene["bodies"]["lower"]["damping"] = {"modal": modal}
+    if damping is not None:
+        alpha, ratio = damping
+        scene["bodies"]["upper"]["damping"] = {"alpha": alpha, "beta": 0.0}
+        modal = {"ratio": ratio, "max_frequency": 0.7}
+        scene["bodies"]["lower"]["damping"] = {"modal": modal}
     scene["contacts"]["interface"] |= contact
     return assemble(scene, leave_out=False).pencil(leave_out=False)
 
@@ -93,50 +88,24 @@ def plane_blocks_pencil(backend, contact, *, alpha=0.0):
     upper = body([1.6, 0.4], [0.2, 0.0], "y_max", 0.3, [4, 2])
     if alpha:
         upper["damping"] = {"alpha": alpha, "beta": 0.0}
+    interface = {"a": "upper.y_min", "b": "lower.y_max", "form": "saddle"} | contact
     data = {
         "name": "plane blocks",
         "bodies": {"upper": upper, "lower": lower},
-        "contacts": {"interface": {"a": "upper.y_min", "b": "lower.y_max", "form": "saddle"}},
+        "contacts": {"interface": interface},
         "analysis": {"kind": "cea", "max_frequency": 0.5},
     }
-    data["contacts"]["interface"] |= contact
     return assemble(data, leave_out=False).pencil(leave_out=False)
 
 
-def random_pencil(seed, n=90):
-    """A dense pencil S - s F, M whose lowest modes flutter at s below one, with its matrices."""
-    rng = np.random.default_rng(seed)
-    axes, _ = np.linalg.qr(rng.standard_normal((n, n)))
-    kappa = np.arange(1.0, n + 1) ** 1.5
-    coupling = rng.standard_normal((n, n)) / (1 + 0.05 * np.add.outer(kappa, kappa) ** 0.5)
-    root = np.diag(rng.uniform(0.7, 1.4, n))
-    S = root @ axes @ np.diag(kappa) @ axes.T @ root
-    F = root @ axes @ coupling @ axes.T @ root
-    S, M = 0.5 * (S + S.T), root @ root
-    return Pencil.of(to_petsc(S), to_petsc(M), to_petsc(F)), (S, M, F)
+def random_pencil(seed, *, damped=False, equal=False):
+    """A dense pencil S - s F of friction s whose lowest modes flutter below one.
 
-
-def dense(matrices, s):
-    """Eigenvalues of a dense pencil by rising frequency."""
-    S, M, F = matrices
-    kappa = eig(S - s * F, M, right=False)
-    return kappa[np.argsort(upper_root(kappa).imag)]
-
-
-def random_damped_pencil(seed, n=40, *, equal=False):
-    """A dense pencil of s and Omega, damped and turning, with its matrices.
-
-    Parameters
-    ----------
-    seed
-        Of the random numbers.
-    n
-        Its size.
-    equal
-        Whether its damping is 0.04 M, its friction between two modes alone: lambda is known then,
-        and the two coalesce at s = 1.
+    And its eigenvalues: kappa at s, or lambda with Im lambda >= 0 at s and Omega where it is
+    ``damped`` and turns with Omega. Where modes are ``equal`` its damping is 0.04 M, its friction
+    between two modes alone: lambda is known then, and the two coalesce at s = 1.
     """
-    rng = np.random.default_rng(seed)
+    rng, n = np.random.default_rng(seed), 40 if damped else 90
     axes, _ = np.linalg.qr(rng.standard_normal((n, n)))
     kappa = np.arange(1.0, n + 1) ** 1.5
     coupling = rng.standard_normal((n, n)) / (1 + 0.05 * np.add.outer(kappa, kappa) ** 0.5)
@@ -147,6 +116,8 @@ def random_damped_pencil(seed, n=40, *, equal=False):
     S = root @ axes @ np.diag(kappa) @ axes.T @ root
     F = root @ axes @ coupling @ axes.T @ root
     S, M = 0.5 * (S + S.T), root @ root
+    if not damped:
+        return Pencil.of(to_petsc(S), to_petsc(M), to_petsc(F)), lambda s: eig(S - s * F, M)[0]
     part = rng.standard_normal((n, n)) / n
     C, G = (0.04 * M, 0 * M) if equal else (0.02 * M + part @ part.T, part - part.T)
     s, turning = Coefficient.of({FRICTION: (1.0, 1.0)}, -1.0), Coefficient.of({"Omega": (1.0, 1.0)})
@@ -157,31 +128,14 @@ def random_damped_pencil(seed, n=40, *, equal=False):
         Term("damping", to_petsc(C)),
         Term("damping", to_petsc(G), turning, symmetric=False),
     ]
-    parameters = [Parameter(FRICTION, 1.0), Parameter("Omega", 0.0)]
-    return Pencil(terms, parameters), (S, M, F, C, G)
 
+    def dense(s, turning=0.0):
+        nothing, one = np.zeros_like(M), np.eye(n)
+        first = np.block([[nothing, one], [-(S - s * F), -(C + turning * G)]])
+        values = eig(first, np.block([[one, nothing], [nothing, M]]), right=False)
+        return values[values.imag >= 0]
 
-def dense_damped(matrices, s, turning):
-    """Eigenvalues lambda of a dense damped pencil with Im lambda >= 0."""
-    S, M, F, C, G = matrices
-    nothing, one = np.zeros_like(M), np.eye(len(M))
-    first = np.block([[nothing, one], [-(S - s * F), -(C + turning * G)]])
-    second = np.block([[one, nothing], [nothing, M]])
-    values = eig(first, second, right=False)
-    return values[values.imag >= 0]
-
-
-def map_numbers(backend):
-    """What a map of the blocks comes to, in plain numbers that hang on no basis."""
-    pencil = blocks_pencil(backend)
-    built = enrichment(pencil, {MU: (0.0, 1.0), P: (1.0, 1e4)}, 0.6)
-    built.cover(grid(mu=[0.0, 1.0], P=[1.0, 1e4]))
-    rows = []
-    for point in grid(mu=[0.21, 0.83], P=[3.0, 4e3]):
-        found = built.at(point).window
-        sums = np.array([found.z.sum(), (found.z**2).sum()])
-        rows.append([len(found), *sums.real.tolist()])
-    return {"rows": rows, "solves": len(built.solves)}
+    return Pencil(terms, [Parameter(FRICTION, 1.0), Parameter("Omega", 0.0)]), dense
 
 
 def model_line(built, name, point=MappingProxyType({}), level=0.0):

@@ -1,0 +1,204 @@
+"""Orthonormal bases of a reduced model, and its norms of states and of residuals.
+
+    X = S(t0) + s M(t0)
+
+with every parameter at its least value: K(t) is no softer in any direction while friction is left
+aside. The shift s, a hundredth of omega^2 of the window, keeps X definite where bodies float. Bases
+are orthonormal in X for displacements and in C^ for forces. A residual of forces v and gaps q is
+measured by
+
+    v^T X^-1 v + q^T (c_c C^ + J X^-1 J^T)^-1 q,
+
+c_c where contacts are stiffest: up to a factor of three the energy of the displacements and forces
+that it causes in the saddle problem without friction.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from cea.arrays import Floats
+from cea.eigen.blocks import times
+from cea.eigen.multipliers import Multipliers
+from cea.eigen.mumps import Mumps
+from cea.eigen.pencil import Pencil
+from cea.eigen.shifted import bordered
+from cea.eigen.spectrum import SLOW
+from cea.errors import InputError
+from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total
+from cea.reduced.pieces import Pieces, Product
+
+_FELT = 1e-10
+"""Least compliance of contacts in the norm, relative to that of the bodies: closures that depend on
+each other, or nearly, are told apart by rounding alone."""
+_RESOLVED = 1e-6
+"""Part of the largest direction down to which a Gram matrix tells directions apart."""
+_PASSES = 6
+"""Most directions of a block are resolved in passes, each to that part of what was left."""
+
+_ROUNDING = 0.5
+"""Length that is left of a new vector, orthogonalised once more, up to which it was rounding."""
+
+
+class InnerProduct:
+    """What bases are orthonormal in: ``image`` is its matrix times a block of this rank's rows."""
+
+    def __init__(self, comm: Any, rows: int, image: Callable[[Floats], Floats]) -> None:
+        self.comm, self.rows, self.image = comm, rows, image
+
+    def inner(self, left: Floats, right: Floats) -> Floats:
+        """L^T R, shape (columns of L, columns of R), the same on every rank."""
+        return self.comm.bcast(self.comm.allreduce(left.T @ right))
+
+    def lengths(self, block: Floats, image: Floats | None = None) -> Floats:
+        """Norms of the columns of a block, whose image may be known, the same on every rank."""
+        image = self.image(block) if image is None else image
+        squares = self.comm.allreduce(np.einsum("ij,ij->j", block, image))
+        return np.sqrt(np.maximum(self.comm.bcast(squares), 0.0))
+
+
+class Norms:
+    """Both norms with X and the saddle problem factorised, at some values of all parameters.
+
+    ``states`` is that of bases, ``residuals`` that of what residuals cause
+    (:meth:`caused`). Raises InputError when X is not positive definite.
+    """
+
+    def __init__(
+        self, pencil: Pencil, pieces: Pieces, values: Mapping[str, float], max_frequency: float
+    ) -> None:
+        self.shift = (SLOW * 2 * np.pi * max_frequency) ** 2
+        parts = []
+        for term in pencil.terms:
+            if term.symmetric and term.role in ("stiffness", "mass"):
+                weight = term.coefficient.at(values) * (self.shift if term.role == "mass" else 1.0)
+                parts.append((weight, term.matrix))
+        matrix = scaled_total([part for part in parts if part[0]])
+        matrix.setOption(matrix.Option.SYMMETRIC, True)
+        self._made: list[Any] = [matrix]
+        own = slice(0, pieces.displacements)
+        self._stiffness = pieces.acting(partial(times, matrix), own, own)
+        factors = Mumps(matrix.copy(), symmetric=True, inertia=True)
+        self._made.append(factors)
+        if negative := factors.inertia()[0]:
+            self.free()
+            told = f"{negative} negative eigenvalues of its symmetric part"
+            raise InputError("stiffness", told, "none, for a map, where parameters are least")
+        self._flexible = pieces.acting(factors.solve_block, own, own)
+        self._softness = [
+            max(each.inverse_stiffness.at(values), _FELT / each.body_stiffness[0])
+            for each in pencil.forces
+        ]
+        self._contacts = list(zip(pieces.contacts, self._softness, strict=True))
+        self._pressed: Product = np.zeros_like
+        if self._contacts:
+            below = slice(pieces.displacements, pieces.rows)
+            self._pressed = pieces.acting(self._saddle(pencil, matrix), below, below)
+        self.states = InnerProduct(pieces.comm, pieces.rows, self._image)
+        self.residuals = InnerProduct(pieces.comm, pieces.rows, self._image_of_caused)
+
+    def _saddle(self, pencil: Pencil, matrix: Any) -> Product:
+        """(c_c C^ + J X^-1 J^T)^-1 of gaps, by the saddle problem without friction."""
+        both = zip(self._softness, pencil.forces, strict=True)
+        parts = [scaled_total([(softness, each.compliance)]) for softness, each in both]
+        closure = one_below_the_other([each.closure for each in pencil.forces])
+        compliance = block_diagonal(parts).convert("aij")
+        forces = Multipliers(closure, closure, compliance, None, 0)
+        destroy(*parts)
+        factors = Mumps(bordered(matrix.copy(), forces, symmetric=True), symmetric=True)
+        self._made += [factors, forces]
+        n = matrix.getLocalSize()[0]
+
+        def pressed(gaps: Floats) -> Floats:
+            rows = np.zeros((n + len(gaps), gaps.shape[1]), order="F")
+            rows[n:] = gaps
+            return -factors.solve_block(rows)[n : n + len(gaps)]
+
+        return pressed
+
+    def _image(self, block: Floats) -> Floats:
+        """X x and C^ f."""
+        image = self._stiffness(block)
+        for contact, _ in self._contacts:
+            image += contact.compliance(block)
+        return image
+
+    def _image_of_caused(self, block: Floats) -> Floats:
+        """X x and (c_c C^ + J X^-1 J^T) f."""
+        image, reactions = self._stiffness(block), np.zeros_like(block)
+        for contact, _ in self._contacts:
+            reactions += contact.closes.times(block)
+        moved = self._flexible(reactions)
+        for contact, softness in self._contacts:
+            image += contact.closes.times(moved) + softness * contact.compliance(block)
+        return image
+
+    def solve(self, block: Floats) -> Floats:
+        """X^-1 v, the static displacements under forces."""
+        return self._flexible(block)
+
+    def caused(self, block: Floats) -> Floats:
+        """X^-1 v and (c_c C^ + J X^-1 J^T)^-1 q: inner products in ``residuals`` are of these."""
+        return self._flexible(block) + self._pressed(block)
+
+    def free(self) -> None:
+        """Free the factors."""
+        for each in self._made:
+            each.free() if hasattr(each, "free") else destroy(each)
+        self._made.clear()
+
+
+class Span:
+    """An orthonormal basis of the span of all blocks it was given."""
+
+    def __init__(self, norm: InnerProduct) -> None:
+        self.norm = norm
+        self._store = np.empty((norm.rows, 0), order="F")
+        self.size = 0
+
+    @property
+    def vectors(self) -> Floats:
+        """The basis, the rows of this rank, shape (n_local, size)."""
+        return self._store[:, : self.size]
+
+    def add(self, block: Floats, image: Floats, floor: float) -> tuple[Floats, float]:
+        """Take the span of a block in, whose image is known, but for vectors of a length.
+
+        Coordinates of the block in the basis are given, and the norm of what was left out of it,
+        as an operator on unit coefficients.
+        """
+        left, products = self._outside(block, image)
+        lost = 0.0
+        for _ in range(_PASSES):
+            sizes, axes = np.linalg.eigh(products)
+            largest = float(np.sqrt(max(sizes.max(initial=0.0), 0.0)))
+            if largest <= floor:
+                break
+            kept = sizes > max(_RESOLVED * largest, floor) ** 2
+            if not self._append(left @ (axes[:, kept] / np.sqrt(sizes[kept]))):
+                lost = max(lost, largest)
+            left = left @ axes[:, ~kept]
+            left, products = self._outside(left, self.norm.image(left))
+        return self.norm.inner(self.vectors, image), max(lost, largest if left.size else 0.0)
+
+    def _outside(self, block: Floats, image: Floats) -> tuple[Floats, Floats]:
+        """A block less its part in the span, and the Gram matrix of what is left."""
+        left = block - self.vectors @ self.norm.inner(self.vectors, image)
+        products = self.norm.inner(left, self.norm.image(left))
+        return left, 0.5 * (products + products.T)
+
+    def _append(self, block: Floats) -> bool:
+        """New vectors, made orthonormal once more; whether none of them was rounding alone."""
+        left, products = self._outside(block, self.norm.image(block))
+        sizes, axes = np.linalg.eigh(products)
+        kept = sizes > _ROUNDING**2
+        size = self.size + int(kept.sum())
+        if size > self._store.shape[1]:
+            store = np.empty((self.norm.rows, max(size, 3 * self._store.shape[1] // 2)), order="F")
+            store[:, : self.size] = self.vectors
+            self._store = store
+        self._store[:, self.size : size] = left @ (axes[:, kept] / np.sqrt(sizes[kept]))
+        self.size = size
+        return bool(kept.all())

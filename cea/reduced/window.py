@@ -1,0 +1,60 @@
+"""What is looked at of a spectrum: frequencies up to an end, growth above a level."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cea.arrays import Complexes, Floats
+from cea.eigen.modes import uncertainties_of
+
+MARGIN = 1.15
+"""Frequency up to which modes are known beyond the window, relative to its end."""
+
+
+def upper_root(kappa: Complexes) -> Complexes:
+    """The lambda = sqrt(-kappa) with Im lambda >= 0; it grows where lambda is real."""
+    root = np.sqrt(-kappa.astype(complex))
+    return np.where(root.imag < 0, -root, root) + 0j
+
+
+@dataclass(frozen=True)
+class Window:
+    """What is looked at.
+
+    Frequencies up to ``end`` (rad/s); z is lambda if ``damped``, else kappa = -lambda^2; growth
+    above ``level`` (1/s) counts; modes are known down to ``decay`` (1/s).
+    """
+
+    end: float
+    damped: bool
+    level: float = 0.0
+    decay: float = np.inf
+
+    @property
+    def max_frequency(self) -> float:
+        """Its end (Hz)."""
+        return self.end / (2 * np.pi)
+
+    @property
+    def by_growth(self) -> bool:
+        """Whether growth rates are compared with a level rather than pairs with a coalescence."""
+        return self.damped or self.level != 0.0
+
+    def roots(self, z: Complexes) -> Complexes:
+        """The lambda of z; of kappa those with Im lambda >= 0."""
+        return np.asarray(z, complex) if self.damped else upper_root(np.asarray(z, complex))
+
+    def growth(self, z: Complexes) -> Floats:
+        """Growth (1/s) above the level: of kappa that of the root that grows."""
+        growth = self.roots(z).real
+        return (growth if self.damped else np.abs(growth)) - self.level
+
+    def doubts(self, z: Complexes, errors: Floats) -> Floats:
+        """Errors of lambda (1/s) that errors of z make."""
+        return errors if self.damped else uncertainties_of(self.roots(z), errors)
+
+    def far(self, z: Complexes, part: float = 1.0) -> NDArray[np.bool_]:
+        """Which lie beyond a part of the window, or decay too fast to be known."""
+        roots = self.roots(z)
+        return (np.abs(roots.imag) > part * self.end) | (roots.real < -self.decay)

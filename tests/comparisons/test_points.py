@@ -1,0 +1,112 @@
+"""Points of a sweep: axes, boxes of them, distributions, and texts that are none."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import kstest, lognorm, norm, truncnorm
+
+from cea.errors import InputError
+from comparisons.sweep.points import (
+    Axis,
+    Distribution,
+    boxes_of,
+    read_distribution,
+    read_fields,
+    table_of,
+)
+
+
+def test_boxes_hold_every_point_once_but_for_shared_borders():
+    points = table_of(read_fields(("P=1:1e6:log:13", "E=1:1e3:log:4", "mu=0:1:3")), [0] * 3, 0, 0)
+    boxes = boxes_of(points)
+    assert len(boxes) == 3 * 2
+    held = np.concatenate([part for box in boxes for part in box.parts])
+    assert set(held) == set(range(len(points.values)))
+    assert len(held) == len(points.values) + 2 * 4 * 3  # two borders of lines along P
+    for box in boxes:
+        low, high = np.array(box.ends).T
+        for part in (*box.parts, box.training):
+            assert ((points.values[part] >= low) & (points.values[part] <= high)).all()
+        assert (high[:2] <= 100.0001 * low[:2]).all()
+
+
+@pytest.mark.parametrize(
+    ("text", "law"),
+    [
+        ("mu~normal:0.4:0.05", norm(0.4, 0.05)),
+        ("mu~normal:0.1:0.1:0:0.2", truncnorm(-1, 1, 0.1, 0.1)),
+        ("P~lognormal:1e9:0.5", lognorm(0.5, scale=1e9)),
+    ],
+)
+def test_samples_follow_their_distribution(text, law):
+    """Kolmogorov and Smirnov, whose statistic is no chance at this seed."""
+    values = drawn(text)[:, 0]
+    assert kstest(values, law.cdf).pvalue > 0.01
+    shifted = replace(read_distribution(text), first=1.3 * read_distribution(text).first)
+    assert kstest(table_of([shifted], [0.0], 5000, 11).values[:, 0], law.cdf).pvalue < 1e-6
+
+
+def drawn(*texts, seed=11):
+    return table_of(read_fields(texts), [0.0] * len(texts), 5000, seed).values
+
+
+def test_fields_are_drawn_independently_and_by_their_seed():
+    both = ("mu~uniform:0:1", "P~uniform:2:3")
+    values = drawn(*both)
+    assert abs(np.corrcoef(values.T)[0, 1]) < 0.05
+    assert values[:, 1].min() >= 2
+    np.testing.assert_array_equal(drawn(*both), values)
+    assert (drawn(*both, seed=1) != values).any()
+
+
+def test_what_a_field_may_not_have_is_cut_off_and_told():
+    """A sixth of a normal distribution lies more than one deviation below its mean."""
+    points = table_of(read_fields(["mu~normal:0.1:0.1", "P~uniform:-1:3"]), [0.0, 0.0], 5000, 2)
+    assert points.cut == pytest.approx((norm.cdf(-1), 0.25))
+    assert points.values.min() >= 0
+    assert kstest(points.values[:, 0], truncnorm(-1, np.inf, 0.1, 0.1).cdf).pvalue > 0.01
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("mu", "first:last:count"),
+        ("mu=0", "first:last:count"),
+        ("mu=0:1", "first:last:count"),
+        ("mu=0:1:x", "first:last:count"),
+        ("mu=a:1:3", "first:last:count"),
+        ("=0:1:3", "first:last:count"),
+        ("mu=0:1:lin:3", "first:last:count"),
+        ("mu=0:1:3:4:5", "first:last:count"),
+        ("mu~", "name~normal"),
+        ("mu~gamma:1:2", "name~normal"),
+        ("mu~normal:1", "name~normal"),
+        ("mu~uniform:0:1:0:1", "name~normal"),
+        ("~normal:0:1", "name~normal"),
+        ("mu~normal:a:1", "name~normal"),
+    ],
+)
+def test_texts_that_are_no_field_are_refused(text, told):
+    with pytest.raises(InputError, match=told):
+        read_fields([text])
+
+
+@pytest.mark.parametrize(
+    ("field", "arguments", "told"),
+    [
+        (Axis, (0.0, 0.0, 3), "another last value"),
+        (Axis, (0.0, 1.0, 1), "2 to"),
+        (Axis, (0.0, np.inf, 3), "finite"),
+        (Axis, (0.0, 1.0, 3, True), "positive"),
+        (Distribution, ("normal", 0.4, 0.0), "positive deviation"),
+        (Distribution, ("normal", np.inf, 1.0), "finite"),
+        (Distribution, ("uniform", 1.0, 1.0), "greater than 1"),
+        (Distribution, ("lognormal", -1.0, 1.0), "positive, at least 1e-30"),
+        (Distribution, ("normal", 0.0, 1.0, 2.0, 1.0), "greater than 2"),
+        (Distribution, ("normal", 0.0, 1.0, 50.0, 51.0), "between them"),
+    ],
+)
+def test_fields_that_are_none_are_refused(field, arguments, told):
+    with pytest.raises(InputError, match=told):
+        field("mu", *arguments)
