@@ -11,10 +11,9 @@ import numpy as np
 
 from cea.arrays import Floats, Ints
 from cea.location import cross
-from iga_cea.face_shape import FaceShape, tensor_splines
-from iga_cea.grids import grid_points, projected
+from iga_cea.face_shape import FaceShape, projected, tensor_splines
 from iga_cea.patch import Patch
-from iga_cea.splines import botella, greville
+from iga_cea.splines import botella, greville, grid_points
 
 _SINGULAR = 1e-12
 """Jacobian taken for zero, relative to the power of its longest tangent."""

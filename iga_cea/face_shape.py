@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
-from iga_cea.grids import outer_products, projected
 from iga_cea.patch import PatchGeometry, homogeneous
 from iga_cea.splines import basis_functions
 
@@ -64,8 +63,19 @@ def tensor_splines(
         n = len(vector) - p - 1
         number = (number[:, :, None] * n + along[:, None]).reshape(count, -1)
         if derivatives:
-            slopes = [outer_products(s, table[0]) for s in slopes] + [
-                outer_products(values, table[1])
-            ]
-        values = outer_products(values, table[0])
+            slopes = [_products(s, table[0]) for s in slopes] + [_products(values, table[1])]
+        values = _products(values, table[0])
     return number, values, slopes
+
+
+def _products(a: Floats, b: Floats) -> Floats:
+    """Products of all columns of a with all of b, row by row, (n, columns of a and b)."""
+    return (a[:, :, None] * b[:, None, :]).reshape(len(a), -1)
+
+
+def projected(homogeneous: Floats) -> tuple[Floats, Floats]:
+    """Positions and derivatives from those of w x and w: (w x)' = w' x + w x'."""
+    weight = homogeneous[:, 0, -1]
+    x = homogeneous[:, 0, :-1] / weight[:, None]
+    turned = homogeneous[:, 1:, :-1] - homogeneous[:, 1:, -1:] * x[:, None]
+    return x, (turned / weight[:, None, None]).swapaxes(1, 2)

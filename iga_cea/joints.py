@@ -15,9 +15,8 @@ from cea.errors import InputError
 from cea.location import locate_along
 from cea.surface_points import connected
 from iga_cea.face import PatchFace
-from iga_cea.grids import grid_points
 from iga_cea.patch import subdivided
-from iga_cea.splines import find_span
+from iga_cea.splines import find_span, grid_points
 from iga_cea.surface import NurbsSurface
 
 TOLERANCE = 1e-7

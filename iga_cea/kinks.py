@@ -13,8 +13,8 @@ from cea.arrays import Floats
 from cea.surface_points import TANGENT
 from iga_cea.face import PatchFace
 from iga_cea.face_shape import FaceShape
-from iga_cea.grids import grid_points
 from iga_cea.patch import subdivided
+from iga_cea.splines import grid_points
 
 
 def smooth_pieces(face: PatchFace) -> list[PatchFace]:

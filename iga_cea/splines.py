@@ -145,3 +145,8 @@ def botella(knots: Floats, degree: int) -> Floats:
         rising = (table[1, function, place] > 0) & (place == function - first)
         low, high = np.where(rising, middle, low), np.where(rising, high, middle)
     return (low + high) / 2
+
+
+def grid_points(parameters: tuple[Floats, ...]) -> Floats:
+    """Points of a tensor grid in C order, shape (n, number of parameters)."""
+    return np.stack(np.meshgrid(*parameters, indexing="ij"), axis=-1).reshape(-1, len(parameters))

@@ -7,7 +7,7 @@ from iga_data import TILTED, basis_on_grid
 
 from cea.body import Body
 from cea.surface_points import Status
-from iga_cea.grids import grid_points
+from iga_cea.splines import grid_points
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
