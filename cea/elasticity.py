@@ -70,18 +70,10 @@ class Axes:
 
 @dataclass(frozen=True, eq=False)
 class Elasticity:
-    """Stress of a displacement gradient at any point of a body.
+    """Stress of a displacement gradient at any point of a body."""
 
-    Parameters
-    ----------
-    matrix
-        Constants in the axes of the material (N/m^2), symmetric, shape (6, 6).
-    axes
-        The axes; those of space if left out.
-    """
-
-    matrix: Floats
-    axes: Axes | None = None
+    matrix: Floats  # constants in the axes of the material (N/m^2), symmetric, shape (6, 6)
+    axes: Axes | None = None  # None for those of space
 
     @property
     def varies(self) -> bool:
@@ -91,17 +83,9 @@ class Elasticity:
     def stress(self, gradient: Floats, x: Floats) -> Floats:
         """Cauchy stress (N/m^2), shape (dim, dim, n); in the plane that of plane strain.
 
-        Parameters
-        ----------
-        gradient
-            ``gradient[i, j] = d u_i / d x_j``, shape (dim, dim, n).
-        x
-            Positions (m), shape (dim, n); not looked at where the tensor is uniform.
-
-        Raises
-        ------
-        InputError
-            When there are no axes at a point.
+        With ``gradient[i, j] = d u_i / d x_j``, shape (dim, dim, n), at positions x (m), shape
+        (dim, n), which are not looked at where the tensor is uniform. Refused where there are no
+        axes at a point.
         """
         dim, tensor = len(gradient), self.matrix[np.ix_(_VOIGT.ravel(), _VOIGT.ravel())]
         if not self.varies:

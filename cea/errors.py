@@ -80,21 +80,11 @@ def did_you_mean(name: object, known: Iterable[object]) -> str:
 
 @dataclass(frozen=True)
 class ResultWarning:
-    """Something a reader of a result must know.
+    """Something a reader of a result must know."""
 
-    Parameters
-    ----------
-    kind
-        What it is about, one word or a few joined by hyphens: programs look at this.
-    message
-        The same in a sentence.
-    data
-        Its numbers.
-    """
-
-    kind: str
-    message: str
-    data: Mapping[str, Any] = field(default_factory=dict)
+    kind: str  # what it is about, one word or a few joined by hyphens: programs look at this
+    message: str  # the same in a sentence
+    data: Mapping[str, Any] = field(default_factory=dict)  # its numbers
 
     def plain(self) -> dict[str, Any]:
         """As plain data."""

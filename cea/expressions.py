@@ -88,15 +88,9 @@ _FINITE = "finite everywhere"
 
 @dataclass(frozen=True)
 class Expression:
-    """A field given as text, read by a safe evaluator: arithmetic and a few functions, no more.
+    """A field given as text, read by a safe evaluator: arithmetic and a few functions, no more."""
 
-    Parameters
-    ----------
-    text
-        Expression in x, y, z (m), or r (m) and theta (rad) about the z axis, and pi.
-    """
-
-    text: str
+    text: str  # in x, y, z (m), or r (m) and theta (rad) about the z axis, and pi
 
     def check(self, field: str, dim: int = 3) -> None:
         """Refuse what is no expression, before there are points to evaluate it at."""

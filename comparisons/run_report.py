@@ -37,37 +37,25 @@ def write_run_report(result: Result, record: Path) -> Path:
     return record.with_name(REPORT)
 
 
+_ERRORS = ["uncertainty", "residual", "condition"]
+_MODE = ["mode", "verdict", "frequency", "growth", "damping_ratio", *_ERRORS, "shape"]
+
+
 def modes(data: Data) -> pd.DataFrame:
     """Every mode with its verdict and errors."""
-    told = ("uncertainty", "residual", "condition")
-    return pd.DataFrame(
-        [
-            {
-                "mode": i,
-                "verdict": value["verdict"],
-                "frequency": value["im"] / tau,
-                "growth": value["re"],
-                "damping_ratio": damping_ratio(value),
-                **{name: value[name] for name in told},
-                "shape": f"{_KEY}/{i}",
-            }
-            for i, value in enumerate(data.get("eigenvalues", ()), 1)
-        ]
-    )
+    rows = []
+    for i, value in enumerate(data.get("eigenvalues", ()), 1):
+        errors = [value[name] for name in _ERRORS]
+        frequency, growth = value["im"] / tau, value["re"]
+        ratio = damping_ratio(value)
+        rows.append((i, value["verdict"], frequency, growth, ratio, *errors, f"{_KEY}/{i}"))
+    return pd.DataFrame(rows, columns=_MODE)
 
 
 def by_verdict(data: Data) -> pd.DataFrame:
     """The same, those that grow first."""
-    frame = modes(data)
-    if frame.empty:
-        return frame
-    return frame.sort_values("verdict", key=lambda v: v.map([*VERDICT_MARKS].index), kind="stable")
-
-
-def signed_modes(data: Data) -> pd.DataFrame:
-    """The same, each verdict with its sign."""
-    frame = modes(data)
-    return frame if frame.empty else frame.assign(verdict=frame["verdict"].map(sign))
+    order = [*VERDICT_MARKS].index
+    return modes(data).sort_values("verdict", key=lambda v: v.map(order), kind="stable")
 
 
 def damping_ratio(value: Data) -> float | None:
@@ -108,11 +96,6 @@ def _named(values: Data, *columns: str) -> pd.DataFrame:
     return pd.DataFrame(list(values.items()), columns=list(columns))
 
 
-def skipped(data: Data) -> pd.DataFrame:
-    """What the scene did not need."""
-    return _named(data["skipped"], "left_out", "reason")
-
-
 def summary(data: Data) -> str | None:
     """How many modes grow, and why they are all."""
     if "eigenvalues" not in data:
@@ -142,26 +125,6 @@ COLUMNS = {
     "area": Column("area of side a", "m²", shown(4)),
     "largest_gap": Column("largest gap", "m", shown(2)),
 }
-DIAGRAM = Plot(
-    "stability",
-    "What lies above zero grows. Marks tell verdicts apart as colours do.",
-    by_verdict,
-    "frequency",
-    "growth",
-    ("verdict",),
-    own=COLUMNS,
-    style="markers",
-)
-STRESSES = Plot(
-    "stress",
-    "Normal stress along a line over the contact, both sides.",
-    stresses,
-    "arc",
-    "stress",
-    ("side",),
-    ("contact",),
-    own=COLUMNS,
-)
 SECTIONS = [
     Section("Warnings", tables=[Table("warnings", "To be read with the result.", warned)]),
     Section(
@@ -175,27 +138,59 @@ SECTIONS = [
                 "Every mode of the window. Damping ratio: minus the growth rate over abs(λ). "
                 "Algebraic error: what residual and rounding, times the condition, can make of the "
                 "growth rate; errors of the mesh are told by cea converge.",
-                signed_modes,
+                lambda data: modes(data).assign(verdict=modes(data)["verdict"].map(sign)),
                 COLUMNS,
             )
         ],
-        [DIAGRAM],
+        [
+            Plot(
+                "stability",
+                "What lies above zero grows. Marks tell verdicts apart as colours do.",
+                by_verdict,
+                "frequency",
+                "growth",
+                ("verdict",),
+                own=COLUMNS,
+                style="markers",
+            )
+        ],
         modes=True,
     ),
     Section("Steady sliding", headline=steady),
-    Section("Stresses", plots=[STRESSES]),
+    Section(
+        "Stresses",
+        plots=[
+            Plot(
+                "stress",
+                "Normal stress along a line over the contact, both sides.",
+                stresses,
+                "arc",
+                "stress",
+                ("side",),
+                ("contact",),
+                own=COLUMNS,
+            )
+        ],
+    ),
     Section(
         "Contacts",
-        tables=[
-            Table("contacts", "Points as found on the other side.", contacts, COLUMNS),
-        ],
+        tables=[Table("contacts", "Points as found on the other side.", contacts, COLUMNS)],
     ),
     Section(
         "Run time",
         headline=size,
         tables=[Table("stages", "", lambda data: _named(data["timings"], "stage", "seconds"))],
     ),
-    Section("Left out", tables=[Table("skipped", "Not needed by the scene.", skipped)]),
+    Section(
+        "Left out",
+        tables=[
+            Table(
+                "skipped",
+                "Not needed by the scene.",
+                lambda data: _named(data["skipped"], "left_out", "reason"),
+            )
+        ],
+    ),
     Section(
         "Machine, versions, scene as run",
         tables=[

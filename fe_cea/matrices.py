@@ -37,14 +37,8 @@ _JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 class LagrangeMatrices:
     """Matrices of all dofs (full x full), PETSc AIJ, each made anew; making one is collective.
 
-    Parameters
-    ----------
-    V
-        Scalar Lagrange space (dolfinx).
-    comm
-        Communicator of the matrices, of the same ranks as that of the mesh.
-    mass_quadrature
-        Degree of the quadrature of the mass; None takes that which is exact on affine cells.
+    Of a scalar Lagrange space V (dolfinx), on a communicator of the same ranks as that of its mesh.
+    The quadrature of the mass is exact on affine cells where no degree of it is given.
     """
 
     def __init__(self, V: Any, comm: Any, mass_quadrature: int | None = None) -> None:

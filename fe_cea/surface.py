@@ -36,18 +36,8 @@ class FESurface(Surface):
     first facet; at a corner each smooth part has its own.
 
     Facet coordinates xi live on the unit interval, triangle or square; the point is
-    ``corner + edges xi`` of the local facet in the reference cell.
-
-    Parameters
-    ----------
-    name
-        Name of the surface.
-    V
-        Scalar Lagrange space of the body (dolfinx).
-    facets
-        Boundary facets on this rank; making the surface is collective.
-    true
-        The surface that the facets interpolate; None where it is not known.
+    ``corner + edges xi`` of the local facet in the reference cell. A surface is made of a scalar
+    Lagrange space V and boundary facets of this rank (dolfinx); that is collective.
     """
 
     abscissa_kinds = ("nodes",)

@@ -186,14 +186,9 @@ class PatchFace:
         return float(np.sign(cross(jacobian[:, :, :-1])[0] @ jacobian[0, :, -1]))
 
     def gradient(self, xi: Floats) -> tuple[Ints, Floats]:
-        """Physical derivatives of the functions of both layers.
+        """Dofs of the functions of both layers, (n, 2 * functions), and their gradients.
 
-        Returns
-        -------
-        dofs : ndarray
-            Shape (n, 2 * functions).
-        gradient : ndarray
-            Derivative along x_i in ``gradient[:, :, i]``, shape (n, 2 * functions, dim).
+        The derivative along x_i is in ``[:, :, i]``, shape (n, 2 * functions, dim).
         """
         at, derivatives, _, jacobian = self._jacobian(xi)
         dofs = self._dofs[at].swapaxes(1, 2).reshape(len(at), -1)

@@ -51,18 +51,15 @@ def tensor_splines(
 ) -> tuple[Ints, Floats, list[Floats]]:
     """Splines of several parameters that do not vanish, at points of any place.
 
-    Returns
-    -------
-    tuple
-        Flat numbers (n, functions) in C order, values of that shape, and their derivatives along
-        each parameter, of that shape each; none where they are not wanted.
+    Flat numbers (n, functions) in C order, values of that shape, and their derivatives along each
+    parameter, of that shape each; none where they are not wanted.
     """
     count = len(xi)
     number = np.zeros((count, 1), dtype=np.int64)
     values = np.ones((count, 1))
     slopes: list[Floats] = []
     for k, (vector, p) in enumerate(zip(knots, degrees, strict=True)):
-        first, table = basis_functions(vector, p, xi[:, k], int(derivatives))
+        first, table = basis_functions(vector, p, xi[:, k], slopes=derivatives)
         along = first[:, None] + np.arange(p + 1)
         n = len(vector) - p - 1
         number = (number[:, :, None] * n + along[:, None]).reshape(count, -1)

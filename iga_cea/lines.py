@@ -33,7 +33,7 @@ class Line:
         """One parameter of a patch."""
         degree, first = patch.degrees[axis], patch.first_functions[axis]
         x, rule = gauss_rule(patch.breaks[axis], degree + 1)
-        _, tables = basis_functions(patch.knots[axis], degree, x.ravel(), 1)
+        _, tables = basis_functions(patch.knots[axis], degree, x.ravel(), slopes=True)
         breaks = patch.breaks[axis]
         span = (breaks[-1] - breaks[0]) / (len(breaks) - 1)
         tables = tables.reshape(2, *x.shape, degree + 1)
@@ -99,10 +99,7 @@ class Line:
     def pairs(self, left: int, right: int, functions: slice) -> Floats:
         """Products of functions and their partners, times the Gauss weights.
 
-        Returns
-        -------
-        ndarray
-            Shape (functions, offsets, points of a window).
+        Shape (functions, offsets, points of a window).
         """
         i = np.arange(self.functions)[functions]
         span = self.starts[functions][:, None] + np.arange(self.window)

@@ -41,13 +41,6 @@ class NurbsMatrices:
     """Matrices of all dofs (full x full), PETSc AIJ, each made anew; making one is collective.
 
     They are symmetric, or skew, to the last bit. Each raises InputError where a patch is folded.
-
-    Parameters
-    ----------
-    multipatch
-        The joined patches.
-    comm
-        MPI communicator.
     """
 
     def __init__(self, multipatch: Multipatch, comm: Any) -> None:

@@ -139,7 +139,7 @@ def _check_map(geometry: PatchGeometry, field: str) -> None:
         return _contracted(
             net,
             [
-                basis_matrix(knots, p, x, int(axis == differentiated)).toarray()
+                basis_matrix(knots, p, x, slopes=axis == differentiated).toarray()
                 for axis, (knots, p, x) in enumerate(
                     zip(geometry.knots, geometry.degrees, grid, strict=True)
                 )

@@ -97,12 +97,9 @@ class Pattern:
         return int(self.starts[self.last - self.first])
 
     def sparse_rows(self, patch: int, place: Any, row: Ints) -> Ints:
-        """Sparse row of each pair of some functions of a patch.
+        """Sparse row of each pair of some functions of a patch, (functions, offsets).
 
-        Returns
-        -------
-        ndarray
-            Shape (functions, offsets), or (functions, 1) where it is one for all.
+        Where it is one for all offsets the shape is (functions, 1).
         """
         if self.outer is None or not self._has_outer[patch][place].any():
             return row[:, None]

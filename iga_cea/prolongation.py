@@ -27,30 +27,11 @@ _SAME = 1e-6
 def prolongation(
     coarse: Multipatch, fine: Multipatch, rank: int, field: str
 ) -> tuple[csr_array, float]:
-    """Prolongation from one space of a body to another of the same patches.
+    """Rows of a rank of the prolongation from one space of a body to another of the same patches.
 
     Exact where the fine spaces hold the coarse ones: knots inserted, degrees raised with continuity
     kept, in any direction. Supports on faces along which held directions turn are projected on
     each space (:mod:`iga_cea.supports`), which the defect tells.
-
-    Parameters
-    ----------
-    coarse, fine
-        Joined patches of the body, on the same ranks.
-    rank
-        Rank whose rows are made.
-    field
-        Name of the finer patches in messages.
-
-    Returns
-    -------
-    tuple
-        As :meth:`cea.body.Space.prolongation`.
-
-    Raises
-    ------
-    InputError
-        When the patches are not those of one body.
     """
     before, after = coarse.patches, fine.patches
     if len(before) != len(after) or coarse.dim != fine.dim:

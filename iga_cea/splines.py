@@ -21,64 +21,39 @@ def find_span(knots: Floats, degree: int, x: Floats) -> Ints:
 
 
 def basis_functions(
-    knots: Floats, degree: int, x: Floats, derivatives: int = 0
+    knots: Floats, degree: int, x: Floats, *, slopes: bool = False
 ) -> tuple[Ints, Floats]:
-    """Values and derivatives of the functions that do not vanish (Cox-de Boor).
+    """Values of the functions that do not vanish, and their slopes if wanted (Cox-de Boor).
 
-    Returns
-    -------
-    first : ndarray
-        Number of the first of the ``degree + 1`` functions at each point, shape (n,).
-    values : ndarray
-        Derivative k of function ``first + j`` in ``values[k, :, j]``, shape
-        (derivatives + 1, n, degree + 1).
+    The number of the first of the ``degree + 1`` functions at each point, shape (n,), and of
+    function ``first + j`` in ``[0, :, j]`` the value, in ``[1, :, j]`` the slope.
     """
     x = np.asarray(x, dtype=float)
     span = find_span(knots, degree, x)
-    values = np.zeros((derivatives + 1, len(x), degree + 1))
-    most = min(derivatives, degree)
+    values = np.zeros((1 + slopes, len(x), degree + 1))
     lower = np.ones((len(x), 1))
-    for q in range(degree + 1):
-        if q:
-            lower = _raised(knots, q, span, x, lower)
-        order = degree - q
-        if order <= most:
-            values[order] = _differentiated(knots, q, span, lower, order)
+    for q in range(1, degree + 1):
+        # A function of degree q - 1 on the knots [left, right] is shared by two of degree q.
+        after = span[:, None] + 1 + np.arange(q)
+        left, right = knots[after - q], knots[after]
+        share = lower / (right - left)
+        lower = np.zeros((len(x), q + 1))
+        lower[:, :-1] += (right - x[:, None]) * share
+        lower[:, 1:] += (x[:, None] - left) * share
+    if slopes:  # of the last share, of functions of a degree less
+        values[1, :, :-1] -= degree * share
+        values[1, :, 1:] += degree * share
+    values[0] = lower
     return span - degree, values
 
 
-def _raised(knots: Floats, q: int, span: Ints, x: Floats, lower: Floats) -> Floats:
-    """Functions of degree q from those of degree q - 1.
-
-    A function of degree q - 1 on the knots [left, right] is shared by two functions of degree q.
-    """
-    after = span[:, None] + 1 + np.arange(q)
-    left, right = knots[after - q], knots[after]
-    share = lower / (right - left)
-    values = np.zeros((len(span), q + 1))
-    values[:, :-1] += (right - x[:, None]) * share
-    values[:, 1:] += (x[:, None] - left) * share
-    return values
-
-
-def _differentiated(knots: Floats, q: int, span: Ints, values: Floats, order: int) -> Floats:
-    """Derivatives of functions of degree q + order from values of those of degree q."""
-    for degree in range(q + 1, q + order + 1):
-        after = span[:, None] + 1 + np.arange(degree)
-        share = degree * (values / (knots[after] - knots[after - degree]))
-        values = np.zeros((len(span), degree + 1))
-        values[:, :-1] -= share
-        values[:, 1:] += share
-    return values
-
-
-def basis_matrix(knots: Floats, degree: int, x: Floats, derivative: int = 0) -> csr_array:
-    """All functions, or a derivative of them, at given points, shape (n, number of functions)."""
-    first, values = basis_functions(knots, degree, x, derivative)
+def basis_matrix(knots: Floats, degree: int, x: Floats, *, slopes: bool = False) -> csr_array:
+    """All functions, or their slopes, at given points, shape (n, number of functions)."""
+    first, values = basis_functions(knots, degree, x, slopes=slopes)
     columns = first[:, None] + np.arange(degree + 1)
     rows = np.arange(0, values[0].size + 1, degree + 1)
     shape = (len(first), len(knots) - degree - 1)
-    return csr_array((values[derivative].ravel(), columns.ravel(), rows), shape=shape)
+    return csr_array((values[int(slopes)].ravel(), columns.ravel(), rows), shape=shape)
 
 
 def greville(knots: Floats, degree: int) -> Floats:
@@ -91,10 +66,7 @@ def greville(knots: Floats, degree: int) -> Floats:
 def insertion_matrix(knots: Floats, degree: int, refined: Floats) -> Floats:
     """Coefficients on refined knots, which hold the others as often, from those on these (Oslo).
 
-    Returns
-    -------
-    ndarray
-        Discrete B-splines, rows that are convex combinations, shape (refined, coarse functions).
+    Discrete B-splines, rows that are convex combinations, shape (refined, coarse functions).
     """
     n = len(knots) - 1
     rows = len(refined) - degree - 1
@@ -113,15 +85,9 @@ def insertion_matrix(knots: Floats, degree: int, refined: Floats) -> Floats:
 def elevation_matrix(knots: Floats, degree: int, target: int) -> tuple[Floats, Floats]:
     """Raise the degree: elevated knots, and coefficients on them from those on the knots.
 
-    The spline is interpolated at the Greville abscissae of the elevated space, which holds it
-    exactly; that interpolation is well conditioned at the degrees in use.
-
-    Returns
-    -------
-    elevated : ndarray
-        Knots, each as much more frequent as the degree is higher.
-    matrix : ndarray
-        Shape (elevated, original functions).
+    Knots are as much more frequent as the degree is higher. The spline is interpolated at the
+    Greville abscissae of the elevated space, which holds it exactly; that interpolation is well
+    conditioned at the degrees in use.
     """
     if target == degree:
         return knots, np.eye(len(knots) - degree - 1)
@@ -173,7 +139,7 @@ def botella(knots: Floats, degree: int) -> Floats:
     low, high = knots[function + 1], knots[function + degree]
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
-        first, table = basis_functions(knots, degree, middle, 1)
+        first, table = basis_functions(knots, degree, middle, slopes=True)
         # A middle rounded to the end of a support finds its function gone: it has fallen.
         place = np.clip(function - first, 0, degree)
         rising = (table[1, function, place] > 0) & (place == function - first)

@@ -47,11 +47,8 @@ def slabs(
 ) -> Iterator[tuple[int, slice, Floats]]:
     """Rows of the functions of a box, a slab at a time.
 
-    Yields
-    ------
-    tuple
-        i1; functions along the second parameter; entries, (functions of the slab, components of
-        the row, offsets, components of the column).
+    i1; functions along the second parameter; entries, (functions of the slab, components of the
+    row, offsets, components of the column).
     """
     columns = form.components**2 * np.prod([line.offsets for line in lines[1:]])
     of_window = 4 * lines[0].window * lines[0].points
@@ -205,13 +202,7 @@ class _Box:
 
 
 def _rows(pairs: Floats, held: Floats, components: int) -> Floats:
-    """Contract the first parameter.
-
-    Returns
-    -------
-    ndarray
-        Shape (functions, components, offsets, components).
-    """
+    """The first parameter contracted, (functions, components, offsets, components)."""
     rows = np.matmul(pairs, held.transpose(1, 0, 2))
     return rows.reshape(rows.shape[0] // components, components, -1, components)
 

@@ -27,15 +27,6 @@ class NurbsSurface(Surface):
     """Faces of patches under one name; its elements are these faces, 0 to n - 1 in their order.
 
     A face with a kink is cut there, and counts as several.
-
-    Parameters
-    ----------
-    name
-        Name of the surface.
-    faces
-        Its faces, with global scalar dofs.
-    num_scalar_dofs
-        Scalar dofs of the body.
     """
 
     abscissa_kinds = ("greville", "botella")

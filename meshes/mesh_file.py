@@ -163,13 +163,7 @@ class MeshFile:
         return {name: count for name, (_, count) in faces.items() if count}
 
     def mesh(self, surfaces: Iterable[str], placement: Placement = IN_PLACE) -> Mesh:
-        """Its mesh, checked, with some of its surfaces: others may overlap these.
-
-        Raises
-        ------
-        InputError
-            Naming file, part, merge_nodes or faces.
-        """
+        """Its mesh, checked, with some of its surfaces: others may overlap these."""
         from meshes.files.body import body_mesh
 
         faces = {name: self._sets(name) for name in surfaces}

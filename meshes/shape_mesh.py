@@ -30,31 +30,11 @@ def shape_mesh(
 ) -> Mesh:
     """Mesh a shape; its surfaces (curves in the plane) bear the names ``shape.surfaces``.
 
-    Curved cells are polynomials through the Gauss-Lobatto points of the circles (see
-    :mod:`meshes.structured`). Crowned faces pass through all nodes, and are exact on straight bases
-    from order 2. Only unstructured meshes need gmsh.
-
-    Parameters
-    ----------
-    shape, placement
-        The shape, and where it is put.
-    cell
-        ``hexahedron``, ``quadrilateral``: one element per cell of the breaks; ``tetrahedron``,
-        ``triangle``: unstructured, or those of the breaks divided into six or two.
-    order
-        Order of the geometry, 1 to 4.
-    breaks, size
-        Element boundaries of a structured mesh along the directions of the shape (m, degrees), or
-        target edge length of an unstructured one (m).
-    edges, layers
-        Edges along breaks of a structured mesh, and geometric layers of cells towards them.
-
-    Raises
-    ------
-    InputError
-        When the input is refused.
-    RuntimeError
-        When gmsh is in use already.
+    Hexahedra and quadrilaterals lie between ``breaks`` (m, degrees), with ``layers`` of cells
+    towards ``edges``; tetrahedra and triangles are these divided into six or two, or unstructured
+    of a target edge length ``size`` (m), for which gmsh must not be in use. Curved cells are
+    polynomials through the Gauss-Lobatto points of the circles (:mod:`meshes.structured`). Crowned
+    faces pass through all nodes, and are exact on straight bases from order 2.
     """
     if isinstance(shape, Crowned):
         flat = shape_mesh(

@@ -64,8 +64,8 @@ class Options:
 
 def rules(backend: Backend, gauss: int, grid: int) -> dict[str, Variant]:
     """Contact rules by name, of so many Gauss and grid points; full passes of GPTS alone."""
-    every = variants((backend, backend), gauss=(gauss,), grid=grid)
-    named = {re.sub(r" \d+", "", variant.label): variant for variant in every}
+    every = variants((backend, backend), (gauss,), grid)
+    named = {re.sub(r" \d+", "", label): variant for label, variant in every.items()}
     return {n: v for n, v in named.items() if not v.full_pass or n.startswith("GPTS")}
 
 

@@ -4,7 +4,7 @@ Rounds repeat all cases by turns, and each round holds plain dolfinx with quadra
 which the others are measured: what else the machine does then slows all of them alike.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 import pandas as pd
 
+from cea.body import Body
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.petsc import MPI  # ahead of dolfinx
@@ -44,26 +45,14 @@ _WEDGES = 6
 _OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 
 
-class Ours:
-    """A body of this program without supports: its space is made, its matrices are not."""
-
-    def __init__(self, family: Family, degree: int, boxes: Boxes) -> None:
-        box = Box((1.0, 1.0, 1.0))
-        if family == "NURBS":
-            mesh = MeshSpec(iga=IgaMesh((degree,) * 3, boxes))
-            spec = BodySpec("iga", box, MATERIAL, mesh)
-        else:
-            mesh = MeshSpec(fe=FeMesh(_CELLS[family], degree, elements=boxes))
-            spec = BodySpec("fe", box, MATERIAL, mesh)
-        self._body = build_body("box", spec)
-
-    def stiffness(self) -> Any:
-        """PETSc AIJ, made anew."""
-        return self._body.stiffness()
-
-    def mass(self) -> Any:
-        """PETSc AIJ, made anew."""
-        return self._body.mass()
+def this_program(family: Family, degree: int, boxes: Boxes) -> Body:
+    """A body without supports: its space is made, its matrices are not."""
+    box = Box((1.0, 1.0, 1.0))
+    if family == "NURBS":
+        mesh = MeshSpec(iga=IgaMesh((degree,) * 3, boxes))
+        return build_body("box", BodySpec("iga", box, MATERIAL, mesh))
+    mesh = MeshSpec(fe=FeMesh(_CELLS[family], degree, elements=boxes))
+    return build_body("box", BodySpec("fe", box, MATERIAL, mesh))
 
 
 class PlainDolfinx:
@@ -96,8 +85,8 @@ def _assembled(integrand: Any, degree: int) -> Any:
     return matrix
 
 
-PROGRAMS: Mapping[str, type[Ours] | type[PlainDolfinx]] = {
-    "this program": Ours,
+PROGRAMS: Mapping[str, Callable[[Family, int, Boxes], Body | PlainDolfinx]] = {
+    "this program": this_program,
     "dolfinx": PlainDolfinx,
 }
 
@@ -146,7 +135,7 @@ def evaluate(case: Case, session: Session) -> dict[str, Any]:
     return {"elements": elements} | assembled(PROGRAMS[case["program"]](*of, boxes))
 
 
-def assembled(program: Ours | PlainDolfinx) -> dict[str, Any]:
+def assembled(program: Body | PlainDolfinx) -> dict[str, Any]:
     """Dofs, and processor seconds of both matrices."""
     begun = process_time()
     dofs = program.stiffness().getSize()[0]

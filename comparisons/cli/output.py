@@ -3,14 +3,12 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from io import StringIO
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from rich.box import SIMPLE_HEAD
 from rich.cells import cell_len
 from rich.console import Console
-from rich.measure import Measurement
 from rich.table import Table
 from rich.text import Text
 
@@ -29,8 +27,6 @@ _FIRST = ("mode", "frequency", "growth_rate", "damping_ratio", "verdict")
 """Columns of modes, the most important first; others follow where the terminal has room."""
 _NEEDED = 4
 """Columns that are never left out."""
-_ROOM = 1 << 12
-"""Width where nothing bounds it."""
 
 Column = tuple[str, Sequence[str], bool]
 """Heading, texts, and whether they are numbers, which are never wrapped."""
@@ -172,46 +168,36 @@ def print_columns(
 
     Text is wrapped at words, numbers are not; the file is the one that holds all columns.
     """
-    count = len(columns)
-    while to.is_terminal and count > _NEEDED and _least(_table(columns[:count])) > to.width:
+    sizes, count = [_sizes(*column) for column in columns], len(columns)
+    free = to.width - _least(sizes)
+    while to.is_terminal and count > _NEEDED and free < 0:
         count -= 1
-    table = _table(columns[:count], title, styles)
-    least = _least(table)
-    width = max(to.width, least) if to.is_terminal else _ROOM
-    # rich may add the padding of columns to the width that it is given
-    narrower = range(width, least // 2, -1) if to.is_terminal else ()
-    fits = (each for each in narrower if least <= _widest(table, each) <= to.width)
-    width = next(fits, width)
+        free = to.width - _least(sizes[:count])
+    table = Table(title=title or None, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    for (heading, _, number), (least, most) in zip(columns[:count], sizes, strict=False):
+        more = max(0, min(most - least, free)) if to.is_terminal else most - least
+        free -= more
+        if number:
+            heading = "\n".join(wrap(heading, least, break_on_hyphens=False))
+        justify: Literal["left", "right"] = "right" if number else "left"
+        table.add_column(heading, justify=justify, no_wrap=number, width=least + more)
+    for i, row in enumerate(zip(*(cells for _, cells, _ in columns[:count]), strict=True)):
+        texts = [Text(printable(cell)) for cell in row]
+        table.add_row(*texts, style=styles[i] if styles else None)
+    width = max(to.width, sum(2 + (column.width or 0) for column in table.columns) + 1)
     room = Console(width=width, file=to.file, force_terminal=to.is_terminal, highlight=False)
     room.print(table, crop=False)
     if left_out := [heading for heading, _, _ in columns[count:]]:
         say(to, f"no room for: {', '.join(left_out)} (in {file})")
 
 
-def _table(columns: Sequence[Column], title: str = "", styles: Sequence[str] = ()) -> Table:
-    """A table whose text is wrapped at words, and no number of which is."""
-    made = Table(title=title or None, title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    for heading, cells, number in columns:
-        whole = cells if number else [word for cell in cells for word in cell.split()]
-        least = max([1, *map(cell_len, whole), *map(cell_len, heading.split())])
-        if number:
-            heading = "\n".join(wrap(heading, least, break_on_hyphens=False))
-        made.add_column(
-            heading, justify="right" if number else "left", no_wrap=number, min_width=least
-        )
-    for i, row in enumerate(zip(*(cells for _, cells, _ in columns), strict=True)):
-        texts = [Text(printable(cell)) for cell in row]
-        made.add_row(*texts, style=styles[i] if styles else None)
-    return made
+def _sizes(heading: str, cells: Sequence[str], number: bool) -> tuple[int, int]:
+    """Width of a column whose text is wrapped at every word, numbers are not; and unwrapped."""
+    words = cells if number else [word for cell in cells for word in cell.split()]
+    least = max([1, *map(cell_len, words), *map(cell_len, heading.split())])
+    return least, least if number else max(least, cell_len(heading), *map(cell_len, cells))
 
 
-def _least(table: Table) -> int:
-    room = Console(width=_ROOM)
-    return Measurement.get(room, room.options, table).minimum
-
-
-def _widest(table: Table, width: int) -> int:
-    """Width that a table takes where it is given some width."""
-    text = StringIO()
-    Console(width=width, file=text).print(table, crop=False)
-    return max(map(cell_len, text.getvalue().splitlines()))
+def _least(sizes: Sequence[tuple[int, int]]) -> int:
+    """Width of a table of columns of their least widths, with the blanks between them."""
+    return sum(least + 2 for least, _ in sizes) + 1

@@ -65,9 +65,7 @@ def offered(options: Options, backend: Any) -> dict[str, Variant]:
     grid = _GRID
     if backend == "fe":
         grid = 1 + max(1, round((grid - 1) / options.elements_a[0]))
-    every = variants((backend, backend), gauss=_GAUSS, grid=grid)
-    chosen = options.formulations or [v.label for v in every]
-    return {v.label: v for v in every if v.label in chosen}
+    return variants((backend, backend), _GAUSS, grid, options.formulations)
 
 
 def cases(options: Options) -> Iterator[Case]:

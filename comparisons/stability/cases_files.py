@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from scipy.linalg import block_diag, eigvals, qr
 
-from cea.arrays import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats
+from cea.mesh import Mesh
 from comparisons.stability.case import EXPECTED, Run, Runs, formula, runs
 from comparisons.stability.dense import lambdas
 from comparisons.stability.problems import WRITERS, Answer, OfFiles, OfScene, StressAnswer
@@ -28,7 +29,10 @@ from comparisons.stability.scenes import (
     up_to,
 )
 from comparisons.stability.ways import ALONE, PAIR, SADDLE, WAYS, chosen
+from meshes.breaks import breaks_of
 from meshes.mesh_file import METRES, Unit
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Rectangle
 
 
 @dataclass(frozen=True)
@@ -232,8 +236,8 @@ def multiplicities() -> Runs:
             yield _run(f"{number} copies, {word}", true, turned, lowest=2 * number)
 
 
-_CPE8R = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]])
-"""Places of the nodes of an element of Abaqus, in halves of its sides."""
+_CPE8R, _MIDDLE = [0, 6, 8, 2, 3, 7, 5, 1], 4
+"""Nodes of an element of Abaqus, and the one in its middle, among those of a quadratic cell."""
 
 
 @dataclass(frozen=True)
@@ -255,26 +259,24 @@ class OfMeshFile:
             for name, each in data["bodies"].items():
                 faces = {place.split(".")[1] for place in places if place.startswith(f"{name}.")}
                 faces |= {support["surface"] for support in each["supports"]}
-                halves = 2 * np.array(each["mesh"]["fe"]["elements"])
-                text += self._part(name, each["geometry"], halves, faces, first)
-                first += int(np.prod(halves + 1))
+                given = each["geometry"]
+                shape = Rectangle(tuple(given["size"]), tuple(given["origin"]))
+                breaks = breaks_of(shape, each["mesh"]["fe"]["elements"])
+                mesh = shape_mesh(shape, "quadrilateral", 2, breaks=breaks)
+                text += self._part(name, mesh, faces, first)
+                first += len(mesh.points)
                 sets = {"part": name, "faces": {face: f"{name}_{face}" for face in faces}}
                 file = {"shape": "mesh_file", "file": str(deck), "unit": self.unit}
                 each |= {"geometry": {**file, **sets, **self.geometry}, "mesh": {}}
             deck.write_text(text)
             return OfScene(data).solve(max_frequency)
 
-    def _part(self, name: str, shape: Scene, halves: Ints, faces: set[str], first: int) -> str:
+    def _part(self, name: str, mesh: Mesh, faces: set[str], first: int) -> str:
         """Nodes, elements and sets of nodes of a body, numbered from a first number."""
-        counts = tuple(halves + 1)
-        places = np.indices(counts).reshape(2, -1).T
-        origin, size = np.array(shape["origin"]), np.array(shape["size"])
-        points = origin + size * places / halves
-        corners = places[(places % 2 == 0).all(axis=1) & (places < halves).all(axis=1)]
+        cells, points = mesh.cells, mesh.points
         if name == self.notched:
-            middles = origin + size * (corners + 1) / halves
-            corners = corners[middles.min(axis=1) < 0]
-        cells = np.ravel_multi_index(tuple((corners[:, None] + _CPE8R).T), counts).T
+            cells = cells[points[cells[:, _MIDDLE]].min(axis=1) < 0]
+        cells = cells[:, _CPE8R]
         used, numbers = np.unique(cells), self.step * (first + np.arange(len(points)))
         above, below = METRES[self.unit]
         at = zip(numbers[used], (points[used] * below / above).tolist(), strict=True)
@@ -282,12 +284,10 @@ class OfMeshFile:
         elements = enumerate(numbers[cells].tolist(), first)
         lines += [f"*ELEMENT, TYPE=CPE8R, ELSET={name}"]
         lines += [", ".join(map(str, [number, *nodes])) for number, nodes in elements]
-        on = {"corner": points.min(axis=1) == 0}
-        for axis, letter in enumerate("xy"):
-            on[f"{letter}_min"] = places[:, axis] == 0
-            on[f"{letter}_max"] = places[:, axis] == halves[axis]
+        sets = {"corner": np.flatnonzero(points.min(axis=1) == 0), **mesh.surfaces}
         for face in faces:
-            lines += [f"*NSET, NSET={name}_{face}", *map(str, numbers[used[on[face][used]]])]
+            on = np.intersect1d(sets[face], used)
+            lines += [f"*NSET, NSET={name}_{face}", *map(str, numbers[on])]
         return "\n".join([*lines, ""])
 
 

@@ -53,13 +53,7 @@ def title_of(name: str) -> str:
 
 @cache
 def runs_of(name: str) -> tuple[Run, ...]:
-    """Runs of a case.
-
-    Raises
-    ------
-    InputError
-        When there is no such case.
-    """
+    """Runs of a case; a name that is none is refused."""
     if name not in catalogue():
         raise InputError("case", name, f"one of {', '.join(catalogue())}")
     return tuple(catalogue()[name]())
@@ -101,13 +95,7 @@ class Options:
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """A case of the study for each run.
-
-    Raises
-    ------
-    InputError
-        When a name is not in the catalogue.
-    """
+    """A case of the study for each run; a name that is not in the catalogue is refused."""
     for name in dict.fromkeys(options.cases or catalogue()):
         for i in numbers_of(name, quick=not options.every):
             run = runs_of(name)[i]

@@ -1,5 +1,6 @@
 """Every contact formulation in its variants, as changes of a scene's contacts."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -57,9 +58,9 @@ class Variant:
 
 
 def variants(
-    backends: tuple[Backend, Backend], *, gauss: tuple[int, ...], grid: int
-) -> tuple[Variant, ...]:
-    """Every formulation that sides a and b can bear, on their backends.
+    backends: tuple[Backend, Backend], gauss: tuple[int, ...], grid: int, only: Sequence[str] = ()
+) -> dict[str, Variant]:
+    """Every formulation by label that sides a and b can bear, or some of these.
 
     ``gauss`` are numbers of Gauss points per direction in each cell of side a, ``grid`` equally
     spaced points per direction over a face (NURBS), or over a facet (mesh).
@@ -78,12 +79,7 @@ def variants(
     lumped = [Variant(GaussPointToSurface(n, lumped=True)) for n in gauss]
     # Collocation at both sides' own abscissae needs these to be of one kind.
     both_ways = [own[0], gpts[0]] if a == b else [gpts[0]]
-    return (
-        *own,
-        Variant(Grid(grid)),
-        *gpts,
-        *lumped,
-        *(replace(variant, full_pass=True) for variant in both_ways),
-        Variant(Segments()),
-        Variant(Mortar()),
-    )
+    full = [replace(variant, full_pass=True) for variant in both_ways]
+    yardsticks = [Variant(Segments()), Variant(Mortar())]
+    every = [*own, Variant(Grid(grid)), *gpts, *lumped, *full, *yardsticks]
+    return {v.label: v for v in every if not only or v.label in only}

@@ -1,7 +1,7 @@
 """Plots of data frames: matplotlib draws PNG files, plotly.js the pages, both the same lines."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from html import unescape
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -58,17 +58,8 @@ STYLE = {
 _DPI = 200
 
 
-@dataclass(frozen=True)
-class Line:
-    """A line of a plot with its marker, as plotly names it, and the modes of its points."""
-
-    label: str
-    x: list[Any]
-    y: list[Any]
-    colour: str
-    marker: str
-    joined: bool
-    shapes: list[str]
+Trace = dict[str, Any]
+"""A line of a plot with its markers, as plotly.js takes it; ``customdata`` names modes."""
 
 
 def sign(verdict: str) -> str:
@@ -76,7 +67,7 @@ def sign(verdict: str) -> str:
     return f"{VERDICT_MARKS[verdict][2]} {verdict}" if verdict in VERDICT_MARKS else verdict
 
 
-def panels(plot: Plot, result: Any) -> list[tuple[str, list[Line]]]:
+def panels(plot: Plot, result: Any) -> list[tuple[str, list[Trace]]]:
     """Panels by their titles, each with its lines; none where there are no points."""
     frame = rows(plot.frame, result)
     if frame.empty:
@@ -89,35 +80,38 @@ def panels(plot: Plot, result: Any) -> list[tuple[str, list[Line]]]:
     every = frame[[*named]].drop_duplicates().to_dict("records") if named else [{}]
     made = []
     for values in every:
-        lines: list[Line] = []
+        traces: list[Trace] = []
         for points, marked, joined in layers:
             for name, value in values.items():
                 points = points[points[name] == value] if name in points else points
-            lines += _lines(plot, points, places, marked, joined)
-        cells = {str(name): c.cell(values[name]) for name, c in named.items()}
+            traces += _traces(plot, points, places, marked, joined)
         words = [
-            f"{named[n].title} = {cell}" if is_number(named[n]) else cell
-            for n, cell in cells.items()
+            f"{shown.title} = {shown.cell(values[name])}"
+            if is_number(shown)
+            else shown.cell(values[name])
+            for name, shown in named.items()
         ]
-        made.append((", ".join(words), lines))
+        made.append((", ".join(words), traces))
     return made
 
 
-def _lines(
+def _traces(
     plot: Plot, frame: pd.DataFrame, places: Mapping[str, Any], marked: bool, joined: bool
-) -> list[Line]:
+) -> Iterator[Trace]:
     keys = [name for name in plot.series if name in frame]
-    lines = []
     for values, own in frame.groupby(keys, sort=False, dropna=False) if keys else [((), frame)]:
         labels = dict(zip(keys, values, strict=True))
         marker, colour = _look(labels, places)
         label = ", ".join(column(n, frame, plot.own).cell(v) for n, v in labels.items())
         finite = own[[plot.x, plot.y]].replace([float("inf"), float("-inf")], float("nan"))
         finite = finite.astype(object).where(finite.notna(), None)
-        x, y = finite[plot.x].tolist(), finite[plot.y].tolist()
-        shapes = list(own["shape"]) if "shape" in own else []
-        lines.append(Line(label, x, y, colour, marker if marked else "", joined, shapes))
-    return lines
+        trace: Trace = {"x": finite[plot.x].tolist(), "y": finite[plot.y].tolist()}
+        mode = "+".join(["lines"] * joined + ["markers"] * marked)
+        trace |= {"name": literal(label), "type": "scatter", "mode": mode}
+        trace["line"] = {"color": colour}
+        if marked:
+            trace["marker"] = {"color": colour, "symbol": marker, "size": 8}
+        yield trace | ({"customdata": list(own["shape"])} if "shape" in own else {})
 
 
 def _look(labels: Mapping[str, Any], places: Mapping[str, Any]) -> tuple[str, str]:
@@ -148,19 +142,20 @@ def draw(plot: Plot, result: Any) -> Figure:
     grid = figure.subplots(-(-len(made) // columns), columns, sharey=True, squeeze=False)
     for axes in grid.flat[len(made) :]:
         axes.set_axis_off()
-    for axes, (title, lines) in zip(grid.flat, made, strict=False):
-        for line in lines:
+    for axes, (title, traces) in zip(grid.flat, made, strict=False):
+        for trace in traces:
+            marker, colour = trace.get("marker", {}).get("symbol", ""), trace["line"]["color"]
             axes.plot(
-                line.x,
-                [float("nan") if value is None else value for value in line.y],
-                color=line.colour,
-                linestyle="-" if line.joined else "",
-                marker=_OF_MATPLOTLIB.get(line.marker.removesuffix("-open"), ""),
-                markerfacecolor="none" if line.marker.endswith("-open") else line.colour,
-                label=line.label or None,
+                trace["x"],
+                [float("nan") if value is None else value for value in trace["y"]],
+                color=colour,
+                linestyle="-" if "lines" in trace["mode"] else "",
+                marker=_OF_MATPLOTLIB.get(marker.removesuffix("-open"), ""),
+                markerfacecolor="none" if marker.endswith("-open") else colour,
+                label=unescape(trace["name"]) or None,
             )
         axes.set(xlabel=x, ylabel=y, title=title, **{f"{axis}scale": "log" for axis in plot.log})
-        if any(line.label for line in lines):
+        if any(trace["name"] for trace in traces):
             axes.legend(fontsize=6.5)
     return figure
 
@@ -187,9 +182,8 @@ def drawn_by_page(plot: Plot, result: Any) -> list[dict[str, Any]]:
     kept = {"meta": "shown", "mode": "markers", "x": [], "y": [], "name": "mode shown",
             "marker": {"symbol": "circle-open", "size": 18, "color": BLACK}}  # fmt: skip
     made, every = [], panels(plot, result)
-    for i, (title, lines) in enumerate(every):
-        traces = [_trace(line) for line in lines]
-        if any(line.shapes for line in lines):
+    for i, (title, traces) in enumerate(every):
+        if any("customdata" in trace for trace in traces):
             traces.append(kept)
         room = 12 * len(traces)
         shown = {"height": 400 + room, "showlegend": len(traces) > 1, "meta": {"narrow": room}}
@@ -198,12 +192,3 @@ def drawn_by_page(plot: Plot, result: Any) -> list[dict[str, Any]]:
             {"name": name, "title": title, "figure": {"data": traces, "layout": axes | shown}}
         )
     return made
-
-
-def _trace(line: Line) -> dict[str, Any]:
-    trace: dict[str, Any] = {"x": line.x, "y": line.y, "name": literal(line.label)}
-    modes = [*(["lines"] if line.joined else []), *(["markers"] if line.marker else [])]
-    trace |= {"type": "scatter", "mode": "+".join(modes), "line": {"color": line.colour}}
-    if line.marker:
-        trace["marker"] = {"color": line.colour, "symbol": line.marker, "size": 8}
-    return trace | ({"customdata": line.shapes} if line.shapes else {})

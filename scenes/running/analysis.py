@@ -1,13 +1,12 @@
 """Scenes run by their kind of analysis, and results opened again."""
 
-from collections.abc import Callable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import ValidationError
 
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.timing import StageTimer
 from scenes.results.data import Record, RunRecord, checked_record, opened
 from scenes.results.record import PROVENANCE, read_record
@@ -67,29 +66,23 @@ def open_result(file: str | Path) -> Result:
     """
     data = read_record(file)
     missing = [name for name in PROVENANCE if name not in data]
-    if missing:
-        raise InputError("file", str(file), f"a stored result; {', '.join(missing)} not in it")
+    allowed = f"a stored result; {', '.join(missing)} not in it"
+    require(not missing, "file", str(file), allowed)
+    made = {name: data[name] for name in PROVENANCE}
+    stored = {name: value for name, value in data.items() if name not in PROVENANCE}
+    timer, of_run = StageTimer(), "scene" in data and {"eigenvalues", "stresses"} & data.keys()
     try:
-        return _opened(data)
+        if not of_run:
+            made |= checked_record(Record, data)
+            return Result(None, timer, {}, provenance=made, stored=stored)
+        record = checked_record(RunRecord, data)
     except ValidationError as error:
         first = problems(error, data, {})[0]
         raise InputError("file", str(file), f"a stored result; broken at {first}") from error
-
-
-def _opened(data: dict[str, Any]) -> Result:
     from scenes.spec.matrices import read_matrix_scene
 
-    made = {name: data[name] for name in PROVENANCE}
-    stored = {name: value for name, value in data.items() if name not in PROVENANCE}
-    if "scene" not in data or not {"eigenvalues", "stresses"} & data.keys():
-        made |= checked_record(Record, data)
-        return Result(None, StageTimer(), {}, provenance=made, stored=stored)
-    record = checked_record(RunRecord, data)
-    of_matrices = "files" in record.scene
-    read: Callable[[Mapping[str, Any]], Any] = read_matrix_scene if of_matrices else read_scene
-    scene = read(record.scene)
-    timer = StageTimer()
-    timer.seconds = record.timings
+    read: Any = read_matrix_scene if "files" in record.scene else read_scene
+    scene, timer.seconds = read(record.scene), record.timings
     return Result(
         scene,
         timer,

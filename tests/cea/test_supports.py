@@ -141,37 +141,45 @@ def test_rows_that_cannot_be_solved_for_their_anchors_are_refused():
             )
 
 
-def test_rollers_on_a_turned_box_leave_its_frequencies(backend):
+TURNED = {
+    "corner of a box": (
+        BOX,
+        [4, 3, 2],
+        [("x_min", "x"), ("y_max", "y"), ("z_min", "z")],
+        on(("x_min", "y_max", "z_min")),
+        0.9,
+    ),
+    "sides of a sector": (
+        QUARTER,
+        [3, 5, 1],
+        [("start", "y"), ("end", "x"), ("bottom", "z")],
+        on(("start", "end")) + on(["bottom"]),
+        0.6,
+    ),
+    "sides held around": (
+        QUARTER,
+        [3, 5, 1],
+        [("start", "y"), ("end", "x"), ("bottom", "z")],
+        on(("start", "end"), "circumferential", **ABOUT_PLACED) + on(["bottom"]),
+        0.6,
+    ),
+}
+
+
+@pytest.mark.parametrize("case", TURNED)
+def test_flat_faces_of_turned_bodies_are_held_as_upright_ones(backend, case):
     """Faces held in every direction, edges and a corner where rollers meet at right angles."""
-    names = ("x_min", "y_max", "z_min")
-    plain = [{"surface": n, "components": [a]} for n, a in zip(names, "xyz", strict=True)]
-    upright = build(backend, BOX, plain, [4, 3, 2])
-    turned = build(backend, BOX, on(names), [4, 3, 2], placement=ROTATED)
+    geometry, elements, axes, supports, window = TURNED[case]
+    plain = [{"surface": name, "components": [axis]} for name, axis in axes]
+    upright = build(backend, geometry, plain, elements)
+    turned = build(backend, geometry, supports, elements, placement=ROTATED)
     assert turned.expansion.getSize() == upright.expansion.getSize()
     Z = to_scipy(turned.expansion)
     assert np.diff(Z.indptr).max() <= 3
     assert abs(Z.T @ Z - np.eye(Z.shape[1])).max() < 1e-14
-    expected = eigenvalues(upright, 0.9)
+    expected = eigenvalues(upright, window)
     assert len(expected) > 5
-    assert eigenvalues(turned, 0.9) == pytest.approx(expected, rel=1e-9)
-
-
-@pytest.mark.parametrize("component", ["normal", "circumferential"])
-def test_straight_sides_of_a_turned_sector(backend, component):
-    """A quarter held across its sides; upright these are the components y and x."""
-    frame = ABOUT_PLACED if component == "circumferential" else {}
-    plain = [
-        {"surface": "start", "components": ["y"]},
-        {"surface": "end", "components": ["x"]},
-        {"surface": "bottom", "components": ["z"]},
-    ]
-    upright = build(backend, QUARTER, plain, [3, 5, 1])
-    sides = on(("start", "end"), component, **frame) + on(["bottom"])
-    turned = build(backend, QUARTER, sides, [3, 5, 1], placement=ROTATED)
-    assert np.diff(to_scipy(turned.expansion).indptr).max() <= 3
-    expected = eigenvalues(upright, 0.6)
-    assert len(expected) > 5
-    assert eigenvalues(turned, 0.6) == pytest.approx(expected, rel=1e-9)
+    assert eigenvalues(turned, window) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize(

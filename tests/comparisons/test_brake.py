@@ -43,16 +43,6 @@ def test_every_run_is_in_the_record_with_its_warnings(plain):
     assert "short-modes" in {w["kind"] for run in plain.runs() for w in run["warnings"]}
 
 
-def test_the_brake_is_what_its_scene_says():
-    scene = load_scene(SCENE)
-    assert {contact.p for contact in scene.contacts.values()} == {5e13}
-    assert {contact.mu for contact in scene.contacts.values()} == {0.3}
-    assert scene.analysis.max_frequency == 9000
-    directions = {contact.friction_direction_on_a for contact in scene.contacts.values()}
-    assert len(directions) == 1  # both pads are pushed the same way round
-    assert {b.mesh.fe.degree for b in scene.bodies.values()} == {2}
-
-
 @pytest.mark.slow
 def test_modes_are_followed_over_the_meshes(result):
     frame = brake_modes(result)

@@ -28,10 +28,9 @@ def test_packages_that_lack_or_are_too_old_are_faults():
 
 def test_a_compiler_that_is_not_there_or_fails_is_a_fault(monkeypatch):
     assert doctor.compiler().mend is None
-    monkeypatch.setenv("CC", "no-such-compiler")
-    assert "gcc" in doctor.compiler().mend
-    monkeypatch.setenv("CC", "false")
-    assert doctor.compiler().mend
+    for missing_or_failing in ("no-such-compiler", "false"):
+        monkeypatch.setenv("CC", missing_or_failing)
+        assert "gcc" in doctor.compiler().mend
 
 
 def test_libraries_that_do_not_load_are_faults(monkeypatch):

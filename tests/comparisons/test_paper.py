@@ -16,6 +16,7 @@ from comparisons.paper.figures import FIGURES, chosen
 from comparisons.paper.patch_test import PatchTests
 from comparisons.paper.spectra import Diagram, Spectrum, case_row, run_tables
 from comparisons.paper.study import STUDY, Options, cases
+from comparisons.study.progress import Progress
 from comparisons.study.result import StudyResult, read
 from comparisons.study.run import run
 from scenes import run_modes
@@ -29,17 +30,12 @@ ROUNDING = ("residual", "condition", "seconds", "search_over")
 def test_every_figure_comes_with_the_project(tmp_path):
     """Equal inputs, so that nothing is computed, whichever figures are asked for."""
     started = []
+    progress = Progress(step=started.append, stage=lambda stage: None)
     for options in (Options(), Options(("6", "5", "6"))):
-        result = run(STUDY, options, tmp_path / "out", progress=_progress(started.append))
+        result = run(STUDY, options, tmp_path / "out", progress=progress)
         assert [case["labels"] for case in result.cases] == list(cases(options))
     assert started == []
     assert sum(file.stat().st_size for file in Path(STUDY.shipped).iterdir()) < 3e6
-
-
-def _progress(step):
-    from comparisons.study.progress import Progress
-
-    return Progress(step=step, stage=lambda stage: None)
 
 
 def test_figures_go_by_name():
@@ -120,18 +116,6 @@ def test_stored_numbers_are_as_the_paper_says():
     np.testing.assert_allclose(slopes["ours"], expected, atol=0.3)
 
 
-def cheapest(figure, mesh, stored):
-    """A figure of one case, with its stored rows, where one can be run alone.
-
-    Of the patch test the softest contact, which leaves more than rounding, that ran fastest.
-    """
-    if not isinstance(figure, PatchTests):
-        return figure, stored
-    row = min(stored["patch_tests"], key=lambda row: (row["P"], row["seconds"]))
-    case = next(case for case in figure.cases if case.on(mesh).label == row["case"])
-    return replace(figure, cases=(case,), ratios=()), {"patch_tests": [row]}
-
-
 def assert_same_rows(found, expected):
     """Equal words; numbers to 1e-8 of the largest of their column."""
     found, expected = pd.DataFrame(found), pd.DataFrame(expected)
@@ -160,7 +144,10 @@ def test_stored_numbers_are_those_of_the_program(labels):
             own = [row for row in stored[name] if (row["P"], row["number"]) == (P, number)]
             assert_same_rows(found, own)
         return
-    figure, stored = cheapest(figure, mesh, stored)
+    if isinstance(figure, PatchTests):  # the softest, which leaves more than rounding, fast
+        row = min(stored["patch_tests"], key=lambda row: (row["P"], row["seconds"]))
+        case = next(case for case in figure.cases if case.on(mesh).label == row["case"])
+        figure, stored = replace(figure, cases=(case,), ratios=()), {"patch_tests": [row]}
     tables, arrays = made(figure, mesh)
     for name, rows in stored.items():
         assert_same_rows(tables[name], rows)

@@ -2,9 +2,9 @@
 
 import base64
 import gzip
+import html
 import json
 import re
-from html import unescape
 
 import numpy as np
 import pytest
@@ -24,23 +24,32 @@ from scenes.spec.plain import scene_text
 
 
 class Page:
-    """Data, addresses, and cells of the tables by id, of the text of a page."""
+    """Data by their id, cells of a table, arrays of shapes of a page."""
 
-    def __init__(self, text):
-        data = re.findall(r'<script type="application/json" id="(.*?)">(.*?)</script>', text, re.S)
-        self.data = {name: json.loads(content) for name, content in data}
-        body = re.sub(r"<script.*?</script>", "", text, flags=re.S)
-        self.addresses = re.findall(r'(?:src|href|srcset)="(.*?)"', body)
-        self.tables = {
-            name: [
-                [unescape(re.sub("<.*?>", "", cell)) for cell in re.findall(CELL, row, re.S)]
-                for row in re.findall(r"<tr.*?</tr>", table, re.S)
-            ]
-            for name, table in re.findall(r'<table id="(.*?)">(.*?)</table>', body, re.S)
-        }
+    def __init__(self, file):
+        self.text = file.read_text("utf-8")
+        found = re.findall(r'<script type="application/json" id="(.+?)">(.*?)</script>', self.text)
+        self.data = {name: json.loads(content) for name, content in found}
+        self.binary = b""
+        if "shapes" in self.data:
+            content = self.text.split('id="numbers">')[1].split("<")[0]
+            self.binary = gzip.decompress(base64.b64decode(content))
 
+    def table(self, name):
+        """Rows of cells, headings first; none where there is no table of that name."""
+        found = re.search(rf'<table id="{name}">(.*?)</table>', self.text, re.DOTALL)
+        rows = re.findall(r"<tr.*?>(.*?)</tr>", found[1], re.DOTALL) if found else []
+        cells = [re.findall(r"<t[hd].*?>(.*?)</t[hd]>", row) for row in rows]
+        return [[html.unescape(re.sub("<.*?>", "", cell)) for cell in row] for row in cells]
 
-CELL = r"<t[hd][ >].*?</t[hd]>"
+    def numbers(self, place):
+        """An array by its place, a column for each point."""
+        found = np.frombuffer(self.binary, place["type"], place["length"], place["at"])
+        return found.reshape(3, -1)
+
+    def traces(self):
+        """Lines of the diagram."""
+        return self.data["figure-stability"]["data"]
 
 
 @pytest.fixture(scope="module")
@@ -56,27 +65,19 @@ def report(result, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def page(report):
-    return Page(report.read_text("utf-8"))
-
-
-def numbers(text, place):
-    """An array that a page holds."""
-    content = gzip.decompress(base64.b64decode(text))
-    return np.frombuffer(content, place["type"], place["length"], place["at"])
+    return Page(report)
 
 
 def test_the_page_is_one_light_file(report, page):
     assert report.name == "report.html"
-    assert page.addresses
-    assert all(address.startswith(("data:", "#")) for address in page.addresses)
+    assert not re.search(r'(src|href|srcset)="(?!#|data:)', page.text)
     assert report.stat().st_size < 4e6
 
 
 def test_the_diagram_holds_every_mode_with_its_verdict(page, result):
-    traces = page.data["figure-stability"]["data"]
     points = {
         key: (trace["name"], x, y, trace["marker"]["symbol"])
-        for trace in traces
+        for trace in page.traces()
         for key, x, y in zip(trace.get("customdata", ()), trace["x"], trace["y"], strict=True)
     }
     assert len(points) == len(result.frequencies)
@@ -89,7 +90,7 @@ def test_the_diagram_holds_every_mode_with_its_verdict(page, result):
 
 
 def test_the_table_tells_verdicts_by_a_sign_too(page, result):
-    rows = page.tables["modes"][1:]
+    rows = page.table("modes")[1:]
     assert [int(row[0]) for row in rows] == [row["mode"] for row in result.table()]
     signs = {"stable": "● stable", "unstable": "▲ unstable"}
     assert [row[1] for row in rows] == [signs[row["verdict"]] for row in result.table()]
@@ -98,33 +99,25 @@ def test_the_table_tells_verdicts_by_a_sign_too(page, result):
     assert float(rows[unstable][4].replace("−", "-")) == pytest.approx(ratio[unstable], rel=0.01)
 
 
-def test_shapes_are_those_of_the_modes(report, page, result):
+def test_shapes_are_those_of_the_modes(page, result):
     """At phase 0 and a quarter later, to the steps that displacements are kept in."""
-    held = page.data["shapes"]
-    text = report.read_text("utf-8").split('id="numbers">')[1].split("<")[0]
+    scene, modes = page.data["shapes"]["scenes"]["run"], page.data["shapes"]["modes"]["run"]
     (first,) = result.most_unstable(1)
     cells = of_pages._cells(result)
     u = {name: result.mode_shapes(name, each.values, [first]) for name, each in cells.items()}
     outside = of_pages._outsides(cells, u)
-    mode = held["modes"]["run"][str(first + 1)]
     data = [surface.point_data for surface in outside.values()]
     exact = np.concatenate([each["real 0"] + 1j * each["imaginary 0"] for each in data])[:, :2]
-    real, imaginary = (numbers(text, mode[part]).reshape(3, -1) for part in ("real", "imaginary"))
+    real, imaginary = (page.numbers(modes[str(first + 1)][p]) for p in ("real", "imaginary"))
     kept = (real + 1j * imaginary)[:2].T
     assert np.abs(real[2]).max() == 0
     factor = np.vdot(kept, exact) / np.vdot(kept, kept)
     np.testing.assert_allclose(kept * factor, exact, atol=1.5 * abs(factor))
-    largest = np.linalg.norm(real, axis=0).max()
-    assert largest == pytest.approx(STEPS, abs=2)
-    for body, skin in zip(held["scenes"]["run"]["bodies"], outside.values(), strict=True):
-        places = numbers(text, body["points"]).reshape(3, -1)[:2].T * held["scenes"]["run"]["step"]
-        low = held["scenes"]["run"]["low"][:2]
-        np.testing.assert_allclose(
-            places + low, skin.points[:, :2], atol=held["scenes"]["run"]["step"]
-        )
-        np.testing.assert_array_equal(
-            numbers(text, body["triangles"]).reshape(3, -1).T, skin.regular_faces
-        )
+    assert np.linalg.norm(real, axis=0).max() == pytest.approx(STEPS, abs=2)
+    for body, skin in zip(scene["bodies"], outside.values(), strict=True):
+        places = page.numbers(body["points"])[:2].T * scene["step"] + scene["low"][:2]
+        np.testing.assert_allclose(places, skin.points[:, :2], atol=scene["step"])
+        np.testing.assert_array_equal(page.numbers(body["triangles"]).T, skin.regular_faces)
 
 
 def test_unstable_modes_come_first_and_stay_when_room_is_short(result, monkeypatch):
@@ -146,12 +139,12 @@ def test_a_static_analysis_has_a_report(tmp_path):
     scene = load_scene("patch_test").on("fe")
     result = run_scene(scene)
     report = write_run_report(result, save_result(result, tmp_path / "result.json"))
-    page = Page(report.read_text("utf-8"))
+    page = Page(report)
     (plot,) = (figure for name, figure in page.data.items() if name.startswith("figure-stress"))
     for trace in plot["data"]:
         stress = result.stresses["interface"][trace["name"].removeprefix("side ")]
         np.testing.assert_allclose(trace["x"], stress.arc)
-    assert "modes" not in page.tables
+    assert not page.table("modes")
 
 
 @pytest.mark.parametrize("command", ["run", "solve"])
@@ -161,39 +154,31 @@ def test_matrices_have_a_report_without_shapes(tmp_path, command):
     scene = read_matrix_scene(undamped("M.mtx", "K.mtx", 0.6))
     (tmp_path / "three.toml").write_text(scene_text(scene))
     out = tmp_path / "out"
-    files = [
-        f"--{name}={tmp_path / file}" for name, file in (("mass", "M.mtx"), ("stiffness", "K.mtx"))
-    ]
+    files = [f"--mass={tmp_path / 'M.mtx'}", f"--stiffness={tmp_path / 'K.mtx'}"]
     asked = {"run": [str(tmp_path / "three.toml")], "solve": [*files, "--max-frequency=0.6"]}
     done = CliRunner().invoke(app, [command, *asked[command], "--report", "--out", str(out)])
     assert done.exit_code == 0, done.output
-    page = Page((out / "report.html").read_text("utf-8"))
-    assert len(page.tables["modes"]) == 1 + 3
-    (trace,) = (t for t in page.data["figure-stability"]["data"] if "customdata" in t)
+    page = Page(out / "report.html")
+    assert len(page.table("modes")) == 1 + 3
+    (trace,) = (t for t in page.traces() if "customdata" in t)
     np.testing.assert_allclose(trace["x"], np.arange(1, 4) / (2 * np.pi))
     assert "shapes" not in page.data
 
 
 @pytest.mark.slow
 @pytest.mark.mpi
-def test_two_ranks_write_the_same_page(report, page, tmp_path):
+def test_two_ranks_write_the_same_page(page, tmp_path):
     """Modes are the same; shapes too, whose sign and phase are those of the largest deflection."""
     command = ["run", "drum", "--backend", "iga", "--report", "--out", tmp_path]
     done = cea_on_ranks(2, *command, "--set", "analysis.max_frequency=0.3")
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("The page to open: ") == 1
-    text = (tmp_path / "report.html").read_text("utf-8")
-    other = Page(text)
-    for one, two in zip(
-        *(each.data["figure-stability"]["data"] for each in (page, other)), strict=True
-    ):
+    other = Page(tmp_path / "report.html")
+    for one, two in zip(page.traces(), other.traces(), strict=True):
         np.testing.assert_allclose(one["x"], two["x"], rtol=1e-9)
-    texts = [report.read_text("utf-8"), text]
-    sizes = [each.split('id="numbers">')[1].split("<")[0] for each in texts]
-    for key, mode in page.data["shapes"]["modes"]["run"].items():
-        twin = other.data["shapes"]["modes"]["run"][key]
-        one, two = (
-            np.hypot(numbers(size, each["real"]), numbers(size, each["imaginary"]))
-            for size, each in zip(sizes, (mode, twin), strict=True)
-        )
-        np.testing.assert_allclose(one, two, atol=3)
+    for key in page.data["shapes"]["modes"]["run"]:
+        sizes = []
+        for each in (page, other):
+            mode = each.data["shapes"]["modes"]["run"][key]
+            sizes.append(np.hypot(each.numbers(mode["real"]), each.numbers(mode["imaginary"])))
+        np.testing.assert_allclose(*sizes, atol=3)

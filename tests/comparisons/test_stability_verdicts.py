@@ -27,7 +27,10 @@ def answer(values=TRUE[:4], verdicts=SAID, **fields):
         "uncertainties": np.zeros(len(values)),
         "complete": True,
         "max_frequency": 4 / (2 * np.pi),
-        **{"residual": 1e-12, "condition": 1.0, "warnings": (), "dofs": 10},
+        "residual": 1e-12,
+        "condition": 1.0,
+        "warnings": (),
+        "dofs": 10,
     }
     return Answer(values, tuple(verdicts), **{**told, **fields})
 

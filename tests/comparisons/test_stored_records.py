@@ -1,10 +1,13 @@
-"""What comes with the project is stored in one form, which says what made it."""
+"""What comes with the project is stored in one form, says what made it, and is still found."""
 
 import re
 from pathlib import Path
 
 import pytest
+from same_numbers import assert_same
 
+from comparisons.accuracy.errors import measure
+from comparisons.accuracy.problems import PROBLEMS
 from comparisons.accuracy.study import STUDY as ACCURACY
 from comparisons.bench.calculix import STUDY as CALCULIX
 from comparisons.brake.study import STUDY as BRAKE
@@ -15,18 +18,14 @@ from comparisons.sweep import page as sweep_page
 from comparisons.sweep.study import COMMAND as SWEEP
 from scenes.results.record import PROVENANCE, read_record
 
-RECORDS = [
-    (PAPER.name, PAPER.shipped / "result.json.gz"),
-    (ACCURACY.name, ACCURACY.shipped / "result.json.gz"),
-    (BRAKE.name, BRAKE.shipped / "result.json.gz"),
-    (CALCULIX.name, CALCULIX.shipped / "result.json.gz"),
-    (SWEEP, Path(sweep_page.__file__).with_name("results") / "result.json.gz"),
-]
+STUDIES = (PAPER, ACCURACY, BRAKE, CALCULIX)
+RECORDS = {study.name: study.shipped for study in STUDIES}
+RECORDS[SWEEP] = Path(sweep_page.__file__).with_name("results")
 
 
-@pytest.mark.parametrize(("command", "file"), RECORDS, ids=lambda value: getattr(value, "name", ""))
-def test_a_record_says_what_made_it(command, file):
-    data = read_record(file)
+@pytest.mark.parametrize("command", RECORDS)
+def test_a_record_says_what_made_it(command):
+    data = read_record(RECORDS[command] / "result.json.gz")
     assert set(PROVENANCE) < set(data)
     assert data["command"] == command
     assert data["inputs"]
@@ -35,9 +34,21 @@ def test_a_record_says_what_made_it(command, file):
     assert data["machine"]["cpus"] > 0
 
 
-@pytest.mark.parametrize("study", [ACCURACY, CALCULIX, BRAKE, PAPER], ids=lambda s: s.name)
+@pytest.mark.parametrize("study", STUDIES, ids=lambda study: study.name)
 def test_stored_cases_are_those_of_the_default_options(study):
     """So the command takes them: labels, options and scenes agree."""
     options = study.options()
     stored = {case["key"] for case in read(study.name, study.shipped).cases}
     assert stored == {key_of(study, options, dict(case)) for case in study.cases(options)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_a_case_of_each_problem_has_its_stored_errors(problem, backend):
+    """That which was fastest, of those that find every mode; four digits are kept."""
+    runs = read(ACCURACY.name, ACCURACY.shipped).frame()
+    runs = runs[(runs["problem"] == problem) & (runs["backend"] == backend)]
+    expected = runs.dropna(subset="lambda_worst").sort_values("seconds").to_dict("records")[0]
+    found = measure(expected, expected["refinement"], repeats=1)
+    kept = ("dofs", "points", "modes", "missing", "spurious", "lambda_worst", "growth_median")
+    assert_same({key: found[key] for key in kept}, {key: expected[key] for key in kept}, rel=5e-4)

@@ -48,24 +48,18 @@ def options(tmp_path, **given):
     return Options(log=str(tmp_path / "log"), **given)
 
 
-def test_frames_hold_rows_with_labels_as_plain_python(tmp_path):
-    result = run(STUDY, options(tmp_path), tmp_path / "out")
-    frame = result.frame()
-    assert list(frame.columns) == ["size", "kind", "square", "ranks"]
-    assert list(frame["square"]) == [1, 4, 9]
-    assert type(result.cases[0]["tables"]["runs"][0]["square"]) is float
-    assert list(result.array({"size": 3}, "powers")) == [0, 1, 2]
-    assert result.frame("no such table").empty
-    with pytest.raises(InputError, match="kept"):
-        result.array({"size": 3}, "other")
-
-
-def test_a_result_read_back_is_the_one_that_was_written(tmp_path):
+def test_a_result_is_read_back_as_it_was_written(tmp_path):
     result = run(STUDY, options(tmp_path, factor=inf), tmp_path)
     write_study(STUDY, result, tmp_path)
     again = read("squares", tmp_path)
     pd.testing.assert_frame_equal(again.frame(), result.frame())
-    assert list(again.array({"size": 2}, "powers")) == [0, 1]
+    assert list(again.frame()) == ["size", "kind", "square", "ranks"]
+    assert list(again.frame(kind="even")["size"]) == [2]
+    assert type(result.cases[0]["tables"]["runs"][0]["square"]) is float
+    assert list(again.array({"size": 3}, "powers")) == [0, 1, 2]
+    assert again.frame("no such table").empty
+    with pytest.raises(InputError, match="kept"):
+        again.array({"size": 3}, "other")
     with pytest.raises(InputError, match="out"):
         read("other", tmp_path)
 
@@ -78,31 +72,34 @@ def test_failed_cases_are_told_and_a_missing_value_is_kept(tmp_path):
     assert list(result.frame()["square"].isna()) == [True, False]
 
 
-def test_a_study_that_was_killed_goes_on_where_it_was(tmp_path, clean):
+KILLED = """
+import os, signal, sys, small_study as s
+from dataclasses import replace
+from pathlib import Path
+from comparisons.study import run as engine
+
+def evaluate(case, session):
+    if case["size"] == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return s.evaluate(case, session)
+
+engine.commit = lambda: "abc"
+top = Path(sys.argv[1])
+engine.run(replace(s.STUDY, evaluate=evaluate), s.Options(log=str(top / "log")), top / "out")
+"""
+
+
+def test_a_study_that_was_killed_goes_on_where_it_was(tmp_path, clean, helpers_found):
     """The process is killed while it computes its third case."""
-    out = tmp_path / "out"
-    program = (
-        "import os, signal, small_study as s\n"
-        "from comparisons.study import run as engine\n"
-        "engine.commit = lambda: 'abc'\n"
-        "def evaluate(case, session):\n"
-        "    if case['size'] == 3: os.kill(os.getpid(), signal.SIGKILL)\n"
-        "    return s.evaluate(case, session)\n"
-        f"options = s.Options(log={str(tmp_path / 'log')!r})\n"
-        "from dataclasses import replace\n"
-        "from pathlib import Path\n"
-        f"engine.run(replace(s.STUDY, evaluate=evaluate), options, Path({str(out)!r}))\n"
-    )
-    path = os.pathsep.join([str(HELPERS), str(HELPERS.parents[1])])
-    ended = subprocess.run([sys.executable, "-c", program], env=os.environ | {"PYTHONPATH": path})
+    ended = subprocess.run([sys.executable, "-c", KILLED, tmp_path])
     assert ended.returncode == -signal.SIGKILL
     assert noted(tmp_path) == ["1", "2"]
-    result = run(STUDY, options(tmp_path), out)
+    result = run(STUDY, options(tmp_path), tmp_path / "out")
     assert noted(tmp_path) == ["1", "2", "3"]
     assert list(result.frame()["square"]) == [1, 4, 9]
     assert list(result.array({"size": 2}, "powers")) == [0, 1]
-    finished(out)
-    assert not parts(out).exists()
+    finished(tmp_path / "out")
+    assert not parts(tmp_path / "out").exists()
 
 
 def test_stored_cases_are_taken_where_everything_agrees(tmp_path, clean, monkeypatch):
@@ -110,23 +107,23 @@ def test_stored_cases_are_taken_where_everything_agrees(tmp_path, clean, monkeyp
 
     def computed(study=STUDY, anew=False, **given):
         (tmp_path / "log").unlink(missing_ok=True)
-        result = run(study, options(tmp_path, **given), out, anew=anew)
-        write_study(study, result, out)
+        write_study(study, run(study, options(tmp_path, **given), out, anew=anew), out)
         finished(out)
         return noted(tmp_path)
 
-    assert computed() == ["1", "2", "3"]
+    every, with_scene = ["1", "2", "3"], replace(STUDY, scene=lambda case, o: None)
+    assert computed() == every
     assert computed() == []
-    assert computed(anew=True) == ["1", "2", "3"]
-    assert computed(factor=2.0) == ["1", "2", "3"]
-    assert computed(replace(STUDY, scene=lambda case, o: None), factor=2.0) == []
+    assert computed(anew=True) == every
+    assert computed(factor=2.0) == every
+    assert computed(with_scene, factor=2.0) == []
     monkeypatch.setattr(engine, "as_data", lambda scene: {"another": 1})
-    assert computed(replace(STUDY, scene=lambda case, o: None), factor=2.0) == ["1", "2", "3"]
+    assert computed(with_scene, factor=2.0) == every
     monkeypatch.setattr(engine, "commit", lambda: "def")
-    assert computed(replace(STUDY, scene=lambda case, o: None), factor=2.0) == ["1", "2", "3"]
+    assert computed(with_scene, factor=2.0) == every
     monkeypatch.setattr(engine, "commit", lambda: "def-dirty")
     for _ in range(2):
-        assert computed(factor=2.0) == ["1", "2", "3"]
+        assert computed(factor=2.0) == every
 
 
 def test_shipped_cases_are_taken_at_any_commit(tmp_path, monkeypatch):
@@ -165,19 +162,16 @@ def test_cases_run_on_their_number_of_ranks(tmp_path, helpers_found):
 TOGETHER = """
 import sys
 from pathlib import Path
+import pytest
 from mpi import mpiexec
 from cea.errors import InputError
 from small_study import APART, Options, STUDY
 from comparisons.study.run import run
 
-result = run(STUDY, Options(log=sys.argv[1] + "/log"), Path(sys.argv[1]) / "out")
+result = run(STUDY, Options(), Path(sys.argv[1]) / "out")
 assert list(result.frame()["ranks"]) == [2, 2, 2]
-try:
+with pytest.raises(InputError, match="processes of its own"):
     run(APART, Options(), Path(sys.argv[1]) / "apart")
-except InputError as error:
-    assert "processes of its own" in str(error)
-else:
-    raise AssertionError("every rank would start its own processes")
 """
 
 

@@ -288,7 +288,10 @@ def write(meshes, file, lacking=False):
 
     return {
         name: {
-            **{"shape": "mesh_file", "file": str(file), "unit": "m", "part": called(name, solid)},
+            "shape": "mesh_file",
+            "file": str(file),
+            "unit": "m",
+            "part": called(name, solid),
             "faces": {side: called(f"{name}_{side}", facet) for side in mesh.surfaces},
         }
         for name, mesh in meshes.items()

@@ -2,17 +2,15 @@
 
 import os
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from cea.errors import ConvergenceError
 from cea.petsc import MPI
-from comparisons.study.columns import Column
-from comparisons.study.result import StudyResult
-from comparisons.study.sections import Plot, Section, Table
-from comparisons.study.study import Process, Study
+from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.study import Process, Study, StudyResult
 
 
 @dataclass(frozen=True)
@@ -87,13 +85,10 @@ STUDY = Study(
     quick={"sizes": (2,)},
     check=lambda result: "too large" if result.frame()["square"].max() > 1e3 else "",
 )
-APART = Study(
-    *("squares", "Squares", Options, on_ranks),
-    lambda case, session: {"together": MPI.COMM_WORLD.allreduce(1)},
-    STUDY.sections,
+APART = replace(
+    STUDY,
+    cases=on_ranks,
+    evaluate=lambda case, session: {"together": MPI.COMM_WORLD.allreduce(1)},
     process=Process("small_study:APART", 20.0),
 )
-HASTY = Study(
-    *("squares", "Squares", Options, cases, evaluate, STUDY.sections),
-    process=Process("small_study:HASTY", 3.0),
-)
+HASTY = replace(STUDY, process=Process("small_study:HASTY", 3.0))
