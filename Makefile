@@ -4,7 +4,7 @@
 # make test       quick tests on all cores; ARGS="-k patch" passes options on to pytest
 # make test-slow  the tests that take minutes, one after the other
 # make test-mpi   every test on several ranks
-# make test-faults  ten thousand bad inputs, and every field of every scene broken (5 min)
+# make test-faults  every field of every scene broken: 75,000 bad inputs (5 min)
 # make lint       ruff and mypy
 # make docs       the documentation site, in build/site
 # make clean      remove caches and build products; distclean removes .venv too

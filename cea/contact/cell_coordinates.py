@@ -32,7 +32,10 @@ def continued_coordinates(surface: Surface, element: Ints, corners: Floats, x: F
     m = x.shape[1]
     middle = corners.mean(axis=1)
     low, high = corners.min(axis=1), corners.max(axis=1)
-    chart = _Lines.of(surface, element, middle, high - low)
+    normal = surface.normal(SurfaceCoordinates(element, middle))
+    _, tangents = surface.tangents(element, middle)
+    inverse = np.linalg.inv(np.concatenate([tangents, -normal[:, :, None]], axis=2))
+    chart = _Lines(surface, element, middle, high - low, normal, inverse)
     cell = np.repeat(np.arange(len(element)), m)
     points = x.reshape(len(cell), -1)
 
@@ -59,14 +62,6 @@ class _Lines:
     extent: Floats  # its size along each of them, (n, dim - 1)
     normal: Floats  # unit normal at its centre, (n, dim)
     inverse: Floats  # inverse of the Jacobian there, the normal its last direction, (n, dim, dim)
-
-    @classmethod
-    def of(cls, surface: Surface, element: Ints, middle: Floats, extent: Floats) -> "_Lines":
-        """Set up the lines of cells."""
-        normal = surface.normal(SurfaceCoordinates(element, middle))
-        _, tangents = surface.tangents(element, middle)
-        inverse = np.linalg.inv(np.concatenate([tangents, -normal[:, :, None]], axis=2))
-        return cls(surface, element, middle, extent, normal, inverse)
 
     def follow(self, cell: Ints, x: Floats) -> tuple[Floats, NDArray[np.bool_]]:
         """Follow the line to each point as far as the polynomials are trusted.

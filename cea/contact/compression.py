@@ -11,7 +11,7 @@ Trans. Math. Softw. 38, 2011). Rank is judged column by column (Heath 1982).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -45,14 +45,6 @@ class _Front:
     carried_columns: Ints
 
 
-@dataclass(frozen=True)
-class _Finished:
-    """Rows of J and R that are done: dense blocks and their columns."""
-
-    closure: list[tuple[Floats, Ints]] = field(default_factory=list)
-    slip: list[tuple[Floats, Ints]] = field(default_factory=list)
-
-
 def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[csr_array, ...]:
     """J and R of rows G and T at points, the rows that this rank is left with.
 
@@ -72,8 +64,8 @@ def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[c
         if comm.rank == 0:
             compression.finish(_joined(parts))
     return (
-        _assembled(compression.finished.closure, gap.shape[1]),
-        _assembled(compression.finished.slip, slip.shape[1]),
+        _assembled(compression.closure, gap.shape[1]),
+        _assembled(compression.reaction, slip.shape[1]),
     )
 
 
@@ -108,7 +100,9 @@ class _Compression:
     ) -> None:
         self._gap, self._slip = gap, slip
         self._size, self._touching, self._least = size, touching, least
-        self.finished = _Finished()
+        # rows of J and R that are done: dense blocks and their columns
+        self.closure: list[tuple[Floats, Ints]] = []
+        self.reaction: list[tuple[Floats, Ints]] = []
 
     def of_points(self, points: Ints, x: Floats) -> _Front:
         """What remains of some points once all that is theirs alone is done."""
@@ -143,8 +137,8 @@ class _Compression:
             done = np.empty((rank, len(front.columns)))
             done[:, np.flatnonzero(own)[pivots - 1]] = np.triu(factors)[:rank]
             done[:, ~own] = rest[:rank]
-            self.finished.closure.append((done * size, front.columns))
-            self.finished.slip.append((carried[:rank], front.carried_columns))
+            self.closure.append((done * size, front.columns))
+            self.reaction.append((carried[:rank], front.carried_columns))
             rest, carried = rest[rank:], carried[rank:]
         if len(rest) > len(edge):
             if len(edge):

@@ -7,7 +7,7 @@ A law that is not linear meets the closure g = G x - g_n: with its pressure sigm
 slope, the forces against the motion are (G - mu T)^T w sigma, and K_n - K_f their derivative.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -22,7 +22,7 @@ from cea.contact.friction import Friction
 from cea.contact.interface import Interface, jump_along
 from cea.contact.laws import NormalLaw, Sliding
 from cea.contact.lumping import lumped_matrices
-from cea.contact.mortar import MortarProjection, ProjectedLaw, eliminated
+from cea.contact.mortar import Eliminated, MortarProjection, ProjectedLaw
 from cea.errors import InputError
 from cea.matrices import (
     block_diagonal,
@@ -33,6 +33,9 @@ from cea.matrices import (
     symmetric_product,
 )
 from cea.ranks import agreed
+
+type Powers = dict[str, tuple[float, float]]
+"""Reference and exponent by parameter (:class:`cea.eigen.parameters.Monomial`)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,17 +146,19 @@ class Contact:
 
     @cached_property
     def _matrices(self) -> tuple[Any, Any | None]:
-        return self.tangent(self.slope) if self.lumped is None else self.lumped
+        if self.lumped is not None:
+            return self.lumped
+        if self.projection is None or not self.law.linear:
+            return self.tangent(self.slope)
+        compliance = self.compliance(self.slope)
+        matrices = Eliminated(compliance, self.gap, self.slip).matrices()
+        destroy(compliance)
+        return matrices
 
     def tangent(self, p: Floats) -> tuple[Any, Any | None]:
-        """K_n and K_f of a stiffness p at all points (N/m^3), but for lumped contact."""
-        if self.projection is not None and not self.law.linear:
-            return self._projected.tangent(p)
+        """K_n and K_f of a slope p of the law at all points (N/m^3); not of lumped contact."""
         if self.projection is not None:
-            compliance = self.compliance(p)
-            matrices = eliminated(compliance, self.gap, self.slip)
-            destroy(compliance)
-            return matrices
+            return self._projected.tangent(p)
         weight = self.weight(p)
         normal = symmetric_product(self.gap, weight)
         friction = product(self.slip, self.gap, weight) if self.slip is not None else None
@@ -170,18 +175,19 @@ class Contact:
         """A gap given at all points (m) as the law meets it: projected with mortar contact."""
         return gap if self.projection is None else self._projected.projected(gap)
 
-    def force(self, pressure: Floats, *, friction: bool) -> Any:
-        """Forces (N), PETSc vector, that a pressure at all points puts against the motion."""
+    def force(self, pressure: Floats, *, friction: bool = True) -> Any:
+        """Forces (N), PETSc vector, that a pressure at all points puts against the motion.
+
+        Those of friction, if there is any, may be left out.
+        """
+        friction = friction and self.has_friction
         if self.projection is not None:
-            return self._projected.force(pressure, friction=friction)
-        weighted = self.weight(pressure)
-        force = self.gap.createVecRight()
-        self.gap.multTranspose(weighted, force)
+            return self._projected.pushed(pressure, friction=friction)
+        weighted, force = self.weight(pressure), self.gap.createVecRight()
         if friction and self.slip is not None:
-            of_friction = self.gap.createVecRight()
-            self.slip.multTranspose(weighted, of_friction)
-            force.axpy(-1.0, of_friction)
-            destroy(of_friction)
+            self.slip.multTranspose(weighted, force)
+            force.scale(-1.0)
+        self.gap.multTransposeAdd(weighted, force, force)
         destroy(weighted)
         return force
 
@@ -219,6 +225,24 @@ class Contact:
         return every
 
 
+def by_pair(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
+    """Half passes by the name of the contact they belong to."""
+    pairs: dict[str, list[Contact]] = {}
+    for contact in contacts:
+        pairs.setdefault(contact.pair, []).append(contact)
+    return pairs
+
+
+def powers_of(halves: Sequence[Contact]) -> tuple[Powers, Powers]:
+    """How the stiffness of a contact depends on its P, and its friction on mu.
+
+    There is no P of a law that is not linear; mu is relative to 1 where the halves differ.
+    """
+    path, values = f"contacts.{halves[0].pair}", {half.mu for half in halves}
+    P = {f"{path}.P": (sum(half.P for half in halves), 1.0)} if halves[0].law.linear else {}
+    return P, {f"{path}.mu": (values.pop() if len(values) == 1 else 1.0, 1.0)}
+
+
 def assembled(
     bodies: Mapping[str, Body], contact: Contact, *, frictional: bool, leave_out: bool
 ) -> Contact:
@@ -234,7 +258,7 @@ def assembled(
     projection = None
     if contact.is_projected:
         # Of a linear law, open points have no part in the projection: their compliance is infinite.
-        bearing = contact.slope > 0 if contact.law.linear else None
+        bearing = (contact.slope > 0) | (not contact.law.linear)
         # Bonded sides close the jump along fixed axes: no normal splits their traces.
         traces = interface.trace_a if bonded else interface.a.split_trace(points.at)
         projection = MortarProjection.of(interface, traces, bearing)
@@ -247,12 +271,12 @@ def assembled(
         destroy(jump)
         return integrals
 
+    axes = [points.normal]
     if bonded:
-        axes = [operator(np.tile(axis, (len(points), 1))) for axis in np.eye(interface.a.dim)]
-        gap = one_below_the_other(axes)
-        destroy(*axes)
-    else:
-        gap = operator(points.normal)
+        axes = [np.tile(axis, (len(points), 1)) for axis in np.eye(interface.a.dim)]
+    gaps = [operator(axis) for axis in axes]
+    gap = one_below_the_other(gaps) if bonded else gaps[0]
+    destroy(*(gaps if bonded else ()))
     slip = lumped = None
     pushed = None
     if contact.friction is not None and not bonded and (frictional or not leave_out):
@@ -261,14 +285,16 @@ def assembled(
     if contact.coupling == "lumped":
         weight = points.weight * contact.slope[interface.rows]
         lumped = lumped_matrices(bodies, (contact.a, contact.b), interface, weight, pushed)
-    closed = _closed_by_supports(bodies, contact, points.normal)
+    given = {name: bodies[name].prescribed for name in (contact.a, contact.b)}
+    moved = {name: gather(each) for name, each in given.items() if each is not None}
+    closed = approach_along(contact, points.normal, moved) if moved else np.zeros(0)
     return replace(
         contact,
         gap=gap,
         slip=slip,
         projection=projection,
         lumped=lumped,
-        prescribed=closed if closed is not None and closed.any() else None,
+        prescribed=closed if closed.any() else None,
     )
 
 
@@ -276,17 +302,6 @@ def jump_operator(bodies: Mapping[str, Body], contact: Contact, direction: Float
     """Jump along directions at the points of this rank, PETSc AIJ (points x unknowns)."""
     parts = zip((contact.a, contact.b), jump_along(contact.interface, direction), strict=True)
     return system_operator(bodies, dict(parts), len(direction))
-
-
-def approach_along(
-    bodies: Mapping[str, Body], contact: Contact, direction: Floats, x: Any
-) -> Floats:
-    """What unknowns x, and what supports prescribe, close along directions at all points (m)."""
-    jump = jump_operator(bodies, contact, direction)
-    values = _times(jump, x)
-    destroy(jump)
-    closed = _closed_by_supports(bodies, contact, direction)
-    return values if closed is None else values + closed
 
 
 def _times(operator: Any, x: Any) -> Floats:
@@ -298,16 +313,13 @@ def _times(operator: Any, x: Any) -> Floats:
     return values
 
 
-def _closed_by_supports(
-    bodies: Mapping[str, Body], contact: Contact, direction: Floats
-) -> Floats | None:
-    """What prescribed displacements close along directions, at all points (m); None without any."""
-    if all(bodies[name].prescribed is None for name in (contact.a, contact.b)):
-        return None
+def approach_along(
+    contact: Contact, direction: Floats, displacements: Mapping[str, Floats]
+) -> Floats:
+    """What full displacements of bodies (m) close along directions at all points (m)."""
     closed = np.zeros(len(direction))
     jumps = jump_along(contact.interface, direction)
     for name, jump in zip((contact.a, contact.b), jumps, strict=True):
-        prescribed = bodies[name].prescribed
-        if prescribed is not None:
-            closed += jump @ gather(prescribed)
+        if name in displacements:
+            closed += jump @ displacements[name]
     return np.concatenate(contact.interface.comm.allgather(closed))

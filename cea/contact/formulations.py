@@ -64,8 +64,10 @@ class Formulation(ABC):
 
     @property
     def options(self) -> tuple[str, ...]:
-        """What sets it apart from its simplest form, in words."""
-        return ()
+        """What sets it apart from its simplest form: its weights, and whether it is lumped."""
+        weights = getattr(self, "weights", "equal")
+        lumped = ("lumped",) if self.coupling == "lumped" else ()
+        return lumped if weights == "equal" else (weights, *lumped)
 
     @property
     def label(self) -> str:
@@ -113,11 +115,6 @@ class AtAbscissae(Formulation):
     """Contact collocated at abscissae of the traces of side a, at a corner once for each face."""
 
     weights: str = "equal"
-
-    @property
-    def options(self) -> tuple[str, ...]:
-        """The weights, where they are not equal."""
-        return () if self.weights == "equal" else (self.weights,)
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""
@@ -232,11 +229,6 @@ class GaussPointToSurface(Formulation):
     def coupling(self) -> Coupling:
         """Lumped, or a penalty at each point."""
         return "lumped" if self.lumped else "pointwise"
-
-    @property
-    def options(self) -> tuple[str, ...]:
-        """Whether it is lumped."""
-        return ("lumped",) if self.lumped else ()
 
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""

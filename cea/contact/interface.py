@@ -104,7 +104,7 @@ def pair(
     up to a fraction of the area of a. Refused, naming the field, on every rank when a weight is
     negative, too many points are missed, or the surfaces do not face each other or do not touch.
     """
-    must_touch = reach is None
+    must_touch, sides = reach is None, f"{a.name} on {b.name}"
     if reach is None:
         reach = default_reach(a, b)
     _check_weights(points.weight, field)
@@ -124,7 +124,7 @@ def pair(
             f"of the area of side a find nothing on side b, at most {100 * max_missed:.2g} % may; "
             "take more elements, or raise max_missed"
         )
-        raise InputError(field, f"{a.name} on {b.name}", told)
+        raise InputError(field, sides, told)
     if not found.all():
         points, opposite = points[found], opposite[found[start:stop]]
     rows = slice(*(int(found[:end].sum()) for end in (start, stop)))
@@ -133,19 +133,12 @@ def pair(
         trace_a, trace_b = a.trace(points.at[rows]), b.trace(opposite.at)
     worst = comm.allreduce(float(cosine.max(initial=-np.inf)), MPI.MAX)
     if not len(points) or worst > _FACING:
-        raise InputError(
-            field,
-            f"{a.name} on {b.name}",
-            f"surfaces that face each other (their outward normals have cosine {worst:.3g}, "
-            f"{_FACING} or less is allowed)",
-        )
+        allowed = f"surfaces whose outward normals have a cosine up to {_FACING}, not {worst:.3g}"
+        raise InputError(field, sides, f"surfaces that face each other: {allowed}")
     least = comm.allreduce(float(opposite.distance.min(initial=np.inf)), MPI.MIN)
     largest = comm.allreduce(float(opposite.distance.max(initial=-np.inf)), MPI.MAX)
-    farthest = max(abs(least), abs(largest))
     if must_touch:
-        angle = float(np.arccos(np.clip(-worst, -1.0, 1.0)))
-        allowed = float((_APART + _SAGITTA * angle) * max(a.mesh_size, b.mesh_size))
-        _check_gap((least, largest), angle, allowed, field, f"{a.name} on {b.name}")
+        _check_gap((least, largest), worst, max(a.mesh_size, b.mesh_size), field, sides)
     return Interface(
         a=a,
         b=b,
@@ -155,7 +148,7 @@ def pair(
         trace_a=trace_a,
         trace_b=trace_b,
         statuses={s.name.lower(): int((status == s).sum()) for s in Status},
-        largest_distance=farthest,
+        largest_distance=max(abs(least), abs(largest)),
         comm=comm,
     )
 
@@ -191,17 +184,18 @@ def _check_weights(weights: Floats, field: str) -> None:
 
 
 def _check_gap(
-    distances: tuple[float, float], angle: float, allowed: float, field: str, sides: str
+    distances: tuple[float, float], cosine: float, size: float, field: str, sides: str
 ) -> None:
     """Refuse surfaces apart, into each other (below zero), or tilted, that nobody said may be."""
     least, largest = distances
-    if max(-least, largest) <= allowed:
-        return
+    angle = float(np.arccos(np.clip(-cosine, -1.0, 1.0)))
+    allowed = (_APART + _SAGITTA * angle) * size
     found = [f"{largest:.3g} m apart"] if largest > allowed else []
     found += [f"{-least:.3g} m inside each other"] if -least > allowed else []
-    raise InputError(
-        f"{field}.reach",
-        None,
-        f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}, tilted by up "
-        f"to {np.degrees(angle):.2g} degrees, and their meshes explain {allowed:.3g} m",
-    )
+    if found:
+        raise InputError(
+            f"{field}.reach",
+            None,
+            f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}, tilted by "
+            f"up to {np.degrees(angle):.2g} degrees, and their meshes explain {allowed:.3g} m",
+        )

@@ -52,8 +52,7 @@ def _lumped(
             whole = body.comm.allreduce(_block(traces[name], weight, left, right), MPI.SUM)
         own = csr_array(whole[slice(*body.expansion.getOwnershipRange())])
         matrix = distributed(own, body.expansion.getSizes()[0], body.comm)
-        blocks.append(matrix.ptap(body.expansion))
-        destroy(matrix)
+        blocks.append(body.reduced(matrix, exactly=lambda reduced: reduced))
     parts = [block_diagonal(blocks).convert("aij")]
     destroy(*blocks)
     one, other = traces

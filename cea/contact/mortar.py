@@ -42,18 +42,16 @@ class MortarProjection:
 
     @classmethod
     def of(
-        cls, interface: Interface, traces: csr_array, closed: NDArray[np.bool_] | None = None
+        cls, interface: Interface, traces: csr_array, closed: NDArray[np.bool_]
     ) -> "MortarProjection":
-        """The projection on all of some traces at the points of this rank that a point sees.
+        """The projection on those of some traces at the points of this rank that a point sees.
 
-        Of all points those count that are closed, shape (n,); None takes every one.
+        Of all points those count that are closed, shape (n,).
         """
-        comm = interface.comm
-        everything = np.ones(len(interface.points), dtype=bool)
-        seen = _at(interface, traces, everything if closed is None else closed)
+        comm, seen = interface.comm, _at(interface, traces, closed)
         touched = _seen_by_any(seen, comm)
         every = cls(interface, _columns(seen, touched, comm))
-        if closed is None or closed.all():
+        if closed.all():
             return every
         cut = np.isin(touched, _seen_by_any(_at(interface, traces, ~closed), comm))
         gram = every.compliance(closed.astype(float))
@@ -91,7 +89,7 @@ class MortarProjection:
         return vector
 
 
-class _Eliminated:
+class Eliminated:
     """B and B_k on the unknowns that they touch, and M^-1 of a block; the same on every rank."""
 
     def __init__(self, M: Any, gap: Any, slip: Any | None) -> None:
@@ -102,58 +100,58 @@ class _Eliminated:
         self.traces = order[:rank] - 1  # those that are not sums of others
         self._scale, self._factor = scale[self.traces, None], np.triu(factor[:rank, :rank])
         wholes = [everywhere(each)[self.traces] for each in (gap, slip) if each is not None]
-        self.columns = np.unique(np.concatenate([w.indices[w.data != 0] for w in wholes]))
-        self.integrals = [whole[:, self.columns].toarray() for whole in wholes]
+        self._columns = np.unique(np.concatenate([w.indices[w.data != 0] for w in wholes]))
+        self._integrals = [whole[:, self._columns].toarray() for whole in wholes]
 
     def solve(self, right: Floats) -> Floats:
         """M^-1 times a block."""
         return self._scale * cho_solve((self._factor, False), self._scale * right)
 
-    def vector(self, values: Floats) -> Any:
-        """Values at the columns as a PETSc vector of all unknowns."""
-        vector = self._gap.createVecRight()
-        mine, start = self._mine()
-        vector.array[self.columns[mine] - start] = values[mine]
+    def times(self, x: Any) -> Floats:
+        """M^-1 B x of all unknowns x, PETSc vector, shape (m, 1)."""
+        return self.solve(self._integrals[0] @ gather(x)[self._columns, None])
+
+    def force(self, multipliers: Floats, *, friction: bool) -> Any:
+        """(B - B_k)^T of multipliers, PETSc vector of all unknowns."""
+        values = self._integrals[0].T @ multipliers
+        if friction:
+            values -= self._integrals[1].T @ multipliers
+        vector, (mine, start) = self._gap.createVecRight(), self._mine()
+        vector.array[self._columns[mine] - start] = values[mine]
         return vector
 
-    def matrices(self, normal: Floats, friction: Floats | None) -> tuple[Any, Any | None]:
-        """Full blocks on the columns as K_n and K_f of all unknowns, PETSc AIJ."""
+    def matrices(self, inner: csr_array | None = None) -> tuple[Any, Any | None]:
+        """K_n = B^T M^-1 B and K_f = B_k^T M^-1 B, PETSc AIJ; with M^-1 A M^-1 of an inner A."""
+        multipliers = self.solve(self._integrals[0])
+        if inner is not None:
+            multipliers = self.solve(inner @ multipliers)
+        normal, *friction = (each.T @ multipliers for each in self._integrals)
         K_n = self._matrix(0.5 * (normal + normal.T))
         K_n.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        return K_n, None if friction is None else self._matrix(friction)
+        return K_n, self._matrix(friction[0]) if friction else None
 
     def _matrix(self, block: Floats) -> Any:
         mine, start = self._mine()
         local, total = self._gap.getSizes()[1]
         lengths = np.zeros(local, dtype=np.int64)
-        lengths[self.columns[mine] - start] = len(self.columns)
+        lengths[self._columns[mine] - start] = len(self._columns)
         indptr = np.concatenate([[0], np.cumsum(lengths)])
-        indices = np.tile(self.columns, len(mine))
+        indices = np.tile(self._columns, len(mine))
         rows = csr_array((block[mine].ravel(), indices, indptr), shape=(local, total))
         return distributed(rows, self._gap.getSizes()[1], self._gap.comm)
 
     def _mine(self) -> tuple[Ints, int]:
         """Which of the columns are unknowns of this rank, and its first unknown."""
         first, last = self._gap.getOwnershipRangeColumn()
-        return np.flatnonzero((self.columns >= first) & (self.columns < last)), first
+        return np.flatnonzero((self._columns >= first) & (self._columns < last)), first
 
 
-def eliminated(compliance: Any, gap: Any, slip: Any | None) -> tuple[Any, Any | None]:
-    """K_n = B^T M^-1 B and K_f = B_k^T M^-1 B: full on the interface, for small ones."""
-    parts = _Eliminated(compliance, gap, slip)
-    B, *slipping = parts.integrals
-    multipliers = parts.solve(B)
-    return parts.matrices(
-        B.T @ multipliers, slipping[0].T @ multipliers if slip is not None else None
-    )
-
-
-class ProjectedLaw:
+class ProjectedLaw(Eliminated):
     """A law that is not linear meets the closure projected on the traces of side a.
 
-    With N the traces psi at the points, M_ij = int psi_i psi_j and E = M^-1 B, E_k = M^-1 B_k,
+    With N the traces psi at the points and M_ij = int psi_i psi_j,
 
-        g = N E x - N E_0 g_n,    r = (E - mu E_k)^T N^T w sigma(g),
+        g = N M^-1 (B x - N^T w g_n),    r = (B - mu B_k)^T M^-1 N^T w sigma(g),
 
     the multiplier is the projected pressure. Where p is uniform this is the mortar contact of a
     linear law. All of it is the same on every rank.
@@ -161,38 +159,32 @@ class ProjectedLaw:
 
     def __init__(self, projection: MortarProjection, gap: Any, slip: Any | None) -> None:
         interface = projection.interface
-        self._weight = interface.points.weight
-        gram = projection.compliance(np.ones(len(self._weight)))
-        self._parts = _Eliminated(gram, gap, slip)
+        gram = projection.compliance(np.ones(len(interface.points)))
+        super().__init__(gram, gap, slip)
         destroy(gram)
-        traces = csr_array(vstack(interface.comm.allgather(local_part(projection.traces))))
-        self._traces = csr_array(traces[:, self._parts.traces])
-        self._closing, *slipping = (self._parts.solve(each) for each in self._parts.integrals)
-        self._slipping = slipping[0] if slipping else None
+        self._at_points = csr_array(everywhere(projection.traces)[:, self.traces])
+        self._weight = interface.points.weight
 
     def closing(self, x: Any) -> Floats:
-        """N E x, shape (n,)."""
-        return self._traces @ (self._closing @ gather(x)[self._parts.columns])
+        """N M^-1 B x, shape (n,)."""
+        return (self._at_points @ self.times(x))[:, 0]
 
     def projected(self, gap: Floats) -> Floats:
         """The gap projected on the traces, shape (n,)."""
-        integrals = self._traces.T @ (self._weight * gap)
-        return self._traces @ self._parts.solve(integrals[:, None])[:, 0]
+        return (self._at_points @ self._multipliers(gap))[:, 0]
 
-    def force(self, pressure: Floats, *, friction: bool) -> Any:
-        """(E - mu E_k)^T N^T w sigma, PETSc vector."""
-        integrals = self._traces.T @ (self._weight * pressure)
-        values = self._closing.T @ integrals
-        if friction and self._slipping is not None:
-            values -= self._slipping.T @ integrals
-        return self._parts.vector(values)
+    def pushed(self, pressure: Floats, *, friction: bool) -> Any:
+        """Forces r of a pressure at all points, PETSc vector."""
+        return self.force(self._multipliers(pressure)[:, 0], friction=friction)
 
     def tangent(self, slope: Floats) -> tuple[Any, Any | None]:
-        """E^T (N^T D N) E and E_k^T (N^T D N) E, full on the whole interface."""
-        inner = self._traces.T @ diags_array(self._weight * slope) @ self._traces
-        pushed = inner @ self._closing
-        friction = None if self._slipping is None else self._slipping.T @ pushed
-        return self._parts.matrices(self._closing.T @ pushed, friction)
+        """Derivatives of r with a slope of the law, full on the whole interface."""
+        weighted = diags_array(self._weight * slope) @ self._at_points
+        return self.matrices(csr_array(self._at_points.T @ weighted))
+
+    def _multipliers(self, values: Floats) -> Floats:
+        """M^-1 N^T w of values at all points, shape (m, 1)."""
+        return self.solve(self._at_points.T @ (self._weight * values)[:, None])
 
 
 def everywhere(matrix: Any) -> csr_array:

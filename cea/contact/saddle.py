@@ -14,7 +14,7 @@ all of them sparse. A rule has more points than there are independent gaps: the 
 the rest (:mod:`cea.contact.compression`).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,7 @@ from scipy.sparse import csr_array, diags_array, vstack
 
 from cea.arrays import Floats
 from cea.contact.compression import compressed
-from cea.contact.contact import Contact
+from cea.contact.contact import Contact, by_pair, powers_of
 from cea.eigen.multipliers import ForcesOfContact
 from cea.eigen.parameters import NOTHING, Coefficient
 from cea.matrices import (
@@ -40,18 +40,15 @@ _UNFELT = 1e-24
 """Stiffness, relative to the largest of a contact, of a force that the bodies do not feel."""
 
 
-def forces_of_contacts(
-    contacts: Sequence[Contact], stiffness: Any, friction: Mapping[str, float]
-) -> Iterator[ForcesOfContact]:
+def forces_of_contacts(contacts: Sequence[Contact], stiffness: Any) -> Iterator[ForcesOfContact]:
     """Forces that are unknowns, of each contact that has any; collective."""
     for name, halves in with_multipliers(contacts).items():
         made = (_at_points if halves[0].projection is None else _projected)(halves)
         closure, slip, compliance = made
-        inverse, mu = Coefficient.of({f"contacts.{name}.P": (1.0, -1.0)}), NOTHING
+        inverse = Coefficient.of({f"contacts.{name}.P": (1.0, -1.0)})
         if not halves[0].law.linear:
             inverse = Coefficient.of({}, factor=1 / sum(half.P for half in halves))
-        if slip is not None:
-            mu = Coefficient.of({f"contacts.{name}.mu": (friction[name], 1.0)})
+        mu = NOTHING if slip is None else Coefficient.of(powers_of(halves)[1])
         soft = _body_stiffness(closure, compliance, stiffness)
         yield ForcesOfContact(closure, slip, compliance, inverse, mu, soft)
 
@@ -61,13 +58,9 @@ def with_multipliers(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
 
     The halves of a full pass go together: one P is shared among them.
     """
-    pairs: dict[str, list[Contact]] = {}
-    for contact in contacts:
-        if contact.has_multipliers:
-            pairs.setdefault(contact.pair, []).append(contact)
     return {
         name: halves
-        for name, halves in pairs.items()
+        for name, halves in by_pair([each for each in contacts if each.has_multipliers]).items()
         if any(half.gap.norm() > 0 for half in halves)
     }
 

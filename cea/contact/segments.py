@@ -44,9 +44,9 @@ def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> 
     """
     sides = _Sides(a, a.cells(), b, b.cells())
     pairs = sides.near(reach)
-    parts = [a.gauss_points(1)[:0]]
+    parts = [(np.zeros(0, dtype=np.int64), np.zeros((0, a.dim - 1)), np.zeros(0))]
     if a.dim == 2 and len(pairs):
-        parts.append(sides.on_a(*sides.intervals(pairs, points)))
+        parts.append(sides.intervals(pairs, points))
     for start in range(0, len(pairs), _CHUNK) if a.dim == 3 else ():
         crossing, straight = sides.crossing(pairs[start : start + _CHUNK])
         for pieces, chosen in ((1, straight), (_POLYLINE, ~straight)):
@@ -54,18 +54,13 @@ def segment_points(a: Surface, b: Surface, points: int | None, reach: float) -> 
             if not len(some):
                 continue
             owner, xi, weight = sides.polygons(some, points, pieces)
-            part = sides.on_a(some[owner, 0], xi, weight)
-            if pieces > 1 and len(part):
-                part = part[sides.facing(part, some[owner, 1], reach)]
-            parts.append(part)
-    return SurfacePoints(
-        SurfaceCoordinates(
-            np.concatenate([p.at.element for p in parts]), np.concatenate([p.at.xi for p in parts])
-        ),
-        np.concatenate([p.x for p in parts]),
-        np.concatenate([p.normal for p in parts]),
-        np.concatenate([p.weight for p in parts]),
-    )
+            kept = np.ones(len(owner), dtype=bool)
+            if pieces > 1 and len(owner):
+                on_a = sides.on_a(some[owner, 0], xi, weight)
+                kept = sides.facing(on_a, some[owner, 1], reach)
+            parts.append((some[owner[kept], 0], xi[kept], weight[kept]))
+    cell, xi, weight = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return sides.on_a(cell, xi, weight)
 
 
 @dataclass(frozen=True)
@@ -222,45 +217,31 @@ def _clip(cells: Floats, other: NDArray[np.object_]) -> tuple[Ints, NDArray[np.o
 def _rule_on(
     owner: Ints, overlaps: NDArray[np.object_], on_boxes: int, on_triangles: int
 ) -> tuple[Ints, Floats, Floats]:
-    """Gauss rules on overlaps: owner, coordinates and weight of each point."""
-    boxes, is_box = _boxes(overlaps)
+    """Gauss rules on overlaps, boxes along the axes or divided in triangles: owner, xi, weight."""
+    bounds = shapely.bounds(overlaps)
+    area = (bounds[:, 2:] - bounds[:, :2]).prod(axis=1)
+    is_box = np.abs(shapely.area(overlaps) - area) <= 1e-13 * area
+    boxes = bounds[is_box][:, [[0, 1], [2, 1], [0, 3]]]
+    collections = shapely.constrained_delaunay_triangles(overlaps[~is_box])
+    triangles, index = shapely.get_parts(collections, return_index=True)
+    corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
     parts = (
-        _rule_on_boxes(owner[is_box], boxes, on_boxes),
-        _rule_on_triangles(*_triangles(owner[~is_box], overlaps[~is_box]), on_triangles),
+        _rule_on_corners(owner[is_box], boxes, on_boxes, simplex=False),
+        _rule_on_corners(owner[~is_box][index], corners, on_triangles, simplex=True),
     )
     every, xi, weight = (np.concatenate(p) for p in zip(*parts, strict=True))
     return every, xi, weight
 
 
-def _boxes(overlaps: NDArray[np.object_]) -> tuple[Floats, NDArray[np.bool_]]:
-    """Bounds (n, 4) of the overlaps that are boxes along the axes, and which are."""
-    bounds = shapely.bounds(overlaps)
-    area = (bounds[:, 2] - bounds[:, 0]) * (bounds[:, 3] - bounds[:, 1])
-    is_box = np.abs(shapely.area(overlaps) - area) <= 1e-13 * area
-    return bounds[is_box], is_box
+def _rule_on_corners(
+    owner: Ints, corners: Floats, n: int, *, simplex: bool
+) -> tuple[Ints, Floats, Floats]:
+    """Gauss rule, n x n points, on parallelograms or triangles of three corners each, (m, 3, 2).
 
-
-def _rule_on_boxes(owner: Ints, bounds: Floats, n: int) -> tuple[Ints, Floats, Floats]:
-    unit, w = gauss_rule(n, 2, simplex=False)
-    low, size = bounds[:, None, :2], (bounds[:, 2:] - bounds[:, :2])[:, None]
-    xi = low + size * unit
-    weight = size.prod(axis=2) * w
-    return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()
-
-
-def _triangles(owner: Ints, overlaps: NDArray[np.object_]) -> tuple[Ints, Floats]:
-    """Triangles (n, 3, 2) that fill overlaps, with the overlap's owner each."""
-    collections = shapely.constrained_delaunay_triangles(overlaps)
-    triangles, index = shapely.get_parts(collections, return_index=True)
-    corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
-    return owner[index], corners
-
-
-def _rule_on_triangles(owner: Ints, corners: Floats, n: int) -> tuple[Ints, Floats, Floats]:
-    """Collapsed Gauss rule, n x n points, exact to total degree 2 n - 1."""
-    t, w = gauss_rule(n, 2, simplex=True)
+    Collapsed in triangles, and exact there to total degree 2 n - 1.
+    """
+    t, w = gauss_rule(n, 2, simplex=simplex)
     sides = corners[:, 1:] - corners[:, :1]
     xi = corners[:, :1] + t @ sides
-    twice_area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
-    weight = twice_area[:, None] * w
-    return np.repeat(owner, n * n), xi.reshape(-1, 2), weight.ravel()
+    area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
+    return np.repeat(owner, n * n), xi.reshape(-1, 2), (area[:, None] * w).ravel()

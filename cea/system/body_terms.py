@@ -47,10 +47,6 @@ if TYPE_CHECKING:  # brought in where modes are damped
     from cea.system.modal_damping import DampedModes
 
 
-type Size = tuple[int, int]
-"""Rows or columns of this rank and of all ranks."""
-
-
 @dataclass(frozen=True)
 class Motion:
     """What acts on the velocities of a body."""
@@ -76,7 +72,8 @@ class BodyTerms:
     body: Body
     motion: Motion  # its damping and rotation
     with_mass: bool  # whether there is mass, and velocities count
-    sizes: tuple[Size, ...]  # unknowns of this rank and of all ranks, of each body in their order
+    # unknowns of this rank and of all ranks, of each body in their order
+    sizes: tuple[tuple[int, int], ...]
     number: int  # which of them the body is
 
     @property
@@ -85,26 +82,19 @@ class BodyTerms:
         return f"bodies.{self.name}"
 
     @cached_property
-    def terms(self) -> tuple[Term, ...]:
-        """K and M, what damping and rotation make of them, and the sparse part of what rotates."""
+    def pieces(self) -> tuple[Term | UnformedTerm[Circulatory], ...]:
+        """K and M, and what rotation and Rayleigh damping make of them."""
         own = (*self._of_body(), *self._of_constants(), *self._of_rotation())
-        return (*own, *self._carried[0])
-
-    @property
-    def circulatory(self) -> tuple[UnformedTerm[Circulatory], ...]:
-        """What damping that rotates with the body makes of displacements, but for sparse terms."""
-        return self._carried[1]
+        return (*own, *self._carried())
 
     @cached_property
     def modal(self) -> tuple[UnformedTerm[LowRank], ...]:
         """Modal damping."""
-        if self._damped_modes is None or not self.with_mass:
+        modes = self._damped_modes
+        if modes is None or not self.with_mass:
             return ()
-        from cea.system.modal_damping import modal_term
-
-        modal, first = self.motion.modal, self._first
-        assert modal is not None
-        return (modal_term(self.path, self.body, modal, self._damped_modes, first),)
+        piece = LowRank(modes.images, modes.weights, self._first)
+        return (UnformedTerm(piece, modes.coefficient),)
 
     def parameters(self) -> Iterator[Parameter]:
         """Parameters of the body."""
@@ -122,9 +112,9 @@ class BodyTerms:
             yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
             yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
         if motion.modal is not None:
-            from cea.system.modal_damping import modal_parameters
+            from cea.system.modal_damping import modal_parameter
 
-            yield from modal_parameters(path, motion.modal)
+            yield modal_parameter(path, motion.modal)
         if motion.rotation is not None:
             yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")
 
@@ -137,18 +127,34 @@ class BodyTerms:
         damping, rotation = self.motion.damping, self.motion.rotation
         if damping is None or rotation is None or not damping.beta * rotation.rate:
             return None
-        piece = self.circulatory[-1].piece
+        term = self.pieces[-1]
+        assert not isinstance(term, Term)
         free, full = self.body.expansion.createVecs()
-        free.array[:] = damping.beta * rotation.rate * piece.inner(x.array_r[:, None])[:, 0]
+        free.array[:] = damping.beta * rotation.rate * term.piece.inner(x.array_r[:, None])[:, 0]
         self.body.expansion.mult(free, full)
         destroy(free)
         return full
 
-    def square(self, matrix: Mat) -> Mat:
-        """A matrix of the body as one of all unknowns; itself where there is no other body."""
-        return self._placed(
-            matrix, lambda size: (size, size), lambda blocks: block_diagonal(blocks).convert("aij")
-        )
+    def placed(self, matrix: Mat, *, rows: bool = True, columns: bool = True) -> Mat:
+        """A matrix of the body among zeros of the others: its rows, its columns or both.
+
+        It is the matrix itself where there is no other body.
+        """
+        if len(self.sizes) == 1:
+            return matrix
+        own, comm = self.sizes[self.number], self.body.expansion.comm
+        blocks = [
+            matrix
+            if number == self.number
+            else zeros(size if rows else own, size if columns else own, comm)
+            for number, size in enumerate(self.sizes)
+        ]
+        if rows and columns:
+            whole = block_diagonal(blocks).convert("aij")
+        else:
+            whole = (one_below_the_other if rows else side_by_side)(blocks)
+        destroy(*(block for block in blocks if block is not matrix))
+        return whole
 
     @property
     def _stiffness(self) -> Coefficient:
@@ -182,7 +188,7 @@ class BodyTerms:
         if self.with_mass:
             pieces.append(("mass", body.mass(), self._mass))
         for role, own, coefficient in pieces:
-            matrix = self.square(own)
+            matrix = self.placed(own)
             yield Term(role, matrix, coefficient)
             if self.with_mass and self.motion.damping is not None:
                 factor = {"mass": "alpha", "stiffness": "beta"}[role]
@@ -195,7 +201,7 @@ class BodyTerms:
             unit = np.zeros((6, 6))
             unit[place] = unit[place[::-1]] = 1.0
             law, entry = Elasticity(unit, material.axes), Entry(material, place, path, own)
-            make = cache(lambda law=law: self.square(self.body.stiffness_of(law)))
+            make = cache(lambda law=law: self.placed(self.body.stiffness_of(law)))
             yield TermOfConstant("stiffness", make, entry)
             if self.with_mass and self.motion.damping is not None:
                 damped = replace(entry, factor=f"{self.path}.damping.beta")
@@ -205,50 +211,37 @@ class BodyTerms:
         """Omega Y and - Omega^2 Z."""
         rotation, rate = self.motion.rotation, f"{self.path}.rotation.rate"
         if rotation is not None and self.with_mass:
-            Y = self.square(self.body.gyroscopic(rotation))
+            Y = self.placed(self.body.gyroscopic(rotation))
             yield Term("damping", Y, self._mass.times(rate), symmetric=False)
         if rotation is not None and rotation.convective_stiffness:
-            Z = self.square(self.body.convective_stiffness(rotation))
+            Z = self.placed(self.body.convective_stiffness(rotation))
             yield Term("stiffness", Z, self._mass.times(rate, 2.0, factor=-1.0))
 
-    @cached_property
-    def _carried(self) -> tuple[tuple[Term, ...], tuple[UnformedTerm[Circulatory], ...]]:
-        """What damping that a rotation carries along makes: sparse and full pieces."""
-        rotation, damping = self.motion.rotation, self.motion.damping
+    def _carried(self) -> Iterator[Term | UnformedTerm[Circulatory]]:
+        """What damping that a rotation carries along makes: the sparse piece, and full ones."""
+        rotation, damping, modes = self.motion.rotation, self.motion.damping, self._damped_modes
         if rotation is None or not self.motion.circulates:
-            return (), ()
+            return
         rate = f"{self.path}.rotation.rate"
-        B = transport(self.body, rotation)
-        full = [*self._of_modes(B, rate)]
+        B = self.body.gyroscopic(rotation.of_material)
+        B.scale(0.5)
+        if modes is not None and len(modes.weights):
+            left = self._upright(modes.images * modes.weights)
+            turned = self._upright(-image_of(B, modes.vectors))
+            right = turned.transpose(PETSc.Mat())
+            destroy(turned)
+            piece = Circulatory(left, identity(left.getLocalSize()[1], left.comm), right)
+            yield UnformedTerm(piece, modes.coefficient.times(rate))
         if damping is None:
-            return (), tuple(full)
+            return
         K, springs = self.body.stiffness(), self.body.spring_stiffness()
         if springs is not None:
             K = scaled_total([(1.0, K), (-1.0, springs)])
-        own = self.sizes[self.number]
-        piece = Circulatory(
-            self._placed(K, lambda size: (size, own), one_below_the_other),
-            self.body.mass(),
-            self._placed(B, lambda size: (own, size), side_by_side),
-        )
-        beta = self._stiffness.times(f"{self.path}.damping.beta").times(rate)
         alpha = self._mass.times(f"{self.path}.damping.alpha").times(rate)
-        full.append(UnformedTerm(piece, beta))
-        return (Term("stiffness", self.square(B), alpha, symmetric=False),), tuple(full)
-
-    def _of_modes(self, B: Mat, rate: str) -> Iterator[UnformedTerm[Circulatory]]:
-        """The piece Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T."""
-        modes, damping = self._damped_modes, self.motion.modal
-        if modes is None or damping is None or not len(modes.weights):
-            return
-        from cea.system.modal_damping import modal_coefficient
-
-        left = self._upright(modes.images * modes.weights)
-        turned = self._upright(-image_of(B, modes.vectors))
-        right = turned.transpose(PETSc.Mat())
-        destroy(turned)
-        piece = Circulatory(left, identity(left.getLocalSize()[1], left.comm), right)
-        yield UnformedTerm(piece, modal_coefficient(self.path, self.body, damping, rate))
+        yield Term("stiffness", self.placed(B), alpha, symmetric=False)
+        left, right = self.placed(K, columns=False), self.placed(B, rows=False)
+        beta = self._stiffness.times(f"{self.path}.damping.beta").times(rate)
+        yield UnformedTerm(Circulatory(left, self.body.mass(), right), beta)
 
     @cached_property
     def _damped_modes(self) -> "DampedModes | None":
@@ -263,21 +256,6 @@ class BodyTerms:
     def _first(self) -> int:
         """Number of the first unknown of the body among those of this rank."""
         return sum(local for local, _ in self.sizes[: self.number])
-
-    def _placed(
-        self, matrix: Mat, shape: Callable[[Size], tuple[Size, Size]], join: Callable[..., Mat]
-    ) -> Mat:
-        """A matrix of the body in its place among zeros of the other bodies."""
-        if len(self.sizes) == 1:
-            return matrix
-        comm = self.body.expansion.comm
-        blocks = [
-            matrix if number == self.number else zeros(*shape(size), comm)
-            for number, size in enumerate(self.sizes)
-        ]
-        whole = join(blocks)
-        destroy(*(block for block in blocks if block is not matrix))
-        return whole
 
     def _upright(self, columns: Floats) -> Mat:
         """Columns of the body, the rows of this rank, as a matrix whose rows are all unknowns."""
@@ -313,9 +291,8 @@ class Entry:
     @property
     def names(self) -> frozenset[str]:
         """Parameters it depends on."""
-        return frozenset([f"{self.path}.{name}" for name in self.own]) | {
-            *filter(None, [self.factor])
-        }
+        names = [f"{self.path}.{name}" for name in self.own]
+        return frozenset(names if self.factor is None else [*names, self.factor])
 
     def _value(self, values: Mapping[str, complex]) -> complex:
         constants = {name: values[f"{self.path}.{name}"] for name in self.material.constants}
@@ -330,21 +307,3 @@ class Entry:
         """Derivative in one parameter, by a complex step: exact to rounding."""
         step = 1e-20 * (abs(values[name]) or 1.0)
         return self._value({**values, name: values[name] + 1j * step}).imag / step
-
-
-def body_terms(
-    bodies: Mapping[str, Body], motions: Mapping[str, Motion], *, with_mass: bool
-) -> dict[str, BodyTerms]:
-    """Pieces of each of the bodies of a system; those without a motion are still."""
-    sizes = tuple(body.expansion.getSizes()[1] for body in bodies.values())
-    return {
-        name: BodyTerms(name, body, motions.get(name, Motion()), with_mass, sizes, number)
-        for number, (name, body) in enumerate(bodies.items())
-    }
-
-
-def transport(body: Body, rotation: Rotation) -> Mat:
-    """B of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew; a new matrix."""
-    matrix = body.gyroscopic(rotation.of_material)
-    matrix.scale(0.5)
-    return matrix

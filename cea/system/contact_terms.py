@@ -29,7 +29,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.contact import Contact, jump_operator
+from cea.contact.contact import Contact, by_pair, jump_operator, powers_of
 from cea.contact.formulations import Form
 from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Term
@@ -45,58 +45,33 @@ _KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     "pressure": ("N/m^2", {}),
 }
 """Unit of each parameter, and what it may be."""
+_EXPONENTS = {"speed": -1.0, "mu_slope": 1.0}
+"""Power of it by which each part of the damping grows."""
 
 
-def by_pair(contacts: Sequence[Contact]) -> dict[str, list[Contact]]:
-    """Half passes by the name of the contact they belong to."""
-    pairs: dict[str, list[Contact]] = {}
-    for contact in contacts:
-        pairs.setdefault(contact.pair, []).append(contact)
-    return pairs
+def contact_terms(contacts: Sequence[Contact], *, eliminate: bool) -> Iterator[Term]:
+    """K_n and K_f of half passes whose forces are eliminated: of all, or where they are anyway."""
+    for halves in by_pair(contacts).values():
+        P, mu = powers_of(halves)
+        for half in halves:
+            if half.has_multipliers and not eliminate:
+                continue
+            yield Term("stiffness", half.K_n, Coefficient.of(P), contact=True)
+            if half.K_f is not None:
+                both = Coefficient.of(P | mu, factor=-1.0)
+                yield Term("stiffness", half.K_f, both, symmetric=False, contact=True)
 
 
-def stiffnesses(contacts: Sequence[Contact]) -> dict[str, float]:
-    """P of each contact, both halves of a full pass together."""
-    return {name: sum(half.P for half in halves) for name, halves in by_pair(contacts).items()}
-
-
-def friction_references(contacts: Sequence[Contact]) -> dict[str, float]:
-    """What mu of each contact is relative to; 1 where its halves do not have the same."""
-    references = {}
-    for name, halves in by_pair(contacts).items():
-        if halves[0].slip is not None:
-            values = {half.mu for half in halves}
-            references[name] = values.pop() if len(values) == 1 else 1.0
-    return references
-
-
-def contact_terms(
-    contacts: Sequence[Contact], among: Sequence[Contact], friction: dict[str, float]
-) -> Iterator[Term]:
-    """K_n and K_f of some of the half passes, whose forces are eliminated."""
-    total = stiffnesses(contacts)
-    for contact in among:
-        path = f"contacts.{contact.pair}"
-        P = {f"{path}.P": (total[contact.pair], 1.0)} if contact.law.linear else {}
-        yield Term("stiffness", contact.K_n, Coefficient.of(P), contact=True)
-        if contact.K_f is not None:
-            mu = {f"{path}.mu": (friction[contact.pair], 1.0)}
-            coefficient = Coefficient.of(P | mu, factor=-1.0)
-            yield Term("stiffness", contact.K_f, coefficient, symmetric=False, contact=True)
-
-
-def contact_parameters(
-    contacts: Sequence[Contact], friction: dict[str, float]
-) -> Iterator[Parameter]:
+def contact_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
     """P and mu of each contact, where they are parameters."""
-    pairs = by_pair(contacts)
-    for name, P in stiffnesses(contacts).items():
-        if all(half.law.linear for half in pairs[name]):
-            finite = all(half.form != "saddle" for half in pairs[name])
-            yield Parameter(f"contacts.{name}.P", P, "N/m", positive=True, finite=finite)
-    for name, reference in friction.items():
-        acts = any(half.has_friction for half in pairs[name])
-        yield Parameter(f"contacts.{name}.mu", reference if acts else 0.0)
+    for halves in by_pair(contacts).values():
+        finite = all(half.form != "saddle" for half in halves)
+        for name, (P, _) in powers_of(halves)[0].items():
+            yield Parameter(name, P, "N/m", positive=True, finite=finite)
+    for halves in by_pair(contacts).values():
+        acts = any(half.has_friction for half in halves)
+        for name, (mu, _) in powers_of(halves)[1].items() if halves[0].slip is not None else ():
+            yield Parameter(name, mu if acts else 0.0)
 
 
 def penalty_digits(contacts: Sequence[Contact], stiffness: Any) -> dict[str, float]:
@@ -104,19 +79,17 @@ def penalty_digits(contacts: Sequence[Contact], stiffness: Any) -> dict[str, flo
 
     log10 of the largest diagonal entry of K_n relative to that of K; infinite where sides are tied.
     """
-    digits: dict[str, float] = {}
-    for contact in contacts:
-        if contact.tied:
-            lost = inf
-        elif contact.awaits_state or (contact.is_projected and contact.law.linear):
-            lost = 0.0
-        else:
-            lost = _lost(contact, stiffness)
-        digits[contact.pair] = max(lost, digits.get(contact.pair, 0.0))
-    return digits
+    return {
+        name: max(0.0, *(_lost(half, stiffness) for half in halves))
+        for name, halves in by_pair(contacts).items()
+    }
 
 
 def _lost(contact: Contact, stiffness: Any) -> float:
+    if contact.tied:
+        return inf
+    if contact.awaits_state or (contact.is_projected and contact.law.linear):
+        return 0.0
     if contact.penalty_only:
         own = contact.K_n.getDiagonal()
     else:
@@ -167,49 +140,41 @@ def penalty_warnings(
     )
 
 
-def sliding_terms(
-    bodies: Mapping[str, Body], contacts: Sequence[Contact], friction: Mapping[str, float]
-) -> Iterator[Term]:
+def sliding_terms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> Iterator[Term]:
     """Damping of the half passes that slide; the halves of a full pass share the pressure."""
-    sizes, pairs = _sizes(contacts), [contact.pair for contact in contacts]
-    for contact in contacts:
-        if contact.sliding is None:
-            continue
-        path = f"contacts.{contact.pair}"
-        powers = {
-            name: {f"{path}.sliding.{name}": (sizes[f"{path}.sliding.{name}"], exponent)}
-            for name, exponent in (("speed", -1.0), ("mu_slope", 1.0), ("pressure", 1.0))
-            if sizes.get(f"{path}.sliding.{name}")
-        }
-        pressed = powers.get("pressure", {})
-        for kind, matrix in _damping(bodies, contact, 1 / pairs.count(contact.pair)):
-            if kind == "speed":
-                mu = {f"{path}.mu": (friction[contact.pair], 1.0)}
-                coefficient = Coefficient.of(pressed | mu | powers["speed"])
-            else:
-                coefficient = Coefficient.of(pressed | powers.get("mu_slope", {}))
-            yield Term("damping", matrix, coefficient)
+    for name, halves in by_pair(contacts).items():
+        references, (_, mu) = _references(halves), powers_of(halves)
+        for half in halves:
+            for kind, matrix in _damping(bodies, half, 1 / len(halves)):
+                powers = {
+                    f"contacts.{name}.sliding.{each}": (references[each], exponent)
+                    for each, exponent in (("pressure", 1.0), (kind, _EXPONENTS[kind]))
+                    if references.get(each)
+                }
+                yield Term(
+                    "damping", matrix, Coefficient.of(powers | (mu if kind == "speed" else {}))
+                )
 
 
 def sliding_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
     """Parameters of contacts that slide; what is zero everywhere is none."""
-    for path, size in _sizes(contacts).items():
-        unit, may = _KINDS[path.split(".")[-1]]
-        if size:
-            yield Parameter(path, size, unit, **may)
+    for name, halves in by_pair(contacts).items():
+        for kind, reference in _references(halves).items():
+            unit, may = _KINDS[kind]
+            if reference:
+                yield Parameter(f"contacts.{name}.sliding.{kind}", reference, unit, **may)
 
 
-def _sizes(contacts: Sequence[Contact]) -> dict[str, float]:
-    """What each parameter is relative to; 1 where it varies or the halves of a contact differ."""
-    found: dict[str, set[float]] = {}
-    for contact in contacts:
-        for name in _KINDS:
-            values = getattr(contact.sliding, name, None)
-            if values is None or (name == "speed" and contact.slip is None):
-                continue
-            size = float(values[0]) if len(values) and np.ptp(values) == 0 else 1.0
-            found.setdefault(f"contacts.{contact.pair}.sliding.{name}", set()).add(size)
-    return {path: each.pop() if len(each) == 1 else 1.0 for path, each in found.items()}
+def _references(halves: Sequence[Contact]) -> dict[str, float]:
+    """What each field of the sliding is relative to; 1 where it varies or the halves differ."""
+    references = {}
+    for name in _KINDS:
+        some = [half.sliding for half in halves if name != "speed" or half.slip is not None]
+        given = [values for each in some if (values := getattr(each, name, None)) is not None]
+        if given:
+            values = np.concatenate(given)
+            references[name] = 1.0 if np.ptp(values) else float(values[0])
+    return references
 
 
 def _damping(
@@ -217,7 +182,8 @@ def _damping(
 ) -> Iterator[tuple[str, Any]]:
     """C of the turning direction, kind "speed", and of the slope of friction, PETSc AIJ (N s/m)."""
     sliding, interface = contact.sliding, contact.interface
-    assert sliding is not None
+    if sliding is None:
+        return
     points, rows = interface.local_points, interface.rows
     load = points.weight * _pressure(contact, share)[rows]
     k = contact.friction_direction()

@@ -15,26 +15,23 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.contact import Contact, assembled
+from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
-from cea.eigen.parameters import Coefficient, Parameter
+from cea.eigen.parameters import Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
 from cea.matrices import block_diagonal, destroy, gather, local_part
 from cea.nodes import Nodes, joined, places
 from cea.petsc import MPI, PETSc
-from cea.system.body_terms import BodyTerms, Motion, body_terms
+from cea.system.body_terms import BodyTerms, Motion
 from cea.system.contact_terms import (
-    by_pair,
     contact_parameters,
     contact_terms,
     form_for,
-    friction_references,
     penalty_digits,
     penalty_warnings,
     sliding_parameters,
     sliding_terms,
-    stiffnesses,
     with_forms,
 )
 
@@ -88,13 +85,11 @@ class CoupledSystem:
         rotations = (each.motion.rotation for each in self.pieces.values())
         return any(each is not None and each.convective_stiffness for each in rotations)
 
-    @property
-    def warnings(self) -> tuple[ResultWarning, ...]:
-        """What the forms of its contacts cost: kind ``penalty-rounding``."""
-        return self.warnings_at({})
-
     def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
-        """The same where some parameters of the pencil have other values."""
+        """What forms of contacts cost where some parameters of the pencil have other values.
+
+        Of kind ``penalty-rounding``.
+        """
         digits = {name: self._digits_at(name, values) for name in self.penalty_digits}
         return penalty_warnings(self.contacts, digits)
 
@@ -106,7 +101,8 @@ class CoupledSystem:
 
     def _digits_at(self, contact: str, values: Mapping[str, float]) -> float:
         """Digits that the penalty form costs at other P and E; infinite where it is not known."""
-        before, halves = stiffnesses(self.contacts)[contact], by_pair(self.contacts)[contact]
+        halves = by_pair(self.contacts)[contact]
+        before = sum(half.P for half in halves)
         P = values.get(f"contacts.{contact}.P", before)
         if inf in (P, before):
             return inf
@@ -156,33 +152,28 @@ class CoupledSystem:
         eliminate
             Whether all contact forces are eliminated; no contact is tied.
         """
-        friction = friction_references(self.contacts)
-        kept = [c for c in self.contacts if c.has_multipliers and not eliminate]
-        others = [c for c in self.contacts if c not in kept]
-        terms = [
-            *(term for each in self.pieces.values() for term in each.terms),
-            *(
-                Term("stiffness", self.pieces[name].square(matrix), Coefficient.of({}))
-                for name, matrix in self.prestress.items()
-            ),
-            *contact_terms(self.contacts, others, friction),
-        ]
+        pieces = [piece for each in self.pieces.values() for piece in each.pieces]
+        terms = [piece for piece in pieces if isinstance(piece, Term)]
+        for name, matrix in self.prestress.items():
+            terms.append(Term("stiffness", self.pieces[name].placed(matrix)))
+        terms += contact_terms(self.contacts, eliminate=eliminate)
         if self.with_mass:
-            terms += sliding_terms(self.bodies, self.contacts, friction)
+            terms += sliding_terms(self.bodies, self.contacts)
+        with_forces = () if eliminate else self.contacts
         return Pencil(
             terms,
-            self._parameters(friction),
-            list(forces_of_contacts(kept, self.stiffness_diagonal, friction)),
+            self._parameters(),
+            list(forces_of_contacts(with_forces, self.stiffness_diagonal)),
             [term for each in self.pieces.values() for term in each.modal],
-            [term for each in self.pieces.values() for term in each.circulatory],
+            [piece for piece in pieces if not isinstance(piece, Term)],
             leave_out=leave_out,
             nodes=self._nodes,
         )
 
-    def _parameters(self, friction: dict[str, float]) -> Iterator[Parameter]:
+    def _parameters(self) -> Iterator[Parameter]:
         for each in self.pieces.values():
             yield from each.parameters()
-        yield from contact_parameters(self.contacts, friction)
+        yield from contact_parameters(self.contacts)
         if self.with_mass:
             yield from sliding_parameters(self.contacts)
 
@@ -255,58 +246,49 @@ def couple(
     PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
     nest = block_diagonal([body.stiffness() for body in bodies.values()])
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
-    template, diagonal = nest.createVecRight(), nest.createVecRight()
+    template, diagonal = nest.createVecRight(), nest.getDiagonal()
     destroy(nest)
     frictional = {contact.pair for contact in contacts if contact.has_friction}
     made = [
         assembled(bodies, contact, frictional=contact.pair in frictional, leave_out=leave_out)
         for contact in contacts
     ]
-    parts = [body.stiffness().getDiagonal() for body in bodies.values()]
-    diagonal.array[:] = np.concatenate([part.array_r for part in parts])
-    destroy(*parts)
     digits = penalty_digits(made, diagonal)
+    sizes = tuple(body.expansion.getSizes()[1] for body in bodies.values())
+    pieces = {}
+    for number, (name, body) in enumerate(bodies.items()):
+        motion = (motions or {}).get(name, Motion())
+        pieces[name] = BodyTerms(name, body, motion, with_mass, sizes, number)
     return CoupledSystem(
         bodies=bodies,
         contacts=with_forms(made, digits),
         template=template,
         index_sets=index_sets,
-        load=_load(bodies, made, template, index_sets) if with_load else None,
+        load=_load(bodies, made, template) if with_load else None,
         stiffness_diagonal=diagonal,
         penalty_digits=digits,
-        pieces=body_terms(bodies, motions or {}, with_mass=with_mass),
+        pieces=pieces,
         with_mass=with_mass,
     )
 
 
-def _load(
-    bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any, index_sets: Any
-) -> Any:
+def _load(bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any) -> Any:
     """Forces (N) of loads and of displacements that supports prescribe, PETSc vector."""
     load = template.duplicate()
-    for name, body in bodies.items():
-        part = load.getSubVector(index_sets[name])
-        body.load().copy(part)
-        load.restoreSubVector(index_sets[name], part)
+    load.array[:] = np.concatenate([body.load().array_r for body in bodies.values()])
     for contact in contacts:
-        if contact.prescribed is not None and contact.law.linear:
-            force = _force_of_prescribed(contact)
-            load.axpy(-1.0, force)
-            destroy(force)
+        if contact.prescribed is None or not contact.law.linear:
+            continue
+        if contact.coupling != "pointwise" or not contact.has_pressure:
+            allowed = (
+                "pointwise and of finite stiffness where a support that prescribes a displacement "
+                "meets a side; or c_n, a law of the gap"
+            )
+            raise InputError(f"contacts.{contact.pair}.formulation", contact.coupling, allowed)
+        force = contact.force(contact.slope * contact.prescribed)
+        load.axpy(-1.0, force)
+        destroy(force)
     return load
-
-
-def _force_of_prescribed(contact: Contact) -> Any:
-    """Forces (N) against the motion of a closure that is prescribed, PETSc vector (free)."""
-    if contact.coupling != "pointwise" or not contact.has_pressure:
-        allowed = (
-            "pointwise and of finite stiffness where a support that prescribes a displacement "
-            "meets a side; or c_n, a law of the gap"
-        )
-        raise InputError(f"contacts.{contact.pair}.formulation", contact.coupling, allowed)
-    assert contact.prescribed is not None
-    pressure = contact.slope * contact.prescribed
-    return contact.force(pressure, friction=contact.has_friction)
 
 
 def _modulus(body: str) -> str:

@@ -4,11 +4,10 @@ By the path of the body in a scene, ``bodies.<name>``, the parameter is ``.dampi
 ``.damping.modal.ratios``, a factor on these.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from cea.arrays import Floats
@@ -17,11 +16,10 @@ from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
-from cea.eigen.parameters import Coefficient, Dependence, Parameter
+from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.search import NearestSearch
 from cea.eigen.shifted import count_below
-from cea.eigen.unformed import LowRank, UnformedTerm
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
 from cea.timing import StageTimer
@@ -36,16 +34,6 @@ _BEYOND = 1e-6  # what is searched beyond the last mode asked for, relative to i
 
 
 @dataclass(frozen=True)
-class _ElasticModes:
-    """Modes of a body by rising frequency, without rigid motions."""
-
-    # frequencies and what they may be off by (Hz), shape (n,)
-    frequencies: Floats
-    uncertainties: Floats
-    vectors: Floats  # modes phi with phi^T M phi = 1, the rows of this rank, shape (n_local, n)
-
-
-@dataclass(frozen=True)
 class _OfTheseModes:
     """A coefficient of modes that are found anew where the material of their body changes."""
 
@@ -57,70 +45,61 @@ class _OfTheseModes:
         """Parameters it depends on."""
         return self.coefficient.names | frozenset(self.found_at)
 
+    def times(self, name: str) -> "_OfTheseModes":
+        """It times one more parameter."""
+        return _OfTheseModes(self.coefficient.times(name), self.found_at)
+
     def at(self, values: Mapping[str, float]) -> float:
         """Value at given parameters; refused where the modes would be others."""
-        for name, value in self.found_at.items():
-            if values[name] != value:
-                raise _changed(name, values[name], value)
+        for name, found_at in self.found_at.items():
+            if values[name] != found_at:
+                raise InputError(name, values[name], f"{found_at:g}, where damped modes were found")
         return self.coefficient.at(values)
 
     def derivative(self, name: str, values: Mapping[str, float]) -> float:
         """Derivative in one parameter; refused where the modes would move."""
         if name in self.found_at:
-            raise _changed(name, values[name], self.found_at[name])
+            raise InputError(name, values[name], "left as it is: damped modes move with it")
         return self.coefficient.derivative(name, values)
-
-
-def _changed(name: str, value: float, found_at: float) -> InputError:
-    allowed = (
-        f"{found_at:g}, at which the modes were found that are damped; a scene changed there is "
-        "assembled anew"
-    )
-    return InputError(name, value, allowed)
 
 
 @dataclass(frozen=True)
 class DampedModes:
-    """Modes of a body that are damped."""
+    """Modes of a body that are damped: sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
 
     # phi with phi^T M phi = 1, and M phi, the rows of this rank, shape (n_local, n)
     vectors: Floats
     images: Floats
     weights: Floats  # 2 zeta omega (1/s) at a parameter of 1, shape (n,)
+    coefficient: Coefficient | _OfTheseModes  # how it depends on the ratio, on E and on rho
 
 
 def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
     """Modes of a body that modal damping damps; rigid motions are none of them."""
     counted = damping.ratios if damping.end is None and damping.ratios is not None else ()
-    modes = _modes(path, body, damping, len(counted))
-    if len(counted) > len(modes.frequencies):
-        allowed = f"at most {len(modes.frequencies)}: all elastic modes of the body"
+    try:
+        frequencies, reach, vectors = _elastic_modes(path, body, damping.end, len(counted))
+    except ConvergenceError as error:
+        raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
+    if len(counted) > len(frequencies):
+        allowed = f"at most {len(frequencies)}: all elastic modes of the body"
         raise InputError(f"{path}.damping.modal.ratios", f"{len(counted)} ratios", allowed)
-    factors = _factors(path, damping, modes.frequencies, _groups(modes))
+    factors = _factors(path, damping, frequencies, np.maximum(_SAME * frequencies, reach))
     damped = factors > 0
-    vectors = modes.vectors[:, damped]
-    weights = (4 * np.pi * factors * modes.frequencies)[damped]
-    return DampedModes(vectors, image_of(body.mass(), vectors), weights)
+    vectors, weights = vectors[:, damped], (4 * np.pi * factors * frequencies)[damped]
+    coefficient = _coefficient(path, body, damping)
+    return DampedModes(vectors, image_of(body.mass(), vectors), weights, coefficient)
 
 
-def modal_term(
-    path: str, body: Body, damping: ModalDamping, modes: DampedModes, first: int
-) -> UnformedTerm[LowRank]:
-    """Modal damping of a body, sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
-    piece = LowRank(modes.images, modes.weights, first)
-    return UnformedTerm(piece, modal_coefficient(path, body, damping))
-
-
-def modal_parameters(path: str, damping: ModalDamping) -> Iterator[Parameter]:
+def modal_parameter(path: str, damping: ModalDamping) -> Parameter:
     """The parameter of modal damping; path and damping as for :func:`damped_modes`."""
     if damping.ratio is not None:
-        yield Parameter(f"{path}.damping.modal.ratio", damping.ratio)
-    else:
-        yield Parameter(f"{path}.damping.modal.ratios", 1.0, "a factor on the ratios")
+        return Parameter(f"{path}.damping.modal.ratio", damping.ratio)
+    return Parameter(f"{path}.damping.modal.ratios", 1.0, "a factor on the ratios")
 
 
-def modal_coefficient(path: str, body: Body, damping: ModalDamping, *others: str) -> Dependence:
-    """How it depends on the ratio, on E and rho, and on other parameters as they are.
+def _coefficient(path: str, body: Body, damping: ModalDamping) -> Coefficient | _OfTheseModes:
+    """How modal damping depends on the ratio, on E and on rho.
 
     Modes that are counted stay the same where E and rho change a body without springs, and
     2 omega_j (M phi_j) (M phi_j)^T goes with the root of E rho.
@@ -128,98 +107,78 @@ def modal_coefficient(path: str, body: Body, damping: ModalDamping, *others: str
     material = {f"{path}.material.rho": float(body.material.rho or 0)}
     if (E := body.material.constants.get("E")) is not None:
         material[f"{path}.material.E"] = E
-    names = (*(parameter.name for parameter in modal_parameters(path, damping)), *others)
-    powers = dict.fromkeys(names, (1.0, 1.0))
+    ratio = {modal_parameter(path, damping).name: (1.0, 1.0)}
     if damping.end is None and body.spring_stiffness() is None:
-        return Coefficient.of(powers | {name: (value, 0.5) for name, value in material.items()})
-    return _OfTheseModes(Coefficient.of(powers), material)
+        return Coefficient.of(ratio | {name: (value, 0.5) for name, value in material.items()})
+    return _OfTheseModes(Coefficient.of(ratio), material)
 
 
-def _modes(path: str, body: Body, damping: ModalDamping, counted: int) -> _ElasticModes:
-    """Elastic modes of a body up to the last one that is damped, and beyond."""
-    try:
-        return _elastic_modes(body, damping.end, wanted=counted, most=_MOST)
-    except InputError as error:
-        allowed = f"{error.allowed} modes that are damped one by one; Rayleigh damping for more"
-        raise InputError(f"{path}.damping.modal", error.value, allowed) from None
-    except ConvergenceError as error:
-        raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
-
-
-def _groups(modes: _ElasticModes) -> NDArray[np.int64]:
-    """Number of the multiple eigenvalue that each of the modes belongs to, shape (n,)."""
-    reach = np.maximum(_SAME * modes.frequencies, modes.uncertainties)
-    apart = np.diff(modes.frequencies) > reach[1:] + reach[:-1]
-    return np.concatenate([[0], np.cumsum(apart)])[: len(reach)]
-
-
-def _factors(
-    path: str, damping: ModalDamping, frequencies: Floats, groups: NDArray[np.int64]
-) -> Floats:
+def _factors(path: str, damping: ModalDamping, frequencies: Floats, reach: Floats) -> Floats:
     """Damping ratios of elastic modes relative to the parameter, shape (n,).
 
-    Modes that share a frequency have the same: C must not depend on which vectors were found.
+    Modes that share a frequency, within the reach of both, have the same: C must not depend on
+    which vectors were found.
     """
+    apart = np.diff(frequencies) > reach[1:] + reach[:-1]
+    groups = np.concatenate([[0], np.cumsum(apart)])[: len(reach)]
     means = np.bincount(groups, frequencies) / np.bincount(groups)
     if damping.end is not None:
         return damping.factors_at(means)[groups]
     factors = damping.factors_at(frequencies)
-    least, largest = np.full(len(means), np.inf), np.zeros(len(means))
-    np.minimum.at(least, groups, factors)
-    np.maximum.at(largest, groups, factors)
-    split = np.flatnonzero(least != largest)
-    if len(split):
-        members = np.flatnonzero(groups == split[0]) + 1
-        allowed = (
-            f"the same ratio for elastic modes {members[0]} to {members[-1]}, which share the "
-            f"frequency {means[split[0]]:.6g} Hz"
-        )
-        raise InputError(f"{path}.damping.modal.ratios", damping.ratios, allowed)
+    for group, frequency in enumerate(means):
+        members = np.flatnonzero(groups == group)
+        if np.ptp(factors[members]) > 0:
+            allowed = (
+                f"the same ratio for elastic modes {members[0] + 1} to {members[-1] + 1}, which "
+                f"share the frequency {frequency:.6g} Hz"
+            )
+            raise InputError(f"{path}.damping.modal.ratios", damping.ratios, allowed)
     return factors
 
 
-def _elastic_modes(body: Body, end: float | None, *, wanted: int, most: int) -> _ElasticModes:
-    """Every elastic mode of a body up to a frequency, and perhaps some beyond."""
+def _elastic_modes(
+    path: str, body: Body, end: float | None, wanted: int
+) -> tuple[Floats, Floats, Floats]:
+    """Every elastic mode of a body up to a frequency, or so many, and perhaps some beyond.
+
+    Rising frequencies and what they may be off by (Hz), shape (n,), and vectors phi with
+    phi^T M phi = 1, the rows of this rank.
+    """
     pencil = Pencil.of(body.stiffness(), body.mass())
     matrices = pencil.at()
     try:
-        least = _BELOW * _largest_ratio(matrices)
-        if end is None:
-            end = _end_of_lowest(matrices, least, wanted)
-        end = _window(matrices, least, (1 + _BEYOND) * end, most)
+        largest = _largest_ratio(matrices)
+        least = float(np.sqrt(_BELOW * largest)) / (2 * np.pi)
+        if end is None:  # so many elastic modes, and one more if any
+            count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
+            options, timer = KrylovOptions(), StageTimer()
+            search = NearestSearch(matrices, -_BELOW * largest, count, options, timer)
+            try:
+                kappa = np.sort(search.run().eigenvalues.real)
+            finally:
+                search.free()
+            end = float(np.sqrt(kappa[count - 1])) / (2 * np.pi)
+        end = max((1 + _BEYOND) * end, least)
+        modes_below = count_below(matrices, (2 * np.pi * end) ** 2)
+        if modes_below > _MOST:
+            allowed = f"at most {_MOST} modes that are damped one by one; Rayleigh damping for more"
+            raise InputError(f"{path}.damping.modal", f"{modes_below} up to {end:g} Hz", allowed)
+        if modes_below == matrices.size:
+            end = _end_of_all(matrices, float(np.sqrt(largest)) / (2 * np.pi), end)
     finally:
         release(matrices)
     modes = solve_modes(pencil, end)
     uncertainties = modes.growth_uncertainties / (2 * np.pi)
     elastic = modes.frequencies > _RIGID * uncertainties
-    lost = int((~elastic & (modes.frequencies > np.sqrt(least) / (2 * np.pi))).sum())
-    if lost:
+    if lost := int((~elastic & (modes.frequencies > least)).sum()):
         raise ConvergenceError(f"{lost} of {len(modes)} modes are lost to rounding", best=modes)
     frequencies, vectors = _rayleigh_ritz(body, modes.vectors.real)
-    return _ElasticModes(frequencies[elastic], uncertainties[elastic], vectors[:, elastic])
+    return frequencies[elastic], uncertainties[elastic], vectors[:, elastic]
 
 
-def _end_of_lowest(matrices: Matrices, least: float, wanted: int) -> float:
-    """A frequency (Hz) up to which there are so many elastic modes, and one more if any."""
-    count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-    search = NearestSearch(matrices, -least, count, KrylovOptions(), StageTimer())
-    try:
-        kappa = search.run().eigenvalues.real
-    finally:
-        search.free()
-    return float(np.sqrt(np.sort(kappa)[count - 1])) / (2 * np.pi)
-
-
-def _window(matrices: Matrices, least: float, end: float, most: int) -> float:
-    """A window (Hz) of the modes up to an end: neither far beyond all of them nor far below."""
-    end = max(end, float(np.sqrt(least)) / (2 * np.pi))
-    count = count_below(matrices, (2 * np.pi * end) ** 2)
-    if count > most:
-        raise InputError("modes", f"{count} up to {end:g} Hz", f"at most {most}")
-    if count < matrices.size:
-        return end
-    highest = float(np.sqrt(least / _BELOW)) / (2 * np.pi)
-    while highest < end and count_below(matrices, (2 * np.pi * highest) ** 2) < count:
+def _end_of_all(matrices: Matrices, highest: float, end: float) -> float:
+    """A frequency (Hz) not far beyond all modes, all of which are below an end."""
+    while highest < end and count_below(matrices, (2 * np.pi * highest) ** 2) < matrices.size:
         highest *= 2
     return min(highest, end)
 

@@ -74,17 +74,15 @@ class SteadyEquations:
         self.system, self._load, self.softness = system, system.load, 1.0
         self.comm = system.template.comm.tompi4py()
         self.contacts = tuple(c for c in system.contacts if not c.law.linear)
-        self.frictional = tuple(c.has_friction for c in self.contacts)
         # The pencil at rest without contacts that have a law.
-        linear = (replace(c, sliding=None) for c in system.contacts if c.law.linear)
-        self.matrices = replace(system, contacts=tuple(linear)).pencil().at_rest().at()
-        self._gaps = tuple(contact.projected_gap(initial_gap(contact)) for contact in self.contacts)
-        self._prescribed = tuple(
-            np.zeros(len(gap))
-            if contact.prescribed is None
-            else contact.projected_gap(contact.prescribed)
-            for contact, gap in zip(self.contacts, self._gaps, strict=True)
-        )
+        linear = tuple(replace(c, sliding=None) for c in system.contacts if c.law.linear)
+        self.matrices = replace(system, contacts=linear).pencil().at_rest().at()
+        self._gaps = [contact.projected_gap(initial_gap(contact)) for contact in self.contacts]
+        self._prescribed = [
+            0.0 if contact.prescribed is None else contact.projected_gap(contact.prescribed)
+            for contact in self.contacts
+        ]
+        self.springs: list[Floats] = []  # slopes at all points of each contact with a law (N/m^3)
         self._x = system.vector()
 
     @cached_property
@@ -95,55 +93,59 @@ class SteadyEquations:
         """
         return self.system.softens and count_below(self.matrices, 0.0) > 0
 
-    def gaps_at(self, factor: float) -> tuple[Floats, ...]:
+    @cached_property
+    def are_held(self) -> bool:
+        """Whether the bodies are held without the contacts that have a law; collective."""
+        load = np.random.default_rng(self.comm.rank).standard_normal(self._x.getLocalSize())
+        return solved_regularly(self.matrices, load) is not None
+
+    def gaps_at(self, factor: float) -> list[Floats]:
         """Gaps at all points of each contact with a law (m) where free dofs do not move.
 
         Supports then prescribe a part of their displacements, that of the load.
         """
         pairs = zip(self._gaps, self._prescribed, strict=True)
-        return tuple(gap - factor * closed for gap, closed in pairs)
+        return [gap - factor * closed for gap, closed in pairs]
 
-    @property
-    def rows(self) -> int:
-        """Displacements of this rank."""
-        return int(self._x.getLocalSize())
+    def load_at(self, factor: float) -> Floats:
+        """A part of the load (N), the rows of this rank."""
+        return factor * self._load.array_r
 
     def zero(self) -> tuple[Floats, Floats]:
         """Displacements and contact forces of bodies at rest."""
         multipliers = self.matrices.multipliers
         forces = 0 if multipliers is None else multipliers.closure.getLocalSize()[0]
-        return np.zeros(self.rows), np.zeros(forces)
+        return np.zeros(self._x.getLocalSize()), np.zeros(forces)
 
     def state(self, x: Floats, f: Floats, factor: float) -> State:
         """The state of displacements (m) and contact forces (N) under a part of the load."""
         self._x.array[:] = x
-        elastic = internal_forces(self.matrices, x[:, None], f[:, None])[:, 0]
-        closings = [each.closing(self._x) for each in self.contacts]
-        gaps = self.gaps_at(factor)
+        closings, gaps = [each.closing(self._x) for each in self.contacts], self.gaps_at(factor)
         closures = tuple(u - gap for u, gap in zip(closings, gaps, strict=True))
-        contact = self.contact_forces(closures)
-        rounding = self._forces(
-            [
-                slope * np.finfo(float).eps * np.maximum(np.abs(u), np.abs(gap))
-                for slope, u, gap in zip(self.slopes(closures), closings, gaps, strict=True)
-            ],
-            self.frictional,
-        )
-        load = self.load_at(factor)
+        rounding = [
+            slope * np.finfo(float).eps * np.maximum(np.abs(u), np.abs(gap))
+            for slope, u, gap in zip(self.slopes(closures), closings, gaps, strict=True)
+        ]
+        elastic = internal_forces(self.matrices, x[:, None], f[:, None])[:, 0]
+        contact, load = self.contact_forces(closures), self.load_at(factor)
         residual = elastic + contact - load
-        norm, noise, *sizes = self.norms(residual, rounding, load, contact, elastic)
+        norm, noise, *sizes = self.norms(residual, self._forces(rounding), load, contact, elastic)
         return State(x, f, closures, residual, float(norm), float(max(sizes)), float(noise))
 
     def contact_forces(self, closures: Sequence[Floats]) -> Floats:
         """Forces of the contacts with a law at some closures (N), the rows of this rank."""
         pairs = zip(self.contacts, closures, strict=True)
-        pressures = [c.law.pressure(g) / self.softness for c, g in pairs]
-        return self._forces(pressures, self.frictional)
+        return self._forces([each.law.pressure(g) / self.softness for each, g in pairs])
 
-    def _forces(self, pressures: Sequence[Floats], frictional: Sequence[bool]) -> Floats:
+    def slopes(self, closures: Sequence[Floats]) -> list[Floats]:
+        """Slopes of the laws at given closures."""
+        pairs = zip(self.contacts, closures, strict=True)
+        return [each.law.slope(g) / self.softness for each, g in pairs]
+
+    def _forces(self, pressures: Sequence[Floats], *, friction: bool = True) -> Floats:
         """Forces of pressures at all points of each contact, the rows of this rank."""
-        total = np.zeros(self.rows)
-        for contact, pressure, friction in zip(self.contacts, pressures, frictional, strict=True):
+        total = np.zeros(self._x.getLocalSize())
+        for contact, pressure in zip(self.contacts, pressures, strict=True):
             force = contact.force(pressure, friction=friction)
             total += force.array_r
             destroy(force)
@@ -154,71 +156,55 @@ class SteadyEquations:
         squares = np.array([float(v @ v) for v in vectors])
         return np.sqrt(self.comm.allreduce(squares, MPI.SUM))
 
-    def slopes(self, closures: Sequence[Floats]) -> tuple[Floats, ...]:
-        """Slopes of the laws at given closures."""
-        pairs = zip(self.contacts, closures, strict=True)
-        return tuple(c.law.slope(g) / self.softness for c, g in pairs)
-
     def tangent(self, slopes: Slopes, *, friction: bool = True) -> Matrices:
         """Derivative of R at given slopes; free it with :func:`free_tangent`."""
-        symmetric: list[tuple[float, Any]] = [(1.0, self.matrices.stiffness)]
+        made = [each.tangent(p) for each, p in zip(self.contacts, slopes, strict=True)]
+        stiffness = scaled_total([(1.0, self.matrices.stiffness), *((1.0, K_n) for K_n, _ in made)])
+        stiffness.setOption(stiffness.Option.SYMMETRIC, True)
         rest: list[tuple[float, Any]] = []
-        made: list[Any] = []
         if self.matrices.unsymmetric is not None:
             rest.append((1.0, self.matrices.unsymmetric))
-        for contact, slope, frictional in zip(self.contacts, slopes, self.frictional, strict=True):
-            K_n, K_f = contact.tangent(slope)
-            made += [K_n] if K_f is None else [K_n, K_f]
-            symmetric.append((1.0, K_n))
-            if K_f is not None and frictional and friction:
+        for contact, (_, K_f) in zip(self.contacts, made, strict=True):
+            if friction and contact.has_friction:
                 rest.append((-1.0, K_f))
-        stiffness = scaled_total(symmetric)
-        stiffness.setOption(stiffness.Option.SYMMETRIC, True)
         unsymmetric = scaled_total(rest) if rest else None
-        destroy(*made)
+        destroy(*(each for pair in made for each in pair if each is not None))
         return replace(self.matrices, stiffness=stiffness, unsymmetric=unsymmetric)
 
-    def load_at(self, factor: float) -> Floats:
-        """A part of the load (N), the rows of this rank."""
-        return factor * self._load.array_r
+    def take_springs(self, factor: float) -> None:
+        """Take springs at all points: secants of contacts that a part of the load presses evenly.
 
-    def springs(self, factor: float) -> list[Floats]:
-        """Secant slope of each contact that a part of the load presses evenly (N/m^3)."""
-        slopes = []
+        They push and pull, and are at rest where the least initial gap is closed.
+        """
+        self.springs, force = [], factor * float(self._load.norm(1))
         for contact, gap in zip(self.contacts, self._gaps, strict=True):
             law, interface, nearest = contact.law, contact.interface, float(gap.min())
             assert isinstance(law, NormalCompliance)
             size = min(interface.a.mesh_size, interface.b.mesh_size)
             overlap = -nearest if -nearest > _OVERLAP * size else 0.0
-            closure = max(law.closure(self._even_pressure(contact, factor)), overlap)
+            even = force / float(interface.points.weight.sum())
+            closure = np.array(max(law.closure(even), overlap))
             if not closure > 0:
                 raise ConvergenceError(f"{OPENS}; nothing presses the sides together", best=None)
-            pressure = float(law.pressure(np.array(closure)))
-            slopes.append(np.full(len(interface.points), pressure / closure))
-        return slopes
-
-    def _even_pressure(self, contact: Contact, factor: float) -> float:
-        """Pressure (N/m^2) where a part of the load presses all of a contact evenly."""
-        return factor * float(self._load.norm(1)) / float(contact.interface.points.weight.sum())
+            self.springs.append(np.full(len(gap), law.pressure(closure) / closure))
 
     def _spring_lengths(self, factor: float) -> list[Floats]:
         """What closes the least initial gap at all points of each contact with a law (m)."""
         pairs = zip(self._gaps, self._prescribed, strict=True)
-        return [float(gap.min()) - factor * closed for gap, closed in pairs]
+        return [float(gap.min()) - factor * closed + np.zeros(len(gap)) for gap, closed in pairs]
 
-    def spring_forces(self, slopes: Slopes, factor: float) -> Floats:
-        """Forces (N) of springs at all points, at rest where the least gap is closed."""
-        pairs = zip(slopes, self._spring_lengths(factor), strict=True)
-        return self._forces([p * rest for p, rest in pairs], [False] * len(self.contacts))
+    def spring_forces(self, factor: float) -> Floats:
+        """Forces (N) of the springs on bodies that do not move, the rows of this rank."""
+        pairs = zip(self.springs, self._spring_lengths(factor), strict=True)
+        return self._forces([p * rest for p, rest in pairs], friction=False)
 
-    def spring_resultant(self, slopes: Slopes, x: Floats, factor: float) -> float:
-        """Sum of the normal forces (N) of such springs in a state, positive where they push."""
+    def spring_resultant(self, x: Floats, factor: float) -> float:
+        """Sum of the normal forces (N) of the springs in a state, positive where they push."""
         self._x.array[:] = x
+        of_contacts = zip(self.contacts, self.springs, self._spring_lengths(factor), strict=True)
         return sum(
             float(contact.interface.points.weight @ (p * (contact.closing(self._x) - rest)))
-            for contact, p, rest in zip(
-                self.contacts, slopes, self._spring_lengths(factor), strict=True
-            )
+            for contact, p, rest in of_contacts
         )
 
     def checked_residual(self, state: State, tangent: Matrices) -> float:
@@ -263,13 +249,19 @@ def initial_gap(contact: Contact) -> Floats:
     return distance + contact.added_gap
 
 
+def solved(factors: Shifted, b: Floats) -> tuple[Floats, Floats]:
+    """Displacements and contact forces for forces b (N), the rows of this rank."""
+    x, f = factors.solve_with_forces(b[:, None])
+    return x[:, 0], f[:, 0]
+
+
 def solved_regularly(matrices: Matrices, b: Floats) -> tuple[Floats, Floats] | None:
     """Displacements and contact forces for forces b (N); None where all of it is rounding."""
     try:
         factors = Shifted(matrices)
     except ConvergenceError:
         return None
-    x, f = factors.solve_with_forces(b[:, None])
-    uncertainty = rounding_uncertainty(matrices, factors, x, f)
+    x, f = solved(factors, b)
+    uncertainty = rounding_uncertainty(matrices, factors, x[:, None], f[:, None])
     factors.free()
-    return (x[:, 0], f[:, 0]) if uncertainty < LOST else None
+    return (x, f) if uncertainty < LOST else None

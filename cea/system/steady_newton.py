@@ -7,17 +7,20 @@ of the tangent helps, as where open points leave the bodies free, slopes of a pa
 closed contact are added to it. The active set is that of the closures at each state.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
-from cea.system.steady_equations import State, SteadyEquations, free_tangent, solved_regularly
-from cea.system.steady_state import parity_of
+from cea.system.steady_equations import (
+    State,
+    SteadyEquations,
+    free_tangent,
+    solved,
+)
+from cea.system.steady_state import LoadStep, parity_of
 from cea.timing import StageTimer
 
 _MOST = 60  # steps
@@ -36,43 +39,33 @@ _HELP = (0.0, 1e-3, 1e-1, 1.0, 10.0)
 class Iteration:
     """How Newton's method went."""
 
+    step: LoadStep  # the states and steps it took
     state: State  # the last state
-    # residual of each state, relative to the forces it is the sum of
-    residuals: list[float] = field(default_factory=list)
-    lengths: list[float] = field(default_factory=list)  # part of each step that was taken
-    closed: list[int] = field(default_factory=list)  # points that were closed in each state
-    # whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
-    # None where that is not known
-    parity: int | None = None
     converged: bool = False  # whether the residual is as small as rounding lets it be
 
     def note(self, state: State) -> None:
         """Go on to the next state."""
         self.state = state
-        self.residuals.append(state.relative)
-        self.closed.append(state.closed_points)
+        self.step.residuals.append(state.relative)
+        self.step.closed.append(state.closed_points)
 
     @property
     def stagnates(self) -> bool:
         """Whether the residual has not been halved for many steps."""
-        late = self.residuals[-_PATIENCE:]
-        return len(self.residuals) > _PATIENCE and min(late) > 0.5 * min(
-            self.residuals[:-_PATIENCE]
-        )
+        early, late = self.step.residuals[:-_PATIENCE], self.step.residuals[-_PATIENCE:]
+        return bool(early) and min(late) > 0.5 * min(early)
 
 
 class SteadyNewton:
-    """Newton's method on the equations; springs are slopes of a closed contact at all points."""
+    """Newton's method on the equations, with the help of their springs."""
 
-    def __init__(
-        self, equations: SteadyEquations, springs: Sequence[Floats], timer: StageTimer
-    ) -> None:
-        self._equations, self._springs, self._timer = equations, tuple(springs), timer
+    def __init__(self, equations: SteadyEquations, timer: StageTimer) -> None:
+        self._equations, self._timer = equations, timer
 
     def solve(self, x: Floats, f: Floats, factor: float) -> Iteration:
         """Solve from displacements and contact forces under a part of the load."""
         state = self._equations.state(x, f, factor)
-        run = Iteration(state)
+        run = Iteration(LoadStep(factor), state)
         run.note(state)
         for _ in range(_MOST):
             if state.relative <= _SOLVED:
@@ -89,16 +82,18 @@ class SteadyNewton:
                 break
             state = new
             run.note(state)
-            run.lengths.append(length)
+            run.step.lengths.append(length)
             if run.stagnates:
                 break
         return run
 
     def _step(self, state: State, factor: float, run: Iteration) -> tuple[State, float] | None:
         """The next state and the part of the step that was taken; None where none helps."""
-        run.parity = None
+        run.step.parity = None
         for part in _HELP:
-            pairs = zip(self._equations.slopes(state.closures), self._springs, strict=True)
+            pairs = zip(
+                self._equations.slopes(state.closures), self._equations.springs, strict=True
+            )
             slopes = [slope + part * spring for slope, spring in pairs]
             with self._timer("assembly"):
                 tangent = self._equations.tangent(slopes)
@@ -109,8 +104,8 @@ class SteadyNewton:
                 free_tangent(tangent)
                 continue
             if part == 0:
-                unstable = self._equations.unstable
-                run.parity = parity_of(tangent, factors, unstable=unstable)
+                softened = self._equations.unstable
+                run.step.parity = parity_of(tangent, factors, unstable=softened)
             with self._timer("factorisation"):
                 found = self._searched(factors, state, factor)
             factors.free()
@@ -123,7 +118,7 @@ class SteadyNewton:
         self, factors: Shifted, state: State, factor: float
     ) -> tuple[State, float] | None:
         """The longest part of a step that makes things better."""
-        dx, df = _solved(factors, -state.residual)
+        dx, df = solved(factors, -state.residual)
         (size,) = self._equations.norms(dx)
         if not np.isfinite(size):
             return None
@@ -140,26 +135,14 @@ class SteadyNewton:
     ) -> bool:
         if not np.isfinite(new.norm):
             return False
-        if state.closed_points and not new.closed_points and not self.is_held:
+        if state.closed_points and not new.closed_points and not self._equations.are_held:
             return False
         if new.norm <= 0.5 * state.norm:
             return True
-        (next_,) = self._equations.norms(_solved(factors, -new.residual)[0])
+        (next_,) = self._equations.norms(solved(factors, -new.residual)[0])
         return bool(next_ <= (1 - 0.25 * length) * size)
-
-    @cached_property
-    def is_held(self) -> bool:
-        """Whether the bodies are held without the contacts that have a law; collective."""
-        generator = np.random.default_rng(self._equations.comm.rank)
-        load = generator.standard_normal(self._equations.rows)
-        return solved_regularly(self._equations.matrices, load) is not None
 
 
 def _is_small(state: State) -> bool:
     """Whether what is left may be rounding."""
     return state.norm <= max(_ROUNDING * state.scale, _NOISE * state.noise)
-
-
-def _solved(factors: Shifted, b: Floats) -> tuple[Floats, Floats]:
-    dx, df = factors.solve_with_forces(b[:, None])
-    return dx[:, 0], df[:, 0]

@@ -86,25 +86,22 @@ class _Path:
     ) -> None:
         self._equations, self._timer = equations, timer
         self._targets, self._history = targets, history
-        self._set_springs(targets[0])
-
-    def _set_springs(self, factor: float) -> None:
-        """Take springs as stiff as closed contacts under a part of the load."""
-        self._springs = self._equations.springs(factor)
-        self._newton = SteadyNewton(self._equations, self._springs, self._timer)
+        self._newton = SteadyNewton(equations, timer)
         self._starts: dict[float, tuple[Floats, Floats]] = {}
 
     def solve(self) -> SteadySliding:
         """Put the load on in steps, or in more where it takes them."""
         first = self._targets[0]
-        if self._pulls(first) and not self._newton.is_held:
+        self._equations.take_springs(first)
+        if self._pulls(first) and not self._equations.are_held:
             start = self._equations.state(*self._start(first), first)
             raise ConvergenceError(OPENS, best=start)
         path: list[LoadStep] = []
         state: State | None = None
         for begin, end in pairwise((0.0, *self._targets)):
             if begin:
-                self._set_springs(end)
+                self._equations.take_springs(end)
+                self._starts.clear()
             state = self._step(state, begin, end, path)
         assert state is not None
         return self._result(state, path)
@@ -119,7 +116,10 @@ class _Path:
             if run.converged and run.state.closed_points:
                 done, state = factor, run.state
                 part = min(_GROWS * part, whole)
-                path.append(self._load_step(factor, run))
+                if self._history:
+                    x = self._equations.vector(state.x)
+                    run.step.state = StepState(x, self._contact_states(state))
+                path.append(run.step)
                 continue
             part *= 0.5
             least = (_SHORTEST if state is not None else _FIRST) * whole
@@ -159,10 +159,10 @@ class _Path:
         """
         if factor not in self._starts:
             equations = self._equations
-            tension = equations.spring_forces(self._springs, factor)
-            tangent = equations.tangent(self._springs, friction=False)
+            forces = equations.load_at(factor) + equations.spring_forces(factor)
+            tangent = equations.tangent(equations.springs, friction=False)
             with self._timer("factorisation"):
-                found = solved_regularly(tangent, equations.load_at(factor) + tension)
+                found = solved_regularly(tangent, forces)
             free_tangent(tangent)
             if found is None:
                 raise ConvergenceError(_FREE, best=equations.state(*equations.zero(), factor))
@@ -172,12 +172,11 @@ class _Path:
     def _result(self, state: State, path: Sequence[LoadStep]) -> SteadySliding:
         equations = self._equations
         tangent = equations.tangent(equations.slopes(state.closures))
+        x, f = state.x[:, None], state.f[:, None]
         try:
             with self._timer("factorisation"):
                 factors = _factorised(tangent, state)
-                uncertainty = rounding_uncertainty(
-                    tangent, factors, state.x[:, None], state.f[:, None]
-                )
+                uncertainty = rounding_uncertainty(tangent, factors, x, f)
                 parities = {step.factor: step.parity for step in path}
                 unstable = equations.unstable
                 uniqueness = uniqueness_at(tangent, factors, parities, unstable=unstable)
@@ -196,14 +195,6 @@ class _Path:
             path=tuple(path),
             uniqueness=uniqueness,
         )
-
-    def _load_step(self, factor: float, run: Iteration) -> LoadStep:
-        how = (tuple(run.residuals), tuple(run.lengths), tuple(run.closed), run.parity)
-        state = None
-        if self._history:
-            x = self._equations.vector(run.state.x)
-            state = StepState(x, self._contact_states(run.state))
-        return LoadStep(factor, *how, state)
 
     def _contact_states(self, state: State) -> dict[str, ContactState]:
         return {
@@ -234,7 +225,7 @@ class _Path:
         if self._equations.unstable:
             return False
         x = self._start(factor)[0]
-        return self._equations.spring_resultant(self._springs, x, factor) <= 0
+        return self._equations.spring_resultant(x, factor) <= 0
 
 
 def _factorised(tangent: Matrices, state: State) -> Shifted:

@@ -8,7 +8,6 @@ Where bodies rotate beyond a critical rate, those count that the symmetric part 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -52,18 +51,18 @@ class StepState:
     contacts: Mapping[str, ContactState]  # state of each half pass with a law, by its name
 
 
-@dataclass(frozen=True)
+@dataclass
 class LoadStep:
-    """A part of the load at which the equilibrium was found."""
+    """A part of the load, and how Newton's method found the equilibrium there."""
 
     factor: float  # the part
-    # residual of each state of Newton's method, relative to the forces it is the sum of
-    residuals: tuple[float, ...]
-    lengths: tuple[float, ...]  # part of each of its steps that was taken
-    closed: tuple[int, ...]  # points that were closed in each state
-    # whether the number of negative real eigenvalues of the tangent is odd (1) or even (0); None
-    # where it is symmetric, or that is not known
-    parity: int | None
+    # residual of each state, relative to the forces it is the sum of
+    residuals: list[float] = field(default_factory=list)
+    lengths: list[float] = field(default_factory=list)  # part of each step that was taken
+    closed: list[int] = field(default_factory=list)  # points that were closed in each state
+    # whether the number of negative real eigenvalues of the last tangent is odd (1) or even (0);
+    # None where it is symmetric, or that is not known
+    parity: int | None = None
     state: StepState | None = None  # the equilibrium; None where the history was not asked for
 
 
@@ -186,15 +185,10 @@ def _margin(tangent: Matrices, factors: Shifted) -> float:
     x.array[:] = np.random.default_rng(S.comm.rank).standard_normal(x.getLocalSize())
     growths = []
     for _ in range(_STEPS):
+        x.normalize()
         S.mult(x, y)
-        before = _norm(x)
         x.array[:] = factors.solve_block(y.array[:, None])[:, 0]
-        growths.append(_norm(x) / before)
-        x.scale(1 / _norm(x))
+        growths.append(x.norm())
     destroy(x, y)
     late = np.array(growths[_STEPS // 2 :])
     return float(1 / np.exp(np.log(late).mean()))
-
-
-def _norm(x: Any) -> float:
-    return float(x.norm())

@@ -7,12 +7,10 @@ directions that each holds (:mod:`cea.supports.constraints`). The resultants of 
 contacts and supports on a body, and their moments, add up to zero, and so do the forces of a
 contact on its two sides.
 
-A normal force s at a contact point pushes side a by - s (n - mu k) and side b by as much the other
-way; on a body it is spread by the trace of its side. Where forces are unknowns of what was solved
-they are taken from there, for gaps do not tell those of stiff and tied contacts:
-
-    points:   s = sqrt(W p^) Q f,    so that    (n - mu k).N^T s = (Q^T sqrt(W p^) (n - mu k).N)^T f
-    mortar:   s = w psi f.
+Contacts are assembled on all dofs of the bodies, as if nothing held them. Where their forces are
+unknowns of what was solved they are taken from there, for gaps do not tell those of stiff and tied
+contacts: L^T f, where of points L = Q^T sqrt(W p^) (G - mu T), G and T those of all dofs and Q that
+of the solution (:mod:`cea.contact.saddle`).
 
 Of a body that rotates (:mod:`cea.rotation`) forces on all dofs are, on the body and from outside,
 Omega^2 Z u of the convective stiffness and - alpha Omega B u of the damping of the mass; elastic
@@ -21,20 +19,18 @@ modes do not tell: M phi and K phi / omega^2 are the same at free dofs alone.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, hstack
+from scipy.sparse import csr_array, vstack
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.contact.contact import Contact
-from cea.contact.interface import along
+from cea.contact.contact import Contact, assembled
 from cea.contact.saddle import few_forces, with_multipliers
 from cea.errors import ConvergenceError
-from cea.matrices import absolute, destroy, gather
-from cea.petsc import MPI
+from cea.matrices import destroy, distributed, gather, local_part, scaled_total
 from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
@@ -116,7 +112,7 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
         reactions are attached.
     """
     moved = {name: system.displacement(x, name) for name in system.bodies}
-    sides = list(forces_on_bodies(system.contacts, moved, x, multipliers))
+    sides = list(forces_on_bodies(system, moved, multipliers))
     found = [
         _on_body(pieces, x, moved[name], [side for side in sides if side.body == name])
         for name, pieces in system.pieces.items()
@@ -144,16 +140,12 @@ def _of_contact(name: str, sides: Sequence[SideForces]) -> Balance:
 
 def _on_body(pieces: BodyTerms, x: Any, u: Floats, sides: Sequence[SideForces]) -> Balance:
     """Forces on a body at displacements x of all free dofs and u of its own."""
-    body, load = pieces.body, pieces.body.full_load()
+    body, load, strain = pieces.body, pieces.body.full_load(), pieces.strain(x)
     parts = {"loads": gather(load).reshape(-1, body.dim)}
     destroy(load)
-    strain = pieces.strain(x)
     strained = u if strain is None else u + gather(strain)
-    elastic, size = _times(body.full_stiffness(), strained, body)
-    if (springs := body.full_spring_stiffness()) is not None:
-        elastic -= _product(springs, strained, body)
-        parts["springs"] = -_times(springs, u, body)[0]
-    for label, factor, matrix in _of_rotation(pieces):
+    elastic, size = _times(body.space.stiffness(body.material.elasticity), strained, body)
+    for label, factor, matrix in _of_space(pieces):
         product, of_product = _times(matrix, u, body)
         parts[label] = factor * product
         size += abs(factor) * of_product
@@ -163,9 +155,8 @@ def _on_body(pieces: BodyTerms, x: Any, u: Floats, sides: Sequence[SideForces]) 
         size += side.size
     size += sum(float(np.abs(part).sum()) for part in parts.values())
     dofs, reactions = body.support_forces(elastic - sum(parts.values()))
-    supports = {f"support {number}": part for number, part in enumerate(reactions)}
-    labels = (*parts, *supports)
-    forces = np.array([part.sum(axis=0) for part in (*parts.values(), *supports.values())])
+    labels = (*parts, *(f"support {number}" for number in range(len(reactions))))
+    forces = np.array([part.sum(axis=0) for part in (*parts.values(), *reactions)])
     moments, radius, positions = None, 0.0, body.space.dof_positions
     if positions is not None:
         arms = positions - positions.mean(axis=0)
@@ -183,9 +174,11 @@ def _moment(arms: Floats, force: Floats) -> Floats:
     return np.asarray(np.cross(arms, force).sum(axis=0))
 
 
-def _of_rotation(pieces: BodyTerms) -> Iterator[tuple[str, float, Any]]:
-    """Forces of a rotation on a body at rest in space: labels, and factors on matrices (kg)."""
+def _of_space(pieces: BodyTerms) -> Iterator[tuple[str, float, Any]]:
+    """Forces of displacements at rest in space on a body: labels, and factors on matrices."""
     body, rotation, damping = pieces.body, pieces.motion.rotation, pieces.motion.damping
+    if (springs := body.full_spring_stiffness()) is not None:
+        yield "springs", -1.0, springs
     if rotation is None:
         return
     if rotation.convective_stiffness:
@@ -198,132 +191,100 @@ def _of_rotation(pieces: BodyTerms) -> Iterator[tuple[str, float, Any]]:
 
 def _times(matrix: Any, u: Floats, body: Body) -> tuple[Floats, float]:
     """A matrix of all dofs, which is freed, times a displacement u, and the sum of |A| |u|."""
-    sizes = absolute(matrix)
-    image, size = (_product(each, v, body) for each, v in ((matrix, u), (sizes, np.abs(u))))
-    destroy(matrix, sizes)
-    return image, float(size.sum())
-
-
-def _product(matrix: Any, u: Floats, body: Body) -> Floats:
-    """A matrix of all dofs times a displacement of them, shape (num_scalar_dofs, dim)."""
-    vector, image = matrix.createVecs()
-    first, last = vector.getOwnershipRange()
-    vector.array[:] = u[first:last]
-    matrix.mult(vector, image)
-    values = gather(image).reshape(-1, body.dim)
-    destroy(vector, image)
-    return values
+    rows = local_part(matrix)
+    destroy(matrix)
+    image = np.concatenate(body.comm.allgather(rows @ u))
+    size = body.comm.allreduce(float((abs(rows) @ np.abs(u)).sum()))
+    return image.reshape(-1, body.dim), size
 
 
 def forces_on_bodies(
-    contacts: Sequence[Contact], displacements: Mapping[str, Floats], x: Any, multipliers: Floats
+    system: CoupledSystem, moved: Mapping[str, Floats], multipliers: Floats
 ) -> Iterator[SideForces]:
     """Forces of contacts on both their sides in equilibrium, on held dofs too; collective."""
-    linear = [contact for contact in contacts if contact.law.linear]
-    for contact in contacts:
-        pressure = None
-        if contact.lumped is not None:
-            yield from _lumped(contact, displacements)
+    bodies = {name: replace(body, supports=()) for name, body in system.bodies.items()}
+    whole = {
+        each.name: assembled(bodies, each, frictional=each.has_friction, leave_out=True)
+        for each in system.contacts
+    }
+    if not whole:
+        return
+    u = whole[system.contacts[0].name].gap.createVecRight()
+    u.array[:] = np.concatenate([moved[name][_own(body)] for name, body in bodies.items()])
+    for contact in system.contacts:
+        of_all, size = whole[contact.name], _size(contact, moved)
+        if of_all.lumped is not None:
+            yield from _on_sides(bodies, contact, _image(*of_all.lumped, u), size)
         elif not contact.law.linear:
             assert contact.closure is not None
-            pressure = contact.projected_gap(contact.law.pressure(contact.closure))
+            force = of_all.force(contact.law.pressure(contact.closure))
+            yield from _on_sides(bodies, contact, force, size)
         elif not contact.has_multipliers:
-            pressure = contact.pressure(x)
-        if contact.prescribed is not None and contact.law.linear:
-            given = contact.slope * contact.prescribed
-            pressure = given if pressure is None else pressure + given
-        if pressure is not None:
-            interface, against = contact.interface, _against(contact)
-            s = (interface.points.weight * pressure)[interface.rows]
-            yield from _pushed(contact, s[:, None] * against, _size(contact, displacements))
+            force = of_all.force(contact.slope * of_all.closing(u))
+            yield from _on_sides(bodies, contact, force, size)
+        elif contact.prescribed is not None:
+            force = of_all.force(contact.slope * contact.prescribed)
+            yield from _on_sides(bodies, contact, force, size)
+    linear = [contact for contact in system.contacts if contact.law.linear]
     for halves in with_multipliers(linear).values():
+        reactions = [_reaction(whole[half.name]) for half in halves]
         if halves[0].projection is None:
-            closure, spread = few_forces(halves, [_rows_on(half, halves[0]) for half in halves])
-            own, multipliers = np.split(multipliers, [closure.shape[0]])
-            yield from _on_sides(halves[0], -(spread.T @ own))
-            continue
-        for half in halves:
-            size = half.gap.getLocalSize()[0]
-            yield from _of_projected(half, multipliers[:size])
-            multipliers = multipliers[size:]
+            parts = [few_forces(halves, [local_part(each) for each in reactions])[1]]
+        else:
+            parts = [local_part(each) for each in reactions]
+        rows = csr_array(vstack(parts))
+        own, multipliers = np.split(multipliers, [rows.shape[0]])
+        reaction = distributed(rows, reactions[0].getSizes()[1], reactions[0].comm)
+        f, force = reaction.createVecLeft(), reaction.createVecRight()
+        f.array[:] = own
+        reaction.multTranspose(f, force)
+        destroy(reaction, f, *reactions)
+        yield from _on_sides(bodies, halves[0], force)
+    destroy(u)
 
 
-def _of_projected(contact: Contact, multipliers: Floats) -> Iterator[SideForces]:
-    """Of multipliers of mortar or bonded contact, the rows of this rank."""
-    assert contact.projection is not None
-    traces, points = contact.projection.traces, contact.interface.local_points
-    bonded = contact.coupling == "bonded"
-    tractions = []
-    for own in multipliers.reshape(points.x.shape[1] if bonded else 1, -1):
-        multiplier, traction = traces.createVecs()
-        multiplier.array[:] = own
-        traces.mult(multiplier, traction)
-        tractions.append(np.array(traction.array_r))
-        destroy(multiplier, traction)
-    traction = np.column_stack(tractions) * (1.0 if bonded else _against(contact))
-    yield from _pushed(contact, points.weight[:, None] * traction)
+def _own(body: Body) -> slice:
+    """Dofs of this rank of a body without supports."""
+    return slice(*body.expansion.getOwnershipRange())
 
 
-def _lumped(contact: Contact, displacements: Mapping[str, Floats]) -> Iterator[SideForces]:
-    """Of lumped contact: the displacement of a dof stands for that of its body at the points."""
-    points = contact.interface.local_points
-    pushed = points.weight * contact.slope[contact.interface.rows]
-    pushed = pushed[:, None] * _against(contact)
-    dim, traces = points.x.shape[1], _traces(contact)
-    moved = [displacements[name].reshape(-1, dim) for name in (contact.a, contact.b)]
-    forces = []
-    for trace, u, opposite, v in zip(traces, moved, traces[::-1], moved[::-1], strict=True):
-        far = trace.T @ (np.einsum("qi,qi->q", points.normal, opposite @ v)[:, None] * pushed)
-        blocks = trace.T @ np.einsum("qi,qj->qij", pushed, points.normal).reshape(-1, dim * dim)
-        near = np.einsum("nij,nj->ni", blocks.reshape(-1, dim, dim), u)
-        forces.append((far - near).ravel())
-    yield from _on_sides(contact, np.concatenate(forces), _size(contact, displacements))
+def _image(K_n: Any, K_f: Any | None, u: Any) -> Any:
+    """(K_n - K_f) u."""
+    force = K_n.createVecLeft()
+    if K_f is not None:
+        K_f.mult(u, force)
+        force.scale(-1.0)
+    K_n.multAdd(u, force, force)
+    return force
 
 
-def _traces(contact: Contact) -> tuple[csr_array, csr_array]:
-    return contact.interface.trace_a, contact.interface.trace_b
+def _reaction(contact: Contact) -> Any:
+    """L = J - R, a new matrix, of gaps and slips of a contact."""
+    parts = [(1.0, contact.gap)]
+    if contact.has_friction:
+        parts.append((-1.0, contact.slip))
+    return scaled_total(parts)
 
 
-def _size(contact: Contact, displacements: Mapping[str, Floats]) -> float:
-    """Stiffness times displacements of both sides, summed over the points of this rank (N)."""
+def _size(contact: Contact, moved: Mapping[str, Floats]) -> float:
+    """Stiffness times displacements of both sides, summed over all points (N)."""
     interface = contact.interface
-    moved = np.zeros(len(interface.local_points))
-    for name, trace in zip((contact.a, contact.b), _traces(contact), strict=True):
-        u = displacements[name].reshape(trace.shape[1], -1)
-        moved += abs(trace) @ np.linalg.norm(u, axis=1)
-    return float((interface.local_points.weight * contact.slope[interface.rows]) @ moved)
+    lengths = np.zeros(len(interface.local_points))
+    sides = ((contact.a, interface.trace_a), (contact.b, interface.trace_b))
+    for name, trace in sides:
+        lengths += abs(trace) @ np.linalg.norm(moved[name].reshape(trace.shape[1], -1), axis=1)
+    weighted = interface.local_points.weight * contact.slope[interface.rows]
+    return interface.comm.allreduce(float(weighted @ lengths))
 
 
-def _against(contact: Contact) -> Floats:
-    """Direction n - mu k that contact forces push against, at the points of this rank."""
-    points = contact.interface.local_points
-    if contact.friction is None or not contact.has_friction:
-        return points.normal
-    direction = contact.friction.direction.at(points.x, points.normal)
-    return points.normal - contact.mu_at_points[:, None] * direction
-
-
-def _rows_on(contact: Contact, first: Contact) -> csr_array:
-    """Jump along n - mu k at the points of this rank, from all dofs of sides a and b of the first.
-
-    Its other half has these sides in turn.
-    """
-    against, (a, b) = _against(contact), _traces(contact)
-    rows = {contact.a: along(a, against), contact.b: along(b, -against)}
-    return csr_array(hstack([rows[first.a], rows[first.b]]))
-
-
-def _pushed(contact: Contact, pushed: Floats, size: float = 0.0) -> Iterator[SideForces]:
-    """Of forces (N) at the points of each rank that push against side a."""
-    a, b = _traces(contact)
-    return _on_sides(contact, np.concatenate([-(a.T @ pushed), b.T @ pushed]), size)
-
-
-def _on_sides(contact: Contact, forces: Floats, size: float = 0.0) -> Iterator[SideForces]:
-    """Forces (N), and their size, that the points of each rank put on dofs of sides a and b."""
-    comm, dim = contact.interface.comm, contact.interface.a.dim
-    every = comm.allreduce(forces, MPI.SUM).reshape(-1, dim)
-    of_all = comm.allreduce(size)
-    own = np.split(every, [contact.interface.trace_a.shape[1]])
-    for body, part in zip((contact.a, contact.b), own, strict=True):
-        yield SideForces(contact.pair, body, part, of_all)
+def _on_sides(
+    bodies: Mapping[str, Body], contact: Contact, force: Any, size: float = 0.0
+) -> Iterator[SideForces]:
+    """A force against the motion (N), PETSc vector of all dofs, which is freed, on both bodies."""
+    ends = np.cumsum([body.expansion.getLocalSize()[0] for body in bodies.values()])
+    parts = dict(zip(bodies, np.split(-force.array_r, ends[:-1]), strict=True))
+    destroy(force)
+    for name in (contact.a, contact.b):
+        body = bodies[name]
+        whole = np.concatenate(body.comm.allgather(parts[name])).reshape(-1, body.dim)
+        yield SideForces(contact.pair, name, whole, size)

@@ -118,7 +118,8 @@ def _geometry_error(
     with agreed(interface.comm):
         tilt = interface.a.normal_error(interface.local_points.at)
         local = interface.geometry_error
-    seeming = approach_along(system.bodies, contact, tilt, steady.displacement)
+    moved = {n: system.displacement(steady.displacement, n) for n in (contact.a, contact.b)}
+    seeming = approach_along(contact, tilt, moved)
     error = np.concatenate(interface.comm.allgather(local)) + np.abs(contact.projected_gap(seeming))
     force = interface.points.weight * state.pressure
     if not force.any():

@@ -194,7 +194,9 @@ def _gaps(result: Result, contact: Contact, modes: list[int]) -> Any:
     """Gaps (m) at all points of a contact, (points, solutions), on every rank."""
     normal = contact.interface.local_points.normal
     if result.spectrum is None:
-        return approach_along(result.bodies, contact, normal, result.displacement)[:, None]
+        sides = (contact.a, contact.b)
+        moved = {name: result.system.displacement(result.displacement, name) for name in sides}
+        return approach_along(contact, normal, moved)[:, None]
     jump = jump_operator(result.bodies, contact, normal)
     gap = times(jump, result.modes.vectors[:, modes])
     destroy(jump)

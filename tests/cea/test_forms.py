@@ -33,20 +33,20 @@ def test_saddle_where_a_penalty_costs_more_than_six_digits(backend, P, full_pass
     form = "saddle" if P == 1e9 else "penalty"
     system = assemble(contact_of(backend, P, full_pass=full_pass))
     assert forms(system) == {form}
-    assert not system.warnings
+    assert not system.warnings_at({})
 
 
 @pytest.mark.parametrize("fields", [{"formulation": LUMPED}, {"form": "penalty"}])
 def test_a_penalty_that_stays_says_how_many_digits_it_costs(backend, fields):
     system = assemble(contact_of(backend, 1e9, **fields))
     assert forms(system) == {"penalty"}
-    (warning,) = system.warnings
+    (warning,) = system.warnings_at({})
     assert warning.kind == "penalty-rounding"
     assert warning.data["contact"] == "interface"
     stiffness = system.pencil().at().stiffness
     largest = stiffness.getDiagonal().array / system.stiffness_diagonal.array
     assert warning.data["digits"] == pytest.approx(np.log10(largest.max()), abs=1e-3)
-    assert not assemble(contact_of(backend, 1e5, **fields)).warnings
+    assert not assemble(contact_of(backend, 1e5, **fields)).warnings_at({})
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_digits_at_other_moduli_are_those_of_a_scene_assembled_there(backend, mo
     for name, E in moduli.items():
         data["bodies"][name]["material"]["E"] = E
     data["contacts"]["interface"]["P"] = 1e11
-    (fresh,) = assemble(data).warnings
+    (fresh,) = assemble(data).warnings_at({})
     assert found.data["digits"] == pytest.approx(fresh.data["digits"], abs=1e-9)
 
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from blocks import assemble, scene_body
+from blocks import alone, assemble, scene_body
 from covering import covering
-from damped_numbers import alone
 
 from cea.damping import ModalDamping
 from cea.eigen.driver import solve_modes

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from blocks import scene_body, two_blocks
+from blocks import alone, scene_body, two_blocks
 from covering import covering
 from pressed import pressed_blocks
 
@@ -28,7 +28,7 @@ def box(backend, supports, *, dim=3, degree=2, cell=None, nu=NU, **body):
     body |= {"supports": supports, "material": {"E": E, "nu": nu, "rho": 1.0}}
     section = scene_body(backend, geometry, [3, 2, 2][:dim], degree, **body)
     section["mesh"]["fe"]["cell"] = cell or CELLS[dim][0]
-    return {"name": "box", "bodies": {"box": section}, "analysis": {"kind": "static"}}
+    return alone(section, None)
 
 
 def solved(data):
@@ -54,8 +54,8 @@ def test_a_stretched_box_is_exact(cells, dim, degree):
     modulus = E if dim == 3 else E / (1 - NU**2)
     force = modulus * STRETCH * np.prod(SIZE[1:dim])
     pulled = [force * sign for sign in (-1, 1)]
-    assert result.reactions["box"][[0, -1], 0] == pytest.approx(pulled, rel=1e-12)
-    assert np.abs(result.reactions["box"].sum(axis=0)).max() <= 1e-12 * force
+    assert result.reactions["part"][[0, -1], 0] == pytest.approx(pulled, rel=1e-12)
+    assert np.abs(result.reactions["part"].sum(axis=0)).max() <= 1e-12 * force
 
 
 @pytest.mark.parametrize(
@@ -145,7 +145,7 @@ def test_values_that_contradict_each_other_are_refused(backend):
 def test_what_is_no_value_is_refused(backend, support, field):
     with pytest.raises(SceneError) as refused:
         read_scene(box(backend, [*held(STRETCH), {"surface": "y_max"} | support]))
-    assert any(f.field.startswith("bodies.box.supports.4") for f in refused.value.faults)
+    assert any(f.field.startswith("bodies.part.supports.4") for f in refused.value.faults)
     assert any(field in f.field for f in refused.value.faults)
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from blocks import alone, scene_body
 from mpi import on_ranks
 from reaction_numbers import CONTACTS, INNER, MOVED, NU, OUTER, E, borne, pressed, sector
 from scipy.sparse import csr_array
@@ -20,24 +21,20 @@ def reactions_of(data):
     return run_scene(read_scene(data)).reactions
 
 
-def column(backend, rollers, *, nu=0.0, placement=None, top=("z",), **body):
+def column(backend, rollers, *, nu=0.0, **body):
     """A column pressed on its foot by its top, between walls."""
-    elements, moved = [1, 1, 4], -8.2e-6
     supports = [{"surface": name, "components": rollers[name[0]]} for name in SIDES]
-    supports.append({"surface": "z_max", "components": list(top), "value": moved})
+    supports.append({"surface": "z_max", "components": ["z"], "value": -8.2e-6})
     supports.append({"surface": "z_min", "components": ["normal"]})
-    section = {
-        "backend": backend,
-        "geometry": {"shape": "box", "size": [0.01, 0.02, 0.04]},
-        "material": {"E": 1e9, "nu": nu, "rho": 2000.0},
-        "mesh": {
-            "fe": {"cell": "hexahedron", "degree": 2, "elements": elements},
-            "iga": {"degree": [2, 2, 2], "elements": elements},
-        },
-        "supports": supports,
-        "placement": placement or {},
-    }
-    return {"name": "column", "bodies": {"a": section | body}, "analysis": {"kind": "static"}}
+    part = scene_body(
+        backend,
+        {"shape": "box", "size": [0.01, 0.02, 0.04]},
+        [1, 1, 4],
+        material={"E": 1e9, "nu": nu, "rho": 2000.0},
+        supports=supports,
+        **body,
+    )
+    return alone(part, None)
 
 
 NORMAL = {"x": ["normal"], "y": ["normal"]}
@@ -47,14 +44,14 @@ PLAIN = {"x": ["x"], "y": ["y"]}
 @pytest.mark.parametrize("nu", [0.0, 0.3])
 def test_walls_bear_nothing_along_a_column(backend, nu):
     """Uniaxial strain: sigma_z = (lambda + 2 mu) e on the ends, lambda e on the walls."""
-    forces = reactions_of(column(backend, NORMAL, nu=nu))["a"]
+    forces = reactions_of(column(backend, NORMAL, nu=nu))["part"]
     lame = 1e9 * nu / (1 + nu) / (1 - 2 * nu), 1e9 / 2 / (1 + nu)
     strain = -8.2e-6 / 0.04
     along, across = (lame[0] + 2 * lame[1]) * strain, lame[0] * strain
     x, y, z = across * 0.02 * 0.04, across * 0.01 * 0.04, along * 0.01 * 0.02
     expected = [[-x, 0, 0], [x, 0, 0], [0, -y, 0], [0, y, 0], [0, 0, z], [0, 0, -z]]
     assert forces == pytest.approx(np.array(expected), abs=1e-12 * abs(z))
-    assert reactions_of(column(backend, PLAIN, nu=nu))["a"] == pytest.approx(
+    assert reactions_of(column(backend, PLAIN, nu=nu))["part"] == pytest.approx(
         forces, abs=1e-12 * abs(z)
     )
 
@@ -70,7 +67,7 @@ def test_a_sector_bears_what_lame_says(backend, sides):
     )
     pull = OUTER * (2 * (lame + shear) * A - 2 * shear * B / OUTER**2)
     expected = np.array([[pull, pull], [0.0, -pull], [-pull, 0.0]])
-    forces = reactions_of(sector(backend, sides))["ring"]
+    forces = reactions_of(sector(backend, sides))["part"]
     assert forces == pytest.approx(expected, abs=1e-5 * pull)
     # No support bears anything across the directions that it holds.
     assert np.abs(forces[1:][expected[1:] == 0]).max() < 1e-13 * pull
@@ -150,17 +147,17 @@ def test_supports_bear_what_contacts_of_every_kind_do(backend, contact, mu):
 def test_springs_and_loads_are_borne_too(backend):
     """A column on a foundation bears on nothing else; of a load the foot bears what is left."""
     data = column(backend, NORMAL, springs=[{"surface": "z_max", "stiffness": [0.0, 0.0, 1e9]}])
-    del data["bodies"]["a"]["supports"][4]
+    del data["bodies"]["part"]["supports"][4]
     area, push = 0.01 * 0.02, 300.0
-    data["loads"] = [{"surface": "a.z_max", "force": [0.0, 0.0, -push]}]
-    forces = reactions_of(data)["a"]
+    data["loads"] = [{"surface": "part.z_max", "force": [0.0, 0.0, -push]}]
+    forces = reactions_of(data)["part"]
     spring, rod = 1e9 * area, 1e9 * area / 0.04
     assert forces[-1, 2] == pytest.approx(push * rod / (rod + spring), rel=1e-10)
-    del data["bodies"]["a"]["supports"][4]
-    forces = reactions_of(data)["a"]
+    del data["bodies"]["part"]["supports"][4]
+    forces = reactions_of(data)["part"]
     assert np.abs(forces).max() < 1e-11 * push
-    data["loads"].append({"body": "a", "body_force": [0.0, 5e6, 0.0]})
-    forces = reactions_of(data)["a"].sum(axis=0)
+    data["loads"].append({"body": "part", "body_force": [0.0, 5e6, 0.0]})
+    forces = reactions_of(data)["part"].sum(axis=0)
     assert forces == pytest.approx([0.0, -5e6 * area * 0.04, 0.0], abs=1e-9 * push)
 
 

@@ -9,8 +9,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from blocks import scene_body
-from damped_numbers import alone
+from blocks import alone, scene_body
 from petsc_matrices import dense_pencil, quadratic_eigenvalues, to_numpy
 from scipy.linalg import eigh
 

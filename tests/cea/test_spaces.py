@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from bodies import PLASTIC as MATERIAL
 from bodies import shape_body
+from motions import rigid_motions
 from mpi import on_ranks
 from petsc_matrices import to_numpy
 from stub_backend import StubSpace
@@ -57,17 +58,6 @@ def ends(case):
     if case[1] == "stub":
         return "bottom", "top"
     return TOP["box" if case[0] is BOX else "plate"]
-
-
-def rigid_motions(x):
-    dim = x.shape[1]
-    spins = [[0, 1]] if dim == 2 else [[0, 1], [0, 2], [1, 2]]
-    turns = []
-    for i, j in spins:
-        turn = np.zeros_like(x)
-        turn[:, i], turn[:, j] = -x[:, j], x[:, i]
-        turns.append(turn.ravel())
-    return np.column_stack([np.tile(e, len(x)) for e in np.eye(dim)] + turns)
 
 
 @pytest.fixture(params=FLAT)

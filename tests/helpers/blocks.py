@@ -30,14 +30,18 @@ def scene_body(backend, geometry, elements, degree=2, **sections):
     } | sections
 
 
-def block(backend, size, origin, elements, *, placement=None, supports=(), **mesh):
+def alone(body, max_frequency=1.0):
+    """A scene of one body, "part"; static without a frequency."""
+    analysis = {"kind": "cea", "max_frequency": max_frequency}
+    if max_frequency is None:
+        analysis = {"kind": "static"}
+    return {"name": "alone", "bodies": {"part": body}, "analysis": analysis}
+
+
+def block(backend, size, origin, elements, *, placement=None, **fields):
     """Body section of a scene: a block."""
     geometry = {"shape": "box", "size": size, "origin": origin}
-    held = {"supports": list(supports), "placement": placement or {}}
-    body = scene_body(backend, geometry, elements, **held)
-    for name, changed in mesh.items():
-        body["mesh"][name] |= changed
-    return body
+    return scene_body(backend, geometry, elements, placement=placement or {}, **fields)
 
 
 def rectangle(backend, size, elements, *, origin=(0.0, 0.0), degree=2, **fields):
@@ -61,14 +65,10 @@ def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.
 
         rotation = Placement(tuple(placement["axis"]), placement["angle"]).rotation
         direction = (rotation @ direction).tolist()
-    top = [{"surface": "z_max"}] if held else []
-    bottom = [{"surface": "z_min"}] if held else []
-    upper = block(
-        backend, [0.5, 0.6, 0.3], [0.2, 0.3, 0.4], [3, 2, 1], placement=placement, supports=top
-    )
-    lower = block(
-        backend, [1.0, 1.1, 0.4], [0.0, 0.0, 0.0], [4, 5, 1], placement=placement, supports=bottom
-    )
+    upper = block(backend, [0.5, 0.6, 0.3], [0.2, 0.3, 0.4], [3, 2, 1])
+    lower = block(backend, [1.0, 1.1, 0.4], [0.0, 0.0, 0.0], [4, 5, 1])
+    for body, side in ((upper, "z_max"), (lower, "z_min")):
+        body |= {"placement": placement or {}, "supports": [{"surface": side}] if held else []}
     return {
         "name": "two blocks",
         "bodies": {"upper": upper, "lower": lower},

@@ -2,6 +2,8 @@
 
 from cea.body import Body
 from cea.material import IsotropicMaterial
+from cea.petsc import MPI
+from cea.ranks import made_on_first
 from fe_cea import LagrangeSpace
 from iga_cea import NurbsSpace
 from meshes.breaks import breaks_of
@@ -47,5 +49,8 @@ def shape_body(shape, cell, degree, mesh, *, order=None, placement=PLAIN, **opti
         data = nurbs_shape(shape, given["breaks"], placement)
         degrees = degree if isinstance(degree, tuple) else (degree,) * len(mesh)
         return nurbs_body("part", data.patches, data.faces, degrees, **options)
-    made = shape_mesh(shape, cell, order or degree, placement=placement, **given)
+    made = made_on_first(
+        MPI.COMM_WORLD,
+        lambda: shape_mesh(shape, cell, order or degree, placement=placement, **given),
+    )
     return lagrange_body("part", made, degree=degree, **options)

@@ -8,6 +8,7 @@ from itertools import chain, product
 
 import numpy as np
 from bodies import lagrange_body, nurbs_body
+from motions import rigid_motions
 from scipy.special import roots_legendre
 
 from cea.contact.contact import Contact
@@ -40,6 +41,8 @@ KINDS = {
 }
 """Bodies of each dimension of space."""
 BOXES = {"triangle": "quadrilateral", "tetrahedron": "hexahedron"}
+BACKS = {"block": {}, "seat": {"back": (0, -0.5)}}
+"""Planes behind the parts that are held: axis and coordinate."""
 MU, STIFFNESS = 0.3, 7.0
 
 
@@ -64,189 +67,111 @@ def rules(kind):
     }
 
 
-def block(kind, dim, elements, *, together=True, degree=2, **conditions):
-    """The block; its contact surface is "corner", or "face 0", "face 1", ... one by one.
+def part(name, kind, dim, elements, *, together=True, **conditions):
+    """The block or the seat, of elements along each side, with supports or other conditions.
 
-    Parameters
-    ----------
-    kind, dim, elements
-        Kind of the body, dimension of space, elements along each side.
-    together
-        Whether the faces are one surface.
-    degree, conditions
-        Those of the body.
+    Its contact surface is "corner", or "face 0", "face 1", ... one by one.
     """
-    breaks = [np.linspace(0.0, 1.0, elements + 1)] * dim
+    lines = [np.linspace(0.0, 1.0, elements + 1)]
+    if name == "seat":
+        lines = [np.linspace(-0.5, 0.0, 2), np.linspace(0.0, 1.5, elements + 1)]
+    planes = {f"face {k}": (k, 0.0) for k in range(dim)} | BACKS[name]
+    conditions |= {"degree": 2, "material": MATERIAL}
     if kind == "nurbs":
-        faces = {f"face {k}": [(0, k, 0)] for k in range(dim)}
-        faces |= {"back 0": [(0, 0, 1)], "back 1": [(0, 1, 1)]}
-        return _nurbs("block", [breaks], faces, together, degree, conditions)
-    planes = {f"face {k}": (k, 0.0) for k in range(dim)} | {"back 0": (0, 1.0), "back 1": (1, 1.0)}
-    return _lagrange("block", kind, breaks, planes, together, degree, conditions)
+        breaks = [each for each in product(lines, repeat=dim) if not _is_corner(name, each)]
+        faces = _joined({n: _faces(breaks, *plane) for n, plane in planes.items()}, together)
+        conditions["degree"] = (2,) * dim
+        return nurbs_body(name, [_patch(each) for each in breaks], faces, **conditions)
+    boxes = BOXES.get(kind, kind)
+    mesh = _boxes(name, boxes, [np.unique(np.concatenate(lines))] * dim, planes, together)
+    return lagrange_body(name, divided(mesh) if kind in BOXES else mesh, **conditions)
 
 
-def seat(kind, dim, elements, *, together=True, degree=2, **conditions):
-    """The seat; names as of the block, "back" behind its first face."""
-    parts = [np.linspace(-0.5, 0.0, 2), np.linspace(0.0, 1.5, elements + 1)]
-    if kind == "nurbs":
-        places = [place for place in product((0, 1), repeat=dim) if not all(place)]
-        faces = {
-            f"face {k}": [
-                (number, k, 1)
-                for number, place in enumerate(places)
-                if place == tuple(int(j != k) for j in range(dim))
-            ]
-            for k in range(dim)
-        }
-        faces["back"] = [(number, 0, 0) for number, place in enumerate(places) if not place[0]]
-        breaks = [[parts[end] for end in place] for place in places]
-        return _nurbs("seat", breaks, faces, together, degree, conditions)
-    breaks = [np.unique(np.concatenate(parts))] * dim
-    planes = {f"face {k}": (k, 0.0) for k in range(dim)} | {"back": (0, -0.5)}
-    return _lagrange("seat", kind, breaks, planes, together, degree, conditions)
+def _is_corner(name, breaks):
+    """Whether a part of the box of the seat is that of the block."""
+    return name == "seat" and all(each[0] == 0 for each in breaks)
 
 
-def _nurbs(name, breaks, faces, together, degree, conditions):
-    patches = [
-        NurbsPatch(
-            (1,) * len(along),
-            tuple(np.repeat(each[[0, -1]], 2) for each in along),
-            _corners(along),
-            np.ones((2,) * len(along)),
-            tuple(along),
-        )
-        for along in breaks
+def _patch(breaks):
+    corners = np.stack(np.meshgrid(*(each[[0, -1]] for each in breaks), indexing="ij"), axis=-1)
+    knots = tuple(np.repeat(each[[0, -1]], 2) for each in breaks)
+    weights = np.ones((2,) * len(breaks))
+    return NurbsPatch((1,) * len(breaks), knots, corners, weights, tuple(breaks))
+
+
+def _faces(breaks, axis, value):
+    """Faces of patches in a plane: number of the patch, axis, end."""
+    return [
+        (number, axis, end)
+        for number, along in enumerate(breaks)
+        for end in (0, 1)
+        if along[axis][-end] == value
+        and (value != 0 or all(each[-1] > 0 for k, each in enumerate(along) if k != axis))
     ]
-    degrees = (degree,) * len(breaks[0])
-    faces = _named(faces, together, lambda parts: list(chain(*parts)))
-    return nurbs_body(name, patches, faces, degrees, material=MATERIAL, **conditions)
 
 
-def _corners(breaks):
-    return np.stack(np.meshgrid(*(each[[0, -1]] for each in breaks), indexing="ij"), axis=-1)
-
-
-def _lagrange(name, cell, breaks, planes, together, degree, conditions):
-    boxes = BOXES.get(cell, cell)
+def _boxes(name, cell, breaks, planes, together):
+    """Mesh of boxes, without those in the positive corner of a seat."""
     low, high = ([each[end] for each in breaks] for end in (0, -1))
     shape = {2: Rectangle, 3: Box}[len(breaks)](tuple(np.subtract(high, low)), tuple(low))
-    whole = shape_mesh(shape, boxes, 1, breaks=tuple(breaks))
+    whole = shape_mesh(shape, cell, 1, breaks=tuple(breaks))
     cells = whole.cells
     if name == "seat":
         cells = cells[~(whole.points[cells].mean(axis=1) > 0).all(axis=1)]
-    facets = np.concatenate([cells[:, nodes] for nodes in facet_nodes(boxes, 1)])
+    facets = np.concatenate([cells[:, nodes] for nodes in facet_nodes(cell, 1)])
     _, index, count = np.unique(
         np.sort(facets, axis=1), axis=0, return_index=True, return_counts=True
     )
     facets = facets[index[count == 1]]
     x = whole.points[facets]
-    middle = x.mean(axis=1)
     surfaces = {}
     for surface, (axis, value) in planes.items():
         on = (x[:, :, axis] == value).all(axis=1)
         if value == 0:
-            on &= (np.delete(middle, axis, axis=1) > 0).all(axis=1)
+            on &= (np.delete(x.mean(axis=1), axis, axis=1) > 0).all(axis=1)
         surfaces[surface] = facets[on]
-    surfaces = _named(surfaces, together, np.concatenate)
-    mesh = Mesh(boxes, 1, whole.points, cells, surfaces).without_loose_points()
-    mesh = divided(mesh) if cell in BOXES else mesh
-    return lagrange_body(name, mesh, degree=degree, material=MATERIAL, **conditions)
+    surfaces = {n: np.asarray(each) for n, each in _joined(surfaces, together).items()}
+    return Mesh(cell, 1, whole.points, cells, surfaces).without_loose_points()
 
 
-def _named(surfaces, together, joined):
+def _joined(surfaces, together):
+    """Surfaces by name, the faces as one if together."""
     if not together:
         return surfaces
-    faces = [surface for surface in surfaces if surface.startswith("face")]
+    faces = [name for name in surfaces if name.startswith("face")]
     rest = {name: surface for name, surface in surfaces.items() if name not in faces}
-    return {"corner": joined([surfaces[name] for name in faces])} | rest
+    return {"corner": list(chain(*(surfaces[name] for name in faces)))} | rest
 
 
-def system(kind, dim, rule, *, together=True, reverse=False, held=False, **options):
-    """Block and seat in contact: over the corner at once, or face by face.
+def system(
+    kind, dim, rule, *, together=True, reverse=False, held=False, p=STIFFNESS, penetration=None
+):
+    """Block and seat in contact by a rule, over the corner at once or face by face.
 
-    Parameters
-    ----------
-    kind, dim
-        Kind of the bodies, dimension of space.
-    rule
-        Formulation.
-    together
-        Whether one contact reaches over the corner.
-    reverse
-        Whether the points lie on the seat, which the block covers in part.
-    held
-        Whether the seat is held at its back.
-    options
-        Those of :func:`coupled`.
+    The points lie on the block or, in reverse, on the seat, which the block covers in part; the
+    seat may be held at its back. p is a number, a function of positions and normals, or a law that
+    is not linear, which is linearised about a penetration.
     """
     supports = {"supports": [Support("back")]} if held else {}
     bodies = {
-        "block": block(kind, dim, 5 - dim, together=together),
-        "seat": seat(kind, dim, 5 - dim, together=together, **supports),
+        "block": part("block", kind, dim, 5 - dim, together=together),
+        "seat": part("seat", kind, dim, 5 - dim, together=together, **supports),
     }
     a, b = ("seat", "block") if reverse else ("block", "seat")
-    return coupled(bodies, rule, a=a, b=b, **options)
-
-
-def coupled(bodies, rule, *, a="block", b="seat", p=STIFFNESS, mu=MU, penetration=None, **options):
-    """Bodies in contact on their surfaces of the same names, by a rule on body a.
-
-    Parameters
-    ----------
-    bodies, rule
-        Bodies by name, formulation.
-    a, b
-        Names of the sides.
-    p
-        Contact stiffness: a number, a function of positions and normals, or a law that is not
-        linear.
-    mu
-        Friction coefficient.
-    penetration
-        What such a law is linearised about.
-    options
-        Those of couple.
-    """
+    push = AlongVector((-1.0 if reverse else 1.0,) * dim)
     contacts = []
-    names = [name for name in bodies[a].surfaces if name.startswith(("corner", "face"))]
-    for name in names:
+    for name in [name for name in bodies[a].surfaces if name.startswith(("corner", "face"))]:
         sides = bodies[a].surfaces[name], bodies[b].surfaces[name]
-        points = rule.points_on(*sides, default_reach(*sides))
-        interface = pair(*sides, points, max_missed=0.8)
-        points, form, law = interface.points, None, p
+        interface = pair(*sides, rule.points_on(*sides, default_reach(*sides)), max_missed=0.8)
+        points, law = interface.points, p
         if callable(p):
             law = LinearLaw(p(points.x, points.normal))
         elif isinstance(p, float):
-            law, form = LinearLaw(np.full(len(points), p)), "saddle" if p == np.inf else None
-        push = (1.0 if a == "block" else -1.0,) * bodies[a].dim
-        contacts.append(
-            Contact(
-                name,
-                name,
-                a,
-                b,
-                interface,
-                law,
-                Friction(mu, AlongVector(push)),
-                coupling=rule.coupling,
-                form=form,
-                closure=None if penetration is None else np.full(len(points), penetration),
-            )
-        )
-    return couple(bodies, contacts, **options)
-
-
-def rigid_motions(dim):
-    """Translations and rotations as functions of position, each (n, dim) to (n, dim)."""
-    planes = [(0, 1)] if dim == 2 else [(0, 1), (1, 2), (2, 0)]
-
-    def moved(axis):
-        return lambda x: np.tile(np.eye(dim)[axis], (len(x), 1))
-
-    def turned(i, j):
-        return lambda x: np.outer(x[:, i], np.eye(dim)[j]) - np.outer(x[:, j], np.eye(dim)[i])
-
-    return [*map(moved, range(dim)), *(turned(*plane) for plane in planes)]
+            law = LinearLaw(np.full(len(points), p))
+        closure = None if penetration is None else np.full(len(points), penetration)
+        options = {"coupling": rule.coupling, "closure": closure}
+        contacts.append(Contact(name, name, a, b, interface, law, Friction(MU, push), **options))
+    return couple(bodies, contacts)
 
 
 def rigid_stiffness(dim, p=STIFFNESS, mu=MU):
@@ -254,8 +179,8 @@ def rigid_stiffness(dim, p=STIFFNESS, mu=MU):
 
     Integrals over the faces of p (n.m_i) (n.m_j) and mu p (k.m_i) (n.m_j) of the rigid motions m.
     """
-    motions = rigid_motions(dim)
-    normal, friction = np.zeros((2, len(motions), len(motions)))
+    count = 3 * (dim - 1)
+    normal, friction = np.zeros((2, count, count))
     t, w = roots_legendre(3)
     for axis in range(dim):
         n = -np.eye(dim)[axis]
@@ -263,7 +188,7 @@ def rigid_stiffness(dim, p=STIFFNESS, mu=MU):
         for places in product(range(3), repeat=dim - 1):
             x = np.insert((1 + t[list(places)]) / 2, axis, 0.0)
             weight = np.prod(w[list(places)] / 2)
-            m = np.array([motion(x[None])[0] for motion in motions])
+            m = rigid_motions(x[None]).T
             normal += p * weight * np.outer(m @ n, m @ n)
             friction += mu * p * weight * np.outer(m @ k, m @ n)
     return normal, friction

@@ -5,12 +5,6 @@ from blocks import scene_body
 RATE = 0.3
 
 
-def alone(body, max_frequency=1.0):
-    """A scene of one body, "part"."""
-    analysis = {"kind": "cea", "max_frequency": max_frequency}
-    return {"name": "alone", "bodies": {"part": body}, "analysis": analysis}
-
-
 def damped_disc(backend, **contact):
     """A disc that rotates under a pad, both damped, with everything that acts on velocities."""
     disc = scene_body(

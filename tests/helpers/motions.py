@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from cea.petsc import PETSc
+
 
 def unknowns(system, motions):
     """Unknowns of free bodies that move as given: displacement functions of position by body."""
@@ -39,6 +41,13 @@ def rotation_of(system):
     return np.stack([e1, np.cross(e3, e1), e3], axis=1)
 
 
+def asymmetry(matrix):
+    """Norm of a PETSc matrix less its transpose: zero on any number of ranks."""
+    difference = matrix.transpose(PETSc.Mat())
+    difference.axpy(-1.0, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
+    return difference.norm()
+
+
 def dense(matrix):
     """Entries of a PETSc matrix."""
     return matrix.copy().convert("dense").getDenseArray().copy()
@@ -48,3 +57,15 @@ def mode_displacement(result, body, mode):
     """Displacement of the scalar dofs of a body in a mode, one vector at a time, (n, dim)."""
     parts = [result.system.displacement(x, body) for x in result.modes.vector(mode)]
     return (parts[0] + 1j * parts[1]).reshape(-1, result.bodies[body].dim)
+
+
+def rigid_motions(x):
+    """Translations, then rotations, of points x: one in each column, (n * dim, motions)."""
+    dim = x.shape[1]
+    spins = [[0, 1]] if dim == 2 else [[0, 1], [0, 2], [1, 2]]
+    turns = []
+    for i, j in spins:
+        turn = np.zeros_like(x)
+        turn[:, i], turn[:, j] = -x[:, j], x[:, i]
+        turns.append(turn.ravel())
+    return np.column_stack([np.tile(e, len(x)) for e in np.eye(dim)] + turns)

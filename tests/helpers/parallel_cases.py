@@ -1,23 +1,20 @@
 """Small scenes on any number of ranks: what must not depend on that number.
 
 `case` runs one of `CASES`, `formulation` one of `FORMULATIONS` on coarse meshes of a scene that
-comes with the project, `disc_pad` that scene on both backends.
+comes with the project.
 """
 
 import tomllib
-from pathlib import Path
 from unittest.mock import patch
 
 import numpy as np
 from blocks import SECTIONS, block, two_blocks
+from motions import asymmetry
 
 from cea.eigen.krylov_schur import KrylovOptions
-from cea.errors import InputError
-from cea.petsc import MPI
-from cea.ranks import agreed
 from scenes import run_modes, run_scene
 from scenes.spec.plain import SCENES, checked
-from scenes.spec.reading import load_scene, read_scene
+from scenes.spec.reading import read_scene
 
 in_krylov_spaces = patch("cea.eigen.driver.KrylovOptions", lambda: KrylovOptions(dense_limit=0))
 """Small systems are searched like large ones, which ranks share: LAPACK would solve them whole."""
@@ -31,10 +28,8 @@ def blocks(backend, formulation, mu=1.0):
 
 
 def static(data):
-    return data | {
-        "analysis": {"kind": "static", "samples": 7},
-        "loads": [{"surface": "upper.x_min", "pressure": 0.02}],
-    }
+    loads = [{"surface": "upper.x_min", "pressure": 0.02}]
+    return data | {"analysis": {"kind": "static", "samples": 7}, "loads": loads}
 
 
 def overhanging(data):
@@ -54,11 +49,8 @@ def single_point(backend):
 def column(backend):
     """Square column, whose bending modes come in pairs of one frequency."""
     body = block(backend, [1.0, 1.0, 2.0], [0, 0, 0], [2, 2, 3], supports=[{"surface": "z_min"}])
-    return {
-        "name": "column",
-        "bodies": {"column": body},
-        "analysis": {"kind": "cea", "max_frequency": 0.3},
-    }
+    analysis = {"kind": "cea", "max_frequency": 0.3}
+    return {"name": "column", "bodies": {"column": body}, "analysis": analysis}
 
 
 def mixed_pairing(a, b):
@@ -164,60 +156,36 @@ def probes(result):
     """Trace of each body at fixed points of its side x_max."""
     traces = {}
     for name, body in result.system.bodies.items():
-        surface = body.surfaces["x_max"]
         spec = result.scene.bodies[name].geometry
-        low, size = np.array(spec.origin), np.array(spec.size)
         inner = np.array([[1.0, y, z] for y in (0.13, 0.57) for z in (0.21, 0.83)])
-        x = low + inner * size
-        found = surface.locate(x, np.tile([1.0, 0.0, 0.0], (len(x), 1)), 1e-3)
+        x = np.array(spec.origin) + inner * np.array(spec.size)
+        found = body.surfaces["x_max"].locate(x, np.tile([1.0, 0.0, 0.0], (len(x), 1)), 1e-3)
         assert not found.missed.any()
-        traces[name] = surface.trace(found.at)
+        traces[name] = body.surfaces["x_max"].trace(found.at)
     return traces
-
-
-def asymmetry(matrix):
-    difference = matrix.copy()
-    difference.axpy(-1.0, matrix.transpose(type(matrix)()), structure=False)
-    return difference.norm()
 
 
 def facts(scene):
     result = run_scene(scene)
-    system = result.system
-    data = dict(result.data)
-    shown = {
-        "contacts": data["contacts"],
-        "dofs": data["dofs"],
-        "stresses": data.get("stresses"),
-        "skipped": data["skipped"],
-        "asymmetry": [
-            asymmetry(matrix)
-            for matrix in (
-                system.pencil().at().stiffness,
-                *(body.stiffness() for body in system.bodies.values()),
-                *(contact.K_n for contact in system.contacts),
-                *([] if system.mass is None else [system.mass]),
-            )
-        ],
+    system, data = result.system, dict(result.data)
+    matrices = [system.pencil().at().stiffness, *(contact.K_n for contact in system.contacts)]
+    matrices += [body.stiffness() for body in system.bodies.values()]
+    matrices += [] if system.mass is None else [system.mass]
+    shown = {name: data.get(name) for name in ("contacts", "dofs", "stresses", "skipped")}
+    shown["asymmetry"] = [asymmetry(matrix) for matrix in matrices]
+    if result.spectrum is None:
+        weight = system.contacts[0].interface.points.weight
+        force = float(weight @ system.contacts[0].pressure(result.displacement))
+        return shown | {"displacements": displacements(result), "closing force": force}
+    window = result.modes.window
+    parts = [result.mode_shapes(name, trace) for name, trace in probes(result).items()]
+    return {
+        **shown,
+        **eigenvalues(result),
+        "count": [window.found_below, window.discs],
+        "unstable": len(data["unstable"]),
+        "shapes": np.moveaxis(np.abs(np.concatenate(parts)), 2, 0).tolist(),
     }
-    traces = probes(result)
-    if result.spectrum is not None:
-        modes = result.modes
-        shapes = np.concatenate([result.mode_shapes(name, traces[name]) for name in system.bodies])
-        shown |= {
-            "re": modes.growth_rates.tolist(),
-            "im": modes.eigenvalues.imag.tolist(),
-            "worst_residual": modes.residuals.max(),
-            "count": [modes.window.found_below, modes.window.discs],
-            "unstable": len(data["unstable"]),
-            "shapes": np.moveaxis(np.abs(shapes), 2, 0).tolist(),
-        }
-    else:
-        shown["displacements"] = displacements(result)
-        contact = system.contacts[0]
-        weight = contact.interface.points.weight
-        shown["closing force"] = float(weight @ contact.pressure(result.displacement))
-    return shown
 
 
 def displacements(result):
@@ -235,18 +203,6 @@ def eigenvalues(result):
     }
 
 
-def refusals():
-    """What each rank hears when only the last one refuses its input."""
-    comm, heard = MPI.COMM_WORLD, None
-    try:
-        with agreed(comm):
-            if comm.rank == comm.size - 1:
-                raise InputError("mu", -1.0, "zero or positive")
-    except InputError as error:
-        heard = str(error)
-    return comm.allgather(heard)
-
-
 SEARCHED = ("several discs", "iga gpts", "fe column", "iga column")
 """Cases that are searched in Krylov spaces."""
 
@@ -255,11 +211,3 @@ def case(name):
     """Facts of a case."""
     scene = read_scene(dict(scenes())[name])
     return (in_krylov_spaces(facts) if name in SEARCHED else facts)(scene)
-
-
-def disc_pad():
-    """Eigenvalues of the disc and pad on both backends."""
-    return {
-        backend: eigenvalues(run_scene(load_scene(Path("disc_pad"), backend=backend)))
-        for backend in ("fe", "iga")
-    }

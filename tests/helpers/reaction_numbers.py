@@ -1,65 +1,45 @@
 """Scenes of supports in frames of their own, and what these bear on any number of ranks."""
 
 import numpy as np
-from blocks import two_blocks
+from blocks import alone, scene_body, two_blocks
 
 from scenes import read_scene, run_scene
 
 E, NU = 2.0, 0.3
 INNER, OUTER, MOVED = 0.5, 1.0, 1e-3
+GPTS = {"formulation": {"method": "gpts", "points": 3}}
+MORTAR = {"formulation": {"method": "mortar"}}
+LAW = {"c_n": 10.0, "m_n": 1.5}
 CONTACTS = {
-    "penalty": {"formulation": {"method": "gpts", "points": 3}, "form": "penalty"},
-    "saddle": {"formulation": {"method": "gpts", "points": 3}, "form": "saddle"},
-    "full pass": {
-        "formulation": {"method": "gpts", "points": 3},
-        "form": "saddle",
-        "full_pass": True,
-    },
+    "penalty": GPTS | {"form": "penalty"},
+    "saddle": GPTS | {"form": "saddle"},
+    "full pass": GPTS | {"form": "saddle", "full_pass": True},
     "tied": {"formulation": {"method": "segments"}, "P": float("inf")},
-    "mortar": {"formulation": {"method": "mortar"}},
-    "mortar, full pass": {"formulation": {"method": "mortar"}, "full_pass": True},
-    "mortar, tied": {"formulation": {"method": "mortar"}, "P": float("inf")},
+    "mortar": MORTAR,
+    "mortar, full pass": MORTAR | {"full_pass": True},
+    "mortar, tied": MORTAR | {"P": float("inf")},
     "bonded": {"formulation": {"method": "bonded"}},
-    "lumped": {"formulation": {"method": "gpts", "points": 3, "lumped": True}},
-    "law": {"formulation": {"method": "gpts", "points": 3}, "c_n": 10.0, "m_n": 1.5},
-    "law, mortar": {"formulation": {"method": "mortar"}, "c_n": 10.0, "m_n": 1.5},
-    "law, full pass": {
-        "formulation": {"method": "gpts", "points": 3},
-        "c_n": 10.0,
-        "m_n": 1.5,
-        "full_pass": True,
-    },
+    "lumped": {"formulation": GPTS["formulation"] | {"lumped": True}},
+    "law": GPTS | LAW,
+    "law, mortar": MORTAR | LAW,
+    "law, full pass": GPTS | LAW | {"full_pass": True},
 }
 """Contacts of every kind: their fields."""
 
 
-def sector(backend, sides, *, elements=(3, 6), degree=3):
+def sector(backend, sides):
     """A quarter of a ring in plane strain whose outer rim is moved along the radius.
 
-    Parameters
-    ----------
-    backend
-        Its backend.
-    sides
-        Components held on its straight sides, of start and end.
-    elements, degree
-        Of its mesh.
+    Of its straight sides, start and end, a component each is held.
     """
     supports = [{"surface": "outer", "components": ["radial"], "value": MOVED}]
     supports += [
         {"surface": name, "components": [held]}
         for name, held in zip(("start", "end"), sides, strict=True)
     ]
-    shape = {"shape": "ring_sector", "inner_radius": INNER, "outer_radius": OUTER}
-    fe = {"cell": "quadrilateral", "degree": degree, "elements": list(elements)}
-    body = {
-        "backend": backend,
-        "geometry": shape | {"start": 0.0, "end": 90.0},
-        "material": {"E": E, "nu": NU, "rho": 1.0},
-        "supports": supports,
-        "mesh": {"fe": fe, "iga": {"degree": [degree] * 2, "elements": list(elements)}},
-    }
-    return {"name": "sector", "bodies": {"ring": body}, "analysis": {"kind": "static"}}
+    radii = {"inner_radius": INNER, "outer_radius": OUTER}
+    shape = {"shape": "ring_sector", "start": 0.0, "end": 90.0, **radii}
+    return alone(scene_body(backend, shape, [3, 6], 3, supports=supports), None)
 
 
 def pressed(backend, contact, *, mu=0.3):

@@ -9,6 +9,7 @@ from pressed import AREA, PRESSURE, pressed_blocks
 
 from cea.errors import ConvergenceError
 from cea.system.steady_newton import Iteration, SteadyNewton
+from cea.system.steady_state import LoadStep
 from scenes import read_scene, run_scene
 from scenes.export.paraview import write_load_steps
 from scenes.spec.problems import SceneError
@@ -39,7 +40,7 @@ def refuse(monkeypatch, refused):
 
     def solve(self, x, f, factor):
         if refused(factor):
-            return Iteration(self._equations.state(x, f, factor))
+            return Iteration(LoadStep(factor), self._equations.state(x, f, factor))
         return whole(self, x, f, factor)
 
     monkeypatch.setattr(SteadyNewton, "solve", solve)

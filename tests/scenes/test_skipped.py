@@ -44,7 +44,13 @@ def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, taken
 
 
 EVERY_RUN = {
-    *("newton", "damping", "gyroscopic", "loads", "pictures", "paraview", "gmsh"),
+    "newton",
+    "damping",
+    "gyroscopic",
+    "loads",
+    "pictures",
+    "paraview",
+    "gmsh",
     "doubts of units",
 }
 TETRAHEDRA = {"cell": "tetrahedron", "size": 0.2}
@@ -112,11 +118,21 @@ def test_elements_that_are_changed_on_reading_are_not_called_left_out(tmp_path, 
 
 
 UNUSED = (
-    *("meshes.files.reading", "meshes.files.part", "scenes.matrices", "scenes.spec.matrices"),
-    *("cea.eigen.static", "cea.system.steady_path"),
-    *("cea.system.steady_newton", "cea.system.modal_damping"),
-    *("scenes.running.static", "scenes.checking.steady", "scenes.export"),
-    *("scenes.pictures", "scenes.refinement", "gmsh", "pyvista"),
+    "meshes.files.reading",
+    "meshes.files.part",
+    "scenes.matrices",
+    "scenes.spec.matrices",
+    "cea.eigen.static",
+    "cea.system.steady_path",
+    "cea.system.steady_newton",
+    "cea.system.modal_damping",
+    "scenes.running.static",
+    "scenes.checking.steady",
+    "scenes.export",
+    "scenes.pictures",
+    "scenes.refinement",
+    "gmsh",
+    "pyvista",
 )
 """What modes of a disc and a pad at a given stiffness have no use for."""
 MOST = {"fe": 144, "iga": 150}
