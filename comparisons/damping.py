@@ -13,6 +13,7 @@ that rises with the speed on the walls across x, along which they are slid on.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
 from math import sqrt
 from typing import Any
 
@@ -65,10 +66,8 @@ class Options:
 
 def cases(options: Options) -> Iterator[Case]:
     """A case for each backend and damping."""
-    for share in options.shares:
-        for ratio in options.ratios:
-            for backend in options.backends:
-                yield {"share": share, "ratio": ratio, "backend": backend}
+    for share, ratio, backend in product(options.shares, options.ratios, options.backends):
+        yield {"share": share, "ratio": ratio, "backend": backend}
 
 
 def dampings(share: float, ratio: float) -> tuple[float, float]:
@@ -137,13 +136,9 @@ def curves(result: StudyResult) -> pd.DataFrame:
     """The exact threshold over the range of damping ratios."""
     runs = result.frame()
     ratios = np.geomspace(runs["ratio"].min(), runs["ratio"].max(), 60).tolist()
-    return pd.DataFrame(
-        [
-            {"share": share, "ratio": ratio, "threshold": exact(share, ratio)}
-            for share in runs["share"].unique().tolist()
-            for ratio in ratios
-        ]
-    )
+    lines = product(runs["share"].unique().tolist(), ratios)
+    rows = [(share, ratio, exact(share, ratio)) for share, ratio in lines]
+    return pd.DataFrame(rows, columns=["share", "ratio", "threshold"])
 
 
 def headline(result: StudyResult) -> str:

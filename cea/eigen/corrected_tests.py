@@ -67,16 +67,13 @@ _DIFFERENT: Any = PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN
 class CorrectedTests:
     """Test functions x + N z(x) of a pencil with friction.
 
-    With N (``normals``), Q (``inner``), W (``outer``), J and C of contact forces that are unknowns,
-    rows scaled alike, and tau (``slope``).
+    With N (``normals``), Q (``inner``), W (``outer``), and tau (``slope``).
     """
 
     matrices: Matrices
     normals: Mat
     inner: Mat
     outer: Mat
-    closure: Mat | None
-    compliance: Mat | None
     slope: float
 
     @classmethod
@@ -93,20 +90,19 @@ class CorrectedTests:
         normals = _normals(matrices, nodes)
         for weight in _WEIGHTS:
             inner, outer = _of_penalties(matrices, normals, weight)
-            closure = compliance = None
             if forces is not None:
-                closure, compliance = forces.closure.copy(), forces.compliance.copy()
                 across = forces.reaction.matMult(normals)
-                rest = scaled_total([(1.0, closure), (-1.0, forces.reaction)])
-                corner, back = scaled_total([(-1.0, compliance)]), across.transpose(PETSc.Mat())
+                back = across.transpose(PETSc.Mat())
+                rest = scaled_total([(1.0, forces.closure), (-1.0, forces.reaction)])
+                corner = scaled_total([(-1.0, forces.compliance)])
                 made = [across, rest, corner, back, inner, outer]
                 nest = PETSc.Mat().createNest([[inner, back], [across, corner]])
                 inner, outer = nest.convert("aij"), one_below_the_other([outer, rest])
                 destroy(*made)
-            tests = cls(matrices, normals, inner, outer, closure, compliance, np.inf)
+            tests = cls(matrices, normals, inner, outer, np.inf)
             if (slope := tests._skewness()) is not None:
                 return replace(tests, slope=slope)
-            destroy(inner, outer, *(each for each in (closure, compliance) if each is not None))
+            destroy(inner, outer)
         destroy(normals)
         return None
 
@@ -124,12 +120,13 @@ class CorrectedTests:
     def holds(self, within: float) -> bool:
         """Whether h >= -X g for every x; collective."""
         operator = self.matrices.operator(-within)
-        whole = self._form(operator, forces=True)
+        whole = self._form(operator, with_forces=True)
         destroy(operator)
-        pairs = [each for each in (self.inner, self.closure) if each is not None]
-        return inertia(whole) == (sum(each.getSize()[0] for each in pairs), 0)
+        forces = self.matrices.multipliers
+        expected = int(self.inner.getSize()[0]) + (0 if forces is None else forces.size)
+        return inertia(whole) == (expected, 0)
 
-    def _form(self, matrix: Mat, *, forces: bool = False) -> Mat:
+    def _form(self, matrix: Mat, *, with_forces: bool = False) -> Mat:
         """Symmetric part of x, y -> y^T A x, PETSc AIJ on (x, z, e, multipliers, f).
 
         (z, e)^T (Q (z, e) - W x) is added, which is zero where the constraints hold: none of the
@@ -137,9 +134,10 @@ class CorrectedTests:
         """
         form = symmetrised(matrix.copy())
         across = transposed_product(self.normals, matrix)
-        if self.closure is not None:
-            normal, below = across, self.closure.copy()
-            if not forces:
+        forces = self.matrices.multipliers
+        if forces is not None:
+            normal, below = across, forces.closure.copy()
+            if not with_forces:
                 below.zeroEntries()
             across = one_below_the_other([normal, below])
             destroy(normal, below)
@@ -151,12 +149,12 @@ class CorrectedTests:
         made = [form, across, outer, inner, against]
         back = [each.transpose(PETSc.Mat()) for each in (across, outer)]
         blocks = [[form, *back], [across, inner, against], [outer, against, None]]
-        if forces and self.closure is not None and self.compliance is not None:
-            pushed = self.closure.transpose(PETSc.Mat())
-            corner = scaled_total([(-1.0, self.compliance)])
+        if with_forces and forces is not None:
+            pushed = forces.closure.transpose(PETSc.Mat())
+            corner = scaled_total([(-1.0, forces.compliance)])
             made += [pushed, corner]
             blocks = [[*blocks[0], pushed], *([*row, None] for row in blocks[1:])]
-            blocks.append([self.closure, None, None, corner])
+            blocks.append([forces.closure, None, None, corner])
         whole = PETSc.Mat().createNest(blocks).convert("aij")
         destroy(*made, *back)
         return whole
@@ -192,29 +190,21 @@ class CorrectedTests:
     def free(self) -> None:
         """Free its matrices."""
         destroy(self.normals, self.inner, self.outer)
-        destroy(*(each for each in (self.closure, self.compliance) if each is not None))
 
 
 def _of_penalties(matrices: Matrices, normals: Mat, weight: float) -> tuple[Mat, Mat]:
     """Stiffness N^T (s K + P K_n) N, and N^T (mu P K_f)^T, new matrices."""
-    along = transposed_product(normals, matrices.stiffness)
-    inner = along.matMult(normals)
-    inner.scale(weight)
-    destroy(along)
-    outer = normals.transpose(PETSc.Mat())
-    if not matrices.contacts or matrices.unsymmetric is None:
-        outer.zeroEntries()
-        return symmetrised(inner), outer
-    normal = scaled_total(matrices.contacts)
-    pressed = transposed_product(normals, normal)
-    own = pressed.matMult(normals)
-    inner.axpy(1.0 - weight, own, structure=_DIFFERENT)
-    destroy(outer, normal, pressed, own)
-    rubbed = matrices.unsymmetric.matMult(normals)
-    rubbed.scale(-1.0)
+    friction = matrices.unsymmetric if matrices.contacts else None
+    contacts = [] if friction is None else [(c * (1.0 - weight), K) for c, K in matrices.contacts]
+    weighted = scaled_total([(weight, matrices.stiffness), *contacts])
+    along = transposed_product(normals, weighted)
+    inner = symmetrised(along.matMult(normals))
+    destroy(weighted, along)
+    rubbed = normals.copy() if friction is None else friction.matMult(normals)
+    rubbed.scale(0.0 if friction is None else -1.0)
     outer = rubbed.transpose(PETSc.Mat())
     destroy(rubbed)
-    return symmetrised(inner), outer
+    return inner, outer
 
 
 def _normals(matrices: Matrices, nodes: Nodes) -> Mat:

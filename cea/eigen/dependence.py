@@ -8,9 +8,11 @@ With that condition as rows of their own the matrix is regular for any stiffness
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import accumulate, groupby, pairwise
+from itertools import accumulate, pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
 from cea.arrays import Floats
@@ -34,19 +36,21 @@ _STEPS = 6
 
 @dataclass(frozen=True)
 class Dependence:
-    """Sums of closures that vanish: N^T J = 0, N for closures of unit length, by contact.
+    """Sums of closures that vanish: N^T J = 0, N for closures of unit length.
 
-    ``blocks`` are the rows of this rank of N, ``lengths`` those of the closures.
+    Of N (``null``) and of the lengths of closures it has the rows of this rank, in parts by
+    contact.
     """
 
-    blocks: tuple[Floats, ...]
-    lengths: tuple[Floats, ...]
+    null: Floats
+    lengths: Floats
+    parts: tuple[slice, ...]
     comm: PETSc.Comm
 
     @property
     def size(self) -> int:
         """Number of dependences."""
-        return int(self.blocks[0].shape[1])
+        return int(self.null.shape[1])
 
     @classmethod
     def of(cls, closure: Mat, rows: Sequence[int], tolerance: float) -> "Dependence":
@@ -54,21 +58,15 @@ class Dependence:
 
         J of all contacts has so many rows of each on this rank, one below the other.
         """
-        unit, length = _unit_rows(closure)
+        unit, lengths = _unit_rows(closure)
         null = _null_vectors(unit, tolerance)
         destroy(unit)
-        ends = list(accumulate(rows, initial=0))
-        parts = [slice(*pair) for pair in pairwise(ends)]
-        return cls(
-            tuple(null[part] for part in parts), tuple(length[part] for part in parts), closure.comm
-        )
+        ends = accumulate(rows, initial=0)
+        return cls(null, lengths, tuple(slice(*pair) for pair in pairwise(ends)), closure.comm)
 
     def within(self, chosen: Sequence[bool]) -> int:
         """Number of dependences that involve none but chosen contacts."""
-        others = [block for block, one in zip(self.blocks, chosen, strict=True) if not one]
-        if not others:
-            return self.size
-        values, _ = self._involvement(others)
+        values, _ = self._involvement(self.null[~self._by_row(chosen)])
         return int(np.sum(values <= _UNINVOLVED))
 
     def border(self, compliances: Sequence[Mat], scales: Sequence[float]) -> Mat:
@@ -78,32 +76,29 @@ class Dependence:
         what does not involve it is left to the next. So none of them is lost beside the others.
         Given are C^ and c_c (m/N) of each contact.
         """
-        images = [
-            times(compliance, block / length[:, None])
-            for compliance, block, length in zip(
-                compliances, self.blocks, self.lengths, strict=True
-            )
-        ]
-        softest_first = sorted(range(len(scales)), key=lambda k: -scales[k])
+        unit = self.null / self.lengths[:, None]
+        both = zip(compliances, self.parts, strict=True)
+        image = np.vstack([times(compliance, unit[part]) for compliance, part in both])
+        of_row = self._by_row(scales)
         rest, columns = np.eye(self.size), []
-        for scale, contacts in groupby(softest_first, key=lambda k: scales[k]):
-            values, vectors = self._involvement([self.blocks[k] @ rest for k in contacts])
-            own, rest = (
-                rest @ vectors[:, values > _UNINVOLVED],
-                rest @ vectors[:, values <= _UNINVOLVED],
-            )
-            weighted = [
-                _relative(each, scale) * (image @ own)
-                for each, image in zip(scales, images, strict=True)
-            ]
-            columns.append(np.vstack(weighted))
+        for softest in sorted(set(scales), reverse=True):
+            values, vectors = self._involvement(self.null[of_row == softest] @ rest)
+            own = rest @ vectors[:, values > _UNINVOLVED]
+            rest = rest @ vectors[:, values <= _UNINVOLVED]
+            weights = of_row / softest if softest else np.ones(len(of_row))
+            weights[of_row > softest] = 0.0  # softer ones are not involved
+            columns.append(weights[:, None] * (image @ own))
             if not rest.shape[1]:
                 break
         return self._as_matrix(np.hstack(columns))
 
-    def _involvement(self, blocks: Sequence[Floats]) -> tuple[Floats, Floats]:
-        """Squares of the parts of sums in the closures of some contacts, and the sums."""
-        gram = self.comm.tompi4py().allreduce(sum(block.T @ block for block in blocks), MPI.SUM)
+    def _by_row(self, of_contacts: Sequence[float]) -> NDArray[Any]:
+        """What is given by contact, for each row of this rank."""
+        return np.repeat(of_contacts, [part.stop - part.start for part in self.parts])
+
+    def _involvement(self, rows: Floats) -> tuple[Floats, Floats]:
+        """Squares of the parts of sums in some rows of N, and the sums."""
+        gram = self.comm.tompi4py().allreduce(rows.T @ rows, MPI.SUM)
         values, vectors = np.linalg.eigh(gram)
         return values, vectors
 
@@ -115,13 +110,6 @@ class Dependence:
         count = columns.shape[1]
         start, stop = local_rows(count, comm)
         return distributed(csr_array(columns), (stop - start, count), self.comm)
-
-
-def _relative(scale: float, of: float) -> float:
-    """Compliance relative to that of the softest involved; softer ones are not involved."""
-    if scale > of:
-        return 0.0
-    return scale / of if of else 1.0
 
 
 def _unit_rows(closure: Mat) -> tuple[Mat, Floats]:

@@ -177,18 +177,16 @@ def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
     place of N. The factors are those of H + X M.
     """
     rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
-    circulatory, forces, unsymmetric = (
-        matrices.circulatory,
-        matrices.multipliers,
-        matrices.unsymmetric,
-    )
+    circulatory, forces = matrices.circulatory, matrices.multipliers
     compliance: Mumps | None = None
     if forces is not None:
         try:
             compliance = Mumps(forces.compliance.copy(), symmetric=True)
         except ConvergenceError:  # what shows nothing must not end a run
             return np.inf, 0.0 if circulatory is None else np.inf
-    skew = None if unsymmetric is None else antisymmetrised(unsymmetric.copy())
+    skew = matrices.unsymmetric
+    if skew is not None:
+        skew = antisymmetrised(skew.copy())
 
     def of_circulatory(x: Floats, sign: float) -> Floats:
         assert circulatory is not None
@@ -198,10 +196,8 @@ def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
         parts = [] if skew is None else [image_of(skew, x)]
         if compliance is not None and forces is not None:
             J, L = forces.closure, forces.reaction
-            reactions = transposed_times(L, compliance.solve_block(times(J, x)))
-            parts.append(
-                0.5 * (reactions - transposed_times(J, compliance.solve_block(times(L, x))))
-            )
+            caused = [compliance.solve_block(times(each, x)) for each in (J, L)]
+            parts.append(0.5 * (transposed_times(L, caused[0]) - transposed_times(J, caused[1])))
         if circulatory is not None:
             parts.append(of_circulatory(x, -1.0))
         return np.asfortranarray(sum(parts[1:], parts[0]))

@@ -14,7 +14,7 @@ w = N^-1 J x (:mod:`cea.eigen.unformed`).
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import sqrt
+from math import inf, sqrt
 from typing import Any
 
 from cea.eigen.dependence import Dependence
@@ -109,33 +109,25 @@ class AllForces:
             both = zip(reactions, closures, strict=True)
             reaction = one_below_the_other([J if L is None else L for L, J in both])
             destroy(*made)
-        compliances, tied = [], 0
+        compliances, tied, least = [], 0, inf
         for part, scale, is_tied in zip(self.parts, scales, held, strict=True):
             compliances.append(part.compliance.copy())
             compliances[-1].scale(0.0 if is_tied else scale)
             tied += part.closure.getSize()[0] if is_tied else 0
+            least = min(least, scale * part.body_stiffness[0])
         compliance = block_diagonal(compliances).convert("aij")
         destroy(*compliances)
         border = None
-        if (dependence := self._dependence(scales, held, closure)) is not None and dependence.size:
-            border = dependence.border([part.compliance for part in self.parts], scales)
-            tied -= dependence.within(held)
+        if least <= _YIELDING:
+            tolerance = _NEARLY_DEPENDENT if all(held) else _DEPENDENT
+            if tolerance not in self._dependences:
+                rows = [each.getLocalSize()[0] for each in closures]
+                self._dependences[tolerance] = Dependence.of(closure, rows, tolerance)
+            dependence = self._dependences[tolerance]
+            if dependence.size:
+                border = dependence.border([part.compliance for part in self.parts], scales)
+                tied -= dependence.within(held)
         return Multipliers(closure, reaction, compliance, border, tied)
-
-    def _dependence(
-        self, scales: Sequence[float], held: Sequence[bool], closure: Mat
-    ) -> Dependence | None:
-        """How closures depend on each other; None where every contact is compliant enough."""
-        least = min(
-            scale * part.body_stiffness[0] for part, scale in zip(self.parts, scales, strict=True)
-        )
-        if least > _YIELDING:
-            return None
-        tolerance = _NEARLY_DEPENDENT if all(held) else _DEPENDENT
-        if tolerance not in self._dependences:
-            rows = [part.closure.getLocalSize()[0] for part in self.parts]
-            self._dependences[tolerance] = Dependence.of(closure, rows, tolerance)
-        return self._dependences[tolerance]
 
 
 def with_circulatory(contacts: Multipliers | None, circulatory: CirculatorySum) -> Multipliers:

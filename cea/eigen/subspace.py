@@ -147,7 +147,7 @@ def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
             continue  # corrected with their conjugates
         real = mean.imag <= rounding
         shifted = matrix - (mean.real if real else mean) * np.eye(len(matrix))
-        own = svd(shifted)[2][-len(members) :].conj().T
+        own = svd(shifted, lapack_driver="gesvd")[2][-len(members) :].conj().T
         image = matrix @ own
         found = np.einsum("ij,ij->j", own.conj(), image)
         if np.linalg.norm(image - own * found, axis=0).max() <= rounding:

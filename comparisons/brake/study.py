@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import isclose
 from pathlib import Path
-from statistics import fmean
 from typing import Any
 
 import pandas as pd
@@ -108,16 +107,14 @@ def brake_modes(result: StudyResult) -> pd.DataFrame:
     rows = []
     for members in _over_meshes(result, by_size):
         found = [own.iloc[numbers] for own, numbers in zip(by_size, members, strict=True)]
-        means = [fmean(own["frequency"]) if len(own) else None for own in found]
-        known = [mean for mean in means if mean is not None]
-        fastest = [own.loc[own["growth"].idxmax()] if len(own) else None for own in found]
-        last = fastest[-1]
-        assert last is not None
+        means = [own["frequency"].mean() for own in found]
+        known = pd.Series(means).dropna()
+        last = found[-1].loc[found[-1]["growth"].idxmax()]
         row: dict[str, Any] = {"mode": ", ".join(str(i + 1) for i in members[-1])}
         row |= {f"frequency_{s * 1e3:g}mm": m for s, m in zip(sizes, means, strict=True)}
-        row["spread"] = (max(known) - min(known)) / known[-1] if len(known) > 1 else None
-        growths = [None if mode is None else mode["growth"] for mode in fastest]
-        row |= {f"growth_{s * 1e3:g}mm": g for s, g in zip(sizes, growths, strict=True)}
+        row["spread"] = (max(known) - min(known)) / means[-1] if len(known) > 1 else None
+        growths = {s: own["growth"].max() for s, own in zip(sizes, found, strict=True)}
+        row |= {f"growth_{s * 1e3:g}mm": growth for s, growth in growths.items()}
         rows.append(row | {"damping_ratio": last["damping_ratio"], "verdict": last["verdict"]})
     return pd.DataFrame(rows)
 

@@ -1,7 +1,7 @@
 """The record of a study: what is held, the words of the run, modes, meshes, warnings."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 from math import floor, isfinite, log10, tau
 from typing import Any
 
@@ -121,7 +121,7 @@ def _window(inside: list[Mode], above: list[Mode], windows: list[Window], top: f
 
 def _level(mesh: Mesh) -> dict[str, Any]:
     return {
-        **mesh.resolution.plain(),
+        **asdict(mesh.resolution),
         "elements": elements_of(mesh.scene),
         "dofs": mesh.dofs,
         "seconds": mesh.seconds,

@@ -1,7 +1,6 @@
 """What is asked of ``cea converge``."""
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 from cea.errors import InputError
 from scenes.spec.body import Backend
@@ -35,10 +34,6 @@ class Request:
     def of_growth(self) -> int:
         """Digits of growth rates."""
         return max(1, self.digits - 1) if self.growth_digits is None else self.growth_digits
-
-    def plain(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self) | {"overrides": list(self.overrides)}
 
 
 def half_unit(digits: int) -> float:

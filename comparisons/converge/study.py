@@ -1,6 +1,7 @@
 """A scene solved on finer and finer meshes of each backend until bars hold the digits asked for."""
 
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -159,7 +160,7 @@ def run_converge(
     return record(
         COMMAND,
         data,
-        inputs=request.plain(),
+        inputs=asdict(request),
         seconds=clock.gone,
         warnings=data.pop("warnings"),
     )

@@ -4,8 +4,7 @@ Pure: a scene in, a scene out. Bodies of mesh files keep their cells and take an
 contact becomes mortar, the error of which is that of the meshes at any stiffness.
 """
 
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from cea.contact.formulations import Mortar
 from cea.errors import InputError
@@ -34,10 +33,6 @@ class Resolution:
     def __post_init__(self) -> None:
         if not self.density > 0:
             raise InputError("density", self.density, "greater than 0")
-
-    def plain(self) -> dict[str, Any]:
-        """Plain data."""
-        return asdict(self)
 
 
 def on_backend_of_shapes(scene: Scene, backend: Backend) -> Scene:

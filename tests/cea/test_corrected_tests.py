@@ -71,7 +71,7 @@ def test_the_wedge_is_that_of_dense_matrices(backend, contact):
 @pytest.mark.parametrize("depth", [0.3, 20.0])
 def test_the_depth_is_where_wedge_and_window_part(slope, depth):
     """Nothing of the parabola that lies left of -depth is in the wedge, and hardly more may be."""
-    within = CorrectedTests(*[None] * 6, slope).depth_within(TOP, depth)
+    within = CorrectedTests(*[None] * 4, slope).depth_within(TOP, depth)
     real = -np.geomspace(depth, 1e4 * depth, 20_000)
     height = 2 * np.sqrt(TOP * (TOP - real))
     reaches = real + slope * height  # the largest of Re kappa + tau abs(Im kappa) at each place

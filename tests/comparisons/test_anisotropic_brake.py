@@ -1,9 +1,9 @@
 """Error bars, picture and page of a brake of mixed elements with anisotropic pads, from a deck."""
 
+import mixed_brake
 import numpy as np
 import pandas as pd
 import pytest
-from mixed_brake import Brake, scene
 from typer.testing import CliRunner
 
 from comparisons.cli.app import app
@@ -26,8 +26,8 @@ LINING = {
 def brake(folder, size, degree):
     """The brake with elements of a size (m) and the degree of its displacements."""
     file = folder / f"brake{size}.inp"
-    file.write_text(Brake(size, 2, wedges=True).deck())
-    given = scene(file, friction=0.5, top=9000.0)
+    file.write_text(mixed_brake.brake(size))
+    given = mixed_brake.scene(file, friction=0.5, top=9000.0)
     given["bodies"]["pad"]["material"] = LINING
     for body in given["bodies"].values():
         body["mesh"] = {"degree": degree}

@@ -6,13 +6,7 @@ import pandas as pd
 import pytest
 
 from cea.errors import InputError
-from comparisons.brake.study import (
-    SCENE,
-    STUDY,
-    Options,
-    brake_modes,
-    scene,
-)
+from comparisons.brake.study import SCENE, STUDY, Options, brake_modes, scene
 from comparisons.study.run import run
 from scenes.checking.memory import estimated_memory
 from scenes.spec.problems import SceneError

@@ -23,6 +23,8 @@ from comparisons.sweep.points import read_axis
 from comparisons.sweep.spectra import UNSTABLE
 from comparisons.sweep.study import Asked
 from comparisons.sweep.study import run as run_sweep
+from scenes.spec.matrices import read_matrix_scene
+from scenes.spec.plain import scene_text
 
 STORED = Path(sweep_page.__file__).with_name("results")
 PUBLISHED = """
@@ -44,16 +46,9 @@ def folder(tmp_path_factory):
     """Files of matrices, and a scene of them that lies elsewhere."""
     folder = write(tmp_path_factory.mktemp("matrices"), pieces())
     (folder / "elsewhere").mkdir()
-    (folder / "elsewhere" / "speed.toml").write_text(toml_of(scene()))
+    text = scene_text(read_matrix_scene(scene()))
+    (folder / "elsewhere" / "speed.toml").write_text(text)
     return folder
-
-
-def toml_of(data):
-    """A scene of matrices as TOML."""
-    lines = [f"name = {json.dumps(data['name'])}"]
-    for name in ("files", "parameters", "mass", "damping", "stiffness", "analysis"):
-        lines += [f"[{name}]", *(f"{k} = {json.dumps(v)}" for k, v in data[name].items())]
-    return "\n".join(lines)
 
 
 def in_full(toml, axis, data):
@@ -142,7 +137,7 @@ def test_a_race_is_one_of_the_same_eigenvalues(folder):
     undamped = scene() | {"damping": {}}
     for name in "DG":
         undamped["files"].pop(name)
-    (folder / "undamped.toml").write_text(toml_of(undamped))
+    (folder / "undamped.toml").write_text(scene_text(read_matrix_scene(undamped)))
     with pytest.raises(InputError, match="damping"):
         matrices.loaded(matrices.Options(str(folder / "undamped.toml"), data=str(folder)))
 

@@ -8,7 +8,10 @@ import re
 
 import numpy as np
 import pytest
+from matrix_files import undamped
 from mpi import cea_on_ranks
+from scipy.io import mmwrite
+from scipy.sparse import diags_array
 from typer.testing import CliRunner
 
 from comparisons.cli.app import app
@@ -16,6 +19,8 @@ from comparisons.run_report import write_run_report
 from comparisons.study import shapes as of_pages
 from comparisons.study.shapes import STEPS, Shapes, by_importance
 from scenes import load_scene, run_modes, run_scene, save_result
+from scenes.spec.matrices import read_matrix_scene
+from scenes.spec.plain import scene_text
 
 
 class Page:
@@ -144,15 +149,10 @@ def test_a_static_analysis_has_a_report(tmp_path):
 
 @pytest.mark.parametrize("command", ["run", "solve"])
 def test_matrices_have_a_report_without_shapes(tmp_path, command):
-    from scipy.io import mmwrite
-    from scipy.sparse import diags_array
-
     mmwrite(tmp_path / "M.mtx", diags_array([1.0, 1.0, 1.0]).tocoo())
     mmwrite(tmp_path / "K.mtx", diags_array([1.0, 4.0, 9.0]).tocoo())
-    (tmp_path / "three.toml").write_text(
-        'name = "three"\n[files]\nM = "M.mtx"\nK = "K.mtx"\n[mass]\nM = 1.0\n'
-        '[stiffness]\nK = 1.0\n[analysis]\nkind = "cea"\nmax_frequency = 0.6\n'
-    )
+    scene = read_matrix_scene(undamped("M.mtx", "K.mtx", 0.6))
+    (tmp_path / "three.toml").write_text(scene_text(scene))
     out = tmp_path / "out"
     files = [f"--mass={tmp_path / 'M.mtx'}", f"--stiffness={tmp_path / 'K.mtx'}"]
     asked = {"run": [str(tmp_path / "three.toml")], "solve": [*files, "--max-frequency=0.6"]}

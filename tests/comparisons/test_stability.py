@@ -9,19 +9,7 @@ import pytest
 
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy, gather
-from comparisons.stability.study import (
-    STUDY,
-    Options,
-    by_case,
-    catalogue,
-    digits,
-    fault,
-    not_met,
-    numbers_of,
-    runs,
-    runs_of,
-    title_of,
-)
+from comparisons.stability import study
 from comparisons.stability.verdicts import judged
 from comparisons.stability.ways import ALONE, OPEN, WAYS
 from comparisons.study.page import write_study
@@ -32,10 +20,10 @@ from scenes.running.static import run_static
 from scenes.running.system import coupled
 
 
-@pytest.mark.parametrize("name", catalogue())
+@pytest.mark.parametrize("name", study.catalogue())
 def test_every_run_says_what_it_expects(name):
-    found = runs_of(name)
-    assert title_of(name)
+    found = study.runs_of(name)
+    assert study.title_of(name)
     for each in found:
         assert each.expected
         assert "WRONG" not in each.expected
@@ -43,33 +31,35 @@ def test_every_run_says_what_it_expects(name):
         assert 0 < each.tolerance < 0.1
         assert each.way in (*WAYS, *OPEN, *ALONE)
     assert len({(run.row, run.way.backend, run.way.name) for run in found}) == len(found)
-    assert 0 < len(numbers_of(name, quick=True)) <= len(found)
+    assert 0 < len(study.numbers_of(name, quick=True)) <= len(found)
 
 
 def test_the_catalogue_covers_every_way_and_quick_takes_both_backends_in_turn():
-    every = [run for name in catalogue() for run in runs_of(name)]
+    every = [run for name in study.catalogue() for run in study.runs_of(name)]
     assert len(every) >= 3750
     assert [way for way in (*WAYS, *OPEN, *ALONE) if way not in [run.way for run in every]] == []
-    assert sum(len(numbers_of(name, quick=True)) for name in catalogue()) < len(every) / 4
-    assert not any(run.warnings for run in runs_of("everyday"))
-    units = runs_of("units")
-    taken = [units[i].way for i in numbers_of("units", quick=True)[:4]]
+    assert (
+        sum(len(study.numbers_of(name, quick=True)) for name in study.catalogue()) < len(every) / 4
+    )
+    assert not any(run.warnings for run in study.runs_of("everyday"))
+    units = study.runs_of("units")
+    taken = [units[i].way for i in study.numbers_of("units", quick=True)[:4]]
     assert [way.backend for way in taken] == ["fe", "iga", "fe", "iga"]
     assert [way.name.split(",")[0] for way in taken] == ["GPTS", "mortar", "mortar", "GPTS"]
     with pytest.raises(InputError, match="no_such_case"):
-        runs_of("no_such_case")
+        study.runs_of("no_such_case")
 
 
 def test_an_easy_scene_comes_out_accurate():
-    found = judged(runs_of("everyday")[0])
+    found = judged(study.runs_of("everyday")[0])
     assert (found["verdict"], found["met"], found["says"]) == ("accurate", True, [])
     assert found["error"] < 1e-10
-    assert [digits(e) for e in (0.0, 1e-5, float("inf"), None)] == [16, 5, 0, None]
+    assert [study.digits(e) for e in (0.0, 1e-5, float("inf"), None)] == [16, 5, 0, None]
 
 
 def test_rigid_bodies_meet_at_a_corner_as_the_closed_form_says(backend):
     """From a mesh file, and as NURBS patches."""
-    runs = [run for run in runs_of("contact_corner") if run.way.backend == backend]
+    runs = [run for run in study.runs_of("contact_corner") if run.way.backend == backend]
     runs = [run for run in runs if run.row == "rigid bodies" and "saddle" in run.way.name]
     assert {run.way.name.split(",")[0] for run in runs} == {"GPTS", "segments", "mortar"}
     assert [run.way.name for run in runs if not judged(run)["met"]] == []
@@ -77,36 +67,36 @@ def test_rigid_bodies_meet_at_a_corner_as_the_closed_form_says(backend):
 
 @pytest.mark.parametrize("name", ["damped_maps", "graded", "maps", "mesh_files", "patch_test"])
 def test_a_stiff_run_of_each_kind_of_problem_comes_out_as_expected(name):
-    found = judged(runs_of(name)[-1])
+    found = judged(study.runs_of(name)[-1])
     assert found["met"], found["reason"]
 
 
 @pytest.fixture(scope="module")
 def result(tmp_path_factory):
     """A quick study of a case."""
-    options = Options(("exceptional_point",), every=False)
-    return run(STUDY, options, tmp_path_factory.mktemp("stability") / "out")
+    options = study.Options(("exceptional_point",), every=False)
+    return run(study.STUDY, options, tmp_path_factory.mktemp("stability") / "out")
 
 
 def test_runs_without_an_answer_or_not_as_expected_are_told(result, tmp_path):
-    page = write_study(STUDY, result, tmp_path).read_text(encoding="utf-8")
-    assert title_of("exceptional_point") in unescape(page)
-    assert set(runs(result)["verdict"]) <= {"accurate", "warned"}
-    assert fault(result) == ""
+    page = write_study(study.STUDY, result, tmp_path).read_text(encoding="utf-8")
+    assert study.title_of("exceptional_point") in unescape(page)
+    assert set(study.runs(result)["verdict"]) <= {"accurate", "warned"}
+    assert study.fault(result) == ""
     record = json.loads(json.dumps(result.record))
     first, second = record["cases"][:2]
     first["tables"]["runs"][0] |= {"met": False, "verdict": "WRONG", "reason": "planted"}
     second |= {"tables": {}, "failed": "ended with code 5"}
     told = StudyResult(record)
-    assert list(not_met(told)["reason"]) == ["planted", "ended with code 5"]
-    assert "exceptional_point" in fault(told)
-    assert by_case(told)["WRONG"].sum() == 2
+    assert list(study.not_met(told)["reason"]) == ["planted", "ended with code 5"]
+    assert "exceptional_point" in study.fault(told)
+    assert study.by_case(told)["WRONG"].sum() == 2
 
 
 @pytest.mark.slow
 def test_a_representative_part_comes_out_as_expected(tmp_path):
-    options = Options(("inverted", "units", "overhang"), every=False)
-    found = runs(run(STUDY, options, tmp_path / "out"))
+    options = study.Options(("inverted", "units", "overhang"), every=False)
+    found = study.runs(run(study.STUDY, options, tmp_path / "out"))
     assert list(found.loc[~found["met"].astype(bool), "reason"]) == []
     assert set(found["verdict"]) == {"accurate", "refused"}
 
@@ -145,8 +135,8 @@ LOADED = ("load_steps", "patch_test", "prescribed", "prestress", "steady_sliding
     [(n, True) for n in LOADED] + [pytest.param(n, False, marks=pytest.mark.slow) for n in LOADED],
 )
 def test_what_is_outside_holds_the_bodies(name, quick):
-    for number in numbers_of(name, quick=quick):
-        each = runs_of(name)[number]
+    for number in study.numbers_of(name, quick=quick):
+        each = study.runs_of(name)[number]
         data = deepcopy(dict(each.problem.data))
         if data["analysis"]["kind"] == "cea":
             data["analysis"].setdefault("max_frequency", 1.0)

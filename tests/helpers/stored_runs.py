@@ -7,8 +7,17 @@ from bad_inputs import valid
 from scenes.results.record import record
 
 WINDOW = {
-    **{"max_frequency": 1.0, "shift": 2.0, "radius": inf, "found": 1, "discs": 1, "upper": 3.0},
-    **{"found_below": 1, "symmetric_count": 1, "max_growth": inf, "bounded": True, "odd": False},
+    "max_frequency": 1.0,
+    "shift": 2.0,
+    "radius": inf,
+    "found": 1,
+    "discs": 1,
+    "upper": 3.0,
+    "found_below": 1,
+    "symmetric_count": 1,
+    "max_growth": inf,
+    "bounded": True,
+    "odd": False,
 }
 
 

@@ -109,7 +109,7 @@ def with_(value, *path):
         (with_(1.0, "mass", "X"), "mass.X", "M, D, G, K, F, Q"),
         (with_(None, "stiffness", "Q"), "files.Q", "named in a sum"),
         (with_("v/w", "damping", "G"), "damping.G", "without w"),
-        (with_("__import__('os')", "damping", "G"), "damping.G", "no function"),
+        (with_("__import__('os')", "damping", "G"), "damping.G", "is not among sin"),
         (with_("1/(v - 2)", "damping", "G"), "damping.G", "finite value"),
         (with_([1.0], "damping", "G"), "damping.G", "a finite number"),
         (with_("v0", "parameters", "v"), "parameters.v", "without v0"),

@@ -5,7 +5,6 @@ import sys
 import mixed_brake
 import numpy as np
 import pytest
-from mixed_brake import Brake
 from mpi import run
 from peak_memory import PEAK
 
@@ -57,7 +56,7 @@ def test_dofs_are_those_of_the_run(backend):
 def test_dofs_of_mixed_elements(tmp_path, degree):
     """They are divided into tetrahedra, which have a sixth of the nodes of hexahedra."""
     file = tmp_path / "brake.inp"
-    file.write_text(Brake(0.02, 2, wedges=True).deck())
+    file.write_text(mixed_brake.brake(0.02))
     given = mixed_brake.scene(file, friction=0.5)
     for body in given["bodies"].values():
         body["mesh"] = {"degree": degree}

@@ -81,13 +81,15 @@ def test_estimates_of_a_solid_ring(backend):
 
 @pytest.mark.parametrize(
     ("backend", "formulation"),
-    covering(BACKENDS, ({"gpts": 6}, {"gpts": 3}, {"segments": None}), strength=1),
+    covering(
+        BACKENDS,
+        ("method='gpts', points=6", "method='gpts', points=3", "method='segments'"),
+        strength=1,
+    ),
 )
 def test_rules_of_contact_may_differ(backend, formulation):
     """The richer scene takes the exact integral: what a rule of points errs by is in the error."""
-    method, points = next(iter(formulation.items()))
-    rule = f'method="{method}"' + (f", points={points}" if points else "")
-    contact = [f"contacts.interface.formulation={{{rule}}}"]
+    contact = [f"contacts.interface.formulation={{{formulation}}}"]
     coarse = coarse_modes("blocks", backend, 2, 2.9, contact)
     mortar = coarse_modes("blocks", backend, 2, 2.9).scene
     estimate = estimate_errors(coarse, richer_scene(mortar))
@@ -96,18 +98,17 @@ def test_rules_of_contact_may_differ(backend, formulation):
     assert np.abs(effectivity - 1).max() < 0.06
 
 
-VERDICTS = {0.98: "stable", 1.0: None, 1.02: "unstable"}
-"""By friction relative to that of the coalescence."""
+def mu_of(value):
+    return [f'contacts.interface.mu="{value!r}*sin(pi*x/2)"']
 
 
-@pytest.mark.parametrize(("backend", "factor"), [("fe", 1.0), ("iga", 1.02), ("fe", 0.98)])
-def test_a_pair_near_its_coalescence_is_judged_by_mean_and_splitting(backend, factor):
-    verdict = VERDICTS[factor]
+@pytest.mark.parametrize(
+    ("backend", "factor", "verdict"),
+    [("fe", 1.0, None), ("iga", 1.02, "unstable"), ("fe", 0.98, "stable")],
+)
+def test_a_pair_near_its_coalescence_is_judged_by_mean_and_splitting(backend, factor, verdict):
     mu = factor * CRITICAL
-    coarse = coarse_modes(
-        "blocks", backend, 2, 3.2, [f'contacts.interface.mu="{mu!r}*sin(pi*x/2)"']
-    )
-    estimate = estimate_errors(coarse)
+    estimate = estimate_errors(coarse_modes("blocks", backend, 2, 3.2, mu_of(mu)))
     (pair,) = (cluster for cluster in estimate.clusters if len(cluster.members) == 2)
     members = np.full(2, DOUBLE)
     if verdict is not None:
@@ -120,6 +121,7 @@ def test_a_pair_near_its_coalescence_is_judged_by_mean_and_splitting(backend, fa
     assert found == {"undecided"} if verdict is None else verdict in found
 
 
+FEW = {"upper": [6, 2], "lower": [5, 3]}
 DAMPED = ["bodies.upper.damping={alpha=0.02,beta=0.01}", "bodies.lower.damping={beta=0.02}"]
 STIFF = (
     ["contacts.interface.p=1e9", "contacts.interface.form='penalty'"],
@@ -131,8 +133,7 @@ STIFF = (
 @pytest.mark.parametrize(("backend", "changes"), covering(BACKENDS, (*STIFF, DAMPED), strength=1))
 def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes):
     """Tied, stiff, without friction, damped: one step lands on the eigenvalues of that space."""
-    elements = {"upper": [6, 2], "lower": [5, 3]}
-    coarse = coarse_modes("blocks", backend, 2, 2.9, changes, elements)
+    coarse = coarse_modes("blocks", backend, 2, 2.9, changes, FEW)
     richer = richer_scene(coarse.scene)
     estimate = estimate_errors(coarse, richer)
     searched = paired(estimate.corrected, run_modes(richer).eigenvalues)
@@ -143,7 +144,7 @@ def test_estimates_are_what_a_search_in_the_richer_space_finds(backend, changes)
 
 def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
     """With what they hold: estimates in a space richer in one body are the same."""
-    coarse = coarse_modes("blocks", backend, 2, 2.9, elements={"upper": [6, 2], "lower": [5, 3]})
+    coarse = coarse_modes("blocks", backend, 2, 2.9, elements=FEW)
     both = richer_scene(coarse.scene)
     richer = replace(coarse.scene, bodies={**both.bodies, "lower": coarse.scene.bodies["lower"]})
     made, build = [], nested.build_bodies
@@ -160,10 +161,6 @@ def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
     assert made[-1] == ["upper", "lower"]
     for found in twice:
         assert np.abs(found - anew).max() < 1e-11 * np.abs(anew).max()
-
-
-def mu_of(value):
-    return [f'contacts.interface.mu="{value!r}*sin(pi*x/2)"']
 
 
 def mass_damping(alpha):

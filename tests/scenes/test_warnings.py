@@ -64,27 +64,11 @@ def test_too_many_points_are_told_where_they_lock():
     assert 0.01 < off < 0.1
 
 
-def two_plates(shift=0.0, apart=0.0, **contact):
-    """Data of a plate of length 1 on another, moved along and away from it."""
-    fields = {
-        "material": {"E": 1.0, "nu": 0.3, "rho": 1.0},
-        "supports": [{"surface": "x_min"}],
-    }
-    upper = rectangle("iga", [1.0, 0.2], [10, 2], origin=[shift, apart], **fields)
-    lower = rectangle("iga", [1.0, 0.2], [10, 2], origin=[0.0, -0.2], **fields)
-    sides = {"a": "upper.y_min", "b": "lower.y_max", "formulation": {"method": "mortar"}, "p": 1.0}
-    return {
-        "name": "plates",
-        "bodies": {"upper": upper, "lower": lower},
-        "contacts": {"c": sides | contact},
-        "analysis": {"kind": "cea", "max_frequency": 1.0},
-    }
-
-
-def test_a_closed_gap_is_told_with_its_width():
-    found = told(read_scene(two_plates(apart=0.015, reach=0.05)))
-    assert found["gap-closed"]["distance"] == pytest.approx(0.015, rel=1e-9)
-    assert "gap-closed" not in told(read_scene(two_plates(apart=1e-4, reach=0.05)))
+@pytest.mark.parametrize(("apart", "expected"), [(0.015, 0.015), (1e-4, None)])
+def test_a_closed_gap_is_told_with_its_width(apart, expected):
+    moved = {"bodies.upper.placement": {"translation": [0.0, apart, 0.0]}}
+    found = told(blocks("iga", reach=0.05).change(moved)).get("gap-closed", {})
+    assert found.get("distance") == (expected and pytest.approx(expected, rel=1e-9))
 
 
 def cantilever(backend, degree, nu, elements=4):
