@@ -10,6 +10,7 @@ from golden import BIN, differences, run_frozen, stored
 
 from comparisons import agreement
 from comparisons.accuracy.errors import measure
+from comparisons.accuracy.problems import PROBLEMS
 from comparisons.bench import ccx
 from comparisons.formulations import patch_tests
 from comparisons.formulations.study import STUDY, Options
@@ -140,6 +141,24 @@ def test_errors_against_exact_eigenvalues_are_as_frozen(name):
         for quantity in ("lambda", "frequency", "growth"):
             keys = row[quantity]
             assert_same_errors([found[f"{quantity}_{k}"] for k in keys], list(keys.values()))
+
+
+@pytest.mark.grid(quick=1)
+@pytest.mark.parametrize(
+    "name",
+    [
+        name
+        if name in ("drum", "blocks_constant_mu")
+        else pytest.param(name, marks=pytest.mark.slow)
+        for name in stored("tables")["exact_lists"]
+    ],
+)
+def test_exact_eigenvalues_are_as_frozen(name):
+    """One list of each problem is computed anew, that at the problem's own stiffness."""
+    entry = stored("tables")["exact_lists"][name]
+    found = PROBLEMS[name].exact(1.0)
+    expected = np.array([complex(*pair) for pair in entry["lists"]["1"]])
+    np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-13)
 
 
 def test_a_deck_is_as_frozen(tmp_path):
