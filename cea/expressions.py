@@ -148,7 +148,7 @@ def evaluate(field: Field, x: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Formula:
-    """A coefficient as text, a :class:`cea.eigen.parameters.Dependence`.
+    """A coefficient as text, a :class:`cea.eigen.coefficients.Dependence`.
 
     The text is arithmetic in parameters, by the names that stand for them, and pi: ``+ - * / **``,
     brackets, and sin, cos, tan, arctan, sinh, cosh, tanh, exp, log, sqrt, abs. Anything else is

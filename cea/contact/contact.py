@@ -35,7 +35,7 @@ from cea.matrices import (
 from cea.ranks import agreed
 
 type Powers = dict[str, tuple[float, float]]
-"""Reference and exponent by parameter (:class:`cea.eigen.parameters.Monomial`)."""
+"""Reference and exponent by parameter (:class:`cea.eigen.coefficients.Monomial`)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,8 +23,8 @@ from scipy.sparse import csr_array, diags_array, vstack
 from cea.arrays import Floats
 from cea.contact.compression import compressed
 from cea.contact.contact import Contact, by_pair, powers_of
+from cea.eigen.coefficients import NOTHING, Coefficient
 from cea.eigen.multipliers import ForcesOfContact
-from cea.eigen.parameters import NOTHING, Coefficient
 from cea.matrices import (
     block_diagonal,
     destroy,

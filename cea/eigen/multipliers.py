@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from math import inf, sqrt
 from typing import Any
 
+from cea.eigen.coefficients import Coefficient
 from cea.eigen.dependence import Dependence
-from cea.eigen.parameters import Coefficient
 from cea.eigen.unformed import CirculatorySum
 from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total, zeros
 from cea.petsc import Mat, PETSc

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from cea.arrays import Floats
 from cea.eigen.blocks import image_of, times, transposed_times
+from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
-from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.unformed import (
     Circulatory,
     CirculatorySum,

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from cea.arrays import Floats
 from cea.eigen.blocks import times, transposed_times
+from cea.eigen.coefficients import CONSTANT, Dependence
 from cea.eigen.mumps import Mumps
-from cea.eigen.parameters import CONSTANT, Dependence
 from cea.matrices import absolute, destroy
 from cea.petsc import Mat
 

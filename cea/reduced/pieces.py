@@ -18,9 +18,9 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.eigen.blocks import column_blocks, times, transposed_times
+from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence
 from cea.eigen.multipliers import ForcesOfContact
 from cea.eigen.mumps import Mumps
-from cea.eigen.parameters import CONSTANT, Coefficient, Dependence
 from cea.eigen.pencil import Pencil, Role
 from cea.matrices import destroy, scaled_total
 from cea.petsc import PETSc

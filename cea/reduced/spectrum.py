@@ -13,7 +13,7 @@ from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
-from cea.eigen.parameters import Dependence
+from cea.eigen.coefficients import Dependence
 from cea.eigen.pencil import Role
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certificate, Pairs, Polynomial, Term, real_times

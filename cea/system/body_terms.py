@@ -24,7 +24,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.blocks import image_of
-from cea.eigen.parameters import CONSTANT, Coefficient, Dependence, Monomial, Parameter
+from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm
 from cea.elasticity import Elasticity

@@ -31,7 +31,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact, by_pair, jump_operator, powers_of
 from cea.contact.formulations import Form
-from cea.eigen.parameters import Coefficient, Parameter
+from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.pencil import Term
 from cea.errors import ResultWarning
 from cea.matrices import destroy, product, squared, symmetrised

@@ -17,7 +17,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
-from cea.eigen.parameters import Parameter
+from cea.eigen.coefficients import Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
 from cea.matrices import block_diagonal, destroy, gather, local_part

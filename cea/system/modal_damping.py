@@ -14,9 +14,9 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, image_of
+from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
-from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.search import NearestSearch
 from cea.eigen.shifted import count_below

@@ -14,7 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter
 
-from cea.eigen.parameters import Parameter
+from cea.eigen.coefficients import Parameter
 from cea.errors import InputError
 from cea.expressions import RESERVED, Formula
 from scenes.spec.consistency import (

@@ -7,9 +7,9 @@ from covering import covering
 from eigen_numbers import damped
 from petsc_matrices import dense_pencil, quadratic_eigenvalues, to_petsc
 
+from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import solve_modes
 from cea.eigen.mumps import Mumps
-from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.eigen.shifted import Shifted, UpdatedFactors
 from cea.eigen.unformed import LowRank, UnformedTerm

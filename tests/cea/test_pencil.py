@@ -6,8 +6,8 @@ from blocks import assemble, two_blocks
 from covering import covering
 from petsc_matrices import dense_pencil, to_numpy, to_petsc
 
+from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
-from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
 

@@ -14,9 +14,9 @@ from random_pencils import pencil_of, random_quadratic
 from reference_data import eigenvalues, stored
 from scipy.sparse import diags_array, eye_array
 
+from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.field_of_values import bounded_growth, largest_growth
-from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.eigen.unformed import LowRank, UnformedTerm
 from cea.errors import ConvergenceError, InputError

@@ -6,8 +6,8 @@ from covering import covering
 from petsc_matrices import to_petsc
 from reference_data import plane_meshes, stored
 
+from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
-from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold

@@ -4,9 +4,9 @@ import numpy as np
 from blocks import assemble, coarse, two_blocks
 from random_pencils import random_graded
 
+from cea.eigen.coefficients import Coefficient
 from cea.eigen.corrected_tests import CorrectedTests
 from cea.eigen.driver import EigenSolver, solve_modes
-from cea.eigen.parameters import Coefficient
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import distributed, local_part
 

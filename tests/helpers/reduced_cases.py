@@ -7,9 +7,9 @@ from blocks import assemble, coarse, two_blocks
 from petsc_matrices import to_petsc
 from scipy.linalg import eig
 
+from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
-from cea.eigen.parameters import Coefficient, Parameter
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.reduced.full_solves import line_of_model
 from cea.reduced.greedy import Enrichment
