@@ -9,7 +9,4 @@ the friction traction on a. Drum and blocks with sinusoidal friction have charac
 functions of closed form, whose roots are counted by the argument principle; blocks with constant
 friction and the ring are solved by a graded Galerkin method of high order, which also checks the
 others; lumped systems are roots of polynomials.
-
-``reference`` and ``thresholds`` give eigenvalues and critical friction by the name of a problem,
-``entries`` writes them with their digits.
 """
