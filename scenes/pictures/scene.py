@@ -74,7 +74,7 @@ def draw_scene(inspection: Inspection, file: str | Path) -> Path:
                 _add_names(plotter, inspection, view)
                 seen = points
             else:
-                seen = _surroundings(inspection.halves, points)
+                seen = _box_around(inspection.halves, points)
                 _add_contacts(plotter, inspection.halves, distances, seen)
             aim(plotter.camera, view, seen, _WINDOW)
         plotter.enable_anti_aliasing("msaa", multi_samples=8)
@@ -120,7 +120,7 @@ def _add_names(plotter: Any, inspection: Inspection, view: Floats) -> None:
             )
 
 
-def _surroundings(halves: Mapping[str, Contact], points: Floats) -> Floats:
+def _box_around(halves: Mapping[str, Contact], points: Floats) -> Floats:
     """Corners of a box around the contact points (m), shape (8, 3); all points where none is."""
     if not halves:
         return points

@@ -15,7 +15,7 @@ def pairs_of(projected):
 
 
 @pytest.mark.parametrize("corner", [0.0, 1e-6 * EPS, -1e-6 * EPS])
-def test_one_vector_twice_is_mended(corner):
+def test_one_vector_twice_is_replaced(corner):
     """A Jordan block that is nothing but rounding, or nearly so, as of rigid motions."""
     matrix = np.diag([0.0, 0.0, 1.0, 2.0, 3.0])
     matrix[:2, :2] = [[0.0, 30 * EPS], [corner, 0.0]]

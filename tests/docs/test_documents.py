@@ -84,8 +84,8 @@ def test_every_package_offers_its_types():
 
 
 PRIVATE = re.compile(
-    r"\b(rubs|rubbing|mended|leanest|thrift|districts?|surroundings|zero_growth|onsets?|told_by)\b"
-    r"|turned[ _]test|searched[ _]beside",
+    r"(?<![a-z])(rubs|rubbing|mended|leanest|thrift|districts?|surroundings|onsets?)(?![a-z])"
+    r"|zero_growth|told_by(?!_)|turned[ _]test|searched[ _]beside",
     re.IGNORECASE,
 )
 """Words that no textbook has for what they stood for."""
