@@ -7,6 +7,7 @@
 # make test-faults  every field of every scene broken: 75,000 bad inputs (5 min)
 # make lint       ruff and mypy
 # make docs       the documentation site, in build/site
+# make dist       a wheel, in dist
 # make clean      remove caches and build products; distclean removes .venv too
 # PYTHON=/path/to/python3 is tried first when given.
 
@@ -34,7 +35,7 @@ ifndef DISPLAY
 export VTK_DEFAULT_OPENGL_WINDOW ?= vtkEGLRenderWindow
 endif
 
-.PHONY: setup compare stability test test-slow test-mpi test-faults lint docs missing-packages clean \
+.PHONY: setup compare stability test test-slow test-mpi test-faults lint docs dist missing-packages clean \
 	distclean
 
 setup: $(INSTALLED)
@@ -75,6 +76,9 @@ docs: $(INSTALLED)
 	$(BIN)/python -m pip install --disable-pip-version-check -q -c constraints.txt -e '.[docs]'
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/site
 	@echo "The site to open: build/site/index.html"
+
+dist: $(INSTALLED)
+	$(BIN)/python -m pip wheel --disable-pip-version-check -q --no-deps --wheel-dir dist .
 
 missing-packages:
 	$(REQUIRE_PYTHON)

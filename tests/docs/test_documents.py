@@ -83,6 +83,19 @@ def test_every_package_offers_its_types():
     assert all((ROOT / name / "py.typed").is_file() for name in ROOMS)
 
 
+def test_every_file_of_a_package_is_in_its_wheel():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    packed = set()
+    for package, patterns in project["tool"]["setuptools"]["package-data"].items():
+        for room in ROOMS if package == "*" else [package]:
+            packed |= {path for pattern in patterns for path in (ROOT / room).glob(pattern)}
+    listed = subprocess.run(
+        ["git", "ls-files", *ROOMS], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    files = [ROOT / name for name in listed.stdout.splitlines() if not name.endswith(".py")]
+    assert [path for path in files if path not in packed] == []
+
+
 PRIVATE = re.compile(
     r"(?<![a-z])(rubs|rubbing|mended|leanest|thrift|districts?|surroundings|onsets?)(?![a-z])"
     r"|zero_growth|told_by(?!_)|turned[ _]test|searched[ _]beside",
