@@ -1,5 +1,7 @@
 """Wedges by corrected test functions: dense matrices say the same, no eigenvalue lies outside."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 import scipy.linalg
@@ -83,12 +85,13 @@ def test_the_depth_is_where_wedge_and_window_part(slope, depth):
         assert reaches.max() > -within - 0.05 * (1 + slope) * (TOP + depth)
 
 
-@pytest.mark.parametrize(
-    ("backend", "formulation", "P"),
-    covering(["fe", "iga"], [GPTS, MORTAR], [1e8, 1e14, float("inf")], strength=1),
-)
-def test_stiff_contact_moves_nothing_farther(backend, formulation, P):
+STIFF = [*product([GPTS, MORTAR], [1e8, 1e14]), (MORTAR, np.inf)]
+
+
+@pytest.mark.parametrize(("backend", "contact"), covering(["fe", "iga"], STIFF, strength=1))
+def test_stiff_contact_moves_nothing_farther(backend, contact):
     """The plain bound grows with P, and says nothing of P = infinity; this one hardly does."""
+    formulation, P = contact
     matrices = scene(backend, formulation, P, 0.7, "saddle" if np.isinf(P) else None)
     tests = CorrectedTests.of(matrices)
     assert tests.bounds(TOP, 20.0)
@@ -104,14 +107,22 @@ def test_without_friction_or_nodes_there_is_none():
     assert CorrectedTests.of(pencil.at()) is None
 
 
+STIFFEST = ["P=1e16", 'formulation={method="mortar"}', "mu=1.5"]
+
+
 @pytest.mark.parametrize(
     ("backend", "changes"),
     [
         ("fe", ["P=1e12"]),
-        *(
-            pytest.param(backend, changes, marks=pytest.mark.slow)
-            for backend in ("fe", "iga")
-            for changes in (["P=1e12"], ["P=1e16", 'formulation={method="mortar"}', "mu=1.5"])
+        pytest.param("iga", ["P=1e12"], marks=pytest.mark.slow),
+        pytest.param("fe", STIFFEST, marks=pytest.mark.slow),
+        pytest.param(
+            "iga",
+            STIFFEST,
+            marks=[
+                pytest.mark.slow,
+                pytest.mark.xfail(strict=True, reason="complete up to a growth that is told"),
+            ],
         ),
     ],
 )
