@@ -40,7 +40,7 @@ def basis_functions(
         lower = np.zeros((len(x), q + 1))
         lower[:, :-1] += (right - x[:, None]) * share
         lower[:, 1:] += (x[:, None] - left) * share
-    if slopes:  # of the last share, of functions of a degree less
+    if slopes and degree:  # of the last share, of functions of a degree less
         values[1, :, :-1] -= degree * share
         values[1, :, 1:] += degree * share
     values[0] = lower

@@ -106,7 +106,7 @@ class Search(ABC):
     def at(self, shift: float) -> ShiftInvert:
         """The operator at a shift; that before it is freed."""
         if self._op is None or self._op.shift != shift:
-            self.free()
+            self._free_operator()
             self.factorisations += 1
             kind = Companion if self._matrices.quadratic else ShiftInvert
             with self.timer("factorisation"):
@@ -153,6 +153,9 @@ class Search(ABC):
 
     def free(self) -> None:
         """Free the factors."""
+        self._free_operator()
+
+    def _free_operator(self) -> None:
         if self._op is not None:
             self._op.free()
             self._op = None

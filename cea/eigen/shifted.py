@@ -154,6 +154,9 @@ class UpdatedFactors:
 
     def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Solutions for every column of b, the first rows of this rank, as of :class:`Mumps`."""
+        if np.iscomplexobj(b):  # a product of a tall real matrix and complex columns copies it
+            both = self.solve_block(np.hstack([b.real, b.imag]), transposed=transposed)
+            return both[:, : b.shape[1]] + 1j * both[:, b.shape[1] :]
         b = np.vstack([b, np.zeros((self._rows - len(b), b.shape[1]))])
         transposed = transposed and not self._symmetric
         self._prepare(transposed)

@@ -246,7 +246,7 @@ class DampedSearch(WindowSearch):
             if not self._crowded:
                 self._most = sys.maxsize
                 return
-            self.free()
+            self._free_operator()
             if centre >= _SLIM * self._end and not self._asked:
                 self.decay /= _AWAY
             centre *= _AWAY

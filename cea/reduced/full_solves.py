@@ -232,7 +232,8 @@ def confirm(
 ) -> tuple[float, complex] | None:
     """A threshold of the pencil itself, beginning at one of a reduced model, and lambda there.
 
-    None where only numbers of growing modes beside it are known.
+    None where only numbers of growing modes beside it are known, or where it leaves what a
+    parameter allows.
     """
     if not found.slope:
         return None
@@ -243,6 +244,10 @@ def confirm(
         of = "zero"
     value, root, before = found.value, found.eigenvalue, np.inf
     for _ in range(_STEPS):
+        try:
+            driver.pencil.check(point(value))
+        except InputError:
+            return None
         passes, root = passing(window, of, _nearest(driver, point(value), of, window, root))
         step = -passes / found.slope
         if abs(step) >= before:  # nothing but rounding is left
@@ -260,7 +265,7 @@ def _nearest(
     near = (root or 1j * window.end * _ASIDE) * (1 + _ASIDE)
     quadratic = driver.matrices(point).quadratic
     at = -(near**2) if quadratic else float(-(near**2).real)
-    modes = driver.nearest(at, 1 if window.by_growth else _NEIGHBOURS, point)
+    modes = driver.nearest(at, _NEIGHBOURS, point)
     z: Complexes = modes.eigenvalues if window.damped else -(modes.eigenvalues**2)
     if of in ("growth", "end"):
         return z[np.argsort(np.abs(modes.eigenvalues - root))[:1]]

@@ -212,19 +212,19 @@ def forces_on_bodies(
     u = whole[system.contacts[0].name].gap.createVecRight()
     u.array[:] = np.concatenate([moved[name][_own(body)] for name, body in bodies.items()])
     for contact in system.contacts:
-        of_all, size = whole[contact.name], _size(contact, moved)
+        of_all = whole[contact.name]
         if of_all.lumped is not None:
-            yield from _on_sides(bodies, contact, _image(*of_all.lumped, u), size)
+            force = _image(*of_all.lumped, u)
         elif not contact.law.linear:
             assert contact.closure is not None
             force = of_all.force(contact.law.pressure(contact.closure))
-            yield from _on_sides(bodies, contact, force, size)
         elif not contact.has_multipliers:
             force = of_all.force(contact.slope * of_all.closing(u))
-            yield from _on_sides(bodies, contact, force, size)
         elif contact.prescribed is not None:
             force = of_all.force(contact.slope * contact.prescribed)
-            yield from _on_sides(bodies, contact, force, size)
+        else:
+            continue
+        yield from _on_sides(bodies, contact, force, _size(contact, moved))
     linear = [contact for contact in system.contacts if contact.law.linear]
     for halves in with_multipliers(linear).values():
         reactions = [_reaction(whole[half.name]) for half in halves]
@@ -241,6 +241,8 @@ def forces_on_bodies(
         destroy(reaction, f, *reactions)
         yield from _on_sides(bodies, halves[0], force)
     destroy(u)
+    for each in whole.values():
+        destroy(each.gap, *(m for m in (each.slip, *(each.lumped or ())) if m is not None))
 
 
 def _own(body: Body) -> slice:

@@ -15,7 +15,7 @@ import typer
 from typer import Argument, Option
 
 from cea.errors import require
-from comparisons.cli.options import PLAIN, Anew, LazyGroup, Out, command_with, need
+from comparisons.cli.options import PLAIN, Anew, LazyGroup, command_with, need
 
 if TYPE_CHECKING:
     from comparisons.study.result import StudyResult
@@ -198,15 +198,19 @@ def _bench() -> None:
 
 def paper(
     names: Annotated[
-        list[str] | None, Argument(help="Figures by number or name, or claims.")
+        list[str] | None, Argument(help="Figures by number or name; all; or claims alone.")
     ] = None,
     only: Annotated[list[str] | None, Option(help="Cases to compute, e.g. mesh=NURBS.")] = None,
     anew: Anew = False,
-    out: Out = Path("results/paper"),
+    out: Annotated[
+        Path | None, Option(help="Folder of the result: results/paper, or results/claims.")
+    ] = None,
 ) -> None:
     """Make figures of the paper on every kind of mesh, and judge its claims by their numbers."""
     need("pictures")
-    made, given = study_in("paper.study"), {"figures": tuple(names or ())}
-    if names == ["claims"]:
-        made, given = replace(made, sections=made.sections[:1]), {}
-    run_study(made, given, out=out, only=only, anew=anew)
+    made, chosen = study_in("paper.study"), () if names in (None, ["all"]) else tuple(names)
+    if chosen == ("claims",):
+        made, chosen = replace(made, sections=made.sections[:1]), ()
+        out = out or Path("results/claims")
+    given = {"figures": chosen} if chosen else {}
+    run_study(made, given, out=out or Path("results/paper"), only=only, anew=anew)

@@ -175,6 +175,6 @@ def chosen(names: tuple[str, ...]) -> list[Figure]:
     known = {part: name for name in FIGURES for part in name.split(" and ")}
     for name in names:
         if name not in known:
-            raise InputError("figure", name, f"one of {', '.join(known)}")
+            raise InputError("figure", name, f"one of {', '.join(known)}; or claims or all, alone")
     wanted = dict.fromkeys(known[name] for name in names) or FIGURES
     return [FIGURES[name] for name in wanted]

@@ -224,8 +224,9 @@ class Result:
         """
         if self.pieces:
             return given_matrices(self.modes.pencil, self.modes.values, self.modes.template)
-        values = self.system.pencil().values() if self.spectrum is None else self.modes.values
-        return system_matrices(self.system, values)
+        system = self.system
+        values = system.pencil().values() if self.spectrum is None else self.modes.values
+        return system_matrices(system, values)
 
     def mode_shapes(
         self,

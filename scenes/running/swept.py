@@ -84,11 +84,12 @@ def in_saddle_form(scene: Scene) -> Scene:
 
 def no_two_alike(groups: Sequence[Iterable[str]], names: Sequence[str]) -> None:
     """Refuse axes that mean one parameter twice."""
-    seen: dict[str, str] = {}
-    for group, name in zip(groups, names, strict=True):
+    seen: dict[str, int] = {}
+    for number, (group, name) in enumerate(zip(groups, names, strict=True)):
         for each in group:
-            first = seen.setdefault(each, name)
-            require(first == name, "axis", name, f"other parameters than {first}: {each}")
+            first = seen.setdefault(each, number)
+            allowed = f"other parameters than {names[first]}: {each}"
+            require(first == number, "axis", name, allowed)
 
 
 def parameters_changed(

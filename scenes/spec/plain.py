@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, fields, is_dataclass
 from functools import cache
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -82,28 +82,34 @@ def _schema(kind: TypeAdapter[Any]) -> dict[str, Any]:
     return kind.json_schema()
 
 
-def plain_data(value: Any) -> Any:
+def plain_data(value: Any, place: str = "scene") -> Any:
     """A scene or a part of one as nested dictionaries, lists and numbers, which it is read from."""
-    return json.loads(_json(value))
+    return json.loads(_json(value, place))
 
 
-def _json(data: Any) -> bytes:
+def _json(data: Any, place: str = "scene") -> bytes:
     """JSON of a scene or a part of one; refused is what JSON has no form for."""
     try:
         text = json.dumps(data, default=_plain, ensure_ascii=False)
         return text.encode()
     except UnicodeEncodeError:
-        texts = [each for each in leaves(json.loads(text)) if _HALF.search(str(each[1]))]
+        texts = [each for each in leaves(json.loads(text), place) if _HALF.search(str(each[1]))]
         raise SceneError(InputError(*each, "text of whole characters") for each in texts) from None
-    except (AttributeError, TypeError, ValueError, RecursionError) as error:
+    except SceneError:
+        raise
+    except (TypeError, ValueError, RecursionError) as error:
         allowed = f"text, numbers, lists, and tables of them by name, not too deep: {error}"
-        raise SceneError([InputError("scene", "...", allowed)]) from error
+        raise SceneError([InputError(place, "...", allowed)]) from error
 
 
 def _plain(value: Any) -> Any:
     """What JSON has no form for: sections of scenes, and numbers and arrays of numpy."""
     if is_dataclass(value) and not isinstance(value, type):
         return asdict(value)
+    if isinstance(value, PurePath):
+        return str(value)
+    if not hasattr(value, "tolist"):
+        raise SceneError([InputError("value", value, "plain data, or a section of a scene")])
     return value.tolist()
 
 
@@ -188,7 +194,7 @@ def changed(scene: Any, field: str | Mapping[str, Any], value: Any = None) -> di
     """Plain data of a scene with fields changed, as its ``change`` takes them."""
     data = plain_data(scene)
     for path, new in (field if isinstance(field, Mapping) else {field: value}).items():
-        _set(data, path, plain_data(new))
+        _set(data, path, plain_data(new, path))
     return data
 
 

@@ -64,16 +64,17 @@ def problems(error: ValidationError, data: Any, schema: Mapping[str, Any]) -> li
     """
     every = (schema, *schema.get("$defs", {}).values())
     sections = [section["properties"] for section in every if "properties" in section]
-    found: dict[str, InputError] = {}
+    found: dict[str, list[InputError]] = {}
     for detail in error.errors(include_url=False):
         fault = _fault(detail, data, sections)
-        before = found.setdefault(fault.field, fault)
-        if fault.allowed not in before.allowed.split(", or "):  # another form of the field
-            allowed = f"{before.allowed}, or {fault.allowed}"
-            found[fault.field] = InputError(fault.field, fault.value, allowed)
+        found.setdefault(fault.field, []).append(fault)
     # Of a field of several forms what is wrong within one says more than that it is no other.
     within = {field: any(other.startswith(f"{field}.") for other in found) for field in found}
-    return [fault for field, fault in found.items() if not within[field]]
+    return [
+        InputError(field, each[0].value, ", or ".join(dict.fromkeys(one.allowed for one in each)))
+        for field, each in found.items()  # one for each form of the field
+        if not within[field]
+    ]
 
 
 def _fault(detail: Mapping[str, Any], data: Any, sections: _Sections) -> InputError:
@@ -93,6 +94,10 @@ def _fault(detail: Mapping[str, Any], data: Any, sections: _Sections) -> InputEr
             siblings = _siblings(parent, name, sections)
             there = f"; there are {', '.join(siblings)}" if siblings else ""
             allowed = f"no such field{there}{did_you_mean(name, siblings or names)}"
+        case "missing" if isinstance(name, int):
+            place, allowed = place.rpartition(".")[0], f"at least {name + 1} entries"
+        case "too_long":
+            allowed = f"{context['max_length']} entries"
         case "missing" | "missing_argument":
             near = [each for each in given if each not in names and did_you_mean(each, [name])]
             value, allowed = None, allowed + (f"; is it meant by {near[0]!r}?" if near else "")

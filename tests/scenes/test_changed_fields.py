@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from math import inf
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from changed_scenes import SCENES, scene_of
 
 from cea.errors import InputError
-from scenes import assemble, run_modes
+from scenes import assemble, load_scene, run_modes
 from scenes.spec.plain import as_data
 from scenes.spec.problems import SceneError
 
@@ -195,3 +196,14 @@ def test_a_changed_field_gives_the_result_of_a_fresh_run(row):
     changed = before.change(row.changes)
     assert as_data(changed) != as_data(before)
     assert_the_same(assembled.modes(row.changes), run_modes(changed))
+
+
+def test_values_without_a_plain_form_are_refused_where_they_stand():
+    scene = load_scene("blocks")
+    assert scene.change("name", Path("a") / "b").name == str(Path("a") / "b")
+    for value, told in (
+        (object(), "plain data, or a section of a scene"),
+        ("\ud800", "contacts.interface.mu"),
+    ):
+        with pytest.raises(SceneError, match=told):
+            scene.change("contacts.interface.mu", value)

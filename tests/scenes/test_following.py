@@ -6,7 +6,7 @@ from pressed import pressed_blocks
 
 from cea.errors import InputError
 from cea.reduced.full_solves import ConfirmedThreshold
-from scenes import assemble, read_scene, run_modes
+from scenes import assemble, load_scene, read_scene, run_modes
 
 MU = "contacts.interface.mu"
 GPTS = {"method": "gpts", "points": 3}
@@ -67,3 +67,14 @@ def test_thresholds_are_sought_with_contact_forces_as_unknowns(backend, monkeypa
     monkeypatch.setattr("scenes.running.assembled.first_threshold", sought)
     assemble(scene).threshold("contacts.interface.P", 1.0, 30.0)
     assert solved == [True]
+
+
+def test_growth_of_a_damped_pair_passes_zero_at_its_threshold(backend):
+    """The partner of the mode that begins to grow decays, near by."""
+    scene = load_scene("blocks", ["bodies.upper.damping={alpha=0.002}"], backend)
+    assembled = assemble(scene)
+    found = assembled.threshold("mu", 0.0, 1.0)
+    assert abs(found.eigenvalue.real) < 1e-9
+    for part, sign in ((-1e-4, -1), (1e-4, 1)):
+        growth = assembled.modes_at({MU: found.value * (1 + part)}).growth_rates.max()
+        assert np.sign(growth) == sign

@@ -34,6 +34,8 @@ def test_modes_open_as_they_were(backend, tmp_path):
     assert opened.timer.seconds == result.timer.seconds
     assert opened.provenance["seconds"] == result.timer.total
     assert opened.skipped == result.skipped
+    with pytest.raises(InputError, match="a fresh run"):
+        opened.matrices()
 
 
 def test_a_static_run_opens_with_its_stresses(tmp_path):

@@ -145,12 +145,17 @@ def _claims_on_body(field: str, body: BodySpec) -> Iterator[_Claim]:
     for i, support in enumerate(body.supports):
         place, components = f"{field}.supports.{i}", list(support.components)
         yield f"{place}.components", components, set(components) - set("xyz"), "x, y or z"
-        yield f"{place}.value", support.value, support.value is not None, _UNWRITTEN
+        allowed = "left out, where supports hold at zero,"
+        yield f"{place}.value", support.value, support.value is not None, allowed
 
 
 def _claims_on_contact(field: str, contact: ContactSpec) -> Iterator[_Claim]:
-    for name in ("c_n", "full_pass", "sliding"):
-        yield f"{field}.{name}", getattr(contact, name), getattr(contact, name), _UNWRITTEN
+    for name, allowed in (
+        ("c_n", "left out, P or p given instead,"),
+        ("full_pass", "false, since points lie on side a, the slave,"),
+        ("sliding", _UNWRITTEN),
+    ):
+        yield f"{field}.{name}", getattr(contact, name), getattr(contact, name), allowed
     for name in ("P", "p"):
         value = getattr(contact, name)
         wrong = value is not None and not (isinstance(value, float | int) and isfinite(value))
