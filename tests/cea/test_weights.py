@@ -37,6 +37,11 @@ def lagrange(shape: Shape, cell: str, elements, degree: int) -> Body:
     return shape_body(shape, cell, degree, mesh, placement=placement)
 
 
+def alive(traces):
+    """Functions that are not zero everywhere on a surface."""
+    return np.flatnonzero(np.abs(traces).max(axis=0) > 1e-12)
+
+
 KNOTS = [
     knots_with_breaks(np.repeat([0.0, 1.0], p + 1), p, np.array(breaks), continuity)
     for p, continuity in ((1, 0), (2, 1), (2, 0), (3, 2), (3, 1), (4, 3), (4, 1), (5, 0), (8, 7))
@@ -76,14 +81,16 @@ def test_area_weights_are_integrals_of_the_traces(meshed, kind, order):
     (shape, elements), (degree, continuity) = meshed, order
     for surface in nurbs(shape, elements, degree, continuity).surfaces.values():
         even, points = surface.abscissae(kind), surface.abscissae(kind, "area")
-        dofs = np.unique(surface.function_dofs)
+        fine = surface.gauss_points(16)
+        traces = surface.trace(fine.at).toarray()
+        dofs = alive(traces)
+        np.testing.assert_array_equal(np.unique(surface.function_dofs), dofs)
         assert len(points) == len(dofs)
         np.testing.assert_array_equal(points.x, even.x)
         np.testing.assert_allclose(even.weight, surface.area / len(even), rtol=1e-15)
         assert points.weight.min() > 0
         assert points.weight.sum() == pytest.approx(surface.area, rel=1e-13)
-        fine = surface.gauss_points(16)
-        integrals = fine.weight @ surface.trace(fine.at).toarray()
+        integrals = fine.weight @ traces
         np.testing.assert_allclose(np.sort(points.weight), np.sort(integrals[dofs]), rtol=1e-11)
         if kind == "botella":
             # The largest function at a maximum is its own, whose integral the point bears.
@@ -123,6 +130,7 @@ def test_tributary_weights_share_each_facet_by_squares(shape, elements, cell, de
         picked = surface.trace(points.at).toarray()
         np.testing.assert_allclose(picked, np.rint(picked), atol=1e-14)
         own = picked.argmax(axis=1)
-        np.testing.assert_array_equal(np.sort(own), np.unique(surface.function_dofs))
+        np.testing.assert_array_equal(np.sort(own), alive(traces))
+        np.testing.assert_array_equal(np.unique(surface.function_dofs), alive(traces))
         rel = 1e-12 if isinstance(shape, Box | Rectangle) else 1e-5
         np.testing.assert_allclose(points.weight, expected[own], rtol=rel)

@@ -5,6 +5,10 @@ import pytest
 from comparisons import agreement
 from comparisons.agreement import STUDY, Options
 from comparisons.study.run import run
+from scenes import run_modes
+
+MIXED = "NURBS on finite elements"
+"""Pad on disc."""
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +37,25 @@ def test_pairings_find_the_same_unstable_mode(result):
     # The disc decides: these meshes of it are coarse, and of both backends far apart.
     bounds = [2e-2 if "on NURBS," in c else 1e-3 for c in pairs["compared"]]
     assert (pairs["frequency_change"].abs()[:3] < bounds[:3]).all()
+
+
+@pytest.fixture
+def mixed():
+    """The scene of the pairing whose name is ``MIXED``."""
+    return agreement.scene({"formulation": "mortar"}, Options(**STUDY.quick))[MIXED]
+
+
+def test_a_pairing_has_the_backends_of_its_name(mixed):
+    assert [mixed.bodies[name].backend for name in ("pad", "disc")] == ["iga", "fe"]
+
+
+@pytest.mark.slow
+def test_a_pairing_is_the_scene_with_mortar(mixed, result):
+    modes = run_modes(mixed).modes
+    (mode,) = agreement.unstable(result).query("run == @MIXED").to_dict("records")
+    (i,) = modes.unstable(10.0).nonzero()[0]
+    assert mode["frequency"] == pytest.approx(modes.frequencies[i], rel=1e-9)
+    assert mode["growth"] == pytest.approx(modes.growth_rates[i], rel=1e-7)
 
 
 @pytest.mark.slow

@@ -6,13 +6,23 @@ import pytest
 from bad_inputs import TABLE
 
 
-@pytest.mark.parametrize(("line", "field", "word"), TABLE["commands"]["lines"])
-def test_a_wrong_command_names_what_is_wrong(line, field, word, cea, tmp_path):
+@pytest.mark.parametrize(
+    ("kind", "line", "field", "word"),
+    [(kind, *row) for kind, rows in TABLE["commands"].items() for row in rows],
+)
+def test_a_wrong_command_names_what_is_wrong(kind, line, field, word, cea, tmp_path):
+    """In one line, where a scene has several faults in one for each; code 2 is of usage."""
     code, _, told = cea(*shlex.split(line))
-    assert code in (1, 2)
-    assert "Traceback" not in told
-    lines = [each for each in told.splitlines() if field in each and word in each]
-    assert lines, told
+    assert code == (2 if kind == "usage" else 1)
+    lines = told.splitlines()
+    if kind == "usage":
+        assert "Traceback" not in told
+        assert any(field in each and word in each for each in lines), told
+    else:
+        assert lines[0].startswith(f"error: {field} = "), told
+        assert word in lines[0]
+        several = [each for each in lines if each.startswith("error: ")]
+        assert lines == (several if kind == "several" else lines[:1]), told
     assert not list(tmp_path.glob("results/*/result.json"))
 
 

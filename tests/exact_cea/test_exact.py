@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from flint import acb
+from flint import acb, arb, ctx
 from typer.testing import CliRunner
 
 from cea.errors import InputError
 from comparisons.cli.exact import app
 from exact_cea import entries, galerkin_problems, lumped
-from exact_cea.blocks import Blocks
+from exact_cea.blocks import Blocks, layer_response
 from exact_cea.drum import Drum
 from exact_cea.galerkin import lowest, lowest_in
 from exact_cea.galerkin_problems import Ring
-from exact_cea.material import Material
+from exact_cea.material import SOFT, Material
 from exact_cea.numbers import Exact
 from exact_cea.reference import exact_eigenvalues, whole_spectrum
 from exact_cea.roots import Box, RootFinder
@@ -212,6 +212,18 @@ def test_roots_of_a_known_function_are_counted_and_found_with_a_close_pair():
     count = finder.count(box)
     assert count == 6
     same_set(finder.roots(box, count), roots[:6], 1e-9)
+
+
+def test_a_layer_of_long_waves_is_a_column_and_its_static_stiffness_that_of_uniaxial_strain():
+    with ctx.workdps(40):
+        kappa, height = acb("-3.7", "0.4"), arb("0.8")
+        column = layer_response(SOFT, height, arb(0), kappa)
+        long = layer_response(SOFT, height, arb(10) ** -12, kappa)
+        assert abs(long.normal / long.free - column.normal / column.free) < 1e-10
+        assert abs(long.tangential / long.free) < 1e-10
+        still = layer_response(SOFT, height, arb(0), acb("1e-20"))
+        L, G = SOFT.lame
+        assert abs(still.normal / still.free - height / (L + 2 * G)) < 1e-15
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,9 @@ from petsc_matrices import to_scipy
 from scipy.sparse.linalg import spsolve
 
 from cea.location import locate_along
-from cea.surface_points import SurfaceCoordinates
+from cea.surface_points import Status, SurfaceCoordinates
 from meshes.placement import Placement
+from meshes.shapes import Box
 
 every_element = pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
 
@@ -182,3 +183,32 @@ def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell):
         found = surface.locate(points.x, points.normal, reach=1e-6)
         assert not found.missed.any()
         np.testing.assert_allclose(surface.position(found.at), points.x, atol=1e-8)
+
+
+@pytest.mark.parametrize(("cell", "degree"), list(product(("tetrahedron", "hexahedron"), (1, 2))))
+def test_points_beyond_the_rim_or_reach_are_missed(cell, degree):
+    box = Box((2.0, 1.0, 0.5), origin=(0.1, -0.3, 0.2))
+    mesh = 0.4 if cell == "tetrahedron" else (4, 3, 2)
+    surface = shape_body(box, cell, degree, mesh).surfaces["z_max"]
+    (x0, x1), (y0, y1), (_, z1) = box.extent
+    up = np.tile([0.0, 0.0, 1.0], (5, 1))
+    size = surface.mesh_size
+    x = np.array(
+        [
+            [x1 + 1e-6 * size, 0.0, z1],
+            [x0 - 1e-3, y0 - 1e-3, z1],
+            [x1 + 5.0, y1 + 7.0, z1],
+            [x0 + 0.31, 0.03, z1 + 0.11],
+            [x0 + 0.31, 0.03, z1 + 0.09],
+        ]
+    )
+    found = surface.locate(x, up, reach=0.1)
+    assert found.status[:4].tolist() == [Status.MISSED] * 4
+    assert found.status[4] in (Status.INSIDE, Status.EDGE)
+    assert found.distance[4] == pytest.approx(-0.09, abs=1e-12)
+    # Clamped in reference coordinates, a point on a slanted triangle is not quite the nearest.
+    nearest = np.array([1e-6 * size, np.sqrt(2) * 1e-3])
+    assert (found.miss[:2] > (1 - 1e-6) * nearest).all()
+    assert (found.miss[:2] < (1.5 if cell == "tetrahedron" else 1 + 1e-6) * nearest).all()
+    assert np.isinf(found.miss[2])
+    assert found.at.element[2] == -1

@@ -12,7 +12,7 @@ from comparisons import agreement
 from comparisons.accuracy.errors import measure
 from comparisons.accuracy.problems import PROBLEMS
 from comparisons.bench import ccx
-from comparisons.formulations import patch_tests
+from comparisons.formulations import locking, patch_tests
 from comparisons.formulations.study import STUDY, Options
 from comparisons.paper.claims import judged
 from comparisons.paper.study import STUDY as PAPER_STUDY
@@ -85,11 +85,21 @@ def assert_same_errors(found, expected, rel=1e-3):
 
 
 LABELS = ("backend", "formulation", "points", "traces")
+LOCKED = {
+    "fe": ["GPTS 6", "GPTS 3, lumped", "GPTS 6, lumped", "GPTS 3, full pass", "segments"],
+    "iga": [
+        *("grid", "GPTS 3", "GPTS 6", "GPTS 3, lumped", "GPTS 6, lumped"),
+        *("Greville, full pass", "GPTS 3, full pass", "segments"),
+    ],
+}
+"""What has many more points than traces locks, and nothing else does."""
 
 
 @pytest.mark.slow
 def test_locking_is_as_frozen(tmp_path):
-    found = run(STUDY, Options(parts=("locking",)), tmp_path / "out").frame("locking")
+    result = run(STUDY, Options(parts=("locking",)), tmp_path / "out")
+    assert locking.locked(result) == LOCKED
+    found = result.frame("locking")
     rows = found.groupby([*LABELS], sort=False)
     for (labels, own), expected in zip(rows, stored("tables")["locking"], strict=True):
         assert labels == tuple(expected[label] for label in LABELS)

@@ -31,6 +31,19 @@ VTK = {
 }
 
 
+BRICKS = {
+    "hexahedron8": range(8),
+    "wedge6": [0, 1, 2, 2, 3, 4, 5, 5],
+    "pyramid5": [0, 1, 2, 3, 4, 4, 4, 4],
+    "tetrahedron4": [0, 1, 2, 2, 3, 3, 3, 3],
+    "hexahedron20": range(20),
+    "wedge15": [0, 1, 2, 2, 3, 4, 5, 5, 6, 7, 2, 8, 9, 10, 5, 11, 12, 13, 14, 14],
+    "pyramid13": [0, 1, 2, 3, 4, 4, 4, 4, 5, 6, 7, 8, 4, 4, 4, 4, 9, 10, 11, 12],
+    "tetrahedron10": [0, 1, 2, 2, 3, 3, 3, 3, 4, 5, 2, 6, 3, 3, 3, 3, 7, 8, 9, 9],
+}
+"""Nodes of elements as bricks (SOLID185, SOLID186) whose nodes fall on one another."""
+
+
 def file_of(folder, name):
     """A file to write, where what reads its format is there."""
     file = folder / name
@@ -73,11 +86,47 @@ def vtk_grid(points, solids, node_sets):
     return grid
 
 
-def write_sets(file, points, solids, node_sets):
-    """A deck; or an archive, whose materials and a component of elements are the sets."""
+def ansys_archive(points, solids, node_sets, element):
+    """An archive as CDWRITE makes it, all elements of one type; as 185 and 186 they are bricks."""
+    n = len(points)
+    lines = ["/PREP7", f"ET, 1, {element}", f"NBLOCK,6,SOLID,{n},{n}", "(3i9,6e21.13e3)"]
+    for i, x in enumerate(points.tolist(), 1):
+        lines.append(f"{i:9d}{0:9d}{0:9d}" + "".join(map(_fortran, x)))
+    rows, sets = [], []
+    for name, (kind, nodes) in solids.items():
+        sets += _component(name, "ELEM", len(rows) + 1 + np.arange(len(nodes)))
+        rows += (nodes[:, list(BRICKS[kind])] if element in (185, 186) else nodes).tolist()
+    lines += ["N,R5.3,LOC,       -1,", f"EBLOCK,19,SOLID,{len(rows)},{len(rows)}", "(19i9)"]
+    for i, row in enumerate(rows, 1):
+        numbers = [1, 1, 1, 1, 0, 0, 0, 0, len(row), 0, i, *(node + 1 for node in row)]
+        lines += ["".join(f"{k:9d}" for k in part) for part in (numbers[:19], numbers[19:]) if part]
+    for name, nodes in node_sets.items():
+        sets += _component(name, "NODE", np.unique(nodes) + 1)
+    return "\n".join([*lines, f"{-1:9d}", *sets, "FINISH"]) + "\n"
+
+
+def _fortran(value):
+    mantissa, exponent = f"{value:.13e}".split("e")
+    return f"{mantissa}E{int(exponent):+04d}".rjust(21)
+
+
+def _component(name, kind, numbers):
+    lines = [f"CMBLOCK,{name.upper():<8},{kind},{len(numbers):8d}  ! component", "(8i10)"]
+    parts = np.split(numbers, range(8, len(numbers), 8))
+    return lines + ["".join(f"{k:10d}" for k in part) for part in parts]
+
+
+def write_sets(file, points, solids, node_sets, element=None):
+    """A deck; or an archive, whose materials and a component of elements are the sets.
+
+    With a type of elements the archive is written out, without it the library does so.
+    """
     if file.suffix == ".inp":
         every = [(name, *of_kind) for name, of_kind in solids.items()]
         file.write_text(abaqus_deck(points, every, node_sets))
+        return
+    if element is not None:
+        file.write_text(ansys_archive(points, solids, node_sets, element))
         return
     from mapdl_archive import save_as_archive
 
@@ -86,11 +135,8 @@ def write_sets(file, points, solids, node_sets):
     save_as_archive(file, grid)
     for i, name in enumerate(solids, 1):
         members = np.flatnonzero(grid.cell_data["group"] == i) + 1
-        lines = [f"CMBLOCK,{name.upper():<8},ELEM,{len(members):8d}", "(8i10)"]
-        for row in np.split(members, range(8, len(members), 8)):
-            lines.append("".join(f"{k:10d}" for k in row))
         with file.open("a") as stream:
-            stream.write("\n".join([*lines, ""]))
+            stream.write("\n".join([*_component(name, "ELEM", members), ""]))
 
 
 def of_meshio(kind):
@@ -249,7 +295,7 @@ def listed(cell, order, lacking):
     return name, apart.argmin(axis=1)
 
 
-def write(meshes, file, lacking=False):
+def write(meshes, file, lacking=False, element=None):
     """Write meshes of named bodies to one file; its ending tells the format.
 
     Returns the geometry of each body as a scene has it, surfaces by their names in the mesh.
@@ -272,7 +318,8 @@ def write(meshes, file, lacking=False):
     ending, options = file.suffix, {".nas": {"file_format": "nastran"}}
     options[".xdmf"] = {"data_format": "XML"}
     if ending in (".inp", ".cdb"):
-        write_sets(file, points, solids, {name: nodes for name, (_, nodes) in facets.items()})
+        sides = {name: nodes for name, (_, nodes) in facets.items()}
+        write_sets(file, points, solids, sides, element)
     elif ending == ".msh":
         gmsh_file(file, points, solids, facets)
     else:
@@ -370,7 +417,7 @@ def mixed_blocks(order, seed=0, move=lambda x: x, nodes=None):
     return moved, blocks
 
 
-def mixed_file(file, order):
+def mixed_file(file, order, element=None):
     """A file of mixed elements, a set of each cell, and the nodes on y = 0 as the set LOW."""
     points, blocks = mixed_blocks(order)
     solids = {b.cell.upper(): (f"{b.cell}{b.nodes.shape[1]}", b.nodes) for b in blocks}
@@ -378,5 +425,5 @@ def mixed_file(file, order):
     if file.suffix == ".vtu":  # by the library of VTK itself
         vtk_grid(points, solids, low).save(file)
     else:
-        write_sets(file, points, solids, low)
+        write_sets(file, points, solids, low, element)
     return points, blocks

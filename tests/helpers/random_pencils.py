@@ -33,6 +33,7 @@ class RandomPencil:
     max_frequency: float  # end of the window (Hz)
     min_growth: float | None = None  # lower end of Re lambda (1/s); None leaves it to the driver
     low_rank: tuple[np.ndarray, np.ndarray] | None = None  # W and d of W diag(d) W^T, beside D
+    friction: np.ndarray | None = None  # K_f of K - K_f, unsymmetric and of few ranks: one term
     # factors of rows and columns by which the pencil is graded
     scales: tuple[np.ndarray, np.ndarray] | None = None
 
@@ -48,7 +49,11 @@ class RandomPencil:
             None if each is None else self.scaled(each)
             for each in (self.mass, self.damping, self.stiffness)
         ]
-        return pencil_of(*scaled, self.low_rank, graded=self.scales is not None)
+        made = pencil_of(*scaled, self.low_rank, graded=self.scales is not None)
+        if self.friction is None:
+            return made
+        friction = Term("stiffness", on_all_ranks(-self.friction), symmetric=False)
+        return Pencil([*made.terms, friction])
 
     def dense(self):
         """All eigenvalues kappa of an undamped one, or lambda and their errors of a damped one."""
@@ -57,7 +62,8 @@ class RandomPencil:
             W, d = self.low_rank
             D = (W * d) @ W.T + (0 if D is None else D)
         if D is None:
-            return dense_linear(self.mass, self.stiffness)
+            friction = 0.0 if self.friction is None else self.friction
+            return dense_linear(self.mass, self.stiffness - friction)
         return dense_quadratic(self.mass, D, self.stiffness, end)
 
 
@@ -101,11 +107,11 @@ def random_linear(seed: int) -> RandomPencil:
         root = np.linalg.qr(rng.standard_normal((n, n)))[0] * np.geomspace(1, 30, n) ** 0.5
     half = root @ basis
     stiffness, mass = _symmetric((half * kappa) @ half.T), _symmetric(root @ root.T)
-    if rng.random() < 0.7:
-        stiffness = stiffness - half @ _of_few_ranks(rng, kappa) @ half.T
+    friction = half @ _of_few_ranks(rng, kappa) @ half.T if rng.random() < 0.7 else None
     low = kappa[(kappa > 0) & (kappa <= np.quantile(kappa, rng.choice([0.3, 0.6, 1.0])))]
     end = rng.choice(low if len(low) else kappa[kappa > 0]) * rng.choice([0.97, 1.03, 1.5])
-    return RandomPencil(f"linear {seed}", mass, stiffness, None, float(np.sqrt(end) / (2 * np.pi)))
+    end = float(np.sqrt(end) / (2 * np.pi))
+    return RandomPencil(f"linear {seed}", mass, stiffness, None, end, friction=friction)
 
 
 def _with_copies(rng) -> np.ndarray:

@@ -9,16 +9,16 @@ from covering import covering
 from iga_data import STEEL, TILTED, body, slow_matrices, turned
 from petsc_matrices import to_scipy
 from scipy.linalg import eigh
-from scipy.sparse.linalg import eigsh
+from scipy.sparse.linalg import eigsh, spsolve
 
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.supports.boundary import Support
+from cea.supports.boundary import Pressure, Spring, Support
 from iga_cea.patch import check_geometry
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
-from meshes.shapes import Box, Disc, Sector
+from meshes.shapes import Box, Disc, Ring, Sector
 
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
 
@@ -216,3 +216,24 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     leissa = [10.2158, 21.26, 21.26, 34.88, 34.88, 39.771]
     np.testing.assert_allclose(numbers, leissa, rtol=1e-3)
     assert numbers[2] - numbers[1] < 1e-6 * numbers[1]
+
+
+def test_ring_under_pressure_against_lame() -> None:
+    """Radial displacement of a thick ring in plane strain; a soft foundation holds its place."""
+    inner, outer = 0.8, 1.7
+    part = body(
+        Ring(inner, outer),
+        (6, 24),
+        (4, 4),
+        Placement(),
+        springs=[Spring("outer", (1e-9, 1e-9))],
+        pressures=[Pressure("inner", 0.7)],
+    )
+    points = part.surfaces["inner"].gauss_points(3)
+    x = spsolve(to_scipy(part.stiffness()).tocsc(), part.load().getArray())
+    moved = part.surfaces["inner"].trace(points.at) @ (to_scipy(part.expansion) @ x).reshape(-1, 2)
+    E, nu, ratio = STEEL.E, STEEL.nu, (outer / inner) ** 2
+    radial = 0.7 * inner * (1 + nu) / E * ((1 - 2 * nu) + ratio) / (ratio - 1)
+    drift = moved.mean(axis=0)  # what rounding leaves of the resultant moves the foundation
+    assert np.abs(drift).max() < 1e-5 * radial
+    np.testing.assert_allclose(moved - drift, -radial * points.normal, atol=1e-6 * radial)

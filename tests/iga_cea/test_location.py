@@ -6,7 +6,7 @@ from iga_data import TILTED, body
 
 from cea.surface_points import Status
 from meshes.patches import GivenPatch, Patches
-from meshes.shapes import Annulus, Box
+from meshes.shapes import Annulus, Box, Hub
 
 SLOW = pytest.mark.slow
 UNITS_BEYOND = 0.15
@@ -55,6 +55,48 @@ def test_graph_of_a_polynomial(gap: float) -> None:
     assert (found.status[inside & ~on_edge] == Status.INSIDE).all()
     assert np.abs(found.distance[inside] + gap).max() < 1e-9
     assert np.abs(top.position(found.at[inside]) - TILTED.apply(foot[inside])).max() < 1e-8
+
+
+def nearest_root(x, direction, radius, low, high, reach):
+    """Signed distance to the nearest point of a cylinder about z between heights; NaN for none."""
+    a = (direction[:, :2] ** 2).sum(axis=1)
+    b = (x[:, :2] * direction[:, :2]).sum(axis=1)
+    c = (x[:, :2] ** 2).sum(axis=1) - radius**2
+    with np.errstate(invalid="ignore"):
+        root = np.sqrt(b**2 - a * c)
+    s = np.stack([-b - root, -b + root]) / a
+    z = x[:, 2] + s * direction[:, 2]
+    s = np.where((z >= low) & (z <= high) & (np.abs(s) <= reach), s, np.inf)
+    nearest = np.take_along_axis(s, np.abs(s).argmin(axis=0)[None], axis=0)[0]
+    return np.where(np.isfinite(nearest), nearest, np.nan)
+
+
+@pytest.mark.parametrize(
+    ("shape", "name", "radius", "low", "high"),
+    [
+        (Annulus(0.8, 1.7, -0.1, 0.2), "inner", 0.8, -0.1, 0.2),
+        pytest.param(
+            Hub(0.3, 0.5, 1.0, -0.1, 0.15, -0.3, 0.15), "bore", 0.3, -0.3, 0.15, marks=SLOW
+        ),
+    ],
+)
+def test_cylinders(shape, name: str, radius: float, low: float, high: float) -> None:
+    """Oblique lines from points offset to either side, rotated; also past the rims."""
+    rng, count = np.random.default_rng(2), 10_000
+    angle, z = rng.uniform(0, 2 * np.pi, count), rng.uniform(low - 0.1, high + 0.1, count)
+    outward = np.stack([np.cos(angle), np.sin(angle), np.zeros(count)], axis=1)
+    x = outward * (radius * (1 + rng.uniform(-0.3, 0.3, count)))[:, None]
+    x[:, 2] = z
+    direction = outward + 0.6 * rng.uniform(-1, 1, (count, 3))
+    direction *= (rng.choice([-1, 1], count) / np.linalg.norm(direction, axis=1))[:, None]
+    reach = 0.5 * radius
+    exact = nearest_root(x, direction, radius, low, high, reach)
+    surface = body(shape, (2, 16, 3), (2, 3, 2)).surfaces[name]
+    found = surface.locate(TILTED.apply(x), direction @ TILTED.rotation.T, reach)
+    hit = ~np.isnan(exact)
+    assert 0.4 * count < hit.sum() < 0.9 * count
+    np.testing.assert_array_equal(found.missed, ~hit)
+    assert np.abs(found.distance[hit] - exact[hit]).max() < 1e-8
 
 
 def test_flat_faces_are_taken_for_what_they_are() -> None:

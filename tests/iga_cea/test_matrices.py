@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import STEEL, TILTED, TURNED, body, slow_matrices, slow_points
+from iga_data import STEEL, TILTED, TURNED, body, slow_matrices, slow_points, turned
 from petsc_matrices import to_scipy
 
 from cea.body import Body
@@ -59,6 +59,28 @@ def test_every_degree_in_space(axis: int, q: int) -> None:
     assert_agrees_with_slow_loops(
         body(Box((2.0, 1.0, 0.5)), elements, degree, continuity=continuity)
     )
+
+
+@pytest.mark.parametrize(("axes", "flip"), [((1, 2, 0), 0), ((2, 1, 0), 2), ((0, 2, 1), 1)])
+def test_odd_orientations_in_space(axes: tuple[int, ...], flip: int) -> None:
+    halves = [
+        nurbs_shape(
+            Sector(0.8, 1.7, a, b, -0.1, 0.2),
+            (np.array([0.8, 1.1, 1.7]), np.array([a, b]), np.array([-0.1, 0.2])),
+            TILTED,
+        ).patches[0]
+        for a, b in ((10.0, 40.0), (40.0, 95.0))
+    ]
+    patches = [halves[0], turned(halves[1], axes, flip)]
+    part = nurbs_body("part", patches, {}, (2, 2, 2), material=STEEL)
+    assert part.num_scalar_dofs == 4 * 5 * 3
+    assert_agrees_with_slow_loops(part)
+
+
+@pytest.mark.parametrize("elements", [(1, 4, 1), (2, 8, 2)])
+def test_collapsed_edges(elements: tuple[int, ...]) -> None:
+    """Elements at the axis of a disc have several functions of one dof."""
+    assert_agrees_with_slow_loops(body(Disc(1.2, -0.1, 0.2), elements, (2, 2, 1)))
 
 
 @pytest.mark.parametrize("weights", [False, True])

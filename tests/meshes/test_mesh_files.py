@@ -20,20 +20,27 @@ FILES = ("a.msh", "a22.msh", "binary.msh", "a.inp", "a.cdb", "a.bdf", "a.nas", "
 KINDS = [("hexahedron", 1), ("hexahedron", 2), ("tetrahedron", 1), ("tetrahedron", 2)]
 WITH_ALL_NODES = [name for name in FILES if name.endswith((".msh", ".xdmf", ".vtu"))]
 """Files that may hold hexahedra of second order with all their nodes."""
+WRITTEN_OUT = [
+    *((("tetrahedron", 1), element) for element in (285, 185)),
+    *((("tetrahedron", 2), element) for element in (187, 186)),
+    *((("hexahedron", order), element) for order, element in ((1, 185), (2, 186))),
+]
+"""Types of elements in archives of Ansys that no library writes: SOLID185 and 186 are bricks."""
 
 
 @pytest.mark.parametrize(
-    ("name", "kind", "lacking"),
+    ("name", "kind", "lacking", "element"),
     [
-        *(pytest.param(*each.values, True, marks=each.marks) for each in
+        *(pytest.param(*each.values, True, None, marks=each.marks) for each in
           covering(FILES, KINDS, strength=1)),
-        *((name, ("hexahedron", 2), False) for name in WITH_ALL_NODES),
+        *((name, ("hexahedron", 2), False, None) for name in WITH_ALL_NODES),
+        *(("a.cdb", kind, True, element) for kind, element in WRITTEN_OUT),
     ],
 )  # fmt: skip
-def test_cells_and_faces_are_those_that_were_written(tmp_path, name, kind, lacking):
+def test_cells_and_faces_are_those_that_were_written(tmp_path, name, kind, lacking, element):
     file, meshes = file_of(tmp_path, name), two_boxes(*kind)
     digits = 1e-11 if file.suffix in (".bdf", ".nas") else 1e-13  # of twelve digits
-    for body, data in write(meshes, file, lacking).items():
+    for body, data in write(meshes, file, lacking, element).items():
         read, mesh = made(data), meshes[body]
         found = read.mesh(list(mesh.surfaces))
         assert (found.cell, found.order, len(found.points)) == (*kind, len(mesh.points))

@@ -34,11 +34,16 @@ def volume(mesh):
 
 
 @pytest.mark.parametrize(
-    ("name", "order"), [("a.inp", 1), ("a.inp", 2), ("a.cdb", 1), ("a.cdb", 2), ("a.vtu", 1)]
+    ("name", "order", "element"),
+    [
+        *(("a.inp", 1, None), ("a.inp", 2, None), ("a.vtu", 1, None)),
+        *(("a.cdb", 1, None), ("a.cdb", 2, None), ("a.cdb", 1, 185), ("a.cdb", 2, 186)),
+    ],
 )
-def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, name, order):
+def test_a_body_of_all_solid_kinds_is_one_mesh_of_tetrahedra(tmp_path, name, order, element):
+    """With a type of elements an archive has bricks whose nodes fall on one another."""
     file = file_of(tmp_path, name)
-    mixed_file(file, order)
+    mixed_file(file, order, element)
     body = MeshFile(str(file), "m", faces={"low": "LOW"})
     mesh = body.mesh(["low"])
     assert (body.elements.is_divided, mesh.cell, mesh.order) == (True, "tetrahedron", order)
