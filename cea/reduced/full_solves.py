@@ -265,7 +265,8 @@ def _nearest(
     near = (root or 1j * window.end * _ASIDE) * (1 + _ASIDE)
     quadratic = driver.matrices(point).quadratic
     at = -(near**2) if quadratic else float(-(near**2).real)
-    modes = driver.nearest(at, _NEIGHBOURS, point)
+    wanted = 2 if window.by_growth else _NEIGHBOURS  # the mode and its partner, which is as near
+    modes = driver.nearest(at, wanted, point)
     z: Complexes = modes.eigenvalues if window.damped else -(modes.eigenvalues**2)
     if of in ("growth", "end"):
         return z[np.argsort(np.abs(modes.eigenvalues - root))[:1]]
