@@ -87,7 +87,7 @@ class Snapshot:
         )
 
     def plain(self) -> dict[str, Any]:
-        """It as plain data, without the vectors."""
+        """As plain data, without the vectors."""
         return {
             "point": dict(self.point),
             "complete": bool(self.complete),

@@ -57,7 +57,7 @@ class Axis:
         return spaced(self.first, self.last, self.count).tolist()
 
     def plain(self) -> dict[str, Any]:
-        """It as plain data."""
+        """As plain data."""
         told = {"name": self.name, "first": self.first, "last": self.last, "count": self.count}
         return told | {"log": self.logarithmic}
 
@@ -120,7 +120,7 @@ class Distribution:
         return np.clip(values, self.low, self.high)
 
     def plain(self) -> dict[str, Any]:
-        """It as plain data; ends that cut nothing off are left out."""
+        """As plain data; ends that cut nothing off are left out."""
         told = {"name": self.name, "kind": self.kind, "first": self.first, "second": self.second}
         ends = {"low": self.low, "high": self.high}
         return told | {name: value for name, value in ends.items() if np.isfinite(value)}

@@ -84,7 +84,7 @@ class Spectra:
         return cls(**whole)
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """It as arrays by their names."""
+        """As arrays by their names."""
         return {each.name: getattr(self, each.name) for each in fields(self)}
 
 

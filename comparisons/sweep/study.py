@@ -79,7 +79,7 @@ class Asked:
         return isinstance(self.fields[0], Axis)
 
     def plain(self) -> dict[str, Any]:
-        """It as plain data."""
+        """As plain data."""
         fields = [each.plain() for each in self.fields]
         told: dict[str, Any] = {"scene": str(self.scene), "fields": fields}
         told |= {"set": list(self.overrides), "data": self.data, "full": bool(self.why_in_full)}
