@@ -77,7 +77,9 @@ docs: $(INSTALLED)
 	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/site
 	@echo "The site to open: build/site/index.html"
 
+# What an earlier build left would go into the wheel.
 dist: $(INSTALLED)
+	rm -rf build/lib build/bdist.* dist
 	$(BIN)/python -m pip wheel --disable-pip-version-check -q --no-deps --wheel-dir dist .
 
 missing-packages:
