@@ -3,7 +3,6 @@
 from blocks import rectangle
 
 from scenes import run_scene
-from scenes.checking.check import inspect_scene
 from scenes.spec.reading import read_scene
 
 STEEL, TONNES = {"E": 2.1e11, "rho": 7850.0}, {"E": 2.1e5, "rho": 7.85e-9}
@@ -42,10 +41,3 @@ def two_bars(backend, shift):
     other["geometry"] = {"shape": "rectangle", "size": [0.2, 0.02], "origin": list(shift)}
     data["bodies"]["other"] = other
     return data
-
-
-def on_any_number_of_ranks(backend):
-    """Warnings of scenes that are doubted, as plain data."""
-    overlap = inspect_scene(read_scene(two_bars(backend, (0.0, 0.01)))).warnings
-    found = [*overlap, *pulled(backend, 0.11).warnings]
-    return [warning.plain() for warning in found]

@@ -1,4 +1,4 @@
-"""A brake whose disc has wedges at its hub, bonded, beside CalculiX."""
+"""A brake whose disc has wedges at its hub: bonded beside CalculiX, sliding on several ranks."""
 
 import subprocess
 
@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from decks import with_calculix
 from mixed_brake import MATERIALS, brake, scene
+from mpi import cea_on_ranks
 
-from scenes import run_modes
+from scenes import open_result, run_modes
+from scenes.spec.plain import scene_text
 from scenes.spec.reading import read_scene
 
 COUNT = 20
@@ -39,3 +41,18 @@ def test_a_bonded_brake_has_the_frequencies_of_calculix(tmp_path, size):
     assert "mixed elements" in result.skipped
     ours = np.sort(result.modes.frequencies)[:COUNT]
     assert np.abs(ours / theirs[:COUNT] - 1).max() < 0.01
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+def test_bodies_from_a_file_are_the_same_on_several_ranks(tmp_path, ranks):
+    deck, file, found = tmp_path / "brake.inp", tmp_path / "brake.toml", []
+    deck.write_text(brake(0.03))
+    file.write_text(scene_text(read_scene(scene(deck, friction=0.6, top=9000.0))))
+    for count in (1, ranks):
+        out = tmp_path / str(count)
+        done = cea_on_ranks(count, "run", file, "--out", out)
+        assert done.returncode == 0, done.stderr
+        found.append(open_result(out / "result.json").eigenvalues)
+    assert len(found[0]) > 6
+    np.testing.assert_allclose(found[1], found[0], rtol=0, atol=1e-9 * np.abs(found[0]).max())
