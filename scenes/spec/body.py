@@ -353,6 +353,18 @@ class BodySpec:
         return found
 
     @property
+    def degree(self) -> int:
+        """Lowest degree of its elements."""
+        iga = self.mesh.iga
+        return self.fe_degree or 0 if self.backend == "fe" or iga is None else min(iga.degree)
+
+    @property
+    def smooth(self) -> bool:
+        """Whether its elements are splines of some continuity."""
+        iga = self.mesh.iga
+        return self.backend == "iga" and iga is not None and min(iga.continuities) > 0
+
+    @property
     def fe_degree(self) -> int | None:
         """Degree of its Lagrange elements; None where it has none."""
         if isinstance(self.geometry, MeshFile):
