@@ -146,7 +146,7 @@ def elements_of(scene: Scene) -> dict[str, Any]:
     """Elements of each body along its directions, their size (m), or how many a file has."""
     found: dict[str, Any] = {}
     for name, body in scene.bodies.items():
-        mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
+        mesh = body.division
         if isinstance(body.geometry, MeshFile):
             found[name] = body.geometry.elements.num_cells
         elif mesh is not None:

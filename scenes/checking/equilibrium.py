@@ -36,6 +36,7 @@ from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
 from cea.volume import StraightCells
 from scenes.checking.warnings import left_alone, warning
+from scenes.spec.body import IgaMesh
 from scenes.spec.reading import Scene
 
 Warnings = Iterator[ResultWarning]
@@ -193,9 +194,9 @@ def _coarse_closed_zone(
     for name, surface in ((contact.a, interface.a), (contact.b, interface.b)):
         body = scene.bodies[name]
         relative = stiffness * zone.width / body.material.means[0]
-        functions, iga = body.fe_degree, body.mesh.iga
-        if body.backend == "iga" and iga is not None:
-            functions = min(p - c for p, c in zip(iga.degree, iga.continuities, strict=True))
+        functions, mesh = body.fe_degree, body.division
+        if isinstance(mesh, IgaMesh):
+            functions = min(p - c for p, c in zip(mesh.degree, mesh.continuities, strict=True))
         needed = min(_FEWEST[surface.dim] * relative ** (1 / 3), _ENOUGH) / (functions or 1)
         side: dict[str, Any] = {"side": f"{name}.{surface.name}", "width": zone.width}
         side["elements"] = zone.elements(surface)

@@ -21,7 +21,7 @@ from cea.petsc import MPI, give_back
 from meshes.mesh_file import MeshFile
 from meshes.patches import NurbsFile, Patches
 from meshes.shapes import VentilatedDisc
-from scenes.spec.body import BodySpec
+from scenes.spec.body import BodySpec, FeMesh
 from scenes.spec.reading import Scene
 
 _MATRICES, _ENTRY = 4, 12
@@ -30,7 +30,7 @@ _MATRICES, _ENTRY = 4, 12
 
 def dofs_of(body: BodySpec) -> float:
     """Estimate of the unknowns of a body, supports not taken out."""
-    shape, fe, iga, dim = body.geometry, body.mesh.fe, body.mesh.iga, body.dim
+    shape, mesh, dim = body.geometry, body.division, body.dim
     if isinstance(shape, MeshFile):
         own = shape.elements
         degree = body.fe_degree or own.order
@@ -39,20 +39,20 @@ def dofs_of(body: BodySpec) -> float:
             cubes = own.num_cells / (factorial(dim) if own.is_divided else 1)
             nodes = max(nodes, cubes * degree**dim)
         return dim * nodes
-    if body.backend == "fe" and fe is not None:
+    if isinstance(mesh, FeMesh):
         # boxes of the target edge length have about as many nodes as unstructured tetrahedra
-        size = shape.mean_size(fe.size or inf) if isinstance(shape, VentilatedDisc) else fe.size
-        along = fe.elements or [max(1.0, length / (size or inf)) for length in body.lengths]
-        return dim * prod(fe.degree * n + 1.0 for n in along)
-    if iga is None:
+        size = shape.mean_size(mesh.size or inf) if isinstance(shape, VentilatedDisc) else mesh.size
+        along = mesh.elements or [max(1.0, length / (size or inf)) for length in body.lengths]
+        return dim * prod(mesh.degree * n + 1.0 for n in along)
+    if mesh is None:
         return 0.0
     given = shape.given if isinstance(shape, NurbsFile) else shape
     inner = np.zeros((1, dim))  # knots that a geometry brings along
     if isinstance(given, Patches):
         knots = [[len(k) for k in patch.knots] for patch in given.patches]
         inner = np.array(knots) - 2 * np.array([patch.degrees for patch in given.patches]) - 2
-    p, c = np.array(iga.degree), np.array(iga.continuities)
-    counts = (p - c) * (np.array(iga.elements) + inner) + c + 1.0
+    p, c = np.array(mesh.degree), np.array(mesh.continuities)
+    counts = (p - c) * (np.array(mesh.elements) + inner) + c + 1.0
     return dim * float(counts.prod(axis=1).sum())
 
 
@@ -70,7 +70,7 @@ def check_memory(scene: Scene, comm: Any = MPI.COMM_WORLD) -> None:
 def _refusal(scene: Scene, told: str) -> InputError:
     """The refusal of the mesh of the largest body."""
     name, body = max(scene.bodies.items(), key=lambda item: dofs_of(item[1]))
-    mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
+    mesh = body.division
     field, value = f"bodies.{name}.geometry.file", getattr(body.geometry, "file", None)
     if mesh is not None:
         kind = "elements" if mesh.elements is not None else "size"

@@ -1,14 +1,18 @@
 """What is wrong with a scene between its fields, each of which is right by itself."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from math import inf
 from typing import Any
 
+import numpy as np
+
+from cea.arrays import Floats, of_size_one
 from cea.contact.formulations import registered
 from cea.errors import InputError, did_you_mean
 from cea.expressions import Expression
-from cea.supports.boundary import check_surface
+from cea.rotation import Rotation
+from cea.supports.boundary import Support, check_surface
 from meshes.breaks import breaks_of
 from meshes.edge_layers import check_room, run_along
 from meshes.mesh_file import MeshFile
@@ -54,6 +58,14 @@ _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
 _THIN = 1e-12
 """Smallest range of a coordinate, relative to the coordinate."""
 _CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
+_AXISYMMETRIC = ("annulus", "hub", "disc", "ring")
+"""Shapes that a rotation about their own axis leaves as they are, and all of their surfaces."""
+_ASIDE = 1e-9
+"""Distance of an axis from that of a shape, relative to its radius, and sine of their angle."""
+_ALIKE = "alike all round the axis of the rotation where a body that rotates is damped"
+
+_Tensor = Callable[[Floats, Floats, Floats], Floats]
+"""A matrix at a point and a normal (1, dim) of a body that is turned by a rotation (dim, dim)."""
 _NEEDS = "left out where no contact has c_n: no state of steady sliding is sought"
 
 
@@ -147,9 +159,7 @@ def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
         _length_checks(faults, lists, dim, "the components")
         faults.of(check_surface, spring.surface, known, f"{place}.springs.{i}.surface")
     if body.rotation is not None:
-        from scenes.spec.rotation_checks import rotation_checks
-
-        rotation_checks(faults, place, body, body.rotation)
+        _rotation_checks(faults, place, body, body.rotation)
     suited = ("iga",) if shape.shape in ("patches", "nurbs_file") else ("fe", "iga")
     suited = ("fe",) if isinstance(shape, MeshFile | VentilatedDisc) else suited
     allowed = f"{suited[0]!r} for shape = {shape.shape!r}"
@@ -159,6 +169,68 @@ def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
     elif not isinstance(shape, MeshFile):
         given, allowed = getattr(mesh, body.backend) is not None, f"needed for {body.backend!r}"
         faults.require(given, f"{place}.mesh.{body.backend}", None, allowed)
+
+
+def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotation) -> None:
+    """Rotations that do not leave a body as it is, and what does not suit them."""
+    shape, dim, damping = body.geometry.shape, body.dim, body.damping
+    faults.of(rotation.check, dim, f"{place}.rotation")
+    allowed = f"{', '.join(_AXISYMMETRIC)} to rotate"
+    faults.require(shape in _AXISYMMETRIC, f"{place}.geometry.shape", shape, allowed)
+    if faults:
+        return
+    axis, here = body.placement.rotation[:, 2], body.placement.translation
+    parallel, on_axis = _are_parallel(axis, rotation.axis), _is_on_axis(body, rotation.origin)
+    faults.require(parallel, f"{place}.rotation.axis", rotation.axis, f"along {axis.tolist()}")
+    allowed = f"a point of the axis of the body, as {list(here)}"
+    faults.require(on_axis, f"{place}.rotation.origin", rotation.origin, allowed)
+    law, strains = body.material.elasticity, np.square(np.arange(1.0, dim**2 + 1))
+
+    def stress(x: Floats, _: Floats, turn: Floats) -> Floats:
+        gradient = turn @ strains.reshape(dim, dim) @ turn.T
+        return law.stress(gradient[..., None], x.T)[..., 0]
+
+    alike, allowed = _turns(stress, rotation, dim), "the same all round the rotation"
+    faults.require(alike, f"{place}.material", body.material.kind, allowed)
+    for i, spec in enumerate(body.supports):
+        support = spec.support()
+        at_rest = not (body.rotates_in_equilibrium and support.prescribes)
+        allowed = "zero where a body rotates with damping or convective stiffness"
+        faults.require(at_rest, f"{place}.supports.{i}.value", spec.value, allowed)
+
+        def held(x: Floats, normal: Floats, _: Floats, support: Support = support) -> Floats:
+            directions = support.directions(x, normal)[:, 0]
+            return directions.T @ directions
+
+        alike = damping is None or _turns(held, rotation, dim)
+        faults.require(alike, f"{place}.supports.{i}", list(spec.components), _ALIKE)
+    for i, spring in enumerate(body.springs if damping is not None and damping.modal else ()):
+        stiffness = spring.stiffness
+        alike = _turns(lambda *_, k=stiffness: np.diag(k), rotation, dim)
+        allowed = f"{_ALIKE} mode by mode"
+        faults.require(alike, f"{place}.springs.{i}.stiffness", stiffness, allowed)
+
+
+def _turns(tensor: _Tensor, rotation: Rotation, dim: int) -> bool:
+    """Whether a tensor turns with the point it is at, by a radian about the axis."""
+    spin, origin = rotation.spin(dim), np.asarray(rotation.origin[:dim], dtype=float)
+    turn = np.eye(dim) + np.sin(1.0) * spin + (1 - np.cos(1.0)) * spin @ spin
+    arm, normal = np.sqrt([[2.0, 3.0, 5.0], [0.5, 0.3, 0.2]])[:, None, :dim]  # along no axis
+    here = turn @ tensor(origin + arm, normal, np.eye(dim)) @ turn.T
+    there = tensor(origin + arm @ turn.T, normal @ turn.T, turn)
+    return bool(np.abs(here - there).max() <= _ASIDE * np.abs(here).max())
+
+
+def _are_parallel(one: Iterable[float], other: Iterable[float]) -> bool:
+    first, second = (of_size_one(tuple(each)) for each in (one, other))
+    sine = np.linalg.norm(np.cross(first, second)) / np.linalg.norm(first) / np.linalg.norm(second)
+    return bool(sine <= _ASIDE)
+
+
+def _is_on_axis(body: BodySpec, point: Iterable[float]) -> bool:
+    x = np.array([*point, 0.0])[:3]
+    arm = np.cross(body.placement.rotation[:, 2], x - body.placement.translation)
+    return bool(np.linalg.norm(arm) <= _ASIDE * body.geometry.extent[0][1])
 
 
 def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
