@@ -37,20 +37,8 @@ _LONGEST = 100
 _PARTING = set(".,[] ")
 """Characters that part the names of a path, which no name may hold."""
 _SCALES = (
-    "E",
-    "rho",
-    "P",
-    "p",
-    "c_n",
-    "max_frequency",
-    "size",
-    "inner_radius",
-    "outer_radius",
-    "bore",
-    "hub_radius",
-    "reach",
-    "speed",
-    "frequencies",
+    *("E", "rho", "P", "p", "c_n", "max_frequency", "speed", "frequencies"),
+    *("size", "inner_radius", "outer_radius", "bore", "hub_radius", "reach"),
 )
 """Fields that set scales, and may not be next to nothing; coordinates and the like may."""
 _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
@@ -72,8 +60,9 @@ _NEEDS = "left out where no contact has c_n: no state of steady sliding is sough
 def cross_checks(scene: Scene) -> Faults:
     """Faults between fields, each of which is right by itself."""
     faults = Faults()
+    need = faults.require
     _limit_checks(faults, scene)
-    faults.require(bool(scene.bodies), "bodies", {}, "at least one body")
+    need(bool(scene.bodies), "bodies", {}, "at least one body")
     for name, body in scene.bodies.items():
         _body_checks(faults, f"bodies.{name}", body)
         if scene.analysis.kind == "cea" or body.rotates_in_equilibrium:
@@ -84,15 +73,14 @@ def cross_checks(scene: Scene) -> Faults:
         _contact_checks(faults, scene, f"contacts.{name}", contact, known)
         first = pairs.setdefault(frozenset((contact.a, contact.b)), name)
         allowed = f"other sides than contacts.{first}, which joins the same surfaces"
-        sides = f"{contact.a} on {contact.b}"
-        faults.require(first == name, f"contacts.{name}.a", sides, allowed)
+        need(first == name, f"contacts.{name}.a", f"{contact.a} on {contact.b}", allowed)
     for i, load in enumerate(scene.loads):
         place = f"loads.{i}"
         if load.surface is not None:
             faults.of(check_surface, load.surface, known, f"{place}.surface")
         else:
             allowed = f"one of {', '.join(scene.bodies)}{did_you_mean(load.body, scene.bodies)}"
-            faults.require(load.body in scene.bodies, f"{place}.body", load.body, allowed)
+            need(load.body in scene.bodies, f"{place}.body", load.body, allowed)
         if load.on in scene.bodies:
             lists = {f"{place}.force": load.force, f"{place}.body_force": load.body_force}
             _length_checks(faults, lists, scene.bodies[load.on].dim, "the components")
@@ -103,6 +91,7 @@ def cross_checks(scene: Scene) -> Faults:
 
 def _limit_checks(faults: Faults, scene: Scene) -> None:
     """Names that no path holds, more items than anybody has, and extreme numbers."""
+    need = faults.require
     check_scene_name(faults, scene.name)
     counts = {name: len(getattr(scene, name)) for name in ("bodies", "contacts", "loads")}
     names = [(kind, name) for kind in ("bodies", "contacts") for name in getattr(scene, kind)]
@@ -111,18 +100,18 @@ def _limit_checks(faults: Faults, scene: Scene) -> None:
         counts[f"bodies.{name}.springs"] = len(body.springs)
         names += [(f"bodies.{name}.geometry.faces", each) for each in body.geometry.surfaces]
     for place, count in counts.items():
-        faults.require(count <= MAX_ITEMS, place, f"{count} of them", f"at most {MAX_ITEMS}")
+        need(count <= MAX_ITEMS, place, f"{count} of them", f"at most {MAX_ITEMS}")
+    allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
     for place, name in names:
         fits = 0 < len(name) <= _LONGEST and name.isprintable() and not set(name) & _PARTING
-        allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
-        faults.require(fits, place, name, allowed)
-    numbers = [each for each in leaves(asdict(scene)) if isinstance(each[1], int | float)]
-    for place, number in numbers:
-        field = next(part for part in reversed(place.split(".")) if not part.isdecimal())
-        largest, tied = _LARGEST_OF.get(field, LARGEST), field in ("P", "p") and number == inf
-        faults.require(abs(number) <= largest or tied, place, number, f"at most {largest:g}")
-        vanishes = field in _SCALES and 0 < abs(number) < SMALLEST
-        faults.require(not vanishes, place, number, f"at least {SMALLEST:g}")
+        need(fits, place, name, allowed)
+    for place, number in leaves(asdict(scene)):
+        if isinstance(number, int | float):
+            field = next(part for part in reversed(place.split(".")) if not part.isdecimal())
+            largest, tied = _LARGEST_OF.get(field, LARGEST), field in ("P", "p") and number == inf
+            need(abs(number) <= largest or tied, place, number, f"at most {largest:g}")
+            vanishes = field in _SCALES and 0 < abs(number) < SMALLEST
+            need(not vanishes, place, number, f"at least {SMALLEST:g}")
 
 
 def check_scene_name(faults: Faults, name: str) -> None:
@@ -143,10 +132,10 @@ def _length_checks(
 def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
     """Meshes, places, supports and springs that do not suit a shape."""
     shape, known, mesh, dim = body.geometry, body.geometry.surfaces, body.mesh, body.dim
-    before = len(faults)
+    before, need = len(faults), faults.require
     for name, (low, high) in zip(shape.directions, shape.extent, strict=True):
-        wide, allowed = high - low > _THIN * max(abs(low), abs(high)), "a range beyond rounding"
-        faults.require(wide, f"{place}.geometry", f"{name} from {low} to {high}", allowed)
+        wide, span = high - low > _THIN * max(abs(low), abs(high)), f"{name} from {low} to {high}"
+        need(wide, f"{place}.geometry", span, "a range beyond rounding")
     if len(faults) == before:
         _mesh_checks(faults, f"{place}.mesh", body)
     faults.of(body.placement.check, dim, f"{place}.placement")
@@ -163,12 +152,13 @@ def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
     suited = ("iga",) if shape.shape in ("patches", "nurbs_file") else ("fe", "iga")
     suited = ("fe",) if isinstance(shape, MeshFile | VentilatedDisc) else suited
     allowed = f"{suited[0]!r} for shape = {shape.shape!r}"
-    faults.require(body.backend in suited, f"{place}.backend", body.backend, allowed)
-    if mesh == MeshSpec() and not isinstance(shape, MeshFile):
-        faults.append(InputError(f"{place}.mesh", None, "field required, but for a mesh file"))
-    elif not isinstance(shape, MeshFile):
-        given, allowed = getattr(mesh, body.backend) is not None, f"needed for {body.backend!r}"
-        faults.require(given, f"{place}.mesh.{body.backend}", None, allowed)
+    need(body.backend in suited, f"{place}.backend", body.backend, allowed)
+    if isinstance(shape, MeshFile):
+        return
+    given, some = body.division is not None, mesh != MeshSpec()
+    need(some, f"{place}.mesh", None, "field required, but for a mesh file")
+    allowed = f"needed for {body.backend!r}"
+    need(given or not some, f"{place}.mesh.{body.backend}", None, allowed)
 
 
 def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotation) -> None:
@@ -236,18 +226,18 @@ def _is_on_axis(body: BodySpec, point: Iterable[float]) -> bool:
 def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
     """Cells, numbers and sizes of elements that do not suit a shape."""
     shape, fe, iga, degree = body.geometry, body.mesh.fe, body.mesh.iga, body.mesh.degree
+    need = faults.require
     if isinstance(shape, MeshFile):
-        for name, given in (("fe", fe), ("iga", iga)):
-            allowed = "left out: cells are those of the file; mesh.degree may be given"
-            faults.require(given is None, f"{place}.{name}", given, allowed)
+        allowed = "left out: cells are those of the file; mesh.degree may be given"
+        need(fe is None, f"{place}.fe", fe, allowed)
+        need(iga is None, f"{place}.iga", iga, allowed)
         return
     allowed = "left out but of a mesh file: fe.degree or iga.degree says it"
-    faults.require(degree is None, f"{place}.degree", degree, allowed)
+    need(degree is None, f"{place}.degree", degree, allowed)
     if fe is not None and fe.size is not None and body.backend == "fe":
-        length = max(body.lengths)
-        allowed = f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body"
-        fits = length / MAX_ELEMENTS <= fe.size <= length
-        faults.require(fits, f"{place}.fe.size", fe.size, allowed)
+        most = max(body.lengths)
+        allowed = f"{most / MAX_ELEMENTS:.3g} to {most:.3g} (m), the length of the body"
+        need(most / MAX_ELEMENTS <= fe.size <= most, f"{place}.fe.size", fe.size, allowed)
     if isinstance(shape, VentilatedDisc):
         if fe is not None:
             _unstructured_checks(faults, f"{place}.fe", fe)
@@ -255,7 +245,7 @@ def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
     lists: dict[str, tuple[int, ...] | None] = {}
     if fe is not None:
         cells = _CELLS[body.dim]
-        faults.require(fe.cell in cells, f"{place}.fe.cell", fe.cell, " or ".join(cells))
+        need(fe.cell in cells, f"{place}.fe.cell", fe.cell, " or ".join(cells))
         lists[f"{place}.fe.elements"] = fe.elements
     if iga is not None:
         lists[f"{place}.iga.degree"] = iga.degree
