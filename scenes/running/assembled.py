@@ -239,8 +239,9 @@ class AssembledScene:
         self.driver.free()
 
 
-assemble = AssembledScene
-"""Assemble a scene to be solved many times."""
+def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:
+    """Assemble a scene to be solved many times; parameters and errors of the class."""
+    return AssembledScene(scene, listener)
 
 
 @dataclass
