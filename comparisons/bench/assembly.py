@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from time import process_time
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import pandas as pd
 
 from cea.body import Body
-from cea.errors import InputError
+from cea.errors import require
 from cea.material import IsotropicMaterial
 from cea.petsc import MPI  # ahead of dolfinx
 from comparisons.study.columns import medians
@@ -93,23 +93,14 @@ PROGRAMS: Mapping[str, Callable[[Family, int, Boxes], Body | PlainDolfinx]] = {
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the benchmark.
+    """Options of the benchmark."""
 
-    Parameters
-    ----------
-    boxes
-        Elements along each side.
-    repeats
-        Rounds; medians count.
-    """
-
-    boxes: Boxes = (16, 16, 8)
-    repeats: int = 3
+    boxes: Annotated[Boxes, "Elements along each side."] = (16, 16, 8)
+    repeats: Annotated[int, "Rounds; medians count."] = 3
 
     def __post_init__(self) -> None:
         at_least_one(repeats=self.repeats)
-        if min(self.boxes) < 1:
-            raise InputError("boxes", self.boxes, "one or more along each direction")
+        require(min(self.boxes) >= 1, "boxes", self.boxes, "one or more along each direction")
 
 
 def cases(options: Options) -> Iterator[Case]:

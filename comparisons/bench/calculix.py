@@ -43,14 +43,9 @@ PROGRAMS = ("CalculiX", "this program", "exact mass")
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the benchmark.
+    """Options of the benchmark."""
 
-    Parameters
-    ----------
-    meshes
-        Boxes along each direction of each body, six tetrahedra each; a mesh after another.
-    """
-
+    # boxes along each direction of each body, six tetrahedra each; a mesh after another
     meshes: tuple[Mapping[str, tuple[int, ...]], ...] = (
         {"pad": (3, 5, 2), "disc": (5, 36, 1)},
         {"pad": (4, 8, 3), "disc": (7, 56, 2)},

@@ -149,23 +149,21 @@ def one_voice(comm: Any) -> Iterator[None]:
     A fault that all ranks meet is told by rank 0. Where others run on, they may wait for this rank
     for ever: then it tells its fault itself and aborts them.
     """
-    if comm is None:
-        try:
-            yield
-        except Exception as error:
-            _tell(_told(error))
-            sys.exit(1)
-        return
-    meeting = comm.Dup()  # a meeting of ranks must not match messages of their work
+    meeting = comm and comm.Dup()  # a meeting of ranks must not match messages of their work
     try:
         with ExitStack() as silence:
-            if comm.rank > 0:
+            if comm and comm.rank > 0:
                 nothing = silence.enter_context(open(os.devnull, "w"))
                 silence.enter_context(redirect_stdout(nothing))
                 silence.enter_context(redirect_stderr(nothing))
             yield
     except Exception as error:
-        _end(meeting, _told(error))
+        everyone = meeting is None or _all_arrive(meeting)
+        if not everyone or not meeting or meeting.rank == 0:
+            _tell(_told(error))
+        if not everyone:
+            meeting.Abort(1)
+        sys.exit(1)
 
 
 def _told(error: Exception) -> str:
@@ -191,15 +189,6 @@ def _tell(fault: str) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.stderr.write(fault)
     sys.stderr.flush()
-
-
-def _end(comm: Any, fault: str) -> None:
-    everyone = _all_arrive(comm)
-    if comm.rank == 0 or not everyone:
-        _tell(fault)
-    if not everyone:
-        comm.Abort(1)
-    sys.exit(1)
 
 
 def _all_arrive(comm: Any) -> bool:

@@ -172,7 +172,7 @@ def converge(
     from comparisons.converge.page import LEVELS, MODES, read_converge, write_converge
     from comparisons.converge.request import Request
     from comparisons.converge.study import run_converge
-    from comparisons.study.progress import Progress
+    from comparisons.study.session import Progress
     from scenes.results.folder import check_out
 
     need("pictures")

@@ -21,7 +21,7 @@ from scipy.sparse.linalg import spsolve
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.eigen.blocks import times
+from cea.eigen.blocks import columns_inner, times, transposed_times
 from cea.eigen.matching import ModeMatch
 from cea.matrices import destroy
 from cea.surface import Surface
@@ -205,8 +205,8 @@ def false_shifts(plain: Result, lumped: Result) -> Floats:
     modes = plain.modes
     difference: Any = lumped.system.contacts[0].K_n.copy()
     difference.axpy(-1.0, plain.system.contacts[0].K_n)
-    products = np.einsum("ij,ij->j", modes.vectors.conj(), times(difference, modes.vectors)).real
-    energies = difference.comm.tompi4py().allreduce(products)
+    images = times(difference, modes.vectors)
+    energies = columns_inner(modes.vectors, images, difference.comm).real
     destroy(difference)
     return energies / (2 * np.abs(modes.eigenvalues) ** 2)
 
@@ -216,24 +216,17 @@ def rotation_ratio(result: Result) -> float:
     contact: Any = result.system.contacts[0]
     sides = {contact.a: contact.interface.a, contact.b: contact.interface.b}
     height = contact.interface.points.x[:, 1].mean()
-    energies = []
-    for turned in ((PAD, DISC), (PAD,)):
-        vector = result.system.vector()
-        for name in turned:
-            u = _normal_displacement(result.system.bodies[name], sides[name], height)
-            part = vector.getSubVector(result.system.index_sets[name])
-            u.copy(part)
-            vector.restoreSubVector(result.system.index_sets[name], part)
-            destroy(u)
-        product = vector.duplicate()
-        contact.K_n.mult(vector, product)
-        energies.append(vector.dot(product))
-        destroy(vector, product)
+    bodies = result.system.bodies
+    rotations = {name: _normal_displacement(bodies[name], sides[name], height) for name in bodies}
+    alone = [u if name == PAD else np.zeros_like(u) for name, u in rotations.items()]
+    columns = [np.concatenate(parts) for parts in (list(rotations.values()), alone)]
+    both = np.asfortranarray(np.column_stack(columns))
+    energies = columns_inner(both, times(contact.K_n, both), contact.K_n.comm)
     return float(energies[0] / energies[1])
 
 
-def _normal_displacement(body: Body, side: Surface, height: float) -> Any:
-    """Free dofs of a body for u_z = y - height on a surface and none elsewhere, PETSc vector."""
+def _normal_displacement(body: Body, side: Surface, height: float) -> Floats:
+    """Free dofs of this rank for u_z = y - height on a surface and none elsewhere."""
     points = side.gauss_points(side.cells().degree + 1)
     trace = side.trace(points.at)
     touched = np.unique(trace.indices)
@@ -242,11 +235,8 @@ def _normal_displacement(body: Body, side: Surface, height: float) -> Any:
     load = values.T @ (points.weight * (points.x[:, 1] - height))
     full = np.zeros((body.num_scalar_dofs, body.dim))
     full[touched, 2] = spsolve(gram, load)
-    vector, free = body.expansion.createVecLeft(), body.expansion.createVecRight()
-    vector.array[:] = full.ravel()[slice(*vector.getOwnershipRange())]
-    body.expansion.multTranspose(vector, free)
-    destroy(vector)
-    return free
+    own = slice(*body.expansion.getOwnershipRange())
+    return transposed_times(body.expansion, full.reshape(-1, 1)[own])[:, 0]
 
 
 LUMPING = Lumping(

@@ -12,7 +12,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import NEAR, ModeMatch, ModeSet, match_modes
-from cea.errors import InputError
+from cea.errors import require
 from comparisons.paper.disc_pad import DISC, PAD, DiscPad
 from comparisons.paper.figure import Figure, Mesh, Row, Tables, polar_points, sector_points
 from comparisons.study.study import Session
@@ -176,8 +176,7 @@ def displacements(
     side = result.system.bodies[body].surfaces[surface]
     found = side.locate(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)), side.mesh_size)
     hit = ~found.missed
-    if not hit.any():
-        raise InputError("x", f"{len(x)} points", f"points on {body}.{surface}")
+    require(bool(hit.any()), "x", f"{len(x)} points", f"points on {body}.{surface}")
     u = result.mode_shapes(f"{body}.{surface}", found.at[hit], modes)
     return u.reshape(-1, u.shape[-1]), hit
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import cache
 from inspect import getdoc, getmembers, isfunction
 from math import log10
-from typing import Any, get_args
+from typing import Annotated, Any, get_args
 
 import pandas as pd
 
-from cea.errors import InputError
+from cea.errors import require
 from comparisons.stability import (
     cases_bodies,
     cases_contact,
@@ -54,8 +54,7 @@ def title_of(name: str) -> str:
 @cache
 def runs_of(name: str) -> tuple[Run, ...]:
     """Runs of a case; a name that is none is refused."""
-    if name not in catalogue():
-        raise InputError("case", name, f"one of {', '.join(catalogue())}")
+    require(name in catalogue(), "case", name, f"one of {', '.join(catalogue())}")
     return tuple(catalogue()[name]())
 
 
@@ -80,18 +79,10 @@ def numbers_of(name: str, *, quick: bool) -> list[int]:
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the study.
+    """Options of the study."""
 
-    Parameters
-    ----------
-    cases
-        Names of cases; all by default.
-    every
-        Whether all runs of each row are taken, or a few.
-    """
-
-    cases: tuple[str, ...] = ()
-    every: bool = True
+    cases: Annotated[tuple[str, ...], "Names of cases; all by default."] = ()
+    every: Annotated[bool, "Whether all runs of each row are taken, or a few."] = True
 
 
 def cases(options: Options) -> Iterator[Case]:
@@ -170,14 +161,10 @@ def fault(result: StudyResult) -> str:
 
 COLUMNS = {
     "row": Column("run"),
-    "runs": Column("runs", show=number),
-    **{verdict: Column(verdict, show=number) for verdict in VERDICTS},
     "not_met": Column("not as expected", show=number),
     "met": Column("as expected"),
     "digits": Column("digits", show=decimals(1)),
     "tolerance": Column("tolerance", show=shown(1)),
-    "missing": Column("missing", show=number),
-    "spurious": Column("spurious", show=number),
     "seconds": Column("longest", "s", decimals(2)),
     "says": Column("it says"),
     "reason": Column("why"),

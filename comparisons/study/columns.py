@@ -13,21 +13,11 @@ from scenes.spec.body import backend_name
 
 @dataclass(frozen=True)
 class Column:
-    """How a column is shown.
-
-    Parameters
-    ----------
-    title
-        Its heading, and the title of an axis.
-    unit
-        Unit of its values.
-    show
-        Makes text of a value; None shows it as it is, set to the left.
-    """
+    """How a column is shown; its title is that of an axis too."""
 
     title: str
     unit: str = ""
-    show: Callable[[Any], str] | None = None
+    show: Callable[[Any], str] | None = None  # text of a value; None: as it is, set to the left
 
     def cell(self, value: Any) -> str:
         """Text of a value; a dash where there is none."""

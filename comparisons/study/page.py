@@ -108,11 +108,13 @@ def _section(
             tables.append(table_cells(table, frame))
     for plot in section.plots:
         if isinstance(plot, Plot):
-            panels = plots.drawn_by_page(plot, result)
-            if panels and out:
+            points = rows(plot.frame, result)
+            if points.empty:
+                continue
+            drawn.append({"plot": plot, "panels": plots.drawn_by_page(plot, points, result)})
+            if out:
                 with rc_context(plots.STYLE):
-                    plots.save(plots.draw(plot, result), out / f"{plot.name}.png")
-            drawn += [{"plot": plot, "panels": panels}] if panels else []
+                    plots.save(plots.draw(plot, points, result), out / f"{plot.name}.png")
             continue
         with rc_context(plots.STYLE):
             figure = plot(result)

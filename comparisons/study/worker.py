@@ -15,8 +15,8 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
-from queue import Empty, Queue, SimpleQueue
-from threading import Thread
+from queue import Empty, Queue
+from threading import Thread, get_ident
 from typing import Any
 
 from cea.errors import InputError
@@ -44,26 +44,19 @@ def workers(process: Process, options: Any) -> Iterator[Callable[[dict[str, Any]
 
     A case has no arrays: it travels as text.
     """
-    idle: SimpleQueue[dict[int, Worker]] = SimpleQueue()
-    every: list[dict[int, Worker]] = [{} for _ in range(process.at_once)]
-    for by_ranks in every:
-        idle.put(by_ranks)
+    of_threads: dict[tuple[int, int], Worker] = {}  # by thread and number of ranks
 
     def evaluate(labels: dict[str, Any]) -> Computed:
-        ranks, own = labels.get("ranks", 1), idle.get()
-        try:
-            if ranks not in own:
-                own[ranks] = Worker(process.study, asdict(options), ranks)
-            return own[ranks].evaluate(labels, process.seconds), {}
-        finally:
-            idle.put(own)
+        key = get_ident(), labels.get("ranks", 1)
+        if key not in of_threads:
+            of_threads[key] = Worker(process.study, asdict(options), key[1])
+        return of_threads[key].evaluate(labels, process.seconds), {}
 
     try:
         yield evaluate
     finally:
-        for by_ranks in every:
-            for worker in by_ranks.values():
-                worker.end()
+        for worker in of_threads.values():
+            worker.end()
 
 
 class Worker:
