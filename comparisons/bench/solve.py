@@ -11,10 +11,10 @@ from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import linear_sum_assignment
 
 from cea.arrays import Complexes
 from cea.eigen.classify import classify, thresholds
+from cea.eigen.matching import assign
 from cea.errors import require
 from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
@@ -151,7 +151,7 @@ def unstable(kappa: Complexes) -> int:
 def errors_of(found: Complexes, exact: Complexes) -> tuple[list[float], int]:
     """Relative errors of eigenvalues, each paired with an exact one, and how many have no pair."""
     cost = np.abs(found[:, None] - exact) / np.abs(exact)
-    rows, columns = linear_sum_assignment(cost)
+    rows, columns = assign(cost)
     return cost[rows, columns].tolist(), len(exact) - len(columns)
 
 

@@ -242,7 +242,8 @@ def momentum_defects(system: CoupledSystem) -> dict[str, float]:
         every = (getattr(contact, name) for contact in system.contacts)
         matrices = [matrix for matrix in every if matrix is not None]
         scale = sum(matrix.norm(PETSc.NormType.NORM_1) for matrix in matrices)
-        relative = largest(sum(transposed_times(matrix, r) for matrix in matrices)) / largest(r)
+        resultants = np.sum([transposed_times(matrix, r) for matrix in matrices], axis=0)
+        relative = largest(resultants) / largest(r)
         defects[f"linear_{kind}"] = float(relative[:dim].max() / scale)
         defects[f"angular_{kind}"] = float(relative[dim:].max() / scale)
     return defects

@@ -23,7 +23,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.eigen.blocks import columns_inner, times, transposed_times
 from cea.eigen.matching import ModeMatch
-from cea.matrices import destroy
+from cea.matrices import destroy, scaled_total
 from cea.surface import Surface
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
 from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of
@@ -203,8 +203,8 @@ class Lumping(Figure):
 def false_shifts(plain: Result, lumped: Result) -> Floats:
     """First order relative shifts of all frequencies of a run by what lumping adds, (modes,)."""
     modes = plain.modes
-    difference: Any = lumped.system.contacts[0].K_n.copy()
-    difference.axpy(-1.0, plain.system.contacts[0].K_n)
+    parts = ((1.0, lumped), (-1.0, plain))
+    difference = scaled_total([(sign, run.system.contacts[0].K_n) for sign, run in parts])
     images = times(difference, modes.vectors)
     energies = columns_inner(modes.vectors, images, difference.comm).real
     destroy(difference)

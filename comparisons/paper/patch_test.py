@@ -243,25 +243,23 @@ class Setting(Figure):
         upper, lower = bodies["upper"].surfaces["z_min"], bodies["lower"].surfaces["z_max"]
         shapes: Any = [scene.bodies[name].geometry for name in ("upper", "lower")]
         material, paper = scene.bodies["upper"].material, {**_PAPER, **self.paper}
-        rows: list[tuple[str, Any, str]] = [
-            ("length of the interface", shapes[0].size[0], "m"),
-            ("width of the interface", shapes[0].size[1], "m"),
-            ("height of a", shapes[0].size[2], "m"),
-            ("height of b", shapes[1].size[2], "m"),
-            ("E", material.means[0], "N/m²"),
-            ("nu", material.means[2], ""),
-            ("pressure", scene.loads[0].pressure, "N/m²"),
-            ("elements of a", len(upper.cells().element), ""),
-            ("elements of b", len(lower.cells().element), ""),
+        numbers: list[tuple[str, Any, str, str]] = [
+            ("length of the interface", shapes[0].size[0], "m", ""),
+            ("width of the interface", shapes[0].size[1], "m", ""),
+            ("height of a", shapes[0].size[2], "m", ""),
+            ("height of b", shapes[1].size[2], "m", ""),
+            ("E", material.means[0], "N/m²", ""),
+            ("nu", material.means[2], "", ""),
+            ("pressure", scene.loads[0].pressure, "N/m²", ""),
+            ("elements of a", len(upper.cells().element), "", ""),
+            ("elements of b", len(lower.cells().element), "", ""),
         ]
-        numbers = [quoted(what, paper.get(what), value, unit) for what, value, unit in rows]
         for what, rule in _POINTS.items():
             own = rule if mesh == "NURBS" else as_lagrange(rule)
             with_rule = with_contact(scene, formulation=own)
             points = len(build_interfaces(with_rule, bodies, StageTimer())[INTERFACE].points)
-            remark = "" if own is rule else own.label
-            numbers.append(quoted(what, paper.get(what), points, remark=remark))
-        return {"numbers": numbers}
+            numbers.append((what, points, "", "" if own is rule else own.label))
+        return {"numbers": [quoted(each[0], paper.get(each[0]), *each[1:]) for each in numbers]}
 
 
 _ON: tuple[Mesh, ...] = ("NURBS", "hexahedra")

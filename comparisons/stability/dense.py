@@ -24,12 +24,12 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag, eigh, eigvals, svd
-from scipy.sparse import csr_array
 
 from cea.arrays import Complexes, Floats
 from cea.contact.contact import Contact
 from cea.contact.interface import along
 from cea.expressions import Expression, evaluate
+from cea.matrices import local_part
 from cea.system.coupled import CoupledSystem
 from scenes.running.system import coupled
 from scenes.spec.body import DampingSpec
@@ -222,7 +222,7 @@ def jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
     """Jump along a direction at every point, on the unknowns of the system, shape (points, n)."""
     interface, parts = contact.interface, []
     for name, body in system.bodies.items():
-        expansion = _sparse(body.expansion)
+        expansion = local_part(body.expansion)
         part = np.zeros((len(direction), expansion.shape[1]))
         if name == contact.a:
             part += (along(interface.trace_a, direction) @ expansion).toarray()
@@ -232,15 +232,9 @@ def jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
     return np.hstack(parts)
 
 
-def _sparse(matrix: Any) -> csr_array:
-    """PETSc matrix of one rank as a scipy one."""
-    indptr, indices, values = matrix.getValuesCSR()
-    return csr_array((values, indices, indptr), shape=matrix.getSize())
-
-
 def array(matrix: Any) -> Floats:
     """Dense array of a PETSc matrix of one rank."""
-    return _sparse(matrix).toarray()
+    return local_part(matrix).toarray()
 
 
 def _quadratic(K: Floats, D: Floats, M: Floats) -> Complexes:

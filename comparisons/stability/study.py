@@ -30,7 +30,6 @@ from comparisons.study.study import Case, Process, Study
 
 VERDICTS: tuple[str, ...] = get_args(Verdict)
 """Every verdict, the best first."""
-_MOST_DIGITS = 16.0
 _MODULES = (cases_bodies, cases_contact, cases_files, cases_friction, cases_motion)
 
 
@@ -67,9 +66,8 @@ def numbers_of(name: str, *, quick: bool) -> list[int]:
     runs = runs_of(name)
     if not quick:
         return list(range(len(runs)))
-    rows = list(dict.fromkeys(run.row for run in runs))
     numbers = []
-    for r, row in enumerate(rows):
+    for r, row in enumerate(dict.fromkeys(run.row for run in runs)):
         own = [i for i, run in enumerate(runs) if run.row == row]
         turn = {name: ("fe", "iga")[(r + k) % 2] for k, name in enumerate(QUICK)}
         picked = [i for i in own if turn.get(runs[i].way.name) == runs[i].way.backend]
@@ -110,10 +108,8 @@ def evaluate(case: Case, session: Session) -> dict[str, Any]:
 
 
 def digits(error: float | None) -> float | None:
-    """Correct digits of the worst mode of a run; 0 where one is missing, None without an answer."""
-    if error is None:
-        return None
-    return max(0.0, min(_MOST_DIGITS, -log10(max(error, 10**-_MOST_DIGITS))))
+    """Correct digits of the worst mode of a run, 16 at most; 0 where one is missing."""
+    return None if error is None else max(0.0, -log10(max(error, 1e-16)))
 
 
 def runs(result: StudyResult) -> pd.DataFrame:
@@ -187,13 +183,7 @@ STUDY = Study(
             headline,
             [
                 Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS),
-                Table(
-                    "not_met",
-                    "Runs that are not as the catalogue says.",
-                    not_met,
-                    COLUMNS,
-                    printed=True,
-                ),
+                Table("not_met", "Runs not as the catalogue says.", not_met, COLUMNS, printed=True),
             ],
         ),
         Section("Every run", tables=[Table("runs", "Every run.", runs, _OF_A_RUN)]),
