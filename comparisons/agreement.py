@@ -31,8 +31,7 @@ from scenes.spec.reading import BACKENDS, Scene, load_scene
 
 FREQUENCY_BOUND, GROWTH_BOUND = 0.01, 0.15
 """Largest relative differences of frequencies and of growth rates that agree."""
-_FINER = 3
-"""Degree, in every direction, that the last pairing is run with once more."""
+_FINER = 3  # degree, in every direction, that the last pairing is run with once more
 
 
 @dataclass(frozen=True)

@@ -29,10 +29,8 @@ from scenes.spec.reading import Scene, read_scene
 
 K1, K2 = 1.0, 1.44
 """Stiffness along x and y (N/m)."""
-MODULUS = 1e6
-"""Young's modulus of all bodies (N/m^2)."""
-_TOP = 0.3
-"""Upper end of the modes (Hz), above both of the mass, which are at 0.16 and 0.19."""
+MODULUS = 1e6  # Young's modulus of all bodies (N/m^2)
+_TOP = 0.3  # upper end of the modes (Hz), above both of the mass, which are at 0.16 and 0.19
 _LOWEST, _HIGHEST = 0.005, 2.0
 """Friction below and above every threshold."""
 _WALLS = {

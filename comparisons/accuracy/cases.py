@@ -22,8 +22,7 @@ INTEGRATING = ("mortar", "segments")
 DEGREES: Mapping[Backend, tuple[int, ...]] = {"fe": (1, 2, 3, 4), "iga": (2, 3, 4, 5, 6)}
 """Degrees of Lagrange elements, and of NURBS at full continuity."""
 _REFINEMENTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
-FEWEST = {2: 400, 3: 500}
-"""Fewest degrees of freedom of a case, by dimension."""
+FEWEST = {2: 400, 3: 500}  # fewest degrees of freedom of a case, by dimension
 PARTS = ("errors", "no flutter")
 
 

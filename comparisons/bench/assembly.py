@@ -32,16 +32,13 @@ from dolfinx.mesh import CellType, create_box  # isort: skip
 
 Family = Literal["NURBS", "Q", "P"]
 """NURBS of highest continuity, Lagrange hexahedra, Lagrange tetrahedra."""
-Boxes = tuple[int, int, int]
-"""Elements along each side; tetrahedra are such boxes divided into six."""
+Boxes = tuple[int, int, int]  # elements along each side; tetrahedra are such boxes divided into six
 DEGREES: Mapping[Family, tuple[int, ...]] = {"NURBS": (2, 3, 4), "Q": (1, 2, 3), "P": (1, 2, 3)}
 """Degrees of each family."""
-YARDSTICK = ("Q2", "dolfinx")
-"""What every other is measured by."""
+YARDSTICK = ("Q2", "dolfinx")  # what every other is measured by
 MATERIAL = IsotropicMaterial(E=1.0, nu=0.3, rho=1.0)
 _CELLS: Mapping[str, Literal["hexahedron", "tetrahedron"]] = {"Q": "hexahedron", "P": "tetrahedron"}
-_WEDGES = 6
-"""Tetrahedra that a box is divided into."""
+_WEDGES = 6  # tetrahedra that a box is divided into
 _OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 
 

@@ -33,8 +33,7 @@ from scenes.spec.reading import Scene, load_scene, with_contact
 MASS_QUADRATURE = 2
 """Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""
 MODES = 20
-_WIDER = 1.01
-"""Window of this program over the last frequency of CalculiX."""
+_WIDER = 1.01  # window of this program over the last frequency of CalculiX
 _RIGID = 1e-6
 """Modes with abs(lambda) below this part of the largest are rigid, and zero but for rounding."""
 PROGRAMS = ("CalculiX", "this program", "exact mass")

@@ -28,12 +28,9 @@ from scenes import Result
 from scenes.running.matrices import AssembledMatrices
 from scenes.spec.matrices import MatrixScene, load_matrices
 
-_SHIFTS = 5
-"""Runs of scipy."""
-_WANTED = 20
-"""Eigenvalues of each."""
-_SAME = 1e-6
-"""Relative distance of eigenvalues that are the same."""
+_SHIFTS = 5  # runs of scipy
+_WANTED = 20  # eigenvalues of each
+_SAME = 1e-6  # relative distance of eigenvalues that are the same
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,7 @@ SIZES: Mapping[str, tuple[float, ...]] = {
     "large": (2.1, 2.7, 3.4, 4.4),
 }
 """Factors on the boxes along each side; runs on more ranks take the last but one."""
-_WHOLE = "whole"
-"""Name of all stages together."""
+_WHOLE = "whole"  # name of all stages together
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,7 @@ SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
     "million": {"pad": (16, 28, 9), "disc": (30, 222, 5)},
 }
 """Boxes of each body along r, theta and z, six quadratic tetrahedra each."""
-MAX_FREQUENCY = 27e3
-"""End of the window (Hz)."""
+MAX_FREQUENCY = 27e3  # end of the window (Hz)
 _EVENTS = {
     "factorisations": ("MatLUFactorNum", "MatCholFctrNum"),
     "solves": ("MatSolve", "MatSolveTranspos"),

@@ -27,10 +27,8 @@ from scenes.results.matching import match_runs
 from scenes.spec.reading import Scene, load_scene
 
 SCENE = "ventilated_brake"
-_KILOBYTE = 1024
-"""Bytes of the unit in which the system tells the peak of a process."""
-_PARTNERS = 1e-10
-"""Relative distance of the frequencies of a growing mode and its decaying partner."""
+_KILOBYTE = 1024  # bytes of the unit in which the system tells the peak of a process
+_PARTNERS = 1e-10  # relative distance of the frequencies of a growing mode and its decaying partner
 
 
 @dataclass(frozen=True)

@@ -123,8 +123,7 @@ _EXPECTED = (InputError, ConvergenceError, WriteError, MissingExtraError)
 _OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EPIPE)
 """Faults of what output goes to, a full disk or a program that has ended."""
 
-_PATIENCE = 5.0
-"""Seconds that a rank with a fault gives the others to meet the same one."""
+_PATIENCE = 5.0  # seconds that a rank with a fault gives the others to meet the same one
 
 _LAUNCHERS = ("PMI_", "PMIX_", "PMI2_", "OMPI_", "MPI_LOCAL", "MV2_", "SLURM_", "PALS_", "FLUX_")
 """Beginnings of the environment variables by which launchers tell a process its rank."""
@@ -167,19 +166,14 @@ def one_voice(comm: Any) -> Iterator[None]:
 
 
 def _told(error: Exception) -> str:
-    if isinstance(error, _EXPECTED) or _is_of_a_scene(error):
+    refusals = sys.modules.get("scenes.spec.problems")  # only what has read scenes refuses one
+    if isinstance(error, (*_EXPECTED, *([refusals.SceneError] if refusals else []))):
         return "".join(f"error: {line}\n" for line in str(error).splitlines())
     if isinstance(error, OSError) and error.errno in _OUTPUT:
         return f"error: output cannot be written: {error.strerror}\n"
     if isinstance(error, MemoryError):
         return f"error: not enough memory{f': {error}' if str(error) else ''}\n"
     return "".join(format_exception(error))
-
-
-def _is_of_a_scene(error: Exception) -> bool:
-    """Whether a scene was refused; only what has read scenes can refuse one."""
-    refusals = sys.modules.get("scenes.spec.problems")
-    return refusals is not None and isinstance(error, refusals.SceneError)
 
 
 def _tell(fault: str) -> None:

@@ -74,12 +74,9 @@ class MissingExtraError(Exception):
 
 
 def need(*extras: str) -> None:
-    """Refuse to begin without what extras bring, by names: ``pictures``, ``maps`` or ``exact``.
+    """Refuse to begin without what extras bring, with the command that installs them.
 
-    Raises
-    ------
-    MissingExtraError
-        With the command that installs it, when a module of one cannot be found.
+    Names are ``pictures``, ``maps`` and ``exact``.
     """
     for extra in extras:
         missing = [module for module in _MODULES[extra] if find_spec(module) is None]

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 console = Console(highlight=False)
 
 _COLOURS = {"unstable": "bold red", "grows slowly": "red", "undecided": "yellow"}
-_NEEDED = 4
-"""Columns that are never left out."""
+_NEEDED = 4  # columns that are never left out
 
 Column = tuple[str, Sequence[str], bool]
 """Heading, texts, and whether they are numbers, which are never wrapped."""

@@ -9,12 +9,9 @@ from typer import Argument, Option
 
 from comparisons.cli import options
 
-IN_PART = 3
-"""Exit code of a command that answered in part, or did not reach the digits asked for."""
-_CONFIRM = 3
-"""Thresholds of a map that are confirmed where no number is given."""
-_EVERY = 10_000
-"""More thresholds than a map has."""
+IN_PART = 3  # exit code of a command that answered in part, or did not reach the digits asked for
+_CONFIRM = 3  # thresholds of a map that are confirmed where no number is given
+_EVERY = 10_000  # more thresholds than a map has
 
 
 def sweep(

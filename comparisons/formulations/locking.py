@@ -25,16 +25,12 @@ from exact_cea.reference import exact_eigenvalues
 from scenes.spec.body import backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene
 
-_MU0 = 0.3
-"""Amplitude of the friction coefficient mu0 sin(pi x / 2)."""
-_HIGHEST = 2.2
-"""Highest Im lambda of the exact eigenvalues that are looked at: six lie below."""
-_DEGREE = 2
-"""Degree on both sides, splines with continuity one less."""
+_MU0 = 0.3  # amplitude of the friction coefficient mu0 sin(pi x / 2)
+_HIGHEST = 2.2  # highest Im lambda of the exact eigenvalues that are looked at: six lie below
+_DEGREE = 2  # degree on both sides, splines with continuity one less
 _GAUSS, _GRID = (3, 6), 37
 """GPTS points per element; equally spaced points over side a."""
-_MARGIN = 1.15
-"""How far beyond the exact eigenvalues is searched: locked ones lie too high."""
+_MARGIN = 1.15  # how far beyond the exact eigenvalues is searched: locked ones lie too high
 _LOCKED = 10.0
 """Growth of the error from the least to that at the largest p from which a formulation locks."""
 _STIFFNESSES = (*(float(10**k) for k in range(10)), inf)

@@ -30,8 +30,7 @@ from scenes.running.system import coupled
 from scenes.spec.body import Backend, LoadSpec
 from scenes.spec.reading import Scene, load_scene
 
-PRESSURE = 1000.0
-"""Exact contact pressure of every patch test (N/m^2)."""
+PRESSURE = 1000.0  # exact contact pressure of every patch test (N/m^2)
 PASSED = 1e-6
 """Largest relative error of the normal stress of a patch test that is passed: round-off at the
 stiffest, P = 1e14 N/m, stays below it."""

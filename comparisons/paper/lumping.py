@@ -33,18 +33,15 @@ from comparisons.study.session import Session
 from scenes import Result
 from scenes.spec.reading import Scene
 
-P = 1e6
-"""Contact stiffness of the figures (N/m)."""
-RUNS = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}
-"""Runs that are compared."""
+P = 1e6  # contact stiffness of the figures (N/m)
+RUNS = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}  # runs that are compared
 EDGE = 0.115 * np.tan(np.radians(20.0))
 """Distance from the middle at which the line crosses the boundary of the pad (m)."""
 _MIDDLE, _HALF, _SAMPLES = (0.115, 45.0), 0.07, 281
 """Radius (m) and angle (degrees) of the middle of the line, which is tangential there; half its
 length (m); its points."""
 _NEAR_EDGE = 0.004
-_ALIKE = 0.5
-"""Modal assurance of modes that have the same characteristics."""
+_ALIKE = 0.5  # modal assurance of modes that have the same characteristics
 _DIGITS, _SHAPE_DIGITS = 6, 4
 """Decimals by which points of the bodies (m) are told apart, and those kept of displacements
 relative to the largest."""

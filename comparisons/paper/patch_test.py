@@ -39,10 +39,8 @@ from scenes.building.build import build_bodies, build_interfaces
 from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, StaticAnalysis, load_scene, with_contact
 
-EXACT = -1000.0
-"""Normal stress on the interface (N/m^2)."""
-INTERFACE = "interface"
-"""Name of the contact in the scene."""
+EXACT = -1000.0  # normal stress on the interface (N/m^2)
+INTERFACE = "interface"  # name of the contact in the scene
 SIDES = (("b", BLUE, "-"), ("a", VERMILION, "--"))
 """Sides of a contact with colour and line: solid for b, dashed for a, as in the paper."""
 _MAP_SAMPLES, _MAP_DIGITS = 61, 3
@@ -282,8 +280,7 @@ SETTINGS = (
 3 x 3 quadratic spans; the second mesh is in a picture only, this one is a guess."""
 
 
-_FEW_SAMPLES = 31
-"""Samples across the interface: stresses are polynomials in each span."""
+_FEW_SAMPLES = 31  # samples across the interface: stresses are polynomials in each span
 _SPACES = {
     "NURBS": ((1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (3, 0), (4, 1)),
     "hexahedra": ((1, 0), (2, 0), (3, 0), (4, 0)),

@@ -20,10 +20,8 @@ from meshes.shapes import Annulus, Sector
 from scenes import Result
 from scenes.spec.reading import Scene
 
-WITHIN = 0.01
-"""Relative difference below which modes coincide."""
-_CONTACT_GRID = (7, 12)
-"""Points across and along the contact at which shapes are compared."""
+WITHIN = 0.01  # relative difference below which modes coincide
+_CONTACT_GRID = (7, 12)  # points across and along the contact at which shapes are compared
 _CIRCLES, _AROUND = (0.2, 0.5, 0.8, 0.98), 36
 """Circles on the disc, by the part of its width, and points on each."""
 _IN_PLANE = 1e-6

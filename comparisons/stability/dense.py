@@ -40,19 +40,14 @@ _SHIFT = 0.37
 """Shift below zero, relative to the eigenvalues looked at: next to none of them by accident."""
 _DEPENDENT = 1e-11
 """Singular values below this part of the largest belong to gaps that depend on others."""
-_LOW = 24
-"""Modes whose size sets the shift."""
-_ABOUT = 30.0
-"""How far from the best place the near eigenvalues may give way to the far ones."""
+_LOW = 24  # modes whose size sets the shift
+_ABOUT = 30.0  # how far from the best place the near eigenvalues may give way to the far ones
 _INFINITE = 1e-11
 """Eigenvalues of the inverse below this part of the largest are those of tied gaps: none."""
-_RIGID = 1e-12
-"""Eigenvalues of a body relative to its largest up to which motions are rigid."""
-_TOGETHER = 1e-3
-"""Relative distance of kappa up to which waves of a mesh are two of one frequency."""
+_RIGID = 1e-12  # eigenvalues of a body relative to its largest up to which motions are rigid
+_TOGETHER = 1e-3  # relative distance of kappa up to which waves of a mesh are two of one frequency
 
-Constraint = tuple[Floats, Floats, Floats]
-"""J, T and C: gaps, slips times mu, compliances."""
+Constraint = tuple[Floats, Floats, Floats]  # J, T and C: gaps, slips times mu, compliances
 
 
 def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:

@@ -28,8 +28,7 @@ from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
 
-VERDICTS: tuple[str, ...] = get_args(Verdict)
-"""Every verdict, the best first."""
+VERDICTS: tuple[str, ...] = get_args(Verdict)  # every verdict, the best first
 _MODULES = (cases_bodies, cases_contact, cases_files, cases_friction, cases_motion)
 
 

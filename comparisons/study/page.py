@@ -21,8 +21,7 @@ from comparisons.study.sections import Plot, Section, Table, rows
 from comparisons.study.shapes import Shapes, merged, packed
 from comparisons.study.study import Study
 
-REPORT = "report.html"
-"""Name of a page."""
+REPORT = "report.html"  # name of a page
 _HERE = Path(__file__).parent
 _SCRIPTS = ("tables.js", "contents.js", "plots.js", "shapes.js", "viewer.js", "start.js")
 

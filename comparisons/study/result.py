@@ -12,12 +12,9 @@ from cea.errors import InputError, require
 from scenes.results.folder import RESULT as RESULT
 from scenes.results.record import read_record, write_record
 
-ARRAYS = "arrays.npz"
-"""File of the arrays beside the record."""
-PART = "part"
-"""Label that only sets parts of a study apart: frames leave it out."""
-Data = Mapping[str, Any]
-"""Plain data, as JSON holds them."""
+ARRAYS = "arrays.npz"  # file of the arrays beside the record
+PART = "part"  # label that only sets parts of a study apart: frames leave it out
+Data = Mapping[str, Any]  # plain data, as JSON holds them
 
 
 @dataclass(frozen=True)

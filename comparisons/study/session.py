@@ -11,8 +11,7 @@ from scenes import Result, run_scene
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene
 
-_REMEMBERED = 2
-"""Runs whose bodies are remembered: cases often alternate between two backends."""
+_REMEMBERED = 2  # runs whose bodies are remembered: cases often alternate between two backends
 
 
 @dataclass(frozen=True)

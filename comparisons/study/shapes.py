@@ -17,18 +17,13 @@ from comparisons.study.numbers import growth, literal, number
 from comparisons.study.result import StudyResult
 from scenes import Result
 
-STEPS = 2047
-"""Steps of a displacement on either side of zero: finer ones are noise to a compressor."""
-_POSITIONS = 2**16 - 1
-"""Steps of a position along the longest side of a scene."""
-_POINTS = 4000
-"""Points of the outsides of a scene, about: more are not seen on a screen."""
+STEPS = 2047  # steps of a displacement on either side of zero: finer ones are noise to a compressor
+_POSITIONS = 2**16 - 1  # steps of a position along the longest side of a scene
+_POINTS = 4000  # points of the outsides of a scene, about: more are not seen on a screen
 _MOST = 3_000_000
 """Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
-_ALIGNED = 4
-"""Bytes at whose multiples arrays begin, as typed arrays of a browser want it."""
-_NUMBERS = "shapes"
-"""Array of a case that holds the numbers of its shapes."""
+_ALIGNED = 4  # bytes at whose multiples arrays begin, as typed arrays of a browser want it
+_NUMBERS = "shapes"  # array of a case that holds the numbers of its shapes
 
 
 def packed(content: bytes) -> str:

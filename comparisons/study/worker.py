@@ -25,8 +25,7 @@ from comparisons.study.session import Session
 from comparisons.study.study import Process, evaluated
 
 _MARK = "\x1eanswer "
-_STARTS = 120.0
-"""Seconds in which a process must have begun."""
+_STARTS = 120.0  # seconds in which a process must have begun
 _ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -34,8 +33,7 @@ _ENVIRONMENT = {
 }
 
 
-Computed = tuple[dict[str, Any], Mapping[str, Any]]
-"""A case, and its arrays by name."""
+Computed = tuple[dict[str, Any], Mapping[str, Any]]  # a case, and its arrays by name
 
 
 @contextmanager
