@@ -74,8 +74,8 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
     made = table_cells(replace(table, group=""), rows(table.frame, result))
     cells = [row["cells"] for _, own in made["groups"] for row in own]
     columns = [
-        (head["axis"], [str(row[i][0]) for row in cells], head["number"])
-        for i, head in enumerate(made["heads"])
+        (head.axis, [str(row[i][0]) for row in cells], head.number)
+        for i, (_, head) in enumerate(made["heads"])
     ]
     if cells:
         print_columns(to, columns, f"{table.name}.csv", title=table.caption)

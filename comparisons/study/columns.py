@@ -32,6 +32,11 @@ class Column:
         """Title of an axis."""
         return f"{self.title} ({self.unit})" if self.unit else self.title
 
+    @property
+    def number(self) -> bool:
+        """Whether it is set to the right and sorted by its values."""
+        return self.show not in (None, backend_name)
+
 
 def _stiffness(value: float) -> str:
     """A contact stiffness, infinite where the sides are tied."""
@@ -72,11 +77,6 @@ def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = No
     title = number(name, 2) if isinstance(name, int | float) else str(name).replace("_", " ")
     kind = frame[name].dtype.kind if name in frame else "O"
     return Column(title, show={"f": shown(3), "i": number}.get(kind))
-
-
-def is_number(shown_as: Column) -> bool:
-    """Whether a column is set to the right and sorted by its values."""
-    return shown_as.show not in (None, backend_name)
 
 
 def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) -> pd.DataFrame:

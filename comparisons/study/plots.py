@@ -11,7 +11,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from cea.files import write_whole
-from comparisons.study.columns import column, is_number
+from comparisons.study.columns import column
 from comparisons.study.numbers import literal
 from comparisons.study.sections import Plot, rows
 
@@ -83,9 +83,7 @@ def panels(plot: Plot, frame: pd.DataFrame, result: Any) -> list[tuple[str, list
                 points = points[points[name] == value] if name in points else points
             traces += _traces(plot, points, places, marked, joined)
         words = [
-            f"{shown.title} = {shown.cell(values[name])}"
-            if is_number(shown)
-            else shown.cell(values[name])
+            f"{shown.title} = " * shown.number + shown.cell(values[name])
             for name, shown in named.items()
         ]
         made.append((", ".join(words), traces))
