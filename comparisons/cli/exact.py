@@ -130,7 +130,8 @@ def _own_options(problem: Any) -> dict[str, tuple[Any, Any, str]]:
     """
     from exact_cea.material import Material
 
-    hints, found = get_type_hints(problem, include_extras=True), {}
+    found: dict[str, tuple[Any, Any, str]] = {}
+    hints = get_type_hints(problem, include_extras=True)
     for name, parameter in inspect.signature(problem).parameters.items():
         hint, default = hints[name], parameter.default
         if hint is Material:
@@ -152,7 +153,8 @@ def _parameters(problem: Any, given: Mapping[str, Any]) -> dict[str, Any]:
     names = inspect.signature(problem).parameters.keys()
     chosen = {name: given[name] for name in names & given.keys() if name != "m"}
     for body in names & {"a", "b"}:
-        chosen[body] = Material.of(*(given[f"{each}_{body}"] for each in ("E", "nu", "rho")), body)
+        E, nu, rho = (given[f"{each}_{body}"] for each in ("E", "nu", "rho"))
+        chosen[body] = Material.of(E, nu, rho, body)
     return chosen
 
 
