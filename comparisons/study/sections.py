@@ -30,7 +30,7 @@ class Table:
     name: str  # stem of the CSV file
     caption: str
     frame: Frame
-    own: Mapping[Any, Column] = field(default_factory=dict)  # columns that COLUMNS does not have
+    own: Mapping[Any, Column] = field(default_factory=dict)  # columns that are not as in COLUMNS
     group: str = ""  # column whose values stand as headings above their rows
     printed: bool = False  # whether the command prints it
     shown: bool = True  # whether the page shows it, or the CSV file alone is written
@@ -51,7 +51,7 @@ class Plot:
     series: Sequence[str] = ()  # columns that set lines apart: backends by marker, else by colour
     panel: Sequence[str] = ()  # columns that set panels apart
     log: str = ""  # logarithmic axes: "x", "y" or "xy"
-    own: Mapping[Any, Column] = field(default_factory=dict)  # columns; titles are those of the axes
+    own: Mapping[Any, Column] = field(default_factory=dict)  # as of a table; titles of axes too
     lines: Frame | None = None  # lines without markers; points of ``frame`` are markers then
     style: str = "lines"  # or "markers"
 
