@@ -25,6 +25,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats
+from cea.body.space import StraightCells
 from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
 from cea.errors import ResultWarning
@@ -34,7 +35,6 @@ from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
-from cea.volume import StraightCells
 from scenes.checking.warnings import left_alone, warning
 from scenes.spec.body import IgaMesh
 from scenes.spec.reading import Scene

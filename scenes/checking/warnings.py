@@ -20,12 +20,12 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.body.space import StraightCells
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
 from cea.errors import ResultWarning
 from cea.ranks import agreed, made_on_first
 from cea.rotation import Rotation
-from cea.volume import StraightCells
 from meshes.mesh_file import MeshFile
 from scenes.building.build import used_surfaces
 from scenes.checking.stiffness import limit_of, mean_stiffness, relative_stiffness
