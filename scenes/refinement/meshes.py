@@ -14,9 +14,10 @@ from meshes.edge_layers import RATIO, fit
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.refinement.singular_edges import SingularEdges, singular_edges
-from scenes.spec.body import Backend, BodySpec, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import Backend, BodySpec
 from scenes.spec.consistency import cross_checks
 from scenes.spec.contact import ContactSpec
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import Scene
 
@@ -94,8 +95,6 @@ def _accurate(contact: ContactSpec) -> ContactSpec:
 
 def _is_structured(body: BodySpec) -> bool:
     """Whether the mesh of a body follows coordinates of its shape."""
-    if not hasattr(body.geometry, "extent"):
-        return False
     return body.division is not None and getattr(body.division, "size", None) is None
 
 
