@@ -15,10 +15,9 @@ from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.refinement.singular_edges import SingularEdges, singular_edges
 from scenes.spec.body import Backend, BodySpec
-from scenes.spec.consistency import cross_checks
+from scenes.spec.consistency import consistent
 from scenes.spec.contact import ContactSpec
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.problems import SceneError
 from scenes.spec.reading import Scene
 
 
@@ -42,13 +41,7 @@ def on_backend_of_shapes(scene: Scene, backend: Backend) -> Scene:
         name: body if from_file(body) else replace(body, backend=backend)
         for name, body in scene.bodies.items()
     }
-    return _without_faults(replace(scene, bodies=bodies))
-
-
-def _without_faults(scene: Scene) -> Scene:
-    if faults := list(cross_checks(scene)):
-        raise SceneError(faults)
-    return scene
+    return consistent(replace(scene, bodies=bodies))
 
 
 def from_file(body: BodySpec) -> bool:
@@ -74,7 +67,7 @@ def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
     given = on_backend_of_shapes(scene, backend)
     contacts = {name: _accurate(contact) for name, contact in given.contacts.items()}
     bodies = {name: _refined(given, name, resolution) for name in given.bodies}
-    return _without_faults(replace(given, bodies=bodies, contacts=contacts))
+    return consistent(replace(given, bodies=bodies, contacts=contacts))
 
 
 def moved_to_mortar(scene: Scene) -> dict[str, str]:
