@@ -5,7 +5,7 @@ from doubtful_scenes import STEEL, TONNES, bar, kinds, pulled, two_bars
 
 from scenes import run_scene
 from scenes.checking.check import inspect_scene
-from scenes.checking.doubts import doubtful_numbers
+from scenes.checking.warnings import doubtful_numbers
 from scenes.spec.reading import read_scene
 
 
