@@ -139,7 +139,8 @@ def probes(result):
 def facts(scene):
     result = run_scene(scene)
     system, data = result.system, dict(result.data)
-    matrices = [system.pencil().at().stiffness, *(contact.K_n for contact in system.contacts)]
+    matrices = [system.pencil().at().stiffness]
+    matrices += [contact.K_n for contact in system.contacts if contact.has_pressure]
     matrices += [body.stiffness() for body in system.bodies.values()]
     matrices += [] if system.mass is None else [system.mass]
     shown = {name: data.get(name) for name in ("contacts", "dofs", "stresses", "skipped")}
@@ -147,7 +148,7 @@ def facts(scene):
     if result.spectrum is None:
         moved = [result.displacements(name, at).tolist() for name, at in probes(result).items()]
         shown["displacements"] = moved
-        (contact,) = system.contacts
+        contact = system.contacts[0]
         if contact.has_pressure:
             pressure = contact.pressure(result.displacement)
             shown["closing force"] = float(contact.interface.points.weight @ pressure)
