@@ -39,7 +39,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.eigen.blocks import all_inner, combined, image_of, subtract, times, transposed_times
+from cea.eigen.blocks import all_inner, combined, subtract, times, transposed_times
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps, inertia
 from cea.eigen.pencil import Matrices
@@ -62,7 +62,7 @@ type Operation = Callable[[Floats], Floats]
 
 _COLUMNS, _STEPS = 8, 4
 """Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
-SAFETY = 1.5
+_SAFETY = 1.5
 """Factor on that estimate, which comes from below and has mostly converged."""
 _DEPENDENT = 1e-12
 """Square of a new direction, relative to the largest, below which it is not one."""
@@ -88,7 +88,7 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     forces = matrices.multipliers
     loose = forces is None or not (forces.tied or forces.dependent)
     if cone and bounded and loose and not factors.inertia()[1]:
-        slope, share = (SAFETY * each for each in _quotients(factors, matrices))
+        slope, share = (_SAFETY * each for each in _quotients(factors, matrices))
     factors.free()
     return slope / (1 - share) if bounded and share < 1 else None
 
@@ -193,7 +193,7 @@ def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
         return 0.5 * (circulatory.times(x) + sign * circulatory.times(x, transposed=True))
 
     def turned(x: Floats) -> Floats:
-        parts = [] if skew is None else [image_of(skew, x)]
+        parts = [] if skew is None else [times(skew, x)]
         if compliance is not None and forces is not None:
             J, L = forces.closure, forces.reaction
             caused = [compliance.solve_block(times(each, x)) for each in (J, L)]
@@ -205,9 +205,9 @@ def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
     def solve(b: Floats) -> Floats:
         return factors.solve_block(b)[:rows]
 
-    slope, share = largest_quotient(solve, turned, rows, comm), 0.0
+    slope, share = _largest_quotient(solve, turned, rows, comm), 0.0
     if circulatory is not None:
-        share = largest_quotient(solve, lambda x: of_circulatory(x, 1.0), rows, comm)
+        share = _largest_quotient(solve, lambda x: of_circulatory(x, 1.0), rows, comm)
     if compliance is not None:
         compliance.free()
     if skew is not None:
@@ -215,40 +215,30 @@ def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
     return slope, share
 
 
-def largest_quotient(
-    solve: Operation,
-    skew: Operation,
-    rows: int,
-    comm: Any,
-    steps: int = _STEPS,
-    image: Operation | None = None,
-) -> float:
+def _largest_quotient(solve: Operation, skew: Operation, rows: int, comm: Any) -> float:
     """Estimate from below of max abs(x^H N x) / x^H H x, N skew or symmetric, by block Krylov.
 
-    ``solve`` and ``skew`` are H^-1 and N times a block, and ``image`` is H times one, where solves
-    are not exact. The vectors are orthonormal in H, with which H^-1 N is skew, or symmetric. Steps
-    are the more the less the extreme quotients stand out.
+    ``solve`` and ``skew`` are H^-1 and N times a block. The vectors are orthonormal in H, with
+    which H^-1 N is skew, or symmetric.
     """
-    most = _COLUMNS * steps
+    most = _COLUMNS * _STEPS
     basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))
     start = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
     load, size = skew(start), 0
-    for _ in range(steps):
-        block, of_block = np.asfortranarray(solve(load)), load.copy(order="F")
+    for _ in range(_STEPS):
+        block, image = np.asfortranarray(solve(load)), load.copy(order="F")
         for _ in range(2):  # what rounding leaves of the first projection goes with the second
             part = all_inner(images[:, :size], block, comm)
             subtract(block, basis[:, :size], part)
-            subtract(of_block, images[:, :size], part)
-        if image is not None:
-            of_block = image(block)
-        squares, axes = np.linalg.eigh(all_inner(block, of_block, comm))
+            subtract(image, images[:, :size], part)
+        squares, axes = np.linalg.eigh(all_inner(block, image, comm))
         kept = squares > _DEPENDENT * max(squares.max(), np.finfo(float).tiny)
         if not kept.any():
             break
         turn = axes[:, kept] / np.sqrt(squares[kept])
         new = slice(size, size + turn.shape[1])
         size = new.stop
-        basis[:, new], images[:, new] = combined(block, turn), combined(of_block, turn)
+        basis[:, new], images[:, new] = combined(block, turn), combined(image, turn)
         load = skews[:, new] = skew(basis[:, new])
     projected = all_inner(basis[:, :size], skews[:, :size], comm)
     return float(np.linalg.norm(projected, 2)) if size else 0.0

@@ -23,7 +23,7 @@ from scipy.sparse import csr_array
 from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping, RayleighDamping
-from cea.eigen.blocks import image_of
+from cea.eigen.blocks import times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm
@@ -227,7 +227,7 @@ class BodyTerms:
         B.scale(0.5)
         if modes is not None and len(modes.weights):
             left = self._upright(modes.images * modes.weights)
-            turned = self._upright(-image_of(B, modes.vectors))
+            turned = self._upright(-times(B, modes.vectors))
             right = turned.transpose(PETSc.Mat())
             destroy(turned)
             piece = Circulatory(left, identity(left.getLocalSize()[1], left.comm), right)

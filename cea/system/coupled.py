@@ -20,9 +20,8 @@ from cea.contact.saddle import forces_of_contacts
 from cea.eigen.coefficients import Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
-from cea.matrices import block_diagonal, destroy, gather, local_part
-from cea.nodes import Nodes, joined, places
-from cea.petsc import MPI, PETSc
+from cea.matrices import block_diagonal, destroy, gather
+from cea.petsc import PETSc
 from cea.system.body_terms import BodyTerms, Motion
 from cea.system.contact_terms import (
     contact_parameters,
@@ -167,7 +166,6 @@ class CoupledSystem:
             [term for each in self.pieces.values() for term in each.modal],
             [piece for piece in pieces if not isinstance(piece, Term)],
             leave_out=leave_out,
-            nodes=self._nodes,
         )
 
     def _parameters(self) -> Iterator[Parameter]:
@@ -201,19 +199,6 @@ class CoupledSystem:
             steady=steady,
             prestress=prestress,
         )
-
-    @cached_property
-    def _nodes(self) -> Nodes | None:
-        """Unknowns by basis function; None where supports leave that open on any rank."""
-        found, functions = [], []
-        dim = next(iter(self.bodies.values())).dim
-        for body in self.bodies.values():
-            rows = local_part(body.expansion)
-            found.append(places(rows, range(*body.expansion.getOwnershipRangeColumn())))
-            functions.append(rows.shape[0] // dim)
-        known = [each for each in found if each is not None]
-        every = self.template.comm.tompi4py().allreduce(len(known) == len(found), MPI.LAND)
-        return joined(known, functions, dim) if every else None
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
         """Full displacement (m) of a body with what supports prescribe, (dim * scalar dofs,)."""

@@ -15,7 +15,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import eigs
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import image_of
+from cea.eigen.blocks import times
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
@@ -84,10 +84,7 @@ def backward_errors(problem: Problem, found: Answer) -> Floats:
     """|K x - kappa M x| / |kappa M x| of each pair, in the Euclidean norm."""
     comm = problem.mass.comm.tompi4py()
     K = problem.unsymmetric()
-    stiff, heavy = (
-        image_of(matrix, found.vectors.real) + 1j * image_of(matrix, found.vectors.imag)
-        for matrix in (K, problem.mass)
-    )
+    stiff, heavy = (times(matrix, found.vectors) for matrix in (K, problem.mass))
     destroy(K)
     heavy = heavy * found.kappa
     norms = (np.sum(np.abs(part) ** 2, axis=0) for part in (stiff - heavy, heavy))

@@ -174,7 +174,7 @@ def _described_modes(modes: Spectrum, growth_threshold: float | None) -> dict[st
         "unstable_count": len(unstable),
         "unstable": unstable,
         "verdict": modes.verdict(growth_threshold),
-        "hints": modes.hints,
+        "hints": modes.window.hints,
         "window": asdict(window) | {"complete": window.complete, "evidence": window.evidence},
         "eigenvalues": values,
     }

@@ -172,7 +172,7 @@ class Result:
     @property
     def first_lines(self) -> list[str]:
         """The summary, and a hint where modes grow just above the window."""
-        return [self.summary, *self.modes.hints]
+        return [self.summary, *self.modes.window.hints]
 
     def most_unstable(self, count: int) -> list[int]:
         """Indices, from 0, of the most unstable modes; of the first ones where none is."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Unpack
 
 from cea.contact.interface import Interface
-from cea.eigen.driver import EigenSolver, run_window
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ResultWarning
 from cea.system.coupled import CoupledSystem
@@ -60,7 +60,7 @@ def solved(
     top, low = scene.window.max_frequency, scene.window.min_growth
     with room_for_factors(scene) as on_disk:
         try:
-            modes = run_window(driver, top, values, min_growth=low, left=left, timer=timer)
+            modes = driver.solve(top, values, min_growth=low, left=left, hints=True, timer=timer)
         finally:
             if on_disk:
                 driver.free()
