@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.blas import dgemm
 
 from cea.arrays import Floats
 from cea.matrices import dense, destroy
@@ -116,12 +115,3 @@ def beside(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
     both: NDArray[Any] = np.empty(shape, dtype=np.result_type(left, right), order="F")
     both[:, :columns], both[:, columns:] = left, right
     return both
-
-
-def subtract(block: Floats, vectors: Floats, coefficients: Floats) -> None:
-    """Subtract vectors times coefficients from a block, in place; all in Fortran order."""
-    if not (vectors.size and block.size):
-        return
-    result = dgemm(-1.0, vectors, coefficients, beta=1.0, c=block, overwrite_c=True)
-    if not np.shares_memory(result, block):
-        block[:] = result
