@@ -9,7 +9,7 @@ parametric pencil, not bodies.
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.linalg import LinAlgError
@@ -258,14 +258,12 @@ def solve_modes(
     max_frequency: float,
     changes: Mapping[str, float] | None = None,
     *,
-    min_growth: float | None = None,
-    left: bool = False,
     options: KrylovOptions | None = None,
-    timer: StageTimer | None = None,
+    **asked: Any,
 ) -> Modes:
     """All modes of a pencil up to a frequency: one solve of an :class:`EigenSolver`.
 
     Parameters and errors are those of the solver and of :meth:`EigenSolver.solve`.
     """
     with EigenSolver(pencil, options) as driver:
-        return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)
+        return driver.solve(max_frequency, changes, **asked)

@@ -159,10 +159,6 @@ class Pencil:
         self.low_rank = tuple(low_rank)
         self.circulatory = tuple(circulatory)
         self._all_forces = AllForces(self.forces) if self.forces else None
-        self._coefficients: list[Dependence] = [t.coefficient for t in self.terms]
-        self._coefficients += [t.coefficient for t in self.low_rank]
-        self._coefficients += [t.coefficient for t in self.circulatory]
-        self._coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
         unknown = self.names - set(self.parameters)
         if unknown:
             raise InputError("parameters", sorted(self.parameters), f"with {sorted(unknown)}")
@@ -195,7 +191,10 @@ class Pencil:
     @property
     def names(self) -> frozenset[str]:
         """Parameters that its pieces depend on."""
-        return frozenset(name for each in self._coefficients for name in each.names)
+        pieces = (*self.terms, *self.low_rank, *self.circulatory)
+        every: list[Dependence] = [each.coefficient for each in pieces]
+        every += [c for each in self.forces for c in (each.inverse_stiffness, each.friction)]
+        return frozenset(name for each in every for name in each.names)
 
     @property
     def damped(self) -> bool:
