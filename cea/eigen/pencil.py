@@ -191,8 +191,9 @@ class Pencil:
     @property
     def names(self) -> frozenset[str]:
         """Parameters that its pieces depend on."""
-        pieces = (*self.terms, *self.low_rank, *self.circulatory)
-        every: list[Dependence] = [each.coefficient for each in pieces]
+        every: list[Dependence] = [each.coefficient for each in self.terms]
+        every += [each.coefficient for each in self.low_rank]
+        every += [each.coefficient for each in self.circulatory]
         every += [c for each in self.forces for c in (each.inverse_stiffness, each.friction)]
         return frozenset(name for each in every for name in each.names)
 
