@@ -5,7 +5,7 @@ from blocks import rectangle
 
 from scenes import run_scene
 from scenes.checking.check import inspect_scene
-from scenes.checking.doubts import doubtful_numbers
+from scenes.checking.warnings import doubtful_numbers
 from scenes.spec.reading import read_scene
 
 STEEL, TONNES = {"E": 2.1e11, "rho": 7850.0}, {"E": 2.1e5, "rho": 7.85e-9}
