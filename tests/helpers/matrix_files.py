@@ -1,7 +1,7 @@
 """Small systems as files: a damped gyroscopic circulatory one that depends on a speed."""
 
 import numpy as np
-from petsc_matrices import quadratic_eigenvalues
+from petsc_matrices import quadratic_eigenvalues as companion
 from scipy.io import mmwrite, savemat
 from scipy.sparse import csr_array, save_npz
 
@@ -67,7 +67,7 @@ def dense(matrices, speed=2.0, mu=0.7):
     M = matrices["M"]
     C = (1 + 1 / speed) * matrices["D"] + speed * matrices["G"]
     K = matrices["K"] + mu * matrices["F"] + (speed**2 - 1) * matrices["Q"]
-    return quadratic_eigenvalues(M, C, K)
+    return companion(M, C, K)
 
 
 def inside(values, max_frequency=0.6, min_growth=-1.0):

@@ -91,7 +91,7 @@ def test_forces_on_ranks_without_displacements(ranks):
 
 
 def test_the_disc_and_pad_flutters_on_coarse_meshes(backend):
-    assert max(case(1, f"{backend} disc_pad")["re"]) > 100
+    assert max(on_ranks(1, "parallel_cases.case", f"{backend} disc_pad")["re"]) > 100
 
 
 def test_command_line_prints_and_writes_once(tmp_path):
