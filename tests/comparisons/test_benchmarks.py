@@ -45,21 +45,22 @@ def test_a_free_body_has_its_mass_and_no_force_in_translation(family, degree):
     assert M.sum() / 3 == pytest.approx(1.0, rel=1e-12)
 
 
-def given(*rows):
-    """A result with these rows."""
-    return SimpleNamespace(frame=lambda: pd.DataFrame(rows))
+def given(rows, columns, **labels):
+    """A result with rows of values in some columns, and the same labels in all."""
+    frame = pd.DataFrame(rows, columns=columns.split()).assign(**labels)
+    return SimpleNamespace(frame=lambda: frame)
 
 
 def test_ratios_are_to_the_yardstick_of_the_same_round():
     """Ours takes twice as long as dolfinx in each round, however fast a round is."""
-    ours, theirs = assembly.PROGRAMS
-    taken = {(ours, 0): 4.0, (theirs, 0): 2.0, (ours, 1): 10.0, (theirs, 1): 5.0}
     rows = [
-        {"family": "Q", "degree": 2, "program": program, "repeat": repeat}
-        | {"stiffness": s, "mass": s, "elements": 3, "dofs": 9}
-        for (program, repeat), s in taken.items()
+        (program, repeat, 2 * seconds if program == "this program" else seconds)
+        for program in assembly.PROGRAMS
+        for repeat, seconds in enumerate((2.0, 5.0))
     ]
-    found = assembly.times(given(*rows)).set_index("program")
+    labels = {"family": "Q", "degree": 2, "elements": 3, "dofs": 9}
+    made = given([(*row, row[-1]) for row in rows], "program repeat stiffness mass", **labels)
+    found = assembly.times(made).set_index("program")
     assert found["ratio"].tolist() == [2.0, 1.0]
     assert found["per_element"].tolist() == pytest.approx([1e3 * 14 / 3, 1e3 * 7 / 3])
 
@@ -96,12 +97,9 @@ def test_errors_are_those_of_pairs():
 
 
 def test_speed_up_is_that_of_the_busiest_rank():
-    rows = [
-        {"row": "ranks", "factor": 1.0, "ranks": ranks, "repeat": 0}
-        | {"stage": "assembly", "processor": seconds, "busiest": seconds}
-        for ranks, seconds in ((1, 8.0), (2, 5.0))
-    ]
-    assert scaling.speed_up(given(*rows))["ratio"].tolist() == pytest.approx([1.6])
+    labels = {"row": "ranks", "factor": 1.0, "repeat": 0, "stage": "assembly"}
+    made = given([(1, 8.0, 8.0), (2, 5.0, 5.0)], "ranks processor busiest", **labels)
+    assert scaling.speed_up(made)["ratio"].tolist() == pytest.approx([1.6])
 
 
 def test_peak_memory_sees_an_allocation():

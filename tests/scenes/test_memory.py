@@ -9,40 +9,26 @@ from mpi import run
 from peak_memory import PEAK
 
 from cea.errors import InputError
-from scenes import assemble, run_modes
+from scenes import assemble, load_scene, read_scene, run_modes
 from scenes.checking import memory
 from scenes.checking.memory import estimated_memory
-from scenes.spec.reading import load_scene, read_scene
 
-PEAK_OF_A_RUN = (
-    PEAK
-    + """
-import sys
-from scenes import load_scene, run_scene
-run_scene(load_scene(sys.argv[1], sys.argv[2:]))
-print(peak())
-"""
-)
+DISC = "bodies.disc.mesh"
 
 
 @pytest.mark.parametrize(
-    "overrides",
+    ("name", "setting"),
     [
-        ["blocks", "bodies.upper.mesh.iga.elements=[100000,100000]"],
-        ["disc_pad", "bodies.disc.backend=fe", "bodies.disc.mesh.fe.elements=[400,400,400]"],
-        [
-            "disc_pad",
-            "bodies.disc.backend=fe",
-            "bodies.disc.mesh.fe={cell='tetrahedron',size=1e-5}",
-        ],
+        ("blocks", "bodies.upper.mesh.iga.elements=[100000,100000]"),
+        ("disc_pad", f"{DISC}.fe.elements=[400,400,400]"),
+        ("disc_pad", f"{DISC}.fe={{cell='tetrahedron',size=1e-5}}"),
     ],
 )
-def test_huge_meshes_are_refused_at_once(overrides):
-    name, *settings = overrides
-    scene = load_scene(name, settings)
+def test_huge_meshes_are_refused_at_once(name, setting):
+    scene = load_scene(name, [setting], "fe" if "fe" in setting else "iga")
     with pytest.raises(InputError, match=r"dofs take about .* GB of the .* GB") as caught:
         run_modes(scene)
-    assert caught.value.field.startswith(settings[-1].partition("=")[0])
+    assert caught.value.field.startswith(setting.partition("=")[0])
 
 
 def test_dofs_are_those_of_the_run(backend):
@@ -82,6 +68,14 @@ def test_factors_go_to_disk_where_memory_would_not_do(backend, monkeypatch):
         run_modes(scene)
 
 
+PEAK_OF_A_RUN = f"""{PEAK}
+import sys
+from scenes import load_scene, run_scene
+run_scene(load_scene(sys.argv[1], sys.argv[2:]))
+print(peak())
+"""
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "scene",
@@ -89,7 +83,7 @@ def test_factors_go_to_disk_where_memory_would_not_do(backend, monkeypatch):
         ["disc_pad"],
         ["disc_pad", "bodies.disc.backend=fe", "bodies.pad.backend=fe"],
         ["blocks", "bodies.upper.mesh.iga.elements=[240,60]"],
-        ["disc_pad", "bodies.disc.mesh.iga.elements=[12,60,2]", "bodies.disc.damping={alpha=5.0}"],
+        ["disc_pad", f"{DISC}.iga.elements=[12,60,2]", "bodies.disc.damping={alpha=5.0}"],
         ["patch_test", "bodies.upper.mesh.iga.elements=[9,9,9]"],
     ],
 )

@@ -9,100 +9,68 @@ from blocks import two_blocks
 
 import cea.eigen.driver
 from comparisons.cli.output import print_skipped
-from scenes import run_scene
+from scenes import read_scene, run_scene
 from scenes.checking.skipped import GIVEN, skipped_by
-from scenes.spec.reading import read_scene
 
 GPTS = {"method": "gpts", "points": 3}
 LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 
 
-@pytest.fixture
-def taken(monkeypatch):
-    """Whether each search that is made takes the symmetric path."""
-    paths = []
-    original = cea.eigen.driver.UndampedSearch
+def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, monkeypatch):
+    symmetric, search = [], cea.eigen.driver.UndampedSearch
 
     def recorded(matrices, *arguments, **options):
-        paths.append(matrices.symmetric)
-        return original(matrices, *arguments, **options)
+        symmetric.append(matrices.symmetric)
+        return search(matrices, *arguments, **options)
 
     monkeypatch.setattr(cea.eigen.driver, "UndampedSearch", recorded)
-    return paths
+    for mu in (0.0, 0.4):
+        result = run_scene(read_scene(two_blocks(backend, GPTS, held=True, mu=mu)))
+        (contact,) = result.system.contacts
+        assert (contact.slip is None) == (contact.K_f is None) == (mu == 0.0)
+        assert ("friction" in result.skipped) == (mu == 0.0)
+    assert symmetric == [True, False]
 
 
-def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, taken):
-    results = {
-        mu: run_scene(read_scene(two_blocks(backend, GPTS, held=True, mu=mu))) for mu in (0.0, 0.4)
-    }
-    assert taken == [True, False]
-    assert results[0.0].system.contacts[0].slip is None
-    assert results[0.0].system.contacts[0].K_f is None
-    assert results[0.4].system.contacts[0].slip is not None
-    assert "friction" in results[0.0].skipped
-    assert "friction" not in results[0.4].skipped
-
-
-EVERY_RUN = {
-    "newton",
-    "damping",
-    "gyroscopic",
-    "loads",
-    "pictures",
-    "paraview",
-    "gmsh",
-    "doubts of units",
-}
-TETRAHEDRA = {"cell": "tetrahedron", "size": 0.2}
+EVERY_RUN = {"newton", "damping", "gyroscopic", "loads", "pictures", "paraview", "gmsh"}
+EVERY_RUN.add("doubts of units")
+STATIC = EVERY_RUN - {"damping", "gyroscopic", "loads"} | {"mass", "eigenvalues"}
+DIRECTION = "contacts.interface.friction_direction_on_a"
+SLIDING = {"speed": 2.0, "pressure": 1.0}
 
 
 @pytest.mark.parametrize(
-    ("backend", "changes", "expected"),
+    ("changes", "skipped", "unused"),
     [
-        ("iga", {}, EVERY_RUN),
-        ("fe", {"bodies.upper.mesh.fe": TETRAHEDRA}, EVERY_RUN - {"gmsh"}),
-        ("fe", {"contacts": {}}, EVERY_RUN | {"friction", "search"}),
-        ("fe", {"output": {"pictures": 1, "paraview": 1}}, EVERY_RUN - {"pictures", "paraview"}),
+        ({}, EVERY_RUN, set()),
         (
-            "fe",
-            {"analysis": {"kind": "static"}, "loads": [LOAD]},
-            EVERY_RUN - {"damping", "gyroscopic", "loads"} | {"mass", "eigenvalues"},
+            {"bodies.upper.mesh.fe": {"cell": "tetrahedron", "size": 0.2}},
+            {"fe": EVERY_RUN - {"gmsh"}, "iga": EVERY_RUN},
+            set(),
         ),
-    ],
-)
-def test_a_scene_tells_exactly_what_it_does_not_need(backend, changes, expected):
-    scene = read_scene(two_blocks(backend, GPTS)).change(changes)
-    skipped = skipped_by(scene)
-    given = {name for name, reason in skipped.items() if reason.startswith(GIVEN)}
-    assert set(skipped) - given == expected - given
-    assert all(name not in expected or name == "loads" for name in given)
-
-
-FRICTION = "contacts.interface.friction_direction_on_a"
-DIRECTION = {"speed": 2.0, "pressure": 1.0}
-
-
-@pytest.mark.parametrize("backend", ["fe", "iga"])
-@pytest.mark.parametrize(
-    ("changes", "unused"),
-    [
-        ({}, set()),
-        ({"loads": [LOAD]}, {"loads"}),
-        ({"loads": [LOAD], "analysis": {"kind": "static"}}, set()),
-        ({"analysis.min_growth": -1.0}, {"analysis.min_growth"}),
-        ({"analysis.min_growth": -1.0, "bodies.upper.damping": {"alpha": 0.1}}, set()),
-        ({"contacts.interface.mu": 0.0}, {FRICTION}),
+        ({"contacts": {}}, EVERY_RUN | {"friction", "search"}, set()),
+        ({"output": {"pictures": 1, "paraview": 1}}, EVERY_RUN - {"pictures", "paraview"}, set()),
+        ({"loads": [LOAD], "analysis": {"kind": "static"}}, STATIC, set()),
+        ({"loads": [LOAD]}, None, {"loads"}),
+        ({"analysis.min_growth": -1.0}, None, {"analysis.min_growth"}),
+        ({"analysis.min_growth": -1.0, "bodies.upper.damping": {"alpha": 0.1}}, None, set()),
+        ({"contacts.interface.mu": 0.0}, None, {DIRECTION}),
         (
-            {"contacts.interface.mu": 0.0, "contacts.interface.sliding": DIRECTION},
+            {"contacts.interface.mu": 0.0, "contacts.interface.sliding": SLIDING},
+            None,
             {"contacts.interface.sliding.speed"},
         ),
     ],
 )
-def test_what_is_given_without_use_is_told_with_its_path(backend, changes, unused):
-    scene = read_scene(two_blocks(backend, GPTS)).change(changes)
-    other = "iga" if backend == "fe" else "fe"
-    found = {name for name, why in skipped_by(scene).items() if why.startswith(GIVEN)}
-    assert found == unused | {f"bodies.*.mesh.{other}"}
+def test_a_scene_tells_exactly_what_it_does_not_need(backend, changes, skipped, unused):
+    """And what is given without use, with its path."""
+    found = skipped_by(read_scene(two_blocks(backend, GPTS)).change(changes))
+    given = {name for name, reason in found.items() if reason.startswith(GIVEN)}
+    other = {"fe": "iga", "iga": "fe"}[backend]
+    assert given == unused | {f"bodies.*.mesh.{other}"}
+    if skipped is not None:
+        expected = skipped[backend] if isinstance(skipped, dict) else skipped
+        assert set(found) - given == expected
 
 
 def test_elements_that_are_changed_on_reading_are_not_called_left_out(tmp_path, capsys):
@@ -118,42 +86,29 @@ def test_elements_that_are_changed_on_reading_are_not_called_left_out(tmp_path, 
 
 
 UNUSED = (
-    "meshes.files.reading",
-    "meshes.files.part",
-    "scenes.matrices",
-    "scenes.spec.matrices",
-    "cea.eigen.static",
-    "cea.system.steady_path",
-    "cea.system.steady_newton",
-    "cea.system.modal_damping",
-    "scenes.running.static",
-    "scenes.checking.steady",
-    "scenes.export",
-    "scenes.pictures",
-    "scenes.refinement",
-    "gmsh",
-    "pyvista",
+    *("meshes.files.reading", "meshes.files.part", "scenes.matrices", "scenes.spec.matrices"),
+    *("cea.eigen.static", "cea.system.steady_path", "cea.system.steady_newton"),
+    *("cea.system.modal_damping", "scenes.running.static", "scenes.checking.steady"),
+    *("scenes.export", "scenes.pictures", "scenes.refinement", "gmsh", "pyvista"),
 )
 """What modes of a disc and a pad at a given stiffness have no use for."""
 MOST = {"fe": 144, "iga": 150}
 """Modules of this program that they load, at most."""
-COARSE = {
-    f"bodies.{body}.mesh.{backend}.elements": elements
-    for backend in ("fe", "iga")
-    for body, elements in (("disc", [3, 12, 1]), ("pad", [2, 3, 1]))
-}
+PROGRAM = """
+import sys; sys.argv = ['cea', 'run', 'disc_pad', *sys.argv[1:]]
+from comparisons.cli.app import app
+app(standalone_mode=False)
+print('imported', *sys.modules)
+"""
 
 
 @pytest.mark.parametrize("backend", ["iga", pytest.param("fe", marks=pytest.mark.slow)])
 def test_a_run_loads_what_it_needs(backend, tmp_path):
-    settings = [part for name, value in COARSE.items() for part in ("--set", f"{name}={value}")]
-    code = (
-        "import sys; sys.argv = ['cea', 'run', 'disc_pad', *sys.argv[1:]]\n"
-        "from comparisons.cli.app import app\n"
-        "app(standalone_mode=False)\n"
-        "print('imported', *sys.modules)"
-    )
-    command = [sys.executable, "-c", code, "--backend", backend, "--out", str(tmp_path), *settings]
+    settings = []
+    for body, elements in (("disc", [3, 12, 1]), ("pad", [2, 3, 1])):
+        settings += ["--set", f"bodies.{body}.mesh.{backend}.elements={elements}"]
+    arguments = ["--backend", backend, "--out", str(tmp_path), *settings]
+    command = [sys.executable, "-c", PROGRAM, *arguments]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     imported = set(done.stdout.split("imported", 1)[1].split())

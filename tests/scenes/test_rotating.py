@@ -1,0 +1,168 @@
+"""Scenes of rotating bodies: exact equilibria and reactions, fast rims, what cannot rotate."""
+
+import numpy as np
+import pytest
+from blocks import alone, scene_body
+from damped_numbers import modally_damped_disc
+from scipy.integrate import solve_bvp
+from scipy.special import jv, jvp, yv, yvp
+
+from scenes import read_scene, run_modes, run_static
+from scenes.spec.problems import SceneError
+
+E, NU, RHO, INNER, OUTER, PRESSURE, FORCE, RATE = 1.0, 0.3, 1.5, 0.6, 1.0, 1e-3, 1e-3, 0.9
+LAMBDA, MU = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
+MATERIAL = {"E": E, "nu": NU, "rho": RHO}
+
+
+def ring(backend, radii, elements, material=MATERIAL, max_frequency=None, **sections):
+    """A scene of a ring of degree 3 in plane strain."""
+    geometry = {"shape": "ring", "inner_radius": radii[0], "outer_radius": radii[1]}
+    return alone(
+        scene_body(backend, geometry, elements, degree=3, material=material, **sections),
+        max_frequency,
+    )
+
+
+@pytest.mark.parametrize(("part", "told"), [(0.75, False), (1.2, True)])
+def test_a_rim_that_outruns_surface_waves_is_warned_of(backend, part, told):
+    """Waves of the mesh that the exact ring does not have grow beyond it; below none does."""
+    steel = {"E": 2e11, "nu": 0.3, "rho": 7800.0}
+    rate = part * np.sqrt(2e11 / 2.6 / 7800.0) / 0.1
+    rotation = {"rate": rate, "convective_stiffness": True, "coriolis": False}
+    data = ring(backend, (0.09, 0.1), [1, 24], steel, 2500.0, rotation=rotation)
+    data["analysis"]["min_growth"] = -20000.0
+    result = run_modes(read_scene(data))
+    found = [each for each in result.warnings if each.kind == "faster-than-waves"]
+    assert bool(found) == told
+    assert (result.eigenvalues.real.max() > 1e3) == told
+    if told:
+        assert found[0].data["speed"] == pytest.approx(part * found[0].data["wave_speed"], rel=0.01)
+
+
+def widened_ring(rate):
+    """Largest displacement of a ring under pressure that rotates, in plane strain: exact waves.
+
+    (lambda + 2 mu) (u'' + u'/r - u/r^2) + rho Omega^2 u = 0, the pressure on the inside.
+    """
+    k = rate * np.sqrt(RHO / (LAMBDA + 2 * MU))
+
+    def stress(f, df, r):
+        return (LAMBDA + 2 * MU) * k * df(1, k * r) + LAMBDA * f(1, k * r) / r
+
+    rows = [[stress(jv, jvp, r), stress(yv, yvp, r)] for r in (INNER, OUTER)]
+    A, B = np.linalg.solve(rows, [-PRESSURE, 0.0])
+    return A * jv(1, k * INNER) + B * yv(1, k * INNER)
+
+
+def test_static_displacement_under_pressure_is_exact(backend):
+    """Of a ring that widens as it rotates: centrifugal forces grow with its radius."""
+    sizes = []
+    for rate in (0.3, 0.6):
+        data = ring(
+            backend,
+            (INNER, OUTER),
+            [2, 20],
+            supports=[{"surface": "inner", "components": ["circumferential"]}],
+            rotation={"rate": rate, "convective_stiffness": True},
+        )
+        data["loads"] = [{"surface": "part.inner", "pressure": PRESSURE}]
+        result = run_static(read_scene(data))
+        points = result.bodies["part"].surfaces["inner"].gauss_points(3)
+        sizes.append(np.linalg.norm(result.displacements("part.inner", points.at), axis=1))
+        np.testing.assert_allclose(sizes[-1], widened_ring(rate), rtol=2e-5)
+    assert sizes[1].mean() > 1.1 * sizes[0].mean()
+
+
+CASES = [
+    {"convective_stiffness": True},
+    {"convective_stiffness": True, "coriolis": False},
+    {"alpha": 0.4},
+    {"beta": 0.5},
+    {"convective_stiffness": True, "alpha": 0.4, "beta": 0.5},
+    {"convective_stiffness": True, "coriolis": False, "alpha": 0.4, "beta": 0.5},
+]
+"""Fields of rotation, and of damping."""
+
+
+def borne(case):
+    """What inner and outer rim bear: exact, from an equation along the radius.
+
+    With u_x + i u_y = conj(h) + g exp(2 i theta), R of the material multiplies conj(h) by -i and
+    g exp(2 i theta) by i, and d / d theta by 0 and 2 i. With D = h' + g' + 2 g / r and
+    c = 1 + i beta Omega the equilibrium of h and g is
+
+        c (mu (h'' + h' / r) + (lambda + mu) / 2 (D' + D / r)) + rho s h + force = 0
+        c (mu (g'' + g' / r - 4 g / r^2) + (lambda + mu) / 2 (D' - D / r)) + rho t g = 0
+
+    and the mean traction on a rim is the conjugate of c (mu h' + (lambda + mu) / 2 D).
+    """
+    half = (LAMBDA + MU) / 2
+    c = 1 + 1j * case.get("beta", 0.0) * RATE
+    damped = -1j * case.get("alpha", 0.0) * RATE
+    convective = RATE**2 if case.get("convective_stiffness") else 0.0
+    h_turns, g_turns = (0.0, 4.0) if case.get("coriolis", True) else (1.0, 1.0)
+    s, t = damped + h_turns * convective, damped + g_turns * convective
+
+    def derivatives(r, y):
+        h, g, dh, dg = y
+        D = dh + dg + 2 * g / r
+        rest = 2 * dg / r - 2 * g / r**2  # D' without h'' and g''
+        right = np.array(
+            [
+                -MU * dh / r - half * (rest + D / r) - (RHO * s * h + FORCE) / c,
+                -MU * (dg / r - 4 * g / r**2) - half * (rest - D / r) - RHO * t * g / c,
+            ]
+        )
+        return np.vstack([dh, dg, np.linalg.solve([[MU + half, half], [half, MU + half]], right)])
+
+    def ends(a, b):
+        return np.array([a[0], a[1], b[0], b[1]])
+
+    r = np.linspace(INNER, OUTER, 41)
+    found = solve_bvp(derivatives, ends, r, np.zeros((4, len(r)), dtype=complex), tol=1e-9)
+    assert found.success, found.message
+    forces = []
+    for sign, at in ((-1, INNER), (1, OUTER)):
+        _, g, dh, dg = found.sol(at)
+        traction = np.conj(c * (MU * dh + half * (dh + dg + 2 * g / at)))
+        forces.append(sign * 2 * np.pi * at * np.array([traction.real, traction.imag]))
+    return np.array(forces)
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize("case", CASES, ids=" ".join)
+def test_rims_bear_what_the_exact_solution_says(backend, case):
+    """Of the forces of a rotation, too, that held dofs meet: up to a third of all."""
+    damping = {name: case[name] for name in ("alpha", "beta") if name in case}
+    fields = {name: value for name, value in case.items() if name not in damping}
+    data = ring(
+        backend,
+        (INNER, OUTER),
+        [4, 24],
+        supports=[{"surface": "inner"}, {"surface": "outer"}],
+        rotation={"rate": RATE} | fields,
+        **({"damping": damping} if damping else {}),
+    )
+    data["loads"] = [{"body": "part", "body_force": [FORCE, 0.0]}]
+    found = run_static(read_scene(data)).reactions["part"]
+    expected = borne(case)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=2e-4 * np.abs(expected).max())
+
+
+HALF = {"surface": "inner", "components": ["x"]}
+ASIDE = HALF | {"components": ["radial"], "axis": [0.0, 0.0, 1.0], "origin": [0.1, 0.0, 0.0]}
+UNEQUAL = {"surface": "bottom", "stiffness": [0.1, 0.2, 0.0]}
+
+
+@pytest.mark.parametrize(
+    ("section", "value", "named"),
+    [("supports", HALF, "0"), ("supports", ASIDE, "0"), ("springs", UNEQUAL, r"0\.stiffness")],
+)
+def test_damping_that_cannot_rotate_is_refused(section, value, named):
+    """Supports that differ round the axis do not rotate with the body; without damping they may."""
+    scene, change = read_scene(modally_damped_disc("iga")), {f"bodies.disc.{section}": [value]}
+    with pytest.raises(SceneError, match=rf"disc\.{section}\.{named} = .*all round the axis"):
+        scene.change(change)
+    scene.change(change | {"bodies.disc.damping": None})
+    scene.change(change | {"bodies.disc.rotation": None})
