@@ -3,7 +3,6 @@
 from dataclasses import replace
 from functools import cache
 from math import tau
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -32,27 +31,14 @@ from comparisons.paper.spectra import (
     paired,
     run_tables,
 )
-from comparisons.paper.study import STUDY, Options, cases
-from comparisons.study.progress import Progress
+from comparisons.paper.study import STUDY
 from comparisons.study.result import StudyResult, read
-from comparisons.study.run import run
 from comparisons.study.session import Session
 from scenes import run_modes, run_scene
 from scenes.building.build import build_bodies
 
 SHIPPED = read("paper", STUDY.shipped)
 CASES = [case["labels"] for case in SHIPPED.cases]
-
-
-def test_every_figure_comes_with_the_project(tmp_path):
-    """Equal inputs, so that nothing is computed, whichever figures are asked for."""
-    started = []
-    progress = Progress(step=started.append, stage=lambda stage: None)
-    for options in (Options(), Options(("6", "5", "6"))):
-        result = run(STUDY, options, tmp_path / "out", progress=progress)
-        assert [case["labels"] for case in result.cases] == list(cases(options))
-    assert started == []
-    assert sum(file.stat().st_size for file in Path(STUDY.shipped).iterdir()) < 3e6
 
 
 def test_figures_go_by_name():

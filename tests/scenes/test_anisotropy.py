@@ -42,6 +42,7 @@ def isotropic(E, nu, rho):
     return {"kind": "orthotropic"} | constants
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("axes", [None, {"cylindrical_about": [0, 0, 1], "origin": [-3, -2, 0]}])
 def test_isotropic_constants_give_the_isotropic_eigenvalues(backend, axes):
     """In the plane, with contact, and in space."""
@@ -120,6 +121,7 @@ def test_both_backends_converge_to_the_same_disc_with_cylindrical_axes():
     assert apart[1] < apart[0] / 12
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("material", [WOOD | {"axes": OBLIQUE}, FIVE], ids=["nine", "five"])
 def test_modes_and_derivatives_in_each_constant_are_those_of_other_scenes(backend, material):
     """The pencil at other constants against a fresh scene; derivatives against differences."""
