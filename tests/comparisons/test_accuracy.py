@@ -9,7 +9,7 @@ import pytest
 from reference_data import both_signs, eigenvalues, stored
 
 from cea.eigen.matching import match_spectrum
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError
 from comparisons.accuracy import errors
 from comparisons.accuracy import study as page
 from comparisons.accuracy.cases import Options, estimated_dofs, methods, refinements, scene_of
@@ -52,13 +52,6 @@ def test_a_stored_list_is_not_taken_for_other_parameters(monkeypatch):
     values = exact.__wrapped__("blocks", 1.0)
     expected = exact_eigenvalues("blocks", max_frequency=2.3, p=1.0, mu=0.3)
     np.testing.assert_allclose(values, expected, rtol=1e-12, atol=1e-12)
-
-
-@pytest.mark.parametrize("field", ["problems", "parts"])
-def test_unknown_problems_and_parts_are_refused(field):
-    with pytest.raises(InputError, match="one of") as caught:
-        Options(**{field: ("violin",)})
-    assert caught.value.field == field
 
 
 def test_every_method_of_every_problem_is_a_scene():

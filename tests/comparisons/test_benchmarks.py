@@ -1,7 +1,6 @@
 """`cea bench`: programs and methods that must agree do, and what is measured is what it says."""
 
 import struct
-from importlib import import_module
 from types import SimpleNamespace
 
 import decks
@@ -10,7 +9,7 @@ import pandas as pd
 import pytest
 from scipy.sparse.linalg import eigsh
 
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError
 from cea.matrices import local_part
 from comparisons.bench import assembly, calculix, ccx, scaling, solve
 from comparisons.bench.methods import METHODS, OURS
@@ -181,19 +180,3 @@ def test_stored_frequencies_of_calculix_are_the_same_to_rounding():
     assert (found.loc[["pad", "disc"], "this program"] < 1e-8).all()
     assert stored.frame("modes").groupby(["problem", "mesh", "program"]).size().min() >= 20
     assert "6 unstable modes, this program 6" in calculix.headline(stored)
-
-
-@pytest.mark.parametrize(
-    ("name", "change", "field"),
-    [
-        ("assembly", {"repeats": 0}, "repeats"),
-        ("assembly", {"boxes": (0, 1, 1)}, "boxes"),
-        ("solve", {"size": "huge"}, "size"),
-        ("scaling", {"ranks": ()}, "ranks"),
-        ("matrices", {"repeats": 0}, "repeats"),
-    ],
-)
-def test_wrong_options_are_refused(name, change, field):
-    with pytest.raises(InputError) as caught:
-        import_module(f"comparisons.bench.{name}").Options(**change)
-    assert caught.value.field == field

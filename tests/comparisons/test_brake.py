@@ -7,7 +7,6 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from cea.errors import InputError
 from comparisons.brake.study import SCENE, STUDY, Options, brake_modes, scene
 from comparisons.study.run import run
 from scenes import SceneError, load_scene, read_scene, run_modes
@@ -58,13 +57,6 @@ def test_partners_stay_one_row_whatever_they_were_before():
     assert last["spread"] == pytest.approx(1 / 101)
     assert (last["growth_200mm"], last["growth_100mm"]) == (0.0, 3.0)
     assert last["verdict"] == "unstable"
-
-
-@pytest.mark.parametrize("sizes", [(), (0.01, 0.02), (0.01, 0.01), (-0.01,)])
-def test_sizes_that_do_not_fall_are_refused(sizes):
-    with pytest.raises(InputError) as caught:
-        Options(sizes)
-    assert caught.value.field == "sizes"
 
 
 def test_the_estimate_knows_how_fine_the_disc_is():

@@ -182,13 +182,12 @@ def test_layers_lie_at_singular_edges(backend):
     assert [Ladder(load_scene("drum"), backend).resolution(i).layers for i in range(3)] == [0] * 3
 
 
-@pytest.mark.parametrize("bodies", [("upper", "lower"), ("upper",)])
+@pytest.mark.grid(quick=1)
+@pytest.mark.parametrize("bodies", [("upper",), ("upper", "lower")])
 def test_bodies_from_mesh_files_have_error_bars(tmp_path, bodies):
     """One or both: bars hold what elements of degree 4 on the same cells give."""
-    data, file = (
-        from_file(built("hexahedron", 2), tmp_path / "a.msh", bodies=bodies),
-        tmp_path / "s",
-    )
+    file = tmp_path / "scene.toml"
+    data = from_file(built("hexahedron", 2), tmp_path / "a.msh", bodies=bodies)
     if "lower" not in bodies:
         data["bodies"]["lower"]["mesh"]["iga"] = {"degree": [2, 2, 2], "elements": [4, 2, 2]}
     file.write_text(scene_text(read_scene(data)))

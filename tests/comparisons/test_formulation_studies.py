@@ -1,5 +1,6 @@
 """Studies of formulations: locking, patch tests between meshes of any kind, momentum, pairings."""
 
+from dataclasses import replace
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -175,8 +176,10 @@ MIXED = "NURBS on finite elements"
 
 @pytest.fixture(scope="module")
 def beside(tmp_path_factory):
-    out = tmp_path_factory.mktemp("agreement") / "out"
-    return run(agreement.STUDY, agreement.Options(**agreement.STUDY.quick), out)
+    """Two formulations of the study on its quick options."""
+    some = [{"formulation": each} for each in ("GPTS", "mortar")]
+    study = replace(agreement.STUDY, cases=lambda options: some)
+    return run(study, study.options(**study.quick), tmp_path_factory.mktemp("agreement") / "out")
 
 
 def test_unstable_modes_of_both_backends_are_paired_and_their_shapes_kept(beside):

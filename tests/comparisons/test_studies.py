@@ -6,6 +6,7 @@ from types import ModuleType
 
 import pytest
 
+from cea.errors import InputError
 from comparisons.cli.study import BENCHMARKS, STUDIES, study_in
 from comparisons.study.page import write_study
 from comparisons.study.result import read
@@ -37,6 +38,25 @@ def test_quick_options_run_and_show(name, place, tmp_path):
         assert not frames or any(len(frame) for frame in frames), section.title
         if section.headline:
             assert section.headline(stored) == section.headline(result)
+
+
+@pytest.mark.parametrize(
+    ("study", "change"),
+    [
+        *(("accuracy", {name: ("violin",)}) for name in ("problems", "parts")),
+        *(("brake", {"sizes": sizes}) for sizes in ((), (0.01, 0.02), (0.01, 0.01), (-0.01,))),
+        ("assembly", {"repeats": 0}),
+        ("assembly", {"boxes": (0, 1, 1)}),
+        ("solve", {"size": "huge"}),
+        ("scaling", {"ranks": ()}),
+        ("matrices", {"repeats": 0}),
+    ],
+)
+def test_wrong_options_are_refused(study, change):
+    place, _ = (STUDIES | BENCHMARKS)[study]
+    with pytest.raises(InputError) as caught:
+        study_in(place).options(**change)
+    assert [caught.value.field] == list(change)
 
 
 def test_the_study_of_the_guide_runs(tmp_path):

@@ -6,7 +6,7 @@ from functools import reduce
 
 import numpy as np
 import pytest
-from matrix_files import dense, inside, pieces, scene, undamped, write
+from matrix_files import dense, inside, pieces, read_here, scene, undamped, write
 from scipy.io import mmwrite, savemat
 from scipy.sparse import csr_array, diags_array, random_array, save_npz, tril, triu
 
@@ -17,6 +17,13 @@ from scenes.matrices.reading import parts_of, read_matrix
 from scenes.running.matrices import AssembledMatrices
 from scenes.spec.matrices import split_name
 from scenes.spec.plain import is_of_matrices
+
+
+@pytest.fixture(autouse=True)
+def _read_here(monkeypatch):
+    """Files are read in this process, where a test does not undo that."""
+    monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
+
 
 RNG = np.random.default_rng(0)
 GOOD = csr_array(random_array((7, 7), density=0.4, rng=np.random.default_rng(3)))
@@ -119,12 +126,18 @@ def test_bad_files_are_refused_by_name(name, tmp_path):
     assert told in refused.value.allowed
 
 
-@pytest.mark.parametrize("form", [b"csr", b"csc"])
-def test_indices_outside_of_a_compressed_matrix_are_refused(form, tmp_path):
-    parts = {"indices": [0, 1 << 28], "indptr": [0, 1, 2], "data": [1.0, 1.0]}
-    np.savez(tmp_path / "a.npz", format=form, shape=[2, 2], **parts)
-    with pytest.raises(InputError, match="whole"):
-        read_matrix(tmp_path / "a.npz")
+def test_files_are_read_by_a_program_of_their_own(tmp_path, monkeypatch):
+    """Indices outside of a compressed matrix would end this one."""
+    monkeypatch.undo()
+    WRITERS["a.mat"](GOOD, tmp_path / "a.mat")
+    assert (read_matrix(tmp_path / "a.mat")[0] != GOOD).nnz == 0
+    (tmp_path / "cut.mat").write_bytes(BAD["text.mat"][0])
+    for form in (b"csr", b"csc"):
+        parts = {"indices": [0, 1 << 28], "indptr": [0, 1, 2], "data": [1.0, 1.0]}
+        np.savez(tmp_path / f"{form.decode()}.npz", format=form, shape=[2, 2], **parts)
+    for name in ("cut.mat", "csr.npz", "csc.npz"):
+        with pytest.raises(InputError, match="whole"):
+            read_matrix(tmp_path / name)
 
 
 def test_parts_of_a_matrix_keep_every_bit():

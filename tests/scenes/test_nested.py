@@ -22,6 +22,7 @@ from scenes.running.nested import estimate_errors
 from scenes.spec.reading import load_scene, read_scene
 
 BACKENDS = ("iga", "fe")
+FEW = {"upper": [6, 2], "lower": [5, 3]}
 HIGHEST = {"drum": 2.0, "blocks": 2.9}
 (COALESCENCE, *_) = stored("blocks_sine_mu_thresholds")
 CRITICAL, DOUBLE = float(COALESCENCE["mu_c"]), -float(COALESCENCE["lam2"])
@@ -49,7 +50,7 @@ def test_estimates_are_nearly_the_true_errors(backend, by, degree, name):
 
 def test_an_estimate_for_which_memory_would_not_do_is_refused(backend, monkeypatch):
     """Its factors cannot be on disk, whatever room there is."""
-    coarse = coarse_modes("blocks", backend, 2, 1.0)
+    coarse = coarse_modes("blocks", backend, 2, 1.0, elements=FEW)
     richer = richer_scene(coarse.scene, "degree")
     need = estimated_memory(richer)
     room = 0.5 * (need.bytes + need.bytes_with_files)
@@ -113,7 +114,6 @@ def test_a_pair_near_its_coalescence_is_judged_by_mean_and_splitting(backend, fa
     assert found == {"undecided"} if verdict is None else verdict in found
 
 
-FEW = {"upper": [6, 2], "lower": [5, 3]}
 DAMPED = ["bodies.upper.damping={alpha=0.02,beta=0.01}", "bodies.lower.damping={beta=0.02}"]
 STIFF = (
     ["contacts.interface.p=1e9", "contacts.interface.form='penalty'"],
@@ -213,7 +213,7 @@ def test_the_richer_scene_keeps_all_but_the_spaces():
 
 
 def test_errors_of_a_result_without_left_vectors_are_those_with_them(backend):
-    scene = coarse_modes("blocks", backend, 2, 2.0).scene
+    scene = coarse_modes("blocks", backend, 2, 2.0, elements=FEW).scene
     plain, with_left = run_modes(scene), run_modes(scene, left=True)
     assert plain.modes.left is None
     found, expected = estimate_errors(plain), estimate_errors(with_left)

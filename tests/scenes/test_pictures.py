@@ -50,6 +50,7 @@ def with_growth(result, growth):
     return replace(result, spectrum=modes, scene=replace(result.scene, analysis=analysis))
 
 
+@pytest.mark.grid(quick=1)
 def test_most_unstable_modes_are_drawn_first(result, tmp_path):
     for growth, count, chosen in (([0.5, -0.5, 0.9], 5, [2, 0]), ([0.5, -0.5, 0.9], 1, [2]),
                                   ([0.0], 2, [0, 1])):  # fmt: skip
