@@ -161,6 +161,7 @@ def test_at_a_known_threshold_the_sign_of_growth_is_undecided(backend, factor, v
     assert sorted(mode["verdict"] for mode in near) == verdicts
 
 
+@pytest.mark.grid(quick=1)
 def test_damping_by_the_mass_leaves_the_exact_eigenvalues_known(backend):
     """Lambda^2 + alpha lambda is that of the undamped blocks."""
     alpha = 0.02
@@ -214,8 +215,8 @@ def test_digits_that_are_not_reached_are_told_first_with_code_3(cea):
 
 def test_modes_that_grow_just_above_the_window_are_hinted_at_as_a_run_does():
     window = ("analysis.max_frequency=0.46",)
-    data = converged("blocks", digits=5, growth_digits=5, overrides=window)
-    (hint,) = run_modes(load_scene("blocks", window)).modes.hints
+    data = converged("blocks", digits=5, growth_digits=5, backends=("iga",), overrides=window)
+    (hint,) = run_modes(load_scene("blocks", window, "iga")).modes.hints
     assert data["hints"] == [hint]
     assert "+0.0274 1/s at 0.46125" in hint
     assert max(mode["frequency"] for mode in data["modes"]) < 0.46
@@ -275,19 +276,23 @@ def test_a_budget_that_is_gone_leaves_no_mesh():
 @pytest.mark.parametrize(
     ("options", "named"),
     [
-        (["blocks", "--digits", "0"], "digits = 0"),
-        (["blocks", "--growth-digits", "40"], "growth_digits = 40"),
-        (["blocks", "--budget", "-1"], "budget = -1.0"),
-        (["blocks", "--sweep-digits", "0"], "sweep_digits = 0"),
-        (["blocks", "--redraw", "--unstable"], "unstable = True"),
-        (["patch_test"], "analysis.kind"),
+        (["--digits", "0"], "digits = 0"),
+        (["--growth-digits", "40"], "growth_digits = 40"),
+        (["--budget", "-1"], "budget = -1.0"),
+        (["--sweep-digits", "0"], "sweep_digits = 0"),
+        (["--redraw", "--unstable"], "unstable = True"),
     ],
 )
 def test_wrong_options_are_refused_before_work(options, named, tmp_path, cea):
-    code, _, told = cea("converge", *options, "--out", "x")
+    code, _, told = cea("converge", "blocks", *options, "--out", "x")
     assert code == 1
     assert told.startswith(f"error: {named}")
     assert not (tmp_path / "x").exists()
+
+
+def test_a_static_analysis_is_refused():
+    with pytest.raises(InputError, match=r"analysis\.kind"):
+        converged("patch_test")
 
 
 @pytest.mark.slow
