@@ -5,6 +5,7 @@ from pathlib import Path
 from runpy import run_path
 from tempfile import TemporaryDirectory
 from unittest.mock import patch
+from warnings import catch_warnings
 
 import numpy as np
 from scipy.io import mmwrite, savemat
@@ -21,7 +22,8 @@ def read_here(program, file):
     with TemporaryDirectory() as folder:
         arrays = Path(folder) / "arrays.npz"
         try:
-            with patch.object(sys, "argv", ["", str(file), str(arrays)]):
+            argv = ["", str(file), str(arrays)]
+            with catch_warnings(action="ignore"), patch.object(sys, "argv", argv):
                 run_path(str(program))
         except SystemExit as end:
             raise InputError("file", str(file), f"a whole {file.suffix} file ({end})") from None
