@@ -14,6 +14,7 @@ from cea.matrices import local_part
 from comparisons.bench import assembly, calculix, ccx, scaling, solve
 from comparisons.bench.methods import METHODS, OURS
 from comparisons.study.measure import measured
+from comparisons.study.page import write_study
 from comparisons.study.result import read
 from comparisons.study.run import run
 from scenes import run_modes
@@ -82,6 +83,7 @@ def test_methods_agree_and_projection_is_off(tmp_path, monkeypatch):
     ours = solved.frame("stages").query("method == @OURS and stage == 'krylov'")
     assert ours["processor"].between(0, solved.frame()["processor"].max()).all()
     assert len(ours) == 2
+    assert write_study(solve.STUDY, solved, tmp_path).is_file()
     own = run_modes(solve.scene({}, solve.Options("tiny")))
     assert (found["eigenvalues"] == len(own.eigenvalues)).all()
 
