@@ -143,7 +143,7 @@ def planted(tmp_path):
 )
 def test_a_planted_circle_of_files_is_found(planted, back):
     modules = planted({"hall.a": "from hall.b import x", "hall.b": "import hall.c", "hall.c": back})
-    assert circles(imports_within(modules)) == [["hall.a", "hall.b", "hall.c"]]
+    assert {*circles(imports_within(modules))} == {"hall.a", "hall.b", "hall.c"}
     assert circles(imports_between_folders(modules)) == []
 
 
@@ -164,15 +164,15 @@ WITH_A_FOLDER = {
 @pytest.mark.parametrize(
     ("sources", "folders"),
     [
-        (LEFT_AND_RIGHT, [["hall.left", "hall.right"]]),
-        (WITH_A_FOLDER, [["hall", "hall.sub"]]),
-        ({"hall.a": "from hall.b import x", "hall.b": "", "house.c": "import hall.a"}, []),
+        (LEFT_AND_RIGHT, {"hall.left", "hall.right"}),
+        (WITH_A_FOLDER, {"hall", "hall.sub"}),
+        ({"hall.a": "from hall.b import x", "hall.b": "", "house.c": "import hall.a"}, set()),
     ],
 )
 def test_a_planted_circle_of_folders_is_found(planted, sources, folders):
     modules = planted(sources)
     assert circles(imports_within(modules)) == []
-    assert circles(imports_between_folders(modules)) == folders
+    assert {*circles(imports_between_folders(modules))} == folders
 
 
 def test_imports_at_once_leave_out_functions_and_types(planted):

@@ -10,7 +10,7 @@ import pytest
 from comparisons.brake.study import SCENE, STUDY, Options, brake_modes, scene
 from comparisons.study.run import run
 from scenes import SceneError, load_scene, read_scene, run_modes
-from scenes.checking.memory import estimated_memory
+from scenes.checking.memory import dofs_of
 from scenes.spec.plain import scene_text
 
 
@@ -61,8 +61,8 @@ def test_partners_stay_one_row_whatever_they_were_before():
 
 def test_the_estimate_knows_how_fine_the_disc_is():
     """Its dofs are those of the mesh, whatever the size: walls and holes bound that."""
-    dofs = estimated_memory(scene({"size": 0.0055}, Options())).dofs
-    assert dofs == pytest.approx(483_000, rel=0.25)
+    bodies = scene({"size": 0.0055}, Options()).bodies.values()
+    assert sum(map(dofs_of, bodies)) == pytest.approx(483_000, rel=0.25)
 
 
 @pytest.mark.parametrize(

@@ -214,7 +214,7 @@ def squares(monkeypatch, cea):
 
 def test_options_of_a_study_are_options_of_its_command(squares, tmp_path):
     _, told, _ = squares("--help")
-    assert "Factor and power." in told
+    assert "Exponent." in told
     assert "What is squared." in told
     code, told, fault = squares("--sizes 4 --sizes 6 --power 3 --out .")
     assert code == 0, fault

@@ -22,7 +22,6 @@ from bad_inputs import (
 )
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from stored_runs import a_record
 
 from cea.errors import InputError
 from cea.expressions import Expression, Formula
@@ -218,6 +217,14 @@ def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path, monkeypatch):
         read_record(file)
 
 
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """A stored result as text."""
+    file = tmp_path_factory.mktemp("stored") / "r.json"
+    save_result(run_scene(read_scene(coarse("disc"))), file)
+    return file.read_text()
+
+
 @pytest.mark.parametrize(
     ("place", "value"),
     [
@@ -233,9 +240,9 @@ def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path, monkeypatch):
         (("scene", "analysis"), {"kind": "static"}),
     ],
 )
-def test_stored_results_with_a_part_wrong(place, value, tmp_path):
-    file = write_record(a_record(), tmp_path / "r.json")
-    data = part = json.loads(file.read_text())
+def test_stored_results_with_a_part_wrong(place, value, stored, tmp_path):
+    file, data = tmp_path / "wrong.json", json.loads(stored)
+    part = data
     for key in place[:-1]:
         part = part[key]
     part[place[-1]] = value

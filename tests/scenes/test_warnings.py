@@ -11,9 +11,13 @@ from comparisons.accuracy.problems import PROBLEMS
 from comparisons.accuracy.study import STUDY, uses
 from comparisons.study.result import read
 from scenes import inspect_scene, load_scene, read_scene, run_modes, run_scene
-from scenes.checking.doubts import doubtful_numbers
-from scenes.checking.steady import closed_zone
-from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
+from scenes.checking.equilibrium import closed_zone
+from scenes.checking.warnings import (
+    _INCOMPRESSIBLE,
+    doubtful_numbers,
+    point_rule,
+    warnings_of,
+)
 from scenes.running.system import coupled
 
 SEGMENTS, MORTAR = {"method": "segments"}, {"method": "mortar"}
@@ -26,7 +30,8 @@ def kinds(warnings):
 def told(scene):
     """Warnings of bodies and contacts by kind; nothing is solved."""
     system, _, _ = coupled(scene)
-    return {warning.kind: warning.data for warning in scene_warnings(scene, system.contacts)}
+    found = warnings_of(scene, system.bodies, system.contacts)
+    return {warning.kind: warning.data for warning in found}
 
 
 def blocks(backend, **changes):
@@ -135,7 +140,7 @@ def test_point_rules_are_told_where_the_study_found_them_too_crude(rule):
         contact = {"formulation": RULES[rule], "p": row["p"] * PROBLEMS[problem].unit}
         contact = {f"contacts.interface.{name}": value for name, value in contact.items()}
         scene = load_scene(problem, backend=backend).change(contact)
-        warned = list(point_rule("interface", scene, contacts_of(problem, backend)))
+        warned = list(point_rule(scene, "interface", contacts_of(problem, backend)))
         if row["growth_worst"] > max(0.02, 2 * row["floor"]):
             crude += 1
             assert warned, row
