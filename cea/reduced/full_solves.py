@@ -16,7 +16,7 @@ from cea.eigen.blocks import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError, InputError, ResultWarning
-from cea.reduced.crossings import Quantity, Threshold, passing
+from cea.reduced.crossings import Quantity, Threshold, growing_root, passing
 from cea.reduced.following import Sample
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
@@ -187,7 +187,7 @@ def _line_of(
         line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
         return line, _TRAINING
     damped = any(driver.matrices(point(value)).quadratic for value in ends)
-    window = Window(2 * np.pi * max_frequency, damped, decay=0.2 * np.pi * max_frequency)
+    window = Window.up_to(max_frequency, damped=damped)
 
     def solve(value: float, top: float) -> tuple[Modes, Complexes]:
         modes = driver.solve(top, point(value), left=True)
@@ -248,8 +248,9 @@ def confirm(
             driver.pencil.check(point(value))
         except InputError:
             return None
-        passes, root = passing(window, of, _nearest(driver, point(value), of, window, root))
-        step = -passes / found.slope
+        z = _nearest(driver, point(value), of, window, root)
+        root = growing_root(window, of, z)
+        step = -float(passing(window, of, z)[0]) / found.slope
         if abs(step) >= before:  # nothing but rounding is left
             break
         value, before = value + step, abs(step)

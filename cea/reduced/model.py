@@ -39,8 +39,6 @@ RESIDUAL = 1e-14
 """Part of the images of the basis that is rounding: the basis of residuals leaves it out."""
 FORCES = 1e-8
 """Part of the forces of a contact that the basis of forces leaves out; errors go by its square."""
-_DECAY = 0.1
-"""Decay down to which a window of a damped pencil reaches by default, relative to its end."""
 
 
 @dataclass(frozen=True)
@@ -175,11 +173,10 @@ class ReducedModel:
         self._basis, self._residuals = Span(self.norms.states), Span(self.norms.residuals)
         self._forces = np.empty(0, dtype=bool)  # which vectors of the basis are forces
         self._widest: dict[ContactPiece, float] = {}
-        end, decay = 2 * np.pi * max_frequency, np.inf
         damped = any(piece.role == "damping" for piece in self._pieces.all)
-        if damped:
-            decay = _DECAY * end if min_growth is None else -min_growth
-        settings = Settings(Window(end, damped, decay=decay), self.norms.shift)
+        decay = None if min_growth is None else -min_growth
+        window = Window.up_to(max_frequency, damped=damped, decay=decay)
+        settings = Settings(window, self.norms.shift)
         nothing = np.empty((0, 0))
         pieces = [
             SmallPiece(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0)

@@ -6,6 +6,7 @@ form inverted about a real shift of growth. What lies in the margin helps to jud
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,13 +81,6 @@ class ReducedSpectrum(Certificate):
     settings: Settings
     forces: NDArray[np.bool_]
 
-    @classmethod
-    def empty(cls, settings: Settings) -> "ReducedSpectrum":
-        """What a basis without vectors knows."""
-        none, vectors = np.empty(0), np.empty((0, 0), dtype=complex)
-        z, clusters = none.astype(complex), none.astype(np.int64)
-        return cls(none, none, none, clusters, z, z, vectors, vectors, settings, none.astype(bool))
-
     def __len__(self) -> int:
         return len(self.z)
 
@@ -147,10 +141,7 @@ class ReducedSpectrum(Certificate):
 
     @property
     def bound(self) -> float:
-        """Largest error of a cluster's mean in the window, of lambda relative to its speed.
-
-        Infinite where there is no basis.
-        """
+        """Largest error of a cluster's mean in the window, of lambda relative to its speed."""
         return self._largest(self.means)
 
     @property
@@ -159,8 +150,6 @@ class ReducedSpectrum(Certificate):
         return 1 / self.speeds if self.settings.window.damped else 1 / (2 * self.speeds**2)
 
     def _largest(self, errors: Floats) -> float:
-        if not len(self.right):
-            return np.inf
         return float((errors * self._relative)[self.inside].max(initial=0.0))
 
     def words(self, threshold: float | None) -> list[Word]:
@@ -190,50 +179,29 @@ def reduced_spectrum(
     return found[np.flatnonzero(pairs.values.imag >= 0)] if pencil.damped else found
 
 
-class Inverse:
-    """The inverse of a shifted stiffness A with contact forces eliminated from [A, L; N, -c].
-
-    A^-1 - A^-1 L S^-1 N A^-1 with S = c + N A^-1 L: nothing grows with a contact stiffness 1 / c.
-    """
-
-    def __init__(self, whole: Floats, shifted: Floats, forces: NDArray[np.bool_]) -> None:
-        self._own, self._below = np.flatnonzero(~forces), np.flatnonzero(forces)
-        self._factors = lu_factor(shifted[np.ix_(self._own, self._own)])
-        self._reacts = whole[np.ix_(self._own, self._below)]
-        self._closes = whole[np.ix_(self._below, self._own)]
-        self._flexible = lu_solve(self._factors, self._reacts)
-        softness = whole[np.ix_(self._below, self._below)]
-        self._schur = lu_factor(self._closes @ self._flexible - softness)
-
-    def __call__(self, block: Floats) -> Floats:
-        """Displacements under a block of forces."""
-        found: Floats = lu_solve(self._factors, block)
-        return found - self._flexible @ lu_solve(self._schur, self._closes @ found)
-
-    def extended(self, vectors: Complexes, loads: Complexes, *, left: bool = False) -> Complexes:
-        """Right or left vectors with the contact forces by which they are in balance with loads."""
-        closes, trans = (self._reacts.T, 1) if left else (self._closes, 0)
-        gaps = closes @ lu_solve(self._factors, loads, trans=trans)
-        whole = np.empty((len(self._own) + len(self._below), vectors.shape[1]), dtype=complex)
-        whole[self._own], whole[self._below] = vectors, lu_solve(self._schur, gaps, trans=trans)
-        return whole
-
-
 def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) -> Pairs:
     """Eigenpairs by the inverse of P(shift): of K + s M, or of the companion form."""
     end, damped = settings.window.end, pencil.damped
     shift = np.sqrt(settings.shift) if damped else -settings.shift
     scale = end if damped else 1.0
-    own = np.ix_(~forces, ~forces)
-    squares = {each.power: each.square[own] for each in pencil.terms}
+    own = ~forces
+    squares = {each.power: each.square[np.ix_(own, own)] for each in pencil.terms}
     root = np.linalg.cholesky(squares[max(squares)])
-    inverse_of, k = Inverse(pencil.at(0.0), pencil.at(shift), forces), len(root)
+    factors, k = lu_factor(pencil.at(shift)), len(root)
+
+    def balanced(loads: Any, *, left: bool = False) -> NDArray[Any]:
+        """Displacements and contact forces under loads."""
+        rows = np.zeros((len(forces), loads.shape[1]), dtype=loads.dtype)
+        rows[own] = loads
+        found: NDArray[Any] = lu_solve(factors, rows, trans=int(left))
+        return found
+
     if not damped:
-        operator = root.T @ inverse_of(root)
+        operator = root.T @ balanced(root)[own]
     else:
         one, half = np.eye(k), solve_triangular(root, squares[1], lower=True)
         drag = solve_triangular(root, half.T, lower=True).T  # L^-1 D L^-T
-        inverse = root.T @ inverse_of(root @ np.hstack([drag + shift * one, one]))
+        inverse = root.T @ balanced(root @ np.hstack([drag + shift * one, one]))[own]
         of_motion, of_speed = -inverse[:, :k], -scale * inverse[:, k:]
         operator = np.block(
             [[of_motion, of_speed], [(one + shift * of_motion) / scale, shift * of_speed / scale]]
@@ -249,14 +217,15 @@ def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) ->
     values, states, duals = values[order], states[:, order], duals[:, order]
     states = states / np.linalg.norm(states[:k], axis=0)
     duals = duals / np.linalg.norm(duals[-k:], axis=0)
-    right = solve_triangular(root, states[:k], lower=True, trans="T")
-    left = solve_triangular(root, duals[-k:], lower=True, trans="T")
-    # Loads (P(shift) - P(z)) x are in balance with the forces of contacts.
-    moved = [(each.power, each.factor * each.square[own]) for each in pencil.terms if each.power]
-    loads = sum(A @ right * (shift**p - values**p) for p, A in moved)
-    back = sum(A.T @ left * (shift**p - values.conj() ** p) for p, A in moved)
-    right, left = inverse_of.extended(right, loads), inverse_of.extended(left, back, left=True)
-    return Pairs(values, right, left, states, duals, operator, shift, scale)
+    vectors = []
+    for left, side, z in ((False, states[:k], values), (True, duals[-k:], values.conj())):
+        motion = solve_triangular(root, side, lower=True, trans="T")
+        # Loads (P(shift) - P(z)) x are in balance with the forces of contacts.
+        moved = [(e.power, e.factor * squares[e.power]) for e in pencil.terms if e.power]
+        loads = sum((A.T if left else A) @ motion * (shift**p - z**p) for p, A in moved)
+        vectors.append(balanced(loads, left=left))
+        vectors[-1][own] = motion
+    return Pairs(values, vectors[0], vectors[1], states, duals, operator, shift, scale)
 
 
 @dataclass(frozen=True)
@@ -286,8 +255,6 @@ class SmallPencil:
 
     def at(self, values: Values) -> ReducedSpectrum:
         """Eigenvalues of the window and its margin at values of all parameters."""
-        if not len(self.forces):
-            return ReducedSpectrum.empty(self.settings)
         terms = tuple(self._term(role, values) for role in self._powers)
         return reduced_spectrum(Polynomial(terms), self.forces, self.settings)
 

@@ -10,6 +10,8 @@ from cea.eigen.modes import uncertainties_of
 
 MARGIN = 1.15
 """Frequency up to which modes are known beyond the window, relative to its end."""
+_DECAY = 0.1
+"""Decay down to which modes are known with damping by default, relative to the window's end."""
 
 
 def upper_root(kappa: Complexes) -> Complexes:
@@ -30,6 +32,15 @@ class Window:
     damped: bool
     level: float = 0.0
     decay: float = np.inf
+
+    @classmethod
+    def up_to(
+        cls, max_frequency: float, *, damped: bool, level: float = 0.0, decay: float | None = None
+    ) -> "Window":
+        """That which ends at a frequency (Hz); all modes are known without damping."""
+        end = 2 * np.pi * max_frequency
+        known = _DECAY * end if decay is None else decay
+        return cls(end, damped, level, known if damped else np.inf)
 
     @property
     def max_frequency(self) -> float:

@@ -84,42 +84,38 @@ def mapped(
     """
     assembled: Assembled
     if is_of_matrices(scene):
-        assembled = matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
-        analysis: Any = matrices.scene.window
-        names = _names(matrices.driver.pencil, fields, {}, ())
+        assembled = AssembledMatrices(load_matrices(scene, list(overrides), data))
+        names = _names(assembled.driver.pencil, fields, {}, ())
     else:
         _refuse_data(data)
-        read = in_saddle_form(load_scene(scene, list(overrides)))
-        assembled = bodies = AssembledScene(read)
-        analysis = read.analysis
-        names = _names(bodies.driver.pencil, fields, read.contacts, bodies.bonded)
-        moved = [name for each in names for name in each if bodies.depends_on_state([name])]
-        if moved:
-            bodies.free()
-            raise NoMapError("axis", moved[0], "no parameter that moves a state of steady sliding")
+        assembled = AssembledScene(in_saddle_form(load_scene(scene, list(overrides))))
+        contacts, bonded = assembled.scene.contacts, assembled.bonded
+        names = _names(assembled.driver.pencil, fields, contacts, bonded)
+        for name in (name for each in names for name in each):
+            if assembled.depends_on_state([name]):
+                assembled.free()
+                raise NoMapError("axis", name, "no parameter that moves a state of steady sliding")
+    driver, window, least = assembled.driver, assembled.scene.window, list[float]()
 
     def warnings(modes: Modes, at: Mapping[str, float]) -> tuple[ResultWarning, ...]:
         if isinstance(assembled, AssembledMatrices):
             return assembled.warnings(modes)
-        return assembled.warnings(modes, analysis.max_frequency, at)
+        return assembled.warnings(modes, window.max_frequency, at)
 
-    driver, least = assembled.driver, []
     for each in names:
         meant = [driver.pencil.parameter(name) for name in each]
         signed, positive = all(p.signed for p in meant), any(p.positive for p in meant)
         least.append(-np.inf if signed else np.finfo(float).tiny if positive else 0.0)
     points = table_of(fields, least, *samples)
-    given = analysis.max_frequency, analysis.growth_threshold, analysis.min_growth
+    given = window.max_frequency, window.growth_threshold, window.min_growth
     found = Mapped(driver, points, names, as_data(assembled.scene), *given, warnings)
-    ends = [found.point(each) for each in zip(*points.ends, strict=True)]
-    for values in ends:
+    for values in (found.point(each) for each in zip(*points.ends, strict=True)):
         for name, value in values.items():
             driver.pencil.parameter(name).check(value)
-    try:  # modes that are damped one by one may be others there
-        for values in ends:
+        try:  # modes that are damped one by one may be others there
             driver.pencil.check(values)
-    except InputError as error:
-        raise no_map(error) from error
+        except InputError as error:
+            raise no_map(error) from error
     return found
 
 
