@@ -220,10 +220,8 @@ class Crossings:
             slope = half * (modes.slopes[1] - modes.slopes[0])
             error = error_of_half(abs(half), error, together=together)
         elif of != "zero":
-            error = window.doubts(z, modes.errors)[0]
-            upper = window.roots(z)[0]
-            speed = modes.slopes[0] if window.damped else slope / (2 * upper)
-            grows = window.damped or upper.real >= 0
+            error, speed = window.doubts(z, modes.errors)[0], window.root_slopes(z, modes.slopes)[0]
+            grows = window.damped or window.roots(z)[0].real >= 0
             slope = (speed if grows else -speed) if of == "growth" else 1j * speed
         return float(value), float(slope.real), float(error)
 

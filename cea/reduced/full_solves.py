@@ -161,41 +161,6 @@ def threshold_between(
     return begins[0]
 
 
-def _line_of(
-    driver: EigenSolver, names: Sequence[str], ends: tuple[float, float], max_frequency: float
-) -> tuple[Line, int]:
-    """Spectra of a reduced model between two values of some parameters, or by full solves.
-
-    And how many are to be made first.
-    """
-    pencil, box = driver.pencil, dict.fromkeys(names, (min(ends), max(ends)))
-
-    def point(value: float) -> Mapping[str, float]:
-        return dict.fromkeys(names, value)
-
-    try:
-        model = ReducedModel(pencil, box, max_frequency)
-    except InputError:  # of a stiffness that makes no norm
-        model = None
-    if model is not None:
-        training = [point(value) for value in np.linspace(*ends, _TRAINING).tolist()]
-        try:
-            Enrichment(model, driver).cover(training)
-        finally:
-            model.free()
-        rates = dict.fromkeys(names, 1.0)
-        line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
-        return line, _TRAINING
-    damped = any(driver.matrices(point(value)).quadratic for value in ends)
-    window = Window.up_to(max_frequency, damped=damped)
-
-    def solve(value: float, top: float) -> tuple[Modes, Complexes]:
-        modes = driver.solve(top, point(value), left=True)
-        return modes, np.sum([modes.sensitivity(name) for name in names], axis=0)
-
-    return line_in_full(solve, window), 3
-
-
 def first_threshold(
     driver: EigenSolver,
     parameter: str | Sequence[str],
@@ -213,12 +178,24 @@ def first_threshold(
     names = [parameter] if isinstance(parameter, str) else list(parameter)
     if not names:
         raise InputError("parameter", parameter, "one or more names")
+
+    def point(value: float) -> Mapping[str, float]:
+        return dict.fromkeys(names, value)
+
     for value in (real, flutter):
-        driver.pencil.check(dict.fromkeys(names, value))
-    before, ends = (driver.solves, driver.factorisations), (real, flutter)
-    line, count = _line_of(driver, names, ends, max_frequency)
-    found = threshold_between(line, *ends, frequency, count)
-    told = confirm(driver, lambda value: dict.fromkeys(names, value), found, line.window)
+        driver.pencil.check(point(value))
+    pencil, before = driver.pencil, (driver.solves, driver.factorisations)
+    box = dict.fromkeys(names, (min(real, flutter), max(real, flutter)))
+    model = ReducedModel(pencil, box, max_frequency)
+    try:
+        training = np.linspace(real, flutter, _TRAINING).tolist()
+        Enrichment(model, driver).cover([point(value) for value in training])
+    finally:
+        model.free()
+    rates = dict.fromkeys(names, 1.0)
+    line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
+    found = threshold_between(line, real, flutter, frequency, _TRAINING)
+    told = confirm(driver, point, found, line.window)
     value, root = told or (found.value, found.eigenvalue)
     spent = driver.solves - before[0], driver.factorisations - before[1]
     return ConfirmedThreshold(", ".join(names), value, root, *spent)

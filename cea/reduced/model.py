@@ -144,11 +144,6 @@ class ReducedModel:
         The pencil.
     small
         The pencil on the basis.
-
-    Raises
-    ------
-    InputError
-        When its symmetric stiffness is not positive definite where parameters are least.
     """
 
     def __init__(

@@ -258,16 +258,6 @@ class SmallPencil:
         terms = tuple(self._term(role, values) for role in self._powers)
         return reduced_spectrum(Polynomial(terms), self.forces, self.settings)
 
-    def derivatives(
-        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
-    ) -> Complexes:
-        """Derivatives of eigenvalues lambda, as :meth:`slopes`; infinite at a coalescence."""
-        slopes = self.slopes(found, values, rates)
-        if self.settings.window.damped:
-            return slopes
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return -slopes / (2 * found.eigenvalues)
-
     def slopes(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
     ) -> Complexes:

@@ -56,6 +56,13 @@ class Window:
         """The lambda of z; of kappa those with Im lambda >= 0."""
         return np.asarray(z, complex) if self.damped else upper_root(np.asarray(z, complex))
 
+    def root_slopes(self, z: Complexes, slopes: Complexes) -> Complexes:
+        """Derivatives of lambda from those of z; infinite or NaN at a coalescence."""
+        if self.damped:
+            return slopes
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -slopes / (2 * self.roots(z))
+
     def growth(self, z: Complexes) -> Floats:
         """Growth (1/s) above the level: of kappa that of the root that grows."""
         growth = self.roots(z).real

@@ -21,7 +21,7 @@ from cea.reduced.window import Window
 from comparisons.sweep.points import Axis, Box, Field, Points, boxes_of
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
-from comparisons.sweep.scene import InFull, Mapped, mapped, no_map
+from comparisons.sweep.scene import InFull, Mapped, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
 from scenes import Result
@@ -190,10 +190,7 @@ class _Run:
         scene, asked = self._scene, self._asked
         low, high = (scene.point(each) for each in zip(*box.ends, strict=True))
         ends = {name: (low[name], high[name]) for name in low}
-        try:
-            model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
-        except InputError as error:
-            raise no_map(error) from error
+        model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
         settings = asked.tolerance, asked.most, scene.warnings
         return Enrichment(model, scene.driver, *settings, self._begin, self._store.keep_solve)
 
@@ -247,7 +244,10 @@ class _Run:
         scene, spectra, rows = self._scene, list[ReducedSpectrum](), []
         for values in (self._values(int(number)) for number in numbers):
             found = small.at(values)
-            moved = [small.derivatives(found.window, values, names) for names in scene.names]
+            window, own = small.settings.window, found.window
+            moved = [
+                window.root_slopes(own.z, small.slopes(own, values, names)) for names in scene.names
+            ]
             alike = np.full(len(found), -1) if middle is None else continued(middle, found)
             slopes = np.stack(moved, axis=1)
             rows.append(row_of_model(found, slopes, alike, scene.growth_threshold))

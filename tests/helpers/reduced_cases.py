@@ -91,12 +91,13 @@ def plane_blocks_pencil(backend, contact, *, alpha=0.0):
     return assemble(data, leave_out=False).pencil(leave_out=False)
 
 
-def random_pencil(seed, *, damped=False, equal=False):
+def random_pencil(seed, *, damped=False, equal=False, lowered=0.0):
     """A dense pencil S - s F of friction s whose lowest modes flutter below one.
 
     And its eigenvalues: kappa at s, or lambda with Im lambda >= 0 at s and Omega where it is
     ``damped`` and turns with Omega. Where modes are ``equal`` its damping is 0.04 M, its friction
-    between two modes alone: lambda is known then, and the two coalesce at s = 1.
+    between two modes alone: lambda is known then, and the two coalesce at s = 1. Where kappa is
+    ``lowered`` the stiffness is not positive.
     """
     rng, n = np.random.default_rng(seed), 40 if damped else 90
     axes, _ = np.linalg.qr(rng.standard_normal((n, n)))
@@ -106,7 +107,7 @@ def random_pencil(seed, *, damped=False, equal=False):
         kappa[:2], coupling = (1.5**2 - 0.3, 1.5**2 + 0.3), np.zeros((n, n))
         coupling[0, 1], coupling[1, 0] = 0.3, -0.3
     root = np.diag(rng.uniform(0.7, 1.4, n))
-    S = root @ axes @ np.diag(kappa) @ axes.T @ root
+    S = root @ axes @ np.diag(kappa - lowered) @ axes.T @ root
     F = root @ axes @ coupling @ axes.T @ root
     S, M = 0.5 * (S + S.T), root @ root
     if not damped:
