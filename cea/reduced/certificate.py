@@ -28,6 +28,7 @@ c by c sqrt(k) |y|^T E |x| (componentwise backward error; N. J. Higham,
 T. Mary, SIAM J. Sci. Comput. 41 (2019)).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -69,6 +70,14 @@ class Term:
     left: Floats
     lost: float
     rounding: Floats
+
+    @classmethod
+    def summed(cls, parts: Sequence[tuple[float, "Term"]]) -> "Term":
+        """The sum of terms of one power with coefficients."""
+        first = parts[0][1]
+        arrays = [sum(c * getattr(t, n) for c, t in parts) for n in ("square", "right", "left")]
+        errors = [sum(abs(c) * getattr(t, n) for c, t in parts) for n in ("lost", "rounding")]
+        return cls(first.factor, first.power, *arrays, *errors)
 
 
 @dataclass(frozen=True)

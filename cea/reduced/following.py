@@ -55,7 +55,7 @@ class UnresolvedError(Exception):
 
 @dataclass(frozen=True)
 class Sample:
-    """The spectrum at a value: with damping lambda of both half planes, without it kappa.
+    """The spectrum at a value: with damping lambda of the upper half plane, without it kappa.
 
     z and derivatives; bounds on the errors of z, and of the mean of the cluster of each, by the
     numbers of these, shape (n,); right eigenvectors of unit length in one basis for all values,

@@ -92,8 +92,7 @@ def line_of_model(
         slopes = small.slopes(found, values, rates)
         vectors = found.shapes / np.linalg.norm(found.shapes, axis=0)
         bounds = found.errors, found.means, found.clusters
-        sample = Sample(value, found.z, slopes, *bounds, vectors)
-        return sample.with_mirror_image() if window.damped else sample
+        return Sample(value, found.z, slopes, *bounds, vectors)
 
     return Line(window, at)
 
@@ -110,11 +109,10 @@ def line_in_full(solve: Solve, window: Window) -> Line:
         vectors = all_inner(first[0], modes.vectors, modes.pencil.comm)
         vectors = vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny)
         numbers = np.arange(len(z))
-        if window.damped:
-            sample = Sample(value, z, slopes, errors, errors, numbers, vectors)
-            return sample.with_mirror_image()
-        errors = errors * (2 * np.abs(z) + errors)
-        return Sample(value, -(z**2), -2 * z * slopes, errors, errors, numbers, vectors)
+        if not window.damped:
+            errors = errors * (2 * np.abs(z) + errors)
+            z, slopes = -(z**2), -2 * z * slopes
+        return Sample(value, z, slopes, errors, errors, numbers, vectors)
 
     return Line(window, at)
 

@@ -15,7 +15,6 @@ from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
 from cea.eigen.coefficients import Dependence
-from cea.eigen.pencil import Role
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certificate, Pairs, Polynomial, Term, real_times
 from cea.reduced.pieces import Values
@@ -162,23 +161,6 @@ class ReducedSpectrum(Certificate):
         return classify(values.real, bounds, limits, bounded, rigid)
 
 
-def reduced_spectrum(
-    pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings
-) -> ReducedSpectrum:
-    """Eigenvalues of a window and its margin; some of the unknowns are contact forces."""
-    pairs = _pairs(pencil, forces, settings)
-    told = pencil.certificate(pairs, settings.outside(pairs.values))
-    found = ReducedSpectrum(
-        **vars(told),
-        z=pairs.values,
-        right=pairs.right,
-        left=pairs.left,
-        settings=settings,
-        forces=forces,
-    )
-    return found[np.flatnonzero(pairs.values.imag >= 0)] if pencil.damped else found
-
-
 def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) -> Pairs:
     """Eigenpairs by the inverse of P(shift): of K + s M, or of the companion form."""
     end, damped = settings.window.end, pencil.damped
@@ -229,34 +211,30 @@ def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) ->
 
 
 @dataclass(frozen=True)
-class SmallPiece:
-    """One piece of a pencil on a basis V of states, with coordinates Q of what its images cause.
-
-    V^T A V; coordinates of A V and A^T V; norm of what Q does not hold of either; largest error of
-    an entry of V^T A V by rounding.
-    """
-
-    role: Role
-    coefficient: Dependence
-    square: Floats
-    right: Floats
-    left: Floats
-    lost: float
-    rounding: float = 0.0
-
-
-@dataclass(frozen=True)
 class SmallPencil:
-    """All pieces on one basis, some of whose vectors are ``forces`` of contacts."""
+    """All pieces on one basis with their coefficients, some of whose vectors are ``forces``."""
 
-    pieces: tuple[SmallPiece, ...]
+    pieces: tuple[tuple[Dependence, Term], ...]
     forces: NDArray[np.bool_]
     settings: Settings
 
     def at(self, values: Values) -> ReducedSpectrum:
         """Eigenvalues of the window and its margin at values of all parameters."""
-        terms = tuple(self._term(role, values) for role in self._powers)
-        return reduced_spectrum(Polynomial(terms), self.forces, self.settings)
+        parts = [(coefficient.at(values), term) for coefficient, term in self.pieces]
+        powers = sorted({term.power for _, term in parts})
+        terms = [Term.summed([each for each in parts if each[1].power == p]) for p in powers]
+        pencil = Polynomial(tuple(terms))
+        pairs = _pairs(pencil, self.forces, self.settings)
+        told = pencil.certificate(pairs, self.settings.outside(pairs.values))
+        found = ReducedSpectrum(
+            **vars(told),
+            z=pairs.values,
+            right=pairs.right,
+            left=pairs.left,
+            settings=self.settings,
+            forces=self.forces,
+        )
+        return found[np.flatnonzero(pairs.values.imag >= 0)] if pencil.damped else found
 
     def slopes(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
@@ -266,47 +244,12 @@ class SmallPencil:
         - y^H dP(z) x / y^H P'(z) x; infinite at a coalescence.
         """
         change: Complexes = np.zeros(len(found), dtype=complex)
-        for piece in self.pieces:
-            slope = sum(
-                rate * piece.coefficient.derivative(name, values) for name, rate in rates.items()
-            )
+        for coefficient, term in self.pieces:
+            slope = sum(rate * coefficient.derivative(name, values) for name, rate in rates.items())
             if slope:
-                factor, power = self._powers[piece.role]
-                image = real_times(piece.square, found.right)
+                image = real_times(term.square, found.right)
                 projected = np.einsum("ij,ij->j", found.left.conj(), image)
-                change -= slope * factor * found.z**power * projected
+                change -= slope * term.factor * found.z**term.power * projected
         with np.errstate(divide="ignore", invalid="ignore"):
             moved: Complexes = change / found.overlaps
         return moved
-
-    @property
-    def _powers(self) -> dict[Role, tuple[float, int]]:
-        """Factor and power of z of the terms of P(z)."""
-        if self.settings.window.damped:
-            return {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": (1.0, 2)}
-        return {"stiffness": (1.0, 0), "mass": (-1.0, 1)}
-
-    def _term(self, role: Role, values: Values) -> Term:
-        """The sum of all pieces of a role.
-
-        Its entries are off relative to their parts, and by what was seen of these.
-        """
-        pieces = [piece for piece in self.pieces if piece.role == role]
-        symmetric = all(piece.left is piece.right for piece in pieces)
-        n = len(self.forces)
-        rows = max(max(len(piece.right), len(piece.left)) for piece in self.pieces)
-        square, rounding = np.zeros((2, n, n))
-        right = np.zeros((rows, n))  # vectors of Q come later than some pieces
-        left = right if symmetric else np.zeros((rows, n))
-        lost, eps = 0.0, np.finfo(float).eps
-        for piece in pieces:
-            c = piece.coefficient.at(values)
-            if not c:
-                continue
-            square += c * piece.square
-            right[: len(piece.right)] += c * piece.right
-            if not symmetric:
-                left[: len(piece.left)] += c * piece.left
-            lost += abs(c) * piece.lost
-            rounding += abs(c) * (eps * np.abs(piece.square) + piece.rounding * (piece.square != 0))
-        return Term(*self._powers[role], square, right, left, lost, rounding)

@@ -11,8 +11,8 @@ changes nothing.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from heapq import heapify, heappop, heappush
+from dataclasses import dataclass, field
+from heapq import heappop, heappush
 from itertools import pairwise
 
 import numpy as np
@@ -102,76 +102,61 @@ def thresholds_along(
     the axis; at most ``budget`` spectra are made for each value.
     """
     most = (BUDGET if budget is None else budget) * len(values)
-    if not logarithmic:
-        return _Search(line.window, line.at, sorted(values), resolution, most).run()
-    given = {float(np.log(value)): value for value in sorted(values)}
-
-    def at(place: float) -> Sample:
-        value = given.get(place, float(np.exp(place)))
-        sample = line.at(value)
-        return replace(sample, value=place, slopes=sample.slopes * value)
-
-    found = _Search(line.window, at, list(given), resolution, most).run()
-    for i, each in enumerate(found.thresholds):
-        value = float(np.exp(each.value))
-        error, slope = each.error * value, each.slope / value
-        found.thresholds[i] = replace(each, value=value, error=error, slope=slope)
-    for i, left in enumerate(found.unresolved):
-        low, high = float(np.exp(left.low)), float(np.exp(left.high))
-        found.unresolved[i] = replace(left, low=low, high=high)
-    return found
+    search = _Search(line, sorted(values), resolution, most, logarithmic=logarithmic)
+    return search.run()
 
 
 class _Search:
     """One search, with the spectra it has made."""
 
     def __init__(
-        self,
-        window: Window,
-        at: Callable[[float], Sample],
-        values: list[float],
-        resolution: float,
-        most: int,
+        self, line: Line, values: list[float], resolution: float, most: int, *, logarithmic: bool
     ) -> None:
-        self._window, self._sample, self._values, self._most = window, at, values, most
+        self._line, self._window, self._values, self._most = line, line.window, values, most
+        self._logarithmic = logarithmic
         self._known: dict[float, Sample] = {}
-        self._least = resolution * (values[-1] - values[0])
+        self._least = resolution * self._width(values[0], values[-1])
         self._by_bounds = _BY_BOUNDS * len(values)
         self._found = Found()
 
     def run(self) -> Found:
         """Accept or halve intervals, the widest first."""
+        queue: list[tuple[float, ...]] = []
+
+        def push(places: Sequence[float]) -> None:
+            heappush(queue, (-self._width(places[0], places[-1]), *places))
+
         ends = self._ends()
-        queue = [
-            (ends[i] - ends[min(i + 2, len(ends) - 1)], *ends[i : i + 3])
-            for i in range(0, len(ends) - 1, 2)
-        ]
-        heapify(queue)
+        for i in range(0, len(ends) - 1, 2):
+            push(ends[i : i + 3])
         while queue:
-            _, *places = heappop(queue)
-            low, high = places[0], places[-1]
+            _, low, *inner, high = heappop(queue)
             if len(self._known) >= self._most:
                 self._found.unresolved.append(self._unresolved(low, high))
                 continue
-            middle = places[1] if len(places) == 3 else (low + high) / 2
+            middle = inner[0] if inner else self._middle(low, high)
             try:
                 self._found.thresholds += self._explained(low, middle, high)
             except UnresolvedError as why:
-                if high - low <= self._least:
+                if self._width(low, high) <= self._least:
                     self._accept_by_count(low, high)
-                    continue
-                if why.by_bounds and len(self._known) >= self._by_bounds:
+                elif why.by_bounds and len(self._known) >= self._by_bounds:
                     self._found.unresolved.append(self._unresolved(low, high))
-                    continue
-                parts = sorted({low, high, *self._cuts(low, middle, high, why.at)})
-                for one, other in pairwise(parts):
-                    heappush(queue, (one - other, one, other))
+                else:
+                    for part in pairwise(self._cuts(low, middle, high, why.at)):
+                        push(part)
         self._found.thresholds.sort(key=lambda each: each.value)
         if not self._adds_up():
             self._found.unresolved.append(self._unresolved(self._values[0], self._values[-1]))
         self._found.unresolved = _joined(self._found.unresolved)
         self._found.spectra = len(self._known)
         return self._found
+
+    def _width(self, low: float, high: float) -> float:
+        return float(np.log(high / low)) if self._logarithmic else high - low
+
+    def _middle(self, low: float, high: float) -> float:
+        return float(np.sqrt(low * high)) if self._logarithmic else (low + high) / 2
 
     def _adds_up(self) -> bool:
         """Whether what was found explains the numbers of growing modes at both ends of the axis.
@@ -184,7 +169,8 @@ class _Search:
 
     def _at(self, value: float) -> Sample:
         if value not in self._known:
-            self._known[value] = self._sample(value)
+            sample = self._line.at(value)
+            self._known[value] = sample.with_mirror_image() if self._window.damped else sample
         return self._known[value]
 
     def _growing(self, value: float) -> NDArray[np.bool_]:
@@ -258,11 +244,12 @@ class _Search:
             more -= change
 
     def _cuts(self, low: float, middle: float, high: float, at: float | None) -> list[float]:
-        """Where an interval is cut: at its inner sample and at a place that was named."""
+        """Ends of an interval, its inner sample and a place that was named: where it is cut."""
         width, cuts = high - low, [middle]
         if at is not None and low + _NEAR_SAMPLE * width < at < high - _NEAR_SAMPLE * width:
             cuts = [at] if abs(at - middle) <= _NEAR_SAMPLE * width else [middle, at]
-        return [self._decided_near(each, _OFF_CENTRE * width) for each in cuts]
+        inner = {self._decided_near(each, _OFF_CENTRE * width) for each in cuts}
+        return sorted({low, high} | inner)
 
     def _unresolved(self, low: float, high: float) -> Unresolved:
         before, after = self._number(low), self._number(high)

@@ -1,5 +1,6 @@
 """Reduced models, damped and not: bounds that neither full nor dense solves ever pass."""
 
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -60,18 +61,17 @@ def damped_pencil(backend, values=None, **contact):
 
 @pytest.fixture(scope="module")
 def maps():
-    """Maps over friction, stiffness and damping for each backend, made once."""
-    made = {}
+    """Maps over friction, stiffness and damping, made once."""
 
+    @cache
     def of(kind, backend):
-        if (kind, backend) not in made:
-            pencil = (damped_pencil if kind == "damped" else blocks_pencil)(backend)
-            built, box = enrichment(pencil, BOXES[kind], TOP), BOXES[kind]
-            points = product(*TRAINING[kind])
-            points = [dict(zip(box, map(float, each), strict=True)) for each in points]
-            assert built.cover(points) <= built.tolerance
-            made[kind, backend] = built
-        return made[kind, backend]
+        pencil = (damped_pencil if kind == "damped" else blocks_pencil)(backend)
+        built, box = enrichment(pencil, BOXES[kind], TOP), BOXES[kind]
+        points = [
+            dict(zip(box, map(float, each), strict=True)) for each in product(*TRAINING[kind])
+        ]
+        assert built.cover(points) <= built.tolerance
+        return built
 
     return of
 
