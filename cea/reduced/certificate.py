@@ -174,17 +174,18 @@ class Polynomial:
         norm = partial(np.linalg.norm, axis=0) if single else partial(np.linalg.norm, ord=2)
         size = np.abs(z) if single else norm(z)
         lost = sum(each.lost * size**each.power for each in self.terms)
-        residuals, entries = 1.0, 0.0
+        residuals: Any = 1.0
+        entries: Any = 0.0
         for side, vectors, block in (("right", x, z), ("left", y, z.conj().T)):
-            defect = 0.0
+            defect: Any = 0.0
             for each in self.terms:
                 image = each.factor * real_times(getattr(each, side), vectors)
                 power = block**each.power if single else np.linalg.matrix_power(block, each.power)
                 defect = defect + (image * power if single else image @ power)
             residuals = residuals * (norm(defect) + lost * norm(vectors))
         for each in self.terms:
-            image = size**each.power * (each.rounding @ np.abs(x))
-            entries = entries + ((np.abs(y) * image).sum(axis=0) if single else np.abs(y).T @ image)
+            moved = size**each.power * (each.rounding @ np.abs(x))
+            entries = entries + ((np.abs(y) * moved).sum(axis=0) if single else np.abs(y).T @ moved)
         return residuals, np.sqrt(len(y)) * (entries if single else norm(entries))
 
     def _together(self, pairs: Pairs) -> tuple[float, float, float]:

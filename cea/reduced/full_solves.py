@@ -90,8 +90,8 @@ def line_of_model(
         values = parameters(value)
         found = known.get(value) or small.at(values)
         slopes = small.slopes(found, values, rates)
-        vectors = found.shapes / np.linalg.norm(found.shapes, axis=0)
-        bounds = found.errors, found.means, found.clusters
+        shapes, bounds = found.right[~small.forces], (found.errors, found.means, found.clusters)
+        vectors = shapes / np.linalg.norm(shapes, axis=0)
         return Sample(value, found.z, slopes, *bounds, vectors)
 
     return Line(window, at)

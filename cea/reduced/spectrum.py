@@ -71,20 +71,19 @@ class ReducedSpectrum(Certificate):
     """Eigenvalues of a window and its margin, by rising frequency, with bounds on their errors.
 
     kappa (1/s^2), or lambda (1/s) of damped pencils, as z; coordinates of their vectors of M-norm
-    one; which of these are of contact forces.
+    one.
     """
 
     z: Complexes
     right: Complexes
     left: Complexes
     settings: Settings
-    forces: NDArray[np.bool_]
 
     def __len__(self) -> int:
         return len(self.z)
 
     def __getitem__(self, modes: Ints) -> "ReducedSpectrum":
-        arrays = {each.name: getattr(self, each.name)[..., modes] for each in fields(self)[:-2]}
+        arrays = {each.name: getattr(self, each.name)[..., modes] for each in fields(self)[:-1]}
         return replace(self, **arrays)
 
     @property
@@ -101,11 +100,6 @@ class ReducedSpectrum(Certificate):
     def inside(self) -> NDArray[np.bool_]:
         """Which are in the window, shape (n,)."""
         return ~self.settings.window.far(self.z)
-
-    @property
-    def shapes(self) -> Complexes:
-        """Coordinates of the displacements of right vectors."""
-        return self.right[~self.forces]
 
     @property
     def speeds(self) -> Floats:
@@ -226,15 +220,9 @@ class SmallPencil:
         pencil = Polynomial(tuple(terms))
         pairs = _pairs(pencil, self.forces, self.settings)
         told = pencil.certificate(pairs, self.settings.outside(pairs.values))
-        found = ReducedSpectrum(
-            **vars(told),
-            z=pairs.values,
-            right=pairs.right,
-            left=pairs.left,
-            settings=self.settings,
-            forces=self.forces,
-        )
-        return found[np.flatnonzero(pairs.values.imag >= 0)] if pencil.damped else found
+        z, right, left = pairs.values, pairs.right, pairs.left
+        found = ReducedSpectrum(**vars(told), z=z, right=right, left=left, settings=self.settings)
+        return found[np.flatnonzero(z.imag >= 0)] if pencil.damped else found
 
     def slopes(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]

@@ -161,7 +161,7 @@ class InFull:
         first = zip(names, self.points.values[0].tolist(), strict=True)
         at_first = [*overrides, *(f"{n}={value!r}" for n, value in first if not means_several(n))]
         self._assembled: Assembled
-        stiffnesses, bonded = [{} for _ in names], list[str]()
+        stiffnesses, bonded = [dict[str, float]() for _ in names], list[str]()
         if is_of_matrices(scene):
             self._assembled = AssembledMatrices(load_matrices(scene, at_first, data))
         else:
