@@ -16,10 +16,10 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import Body
+from cea.body.space import StraightCells
 from cea.errors import ResultWarning
 from cea.ranks import made_on_first
 from cea.system.coupled import CoupledSystem
-from cea.volume import StraightCells
 from scenes.spec.reading import Scene
 
 _SOFTEST = 1e3

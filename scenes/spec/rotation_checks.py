@@ -5,8 +5,8 @@ from collections.abc import Iterable
 import numpy as np
 
 from cea.arrays import Floats, of_size_one
-from cea.elasticity import Elasticity
 from cea.errors import InputError
+from cea.material import Elasticity
 from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.frames import Cartesian, Cylindrical
