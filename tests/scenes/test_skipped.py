@@ -21,13 +21,13 @@ LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 def taken(monkeypatch):
     """Whether each search that is made takes the symmetric path."""
     paths = []
-    original = cea.eigen.driver.UndampedSearch
+    original = cea.eigen.driver.Search
 
     def recorded(matrices, *arguments, **options):
         paths.append(matrices.symmetric)
         return original(matrices, *arguments, **options)
 
-    monkeypatch.setattr(cea.eigen.driver, "UndampedSearch", recorded)
+    monkeypatch.setattr(cea.eigen.driver, "Search", recorded)
     return paths
 
 
