@@ -1,8 +1,7 @@
 """Both backends on the disc and pad: basic formulations, and every pairing of backends.
 
-With mortar contact only the bodies' own discretisation is left to differ: pad and disc are then run
-in every pairing, and the last once more with a higher degree on the same elements. What changes
-there is not converged, however well the pairings agree.
+With mortar contact the bodies' own discretisation alone differs; the last pairing is run with a
+higher degree too. What changes there is not converged, however well the pairings agree.
 """
 
 from collections.abc import Iterator

@@ -34,8 +34,7 @@ MASS_QUADRATURE = 2
 """Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""
 MODES = 20
 _WIDER = 1.01  # window of this program over the last frequency of CalculiX
-_RIGID = 1e-6
-"""Modes with abs(lambda) below this part of the largest are rigid, and zero but for rounding."""
+_RIGID = 1e-6  # modes with abs(lambda) below this part of the largest are rigid
 PROGRAMS = ("CalculiX", "this program", "exact mass")
 """CalculiX, this program with the mass of CalculiX, and with the exact one."""
 

@@ -1,7 +1,4 @@
-"""Studies, benchmarks and figures of the paper: ``cea study, bench, figure, claims``.
-
-Options of a study are the fields of a dataclass.
-"""
+"""Studies, benchmarks and figures of the paper: ``cea study``, ``bench``, ``paper``."""
 
 from dataclasses import replace
 from importlib import import_module
@@ -31,8 +28,7 @@ STUDIES = {
     "damping": ("damping", "How damping moves the threshold of flutter."),
 }
 """Module of each study below comparisons, and its help."""
-_BESIDE_EXACT = ("accuracy", "formulations", "stability", "damping")
-"""Studies that need exact eigenvalues."""
+_BESIDE_EXACT = ("accuracy", "formulations", "stability", "damping")  # need exact_cea
 BENCHMARKS = {
     "assembly": ("bench.assembly", "Stiffness and mass, beside dolfinx."),
     "solve": ("bench.solve", "Modes of disc_pad, beside SLEPc, scipy, projection."),
@@ -81,10 +77,7 @@ class Benchmarks(Studies):
 
 
 def _own_options(study: "Study") -> dict[str, tuple[Any, Any, str]]:
-    """Options of a study: the fields of its dataclass that are annotated with their help.
-
-    None is given where an option is left out: the default of the study stands.
-    """
+    """Fields of the options that bear their help; left out, the study's own default stands."""
     hints = get_type_hints(study.options, include_extras=True)
     told = {name: get_args(hint) for name, hint in hints.items() if get_origin(hint) is Annotated}
     return {name: (_kind(hint), None, text) for name, (hint, text) in told.items()}

@@ -31,8 +31,7 @@ _DEGREE = 2  # degree on both sides, splines with continuity one less
 _GAUSS, _GRID = (3, 6), 37
 """GPTS points per element; equally spaced points over side a."""
 _MARGIN = 1.15  # how far beyond the exact eigenvalues is searched: locked ones lie too high
-_LOCKED = 10.0
-"""Growth of the error from the least to that at the largest p from which a formulation locks."""
+_LOCKED = 10.0  # growth of the error over p from which a formulation locks
 _STIFFNESSES = (*(float(10**k) for k in range(10)), inf)
 
 

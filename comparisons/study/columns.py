@@ -67,10 +67,7 @@ def is_missing(value: Any) -> bool:
 
 
 def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = None) -> Column:
-    """How a column of a frame is shown: as the application says, else as studies share it.
-
-    One that nobody declared has its name, and numbers have three digits.
-    """
+    """How a column is shown: as the application says, as studies share it, or by its name."""
     for known in (own or {}, COLUMNS):
         if name in known:
             return known[name]

@@ -39,10 +39,7 @@ class Variant:
         return self.formulation.coupling != "lumped"
 
     def of(self, scene: Scene, *, P: float | None = None, p: float | None = None) -> Scene:
-        """The scene with this variant at every contact, and P (N/m) or p (N/m^3).
-
-        An infinite stiffness takes the saddle form.
-        """
+        """The scene with this variant at every contact, P or p; saddle form where infinite."""
         contacts = {
             name: replace(
                 contact,

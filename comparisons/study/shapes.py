@@ -20,8 +20,7 @@ from scenes import Result
 STEPS = 2047  # steps of a displacement on either side of zero: finer ones are noise to a compressor
 _POSITIONS = 2**16 - 1  # steps of a position along the longest side of a scene
 _POINTS = 4000  # points of the outsides of a scene, about: more are not seen on a screen
-_MOST = 3_000_000
-"""Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
+_MOST = 3_000_000  # bytes of displacements kept uncompressed, about: pages stay light
 _ALIGNED = 4  # bytes at whose multiples arrays begin, as typed arrays of a browser want it
 _NUMBERS = "shapes"  # array of a case that holds the numbers of its shapes
 
