@@ -34,9 +34,8 @@ def cases(options: Options) -> Iterator[Case]:
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     """Tables of a case of its part."""
-    if case["part"] == "errors":
-        return errors.evaluate(case, session)
-    return errors.evaluate_no_flutter(case, session)
+    of_part = errors.evaluate if case["part"] == "errors" else errors.evaluate_no_flutter
+    return of_part(case, session)
 
 
 def _drawn(which: str, result: StudyResult) -> pd.DataFrame:

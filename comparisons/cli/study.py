@@ -19,10 +19,7 @@ if TYPE_CHECKING:
 STUDIES = {
     "agreement": ("agreement", "Both backends on disc and pad, in every pairing."),
     "accuracy": ("accuracy.study", "Error of every method against run time."),
-    "formulations": (
-        "formulations.study",
-        "Which formulations pass patch tests, lock, keep momentum.",
-    ),
+    "formulations": ("formulations.study", "Patch tests, locking, momentum of each formulation."),
     "stability": ("stability.study", "Stiff and extreme scenes beside references."),
     "brake": ("brake.study", "A ventilated brake on several meshes."),
     "damping": ("damping", "How damping moves the threshold of flutter."),

@@ -124,11 +124,7 @@ def layers(
 
 
 def pad(
-    width: float = 0.5,
-    at: float = 0.75,
-    *,
-    pad_elements: Sequence[int] = (3, 2),
-    **fields: Any,
+    width: float = 0.5, at: float = 0.75, *, pad_elements: Any = (3, 2), **fields: Any
 ) -> Scene:
     """A pad, its left edge at x = ``at`` and held at its back, on a base from x = 0 to 2."""
     upper = body(rectangle((width, 0.4), (at, 0.0)), pad_elements, E=0.5, held="y_max")

@@ -68,12 +68,7 @@ class Shapes:
         return begin
 
     def add(
-        self,
-        key: str,
-        result: Result,
-        modes: Sequence[int],
-        like: str | None = None,
-        title: str = "",
+        self, key: str, result: Result, modes: Sequence[int], like: str = "", title: str = ""
     ) -> None:
         """Keep modes of a result, from 0, as many as there is room for; collective.
 
@@ -89,7 +84,7 @@ class Shapes:
         if result.comm.rank:
             return
         outsides = _outsides(cells, shapes)
-        if like is None:
+        if not like:
             self._add_scene(key, outsides)
         rows, kept = result.table(), self.modes.setdefault(key, {})
         for i, mode in enumerate(modes):
