@@ -98,14 +98,14 @@ def _run(
     row: str, true: Any, matrices: Mapping[str, Floats], *, form: str = "npz", **fields: Any
 ) -> Run:
     """Matrices in files beside eigenvalues of blocks, or given ones; None: they are refused."""
-    fields = {"lowest": 12, "warnings": (), "expected": "accurate"} | fields
+    given: dict[str, Any] = {"lowest": 12, "warnings": (), "expected": "accurate"} | fields
     if true is None:
-        fields |= {"expected": "refused", "names": "positive definite"}
+        given |= {"expected": "refused", "names": "positive definite"}
     elif not isinstance(true, np.ndarray):
         true = _upper(true)
     reference = None if true is None else formula(true.tolist())
-    may = EXPECTED[fields.pop("expected")]
-    return Run(row, ALONE[0], OfFiles(matrices, form), reference, may, **fields)
+    may = EXPECTED[given.pop("expected")]
+    return Run(row, ALONE[0], OfFiles(matrices, form), reference, may, **given)
 
 
 def _units() -> Runs:
