@@ -12,14 +12,7 @@ from typing import Annotated, Any
 
 import pandas as pd
 
-from cea.contact.formulations import (
-    Formulation,
-    GaussPointToSurface,
-    Greville,
-    Grid,
-    Mortar,
-    NodeToSurface,
-)
+from cea.contact.formulations import GaussPointToSurface, Greville, Grid, Mortar, NodeToSurface
 from comparisons.study.numbers import decimals, number, per_cent, shown
 from comparisons.study.sections import Column, Section, Table, diagram
 from comparisons.study.study import Case, Session, Study, StudyResult
@@ -40,7 +33,7 @@ class Options:
     overrides: Annotated[tuple[str, ...], "Changes of the disc_pad scene."] = ()
 
 
-def rules(backend: Backend) -> dict[str, Formulation]:
+def rules(backend: Backend) -> dict[str, Any]:
     """Formulations of the disc and pad; a grid has about as many points on either backend."""
     own, grid = (Greville(), Grid(10)) if backend == "iga" else (NodeToSurface(), Grid(4))
     return {"collocation": own, "grid": grid, "GPTS": GaussPointToSurface(5), "mortar": Mortar()}
