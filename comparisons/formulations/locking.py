@@ -2,8 +2,6 @@
 
 A penalty at more points than the traces of side a can follow leaves the interface, as p grows, no
 motion but what both meshes share: it locks. Mortar asks as many conditions as side a has traces.
-Two layers slide on each other with meshes of 12 against 13 elements; exact eigenvalues are known
-for any p (:mod:`exact_cea`).
 """
 
 from collections.abc import Iterator

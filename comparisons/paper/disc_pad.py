@@ -30,8 +30,7 @@ _REFINED = {"r": 0.003, "theta": 1.5}
 class DiscPad:
     """One analysis of disc and pad.
 
-    NURBS keep their spans up to degree 3, then spans grow with the degree; Lagrange elements always
-    do, so that dofs stay about the same.
+    Spans of NURBS grow with the degree beyond 3, Lagrange elements always: dofs stay the same.
     """
 
     formulation: Formulation  # points and weights on the pad

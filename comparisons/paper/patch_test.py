@@ -1,8 +1,7 @@
 """Figures 2, 3 and 7 to 12: the contact patch test, its normal stress, its Gauss points.
 
-Section 3 of the paper: E = 1e5 N/m^2, nu = 0, a pressure of 1000 N/m^2 on top, so that the normal
-stress on the interface is -1000 N/m^2 exactly. A discretisation is told by the oscillation of the
-normal stress: its largest minus its smallest value over the interface.
+Section 3 of the paper: the normal stress on the interface is -1000 N/m^2 exactly. A discretisation
+is told by its oscillation, the largest minus the smallest value over the interface.
 """
 
 from collections.abc import Mapping

@@ -109,8 +109,7 @@ def layers(
 ) -> Scene:
     """Two layers between rollers, one sliding on the other: the problem `blocks`, coarse.
 
-    ``upper`` and ``lower`` change fields of :func:`body`, ``height`` is that of the upper layer,
-    ``fields`` are those of the contact.
+    ``upper`` (and its height) and ``lower`` change fields of :func:`body`, ``fields`` the contact.
     """
     soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "held": "y_max", "supports": WALLS}
     hard: Scene = {"supports": WALLS}

@@ -79,8 +79,7 @@ def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = No
 def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) -> pd.DataFrame:
     """A frame with a column for each value of ``across``, whose cells are those of ``values``.
 
-    A row has the columns ``index`` in common; rows and columns keep their order, and what has no
-    row is missing.
+    A row has the columns ``index`` in common; order is kept, and what has no row is missing.
     """
     if frame.empty:
         return frame
