@@ -30,12 +30,13 @@ MODAL = {"modal": {"ratios": [0.5, 1e-6, 0.9, 0.999]}}
 
 
 def scene(backend, damping=DAMPING, **contact):
-    """Two blocks that slide, one of them damped and on springs."""
+    """Two blocks that slide, one of them damped, and on springs unless its modes are."""
     data = two_blocks(backend, GPTS, held=True)
     sliding = {"pressure": 3.0, "speed": 0.5, "mu_slope": -0.2}
     data["contacts"]["interface"] |= {"sliding": sliding, "max_missed": 0.9, **contact}
     springs = [{"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}]
-    data["bodies"]["upper"] |= {"springs": springs, "damping": damping}
+    data["bodies"]["upper"] |= {"springs": springs if damping is DAMPING else []}
+    data["bodies"]["upper"]["damping"] = damping
     return data
 
 

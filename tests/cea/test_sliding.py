@@ -105,5 +105,7 @@ SLIDES = {"pressure": 1.0, "speed": 1.0}
     ],
 )
 def test_bad_sliding_is_refused_before_work_begins(backend, sliding, change, named):
+    data = scene(backend, GPTS, sliding=sliding)
+    data["contacts"]["interface"] |= change
     with pytest.raises(SceneError, match=f"contacts.interface.{named}"):
-        read_scene(scene(backend, GPTS, sliding=sliding, **change))
+        read_scene(data)

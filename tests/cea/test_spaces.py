@@ -4,6 +4,8 @@ The stub of tests/helpers/stub_backend.py shows how little a new backend has to 
 part in all but rotations and prestress.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 from bodies import PLASTIC as MATERIAL
@@ -48,6 +50,12 @@ def made(case, **conditions):
     return shape_body(shape, cell, degree, mesh, comm=MPI.COMM_SELF, **conditions)
 
 
+@cache
+def plain(case):
+    """A body without supports or loads, which the tests leave as it is."""
+    return made(case)
+
+
 def ends(case):
     """Opposite flat surfaces: below and above."""
     if case[1] == "stub":
@@ -72,7 +80,7 @@ def assert_mirrored(matrix, free, *, sign=1.0, within=1e-12):
 
 
 def test_matrices_are_symmetric_and_conserve_momentum(flat):
-    part = made(flat)
+    part = plain(flat)
     motions = rigid_motions(part.space.dof_positions)
     K, M, translations = to_numpy(part.stiffness()), to_numpy(part.mass()), motions[:, : part.dim]
     assert_mirrored(K, motions, within=1e-13)
@@ -105,7 +113,7 @@ def test_curved_bodies_have_no_resultant_of_a_pressure_all_around(curved):
 
 
 def test_curved_matrices_are_symmetric_skew_and_leave_rigid_motions_free(curved):
-    part = made(curved)
+    part = plain(curved)
     motions = rigid_motions(part.space.dof_positions)
     assert_mirrored(to_numpy(part.stiffness()), motions)
     for rotation in (Rotation(1.0), Rotation(1.0, coriolis=False)):
@@ -118,7 +126,7 @@ def test_curved_matrices_are_symmetric_skew_and_leave_rigid_motions_free(curved)
 
 
 def test_round_bodies_have_the_areas_normals_and_volume_of_their_shape(curved):
-    part, exact = made(curved), curved[1] is None
+    part, exact = plain(curved), curved[1] is None
     allowed = 1e-13 if exact else 5e-3
     height = 0.3 if part.dim == 3 else 1.0
     flat = np.pi * (1.0 - 0.5**2)
@@ -169,7 +177,7 @@ LOST = SurfaceCoordinates(np.array([0, -1]), np.full((2, 2), 0.5))
 
 @pytest.mark.parametrize("case", ["Q2", "NURBS 2"])
 def test_requests_that_make_no_points_are_refused(case):
-    top = made(ROUND[case]).surfaces["top"]
+    top = plain(ROUND[case]).surfaces["top"]
     for request, argument, words in (
         (top.abscissae, "midpoints", "one of "),
         (top.gauss_points, 0, "at least one"),
@@ -183,7 +191,7 @@ def test_requests_that_make_no_points_are_refused(case):
 
 @pytest.mark.parametrize("name", [name for name in FLAT if name != "stub"])
 def test_straight_cells_fill_the_body_and_know_its_positions(name):
-    part = made(FLAT[name])
+    part = plain(FLAT[name])
     own = part.space.volume_cells()
     cells = own.straight()
     assert len(np.unique(np.round(cells.points, 9), axis=0)) == len(cells.points)
@@ -227,7 +235,7 @@ def test_supports_leave_what_they_do_not_hold(flat):
 
 
 def test_surfaces_measure_trace_and_differentiate(flat):
-    part = made(flat)
+    part = plain(flat)
     slope, shift = np.random.default_rng(3).normal(size=part.dim), 0.4
     field = part.space.dof_positions @ slope + shift
     for name, side in zip(ends(flat), (-1.0, 1.0), strict=True):
@@ -245,7 +253,7 @@ def test_surfaces_measure_trace_and_differentiate(flat):
 
 
 def test_gradients_along_a_surface_are_those_of_the_trace(curved):
-    part = made(curved)
+    part = plain(curved)
     u = np.random.default_rng(4).normal(size=part.num_scalar_dofs)
     for surface in part.surfaces.values():
         at = surface.gauss_points(2).at
@@ -266,7 +274,7 @@ def test_gradients_along_a_surface_are_those_of_the_trace(curved):
 @pytest.mark.parametrize("cases", [FLAT, ROUND], ids=["flat", "round"])
 def test_points_beside_a_surface_are_found_where_they_came_from(cases):
     for case in cases.values():
-        for surface in made(case).surfaces.values():
+        for surface in plain(case).surfaces.values():
             points = surface.gauss_points(3)
             gap = 0.05 * np.cos(np.arange(len(points)))
             found = surface.locate(points.x + gap[:, None] * points.normal, points.normal, 0.06)

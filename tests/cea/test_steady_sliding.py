@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from blocks import FORMULATIONS, ROTATED, assemble, two_blocks
+from blocks import FORMULATIONS, assemble
 from covering import covering
-from motions import dense, resultant
+from motions import dense
 from pressed import AREA, PRESSURE, SOFT, coupled_blocks, pressed_blocks
 
 from cea.contact.laws import NormalCompliance
@@ -62,19 +62,6 @@ def test_the_contact_bears_the_load(backend, formulation, full_pass):
         assert (state.stiffness[state.closure <= 0] == 0).all()
         assert state.stiffness == pytest.approx(law.slope(state.closure), rel=1e-12)
         assert state.pressure == pytest.approx(law.pressure(state.closure), rel=1e-12)
-
-
-@pytest.mark.grid
-def test_forces_on_both_sides_cancel(backend, formulation):
-    data = two_blocks(backend, formulation, ROTATED)
-    contact = data["contacts"]["interface"]
-    del contact["P"]
-    contact |= {"c_n": 3.0, "m_n": 2.0}
-    system = assemble(data | {"loads": [{"surface": "upper.z_max", "pressure": 0.0}]})
-    points = len(system.contacts[0].interface.points)
-    force = system.contacts[0].force(np.maximum(RNG.standard_normal(points), 0.0), friction=True)
-    (on_a, scale), (on_b, _) = (resultant(system, force, body) for body in system.bodies)
-    assert np.abs(on_a + on_b).max() <= 1e-13 * scale
 
 
 @pytest.mark.grid

@@ -1,5 +1,6 @@
 """Lagrange bodies of every cell, degree 1 to 4, in space and in the plane, on curved meshes."""
 
+from dataclasses import replace
 from itertools import permutations, product
 from math import comb
 
@@ -7,7 +8,7 @@ import basix.ufl
 import dolfinx
 import numpy as np
 import pytest
-from bodies import dolfinx_body, shape_body
+from bodies import dolfinx_body, lagrange_body, shape_body
 from covering import covering
 from lagrange_bodies import DIMENSION, FLAT, MATERIAL, ROUND, body_of
 from mpi4py import MPI
@@ -15,7 +16,11 @@ from scipy.sparse.linalg import spsolve
 
 from cea.location import locate_along
 from cea.surface_points import SurfaceCoordinates
+from meshes.breaks import breaks_of
 from meshes.placement import Placement
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Annulus, Box, Ring
+from meshes.true_surfaces import true_surfaces
 
 SLOPE, SHIFT = np.array([0.7, -0.4, 0.5]), 0.3
 """Of (s.x + c)^q, a polynomial of the full degree that depends on every direction."""
@@ -138,3 +143,61 @@ def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell, mesh):
         found = surface.locate(points.x, points.normal, reach=1e-6)
         assert not found.missed.any()
         np.testing.assert_allclose(surface.position(found.at), points.x, atol=1e-8)
+
+
+BOX = Box((0.2, 0.2, 0.1))
+
+
+def surface_of(mesh, name, **options):
+    body = lagrange_body("part", mesh, degree=mesh.order, material=MATERIAL, **options)
+    return body.surfaces[name]
+
+
+def estimate(mesh, name):
+    """Estimated errors in the middle of the facets (m), one for each."""
+    surface = surface_of(mesh, name)
+    return surface.geometry_error(surface.gauss_points(1).at)
+
+
+def meshed(shape, cell, order, elements):
+    return shape_mesh(shape, cell, order, breaks=breaks_of(shape, elements))
+
+
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+@pytest.mark.parametrize("count", [8, 24])
+def test_of_chords_it_is_the_sagitta(cell, count):
+    ring = Ring(0.05, 0.08)
+    for name, radius in (("inner", 0.05), ("outer", 0.08)):
+        sagitta = radius * (1 - np.cos(np.pi / count))
+        found = estimate(meshed(ring, cell, 1, (1, count)), name)
+        np.testing.assert_allclose(found, sagitta, rtol=3 / count**2)
+
+
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+def test_of_a_cylinder_it_does_not_depend_on_the_length_of_its_elements(cell):
+    annulus = Annulus(0.05, 0.08, 0.0, 0.2)
+    found = estimate(meshed(annulus, cell, 1, (1, 24, 2)), "outer")
+    np.testing.assert_allclose(found, 0.08 * (1 - np.cos(np.pi / 24)), rtol=5e-3)
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_of_curved_facets_it_bounds_their_distance(order):
+    ring = Ring(0.05, 0.08)
+    mesh = meshed(ring, "quadrilateral", order, (1, 12))
+    known = surface_of(mesh, "outer", true_surfaces=true_surfaces(ring))
+    points = known.gauss_points(8)
+    distance = np.abs(known.offset(points.at, points.normal)).max()
+    found = estimate(mesh, "outer")
+    assert (distance < found).all()
+    assert (found < {2: 5, 3: 8, 4: 15}[order] * distance).all()
+    assert (known.geometry_error(points.at) == 0).all()
+
+
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+@pytest.mark.parametrize("order", [1, 2])
+def test_of_flat_faces_and_at_edges_of_bodies_it_is_zero(cell, order):
+    """Also of a surface that goes round an edge of a box."""
+    mesh = meshed(BOX, cell, order, (3, 3, 2))
+    both = np.concatenate([mesh.surfaces["x_max"], mesh.surfaces["z_max"]])
+    found = estimate(replace(mesh, surfaces={"both": both}), "both")
+    assert found.max() < 1e-15

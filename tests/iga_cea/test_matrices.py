@@ -52,7 +52,9 @@ def along(axis, q):
 def odd(axes, flip):
     """Two sectors, the parameters of the second in another order, one of them reversed."""
     one, other = (
-        nurbs_shape(shape, ([0.8, 1.1, 1.7], np.array(shape.extent[1]), [-0.1, 0.2]), TILTED)
+        nurbs_shape(
+            shape, [*map(np.array, ([0.8, 1.1, 1.7], shape.extent[1], [-0.1, 0.2]))], TILTED
+        )
         for shape in (Sector(0.8, 1.7, a, b, -0.1, 0.2) for a, b in ((10.0, 40.0), (40.0, 95.0)))
     )
     patches = [one.patches[0], turned(other.patches[0], axes, flip)]

@@ -9,7 +9,6 @@ from cea.surface_points import Status
 from iga_cea.splines import grid_points
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.patches import GivenPatch, Patches
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Box, Hub, Sector
 
@@ -88,48 +87,6 @@ def test_faces_go_on_beyond_their_edges_whatever_their_outermost_spans_are():
         refined.tangents(element, xi), plain.tangents(element, xi), strict=True
     ):
         np.testing.assert_allclose(found, exact, rtol=0, atol=1e-12 * np.abs(exact).max())
-
-
-HEIGHTS = np.array(
-    [[0.0, 0.3, -0.2, 0.1], [0.4, -0.3, 0.2, 0.0], [-0.1, 0.5, -0.4, 0.3], [0.2, 0.0, 0.1, -0.2]]
-)
-
-
-def wavy_slab():
-    """Slab under the graph of a bicubic polynomial: x = u, y = v, top at z = f(u, v)."""
-    line, cubic = (0.0, 0.0, 1.0, 1.0), (0.0,) * 4 + (1.0,) * 4
-    u, v = np.meshgrid(np.linspace(0, 1, 4), np.linspace(0, 1, 4), indexing="ij")
-    points = np.stack([np.stack([u, v, z], axis=-1) for z in (0 * u - 0.5, HEIGHTS)], axis=2)
-    patch = GivenPatch((3, 3, 1), (cubic, cubic, line), points.tolist())
-    return Patches((patch,), {"top": ((0, 2, 1),)})
-
-
-def height(x, y):
-    """f(u, v) in Bernstein's form."""
-    bernstein = [
-        np.stack([(1 - t) ** 3, 3 * t * (1 - t) ** 2, 3 * t**2 * (1 - t), t**3]) for t in (x, y)
-    ]
-    return np.einsum("in,ij,jn->n", bernstein[0], HEIGHTS, bernstein[1])
-
-
-@pytest.mark.parametrize("gap", [0.05, *(pytest.param(g, marks=SLOW) for g in (0.0, -0.08))])
-def test_graph_of_a_polynomial(gap):
-    """Along z there is one answer, and none beside the slab."""
-    rng, count = np.random.default_rng(1), 10_000
-    top = body(wavy_slab(), (5, 4, 1), (3, 4, 1)).surfaces["top"]
-    x, y = rng.uniform(-0.15, 1.15, (2, count))
-    edge = rng.random(count) < 0.05
-    x[edge] = np.round(x[edge])
-    inside = (x >= 0) & (x <= 1) & (y >= 0) & (y <= 1)
-    foot = np.stack([x, y, np.where(inside, height(*np.clip([x, y], 0, 1)), 0.0)], axis=1)
-    up = np.broadcast_to(TILTED.rotation[:, 2], foot.shape)
-    found = top.locate(TILTED.apply(foot + np.array([0.0, 0.0, gap])), up, 1.0)
-    np.testing.assert_array_equal(found.missed, ~inside)
-    on_edge = inside & ((x == 0) | (x == 1))
-    assert (found.status[on_edge] == Status.EDGE).all()
-    assert (found.status[inside & ~on_edge] == Status.INSIDE).all()
-    assert np.abs(found.distance[inside] + gap).max() < 1e-9
-    assert np.abs(top.position(found.at[inside]) - TILTED.apply(foot[inside])).max() < 1e-8
 
 
 def nearest_root(x, direction, radius, low, high, reach):
