@@ -27,19 +27,13 @@ EVERY = pytest.mark.parametrize(
 SYSTEMS = {}
 
 
-def blocks_in_contact(backend, formulation, placement=None, **fields):
-    data = two_blocks(backend, formulation, placement, mu=MU, P=P)
-    data["contacts"]["interface"] |= fields
-    return data
-
-
 @pytest.fixture
 def system(backend, formulation, placement, full_pass):
     """One for each case: the tests leave it as it is."""
     case = backend, str(formulation), str(placement), full_pass
     if case not in SYSTEMS:
-        data = blocks_in_contact(backend, formulation, placement, full_pass=full_pass)
-        SYSTEMS[case] = assemble(data)
+        options = {"mu": MU, "P": P, "full_pass": full_pass}
+        SYSTEMS[case] = assemble(two_blocks(backend, formulation, placement, **options))
     return SYSTEMS[case]
 
 
@@ -105,7 +99,7 @@ def test_momentum_is_conserved_and_common_rigid_motions_close_no_gap(system):
 
 
 def test_lumped_contact_conserves_linear_momentum_and_not_angular(backend):
-    assert_conserves_momentum(assemble(blocks_in_contact(backend, LUMPED)), angular=False)
+    assert_conserves_momentum(assemble(two_blocks(backend, LUMPED)), angular=False)
 
 
 def assert_equals_sums(contact, k, *, lumped=False):
@@ -154,7 +148,7 @@ def test_matrices_are_sums_over_points(system):
 
 @pytest.mark.grid
 def test_lumped_matrices_are_sums_over_columns(backend, placement):
-    (contact,) = assemble(coarse(blocks_in_contact(backend, LUMPED, placement))).contacts
+    (contact,) = assemble(coarse(two_blocks(backend, LUMPED, placement))).contacts
     points = contact.interface.points
     k = contact.friction.direction.at(points.x, points.normal)
     assert_equals_sums(contact, k, lumped=True)
@@ -173,7 +167,7 @@ def test_a_full_pass_is_the_mean_of_its_halves(backend):
     reversed_ = {"a": "lower.z_max", "b": "upper.z_min", "max_missed": 0.99}
     reversed_["friction_direction_on_a"] = {"vector": [-1.0, -0.5, 0.0]}
     forward, backward, both = (
-        assemble(blocks_in_contact(backend, GPTS, **fields)).pencil().at()
+        assemble(two_blocks(backend, GPTS, **fields)).pencil().at()
         for fields in ({}, reversed_, {"full_pass": True})
     )
     for part in ("stiffness", "unsymmetric"):
@@ -224,7 +218,7 @@ def test_surfaces_that_do_not_meet_or_look_away_are_refused(backend, formulation
     data["bodies"]["upper"]["placement"] = {"translation": [0.0, 0.0, 2.0]}
     with pytest.raises(InputError, match=r"contacts.interface = .*find nothing on side b"):
         assemble(data)
-    data = blocks_in_contact(backend, formulation, b="lower.z_min")
+    data = two_blocks(backend, formulation, b="lower.z_min")
     for body in data["bodies"].values():
         body["geometry"]["origin"][2] = 0.1
     with pytest.raises(InputError, match="face each other"):
@@ -232,7 +226,7 @@ def test_surfaces_that_do_not_meet_or_look_away_are_refused(backend, formulation
 
 
 def test_overhang_is_allowed_up_to_the_stated_fraction(backend):
-    data = blocks_in_contact(backend, {"method": "gpts", "points": 3})
+    data = two_blocks(backend, {"method": "gpts", "points": 3})
     data["bodies"]["upper"]["geometry"]["origin"][0] = 0.75
     with pytest.raises(InputError, match="of the area of side a"):
         assemble(data)

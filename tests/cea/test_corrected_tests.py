@@ -22,9 +22,7 @@ GPTS, MORTAR = {"method": "gpts", "points": 3}, {"method": "mortar"}
 
 
 def scene(backend, formulation, P, mu, form=None):
-    data = coarse(two_blocks(backend, formulation, held=True, mu=mu, P=P))
-    if form is not None:
-        data["contacts"]["interface"]["form"] = form
+    data = coarse(two_blocks(backend, formulation, held=True, mu=mu, P=P, form=form))
     return assemble(data).pencil().at()
 
 

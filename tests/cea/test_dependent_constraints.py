@@ -81,8 +81,7 @@ def test_bodies_bonded_round_a_point(backend, P, sliding):
 @pytest.mark.parametrize("P", [1e13, INF])
 def test_traces_that_supports_hold_on_both_sides(backend, P):
     """Equal meshes, held at one end: a closure there asks what is so already."""
-    data = two_blocks(backend, {"method": "bonded"}, mu=0.0, P=P)
-    data["contacts"]["interface"]["form"] = "saddle"
+    data = two_blocks(backend, {"method": "bonded"}, mu=0.0, P=P, form="saddle")
     data["bodies"]["lower"]["geometry"] |= {"origin": [0.2, 0.3, 0.0], "size": [0.5, 0.6, 0.4]}
     for body in data["bodies"].values():
         body["supports"] = [{"surface": "x_min"}]

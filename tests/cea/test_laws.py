@@ -56,10 +56,7 @@ def lifted(backend, formulation, field="where(x < 0.37, 0, 3.0)"):
 
     The closed part begins inside of elements of either side; side a reaches from 0.2 to 0.7.
     """
-    data = two_blocks(backend, formulation, held=True, mu=0.0)
-    del data["contacts"]["interface"]["P"]
-    data["contacts"]["interface"]["p"] = field
-    return data
+    return two_blocks(backend, formulation, held=True, mu=0.0, P=None, p=field)
 
 
 def test_open_points_bear_no_force(backend, formulation):

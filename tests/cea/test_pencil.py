@@ -31,9 +31,8 @@ MODAL = {"modal": {"ratios": [0.5, 1e-6, 0.9, 0.999]}}
 
 def scene(backend, damping=DAMPING, **contact):
     """Two blocks that slide, one of them damped, and on springs unless its modes are."""
-    data = two_blocks(backend, GPTS, held=True)
     sliding = {"pressure": 3.0, "speed": 0.5, "mu_slope": -0.2}
-    data["contacts"]["interface"] |= {"sliding": sliding, "max_missed": 0.9, **contact}
+    data = two_blocks(backend, GPTS, held=True, sliding=sliding, max_missed=0.9, **contact)
     springs = [{"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}]
     data["bodies"]["upper"] |= {"springs": springs if damping is DAMPING else []}
     data["bodies"]["upper"]["damping"] = damping
@@ -84,9 +83,7 @@ def test_two_contacts_have_their_own_friction(backend):
 
 
 def test_friction_that_varies_is_changed_by_a_factor(backend):
-    data = two_blocks(backend, GPTS)
-    data["contacts"]["interface"]["mu"] = "0.3 + 0.1*x"
-    system = assemble(data)
+    system = assemble(two_blocks(backend, GPTS, mu="0.3 + 0.1*x"))
     assert system.pencil().parameter("contacts.interface.mu").value == 1.0
     twice = system.pencil().at({"contacts.interface.mu": 2.0}).unsymmetric
     assert (to_numpy(twice) == -2 * to_numpy(system.contacts[0].K_f)).all()

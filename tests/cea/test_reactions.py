@@ -195,8 +195,7 @@ def test_supports_that_reach_a_contact_close_it(backend, form):
     """Moving the walls of one block by as much as the ground of the other changes no force."""
     pressures, reactions = [], []
     for mover, value in (("upper", -1e-3), ("lower", 1e-3)):
-        data = two_blocks(backend, GPTS, mu=0.2, held=True) | {"analysis": STATIC}
-        data["contacts"]["interface"]["form"] = form
+        data = two_blocks(backend, GPTS, mu=0.2, held=True, form=form) | {"analysis": STATIC}
         moved = {"value": value} if mover == "upper" else {}
         data["bodies"]["upper"]["supports"] = [
             {"surface": "y_min", "components": ["x", "y"]},
@@ -273,7 +272,7 @@ def test_values_that_contradict_each_other_are_refused(backend):
 
 UNFIT = [
     {"formulation": {"method": "mortar"}},
-    {"form": "saddle", "P": float("inf")},
+    {"formulation": GPTS, "form": "saddle", "P": float("inf")},
     {"formulation": GPTS | {"lumped": True}},
 ]
 
@@ -281,8 +280,7 @@ UNFIT = [
 @pytest.mark.grid
 @pytest.mark.parametrize("contact", UNFIT, ids=str)
 def test_contacts_that_know_no_forces_at_points_refuse_values_that_reach_them(backend, contact):
-    data = two_blocks(backend, GPTS, mu=0.0, held=True) | {"analysis": STATIC}
-    data["contacts"]["interface"] |= contact
+    data = two_blocks(backend, mu=0.0, held=True, **contact) | {"analysis": STATIC}
     supports = data["bodies"]["upper"]["supports"]
     supports[0]["value"] = [0.0, 0.0, -1e-3]
     solved(data)

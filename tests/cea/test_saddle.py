@@ -17,11 +17,9 @@ GPTS, MORTAR = {"method": "gpts", "points": 3}, {"method": "mortar"}
 LUMPED = GPTS | {"lumped": True}
 
 
-def scene(backend, formulation, *, mu=0.4, P=3.0, **fields):
+def scene(backend, formulation, **fields):
     """Two coarse blocks, held, whose contact has other fields."""
-    data = coarse(two_blocks(backend, formulation, held=True, P=P, mu=mu))
-    data["contacts"]["interface"] |= fields
-    return data
+    return coarse(two_blocks(backend, formulation, held=True, **fields))
 
 
 def modes_of(data, **options):
@@ -92,8 +90,8 @@ def test_friction_that_varies_over_the_points_of_one_side_alone(form, leave_out,
     """Constant, or zero, on the coarse points of the other: both halves keep their own."""
     matrices = []
     for mu in (f"0.4*where(x<0.683,1,{changed})", f"0.4*where(x<0.683,1,{changed})+1e-13*x"):
-        data = two_blocks("fe", {"method": "grid", "points": 4}, mu=mu, held=True, P=30.0)
-        data["contacts"]["interface"] |= {"full_pass": True, "form": form}
+        options = {"P": 30.0, "full_pass": True, "form": form, "held": True}
+        data = two_blocks("fe", {"method": "grid", "points": 4}, mu=mu, **options)
         pencil = assemble(data, leave_out=leave_out).pencil().at()
         if form == "penalty":
             matrices.append(dense(pencil.unsymmetric))
@@ -118,14 +116,15 @@ def test_saddle_where_a_penalty_costs_more_than_six_digits(backend, P, full_pass
 
 @pytest.mark.parametrize("fields", [{"formulation": LUMPED}, {"form": "penalty"}])
 def test_a_penalty_that_stays_says_how_many_digits_it_costs(backend, fields):
-    system = assemble(scene(backend, GPTS, P=1e9, **fields))
+    fields = {"formulation": GPTS} | fields
+    system = assemble(scene(backend, P=1e9, **fields))
     assert forms(system) == {"penalty"}
     (warning,) = system.warnings_at({})
     assert (warning.kind, warning.data["contact"]) == ("penalty-rounding", "interface")
     stiffness = system.pencil().at().stiffness
     largest = stiffness.getDiagonal().array / system.stiffness_diagonal.array
     assert warning.data["digits"] == pytest.approx(np.log10(largest.max()), abs=1e-3)
-    assert not assemble(scene(backend, GPTS, P=1e5, **fields)).warnings_at({})
+    assert not assemble(scene(backend, P=1e5, **fields)).warnings_at({})
 
 
 @pytest.mark.parametrize(
@@ -152,9 +151,8 @@ def test_halves_of_unequal_area_keep_their_own_stiffness(backend, rule):
     """A full pass at a given p: the larger side has more area and more of P."""
     both = []
     for form in ("penalty", "saddle"):
-        data = scene(backend, rule, full_pass=True, form=form, p="10 + 30*x", mu=0.3)
-        del data["contacts"]["interface"]["P"]
-        both.append(run_modes(read_scene(data)))
+        options = {"full_pass": True, "form": form, "P": None, "p": "10 + 30*x", "mu": 0.3}
+        both.append(run_modes(read_scene(scene(backend, rule, **options))))
     assert both[1].eigenvalues == pytest.approx(both[0].eigenvalues, rel=1e-9, abs=1e-9)
     K_n = [result.matrices()["K_n"].toarray() for result in both]
     assert np.abs(K_n[1] - K_n[0]).max() <= 1e-12 * np.abs(K_n[0]).max()

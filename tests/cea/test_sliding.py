@@ -17,10 +17,8 @@ GPTS = {"method": "gpts", "points": 2}
 
 
 def scene(backend, formulation, *, placement=None, mu=MU, **contact):
-    data = two_blocks(backend, formulation, placement, mu=mu)
     sliding = {"pressure": PRESSURE, "speed": SPEED, "mu_slope": SLOPE}
-    data["contacts"]["interface"] |= {"sliding": sliding} | contact
-    return data
+    return two_blocks(backend, formulation, placement, mu=mu, **{"sliding": sliding} | contact)
 
 
 def damping(data):

@@ -192,7 +192,7 @@ def test_a_ring_of_a_file_has_the_modes_of_the_shape(tmp_path, ending, dim):
         (shape, list(ELEMENTS[dim])),
     ):
         body = scene_body("iga", geometry, elements, supports=[{"surface": "outer"}])
-        frequencies.append(np.sort(run_modes(read_scene(alone(body, 0.7))).frequencies))
+        frequencies.append(np.sort(run_modes(read_scene(alone(body, 0.9))).frequencies))
     found, expected = frequencies
     assert len(found) == len(expected) > 5
     np.testing.assert_allclose(found, expected, rtol=1e-9)
