@@ -96,20 +96,18 @@ class ModalDamping:
     frequencies: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        ratio, highest = self.ratio, self.max_frequency
-        ratios, table = self.ratios, self.frequencies
+        ratio, ratios, table = self.ratio, self.ratios, self.frequencies
         allowed = "one for all modes up to max_frequency, or ratios of the lowest modes"
         require((ratio is None) != (ratios is None), "ratio", ratio, allowed)
+        highest = self.max_frequency
         together = (ratio is None) == (highest is None)
         require(together, "max_frequency", highest, "given where ratio is (Hz)")
         beside = table is None or ratios is not None
         require(beside, "frequencies", table, "given beside ratios alone")
-        if ratio is not None:
-            positive = highest is not None and _is_positive(highest)
-            require(positive, "max_frequency", highest, "positive, finite (Hz)")
-            require(_is_ratio(ratio), "ratio", ratio, _RATIO)
-            return
-        valid = bool(ratios) and all(map(_is_ratio, ratios or ()))
+        positive = highest is None or _is_positive(highest)
+        require(positive, "max_frequency", highest, "positive, finite (Hz)")
+        require(ratio is None or _is_ratio(ratio), "ratio", ratio, _RATIO)
+        valid = ratios is None or (bool(ratios) and all(map(_is_ratio, ratios)))
         require(valid, "ratios", ratios, f"one or more, each {_RATIO}")
         if table is not None and ratios is not None:
             rising = all(map(_is_positive, table)) and bool(np.all(np.diff(table) > 0))

@@ -43,16 +43,16 @@ _SMOOTH: dict[type[ast.AST], Any] = {
     ast.Mult: np.multiply,
     ast.Div: np.divide,
     ast.Pow: np.power,
+    ast.USub: np.negative,
+    ast.UAdd: np.positive,
 }
-"""Operators of two numbers that a coefficient may have."""
+"""Operators that a coefficient may have."""
 _OPERATORS: dict[type[ast.AST], Any] = {
     **_SMOOTH,
     ast.Mod: np.mod,
     ast.FloorDiv: np.floor_divide,
     ast.BitAnd: np.bitwise_and,
     ast.BitOr: np.bitwise_or,
-    ast.USub: np.negative,
-    ast.UAdd: np.positive,
     ast.Invert: np.invert,
     ast.Lt: np.less,
     ast.LtE: np.less_equal,
@@ -70,17 +70,7 @@ MAX_LENGTH, MAX_DEPTH = 2000, 100
 """Characters an expression may have, and operations inside each other."""
 
 _COORDINATES = ("x", "y", "z", "r", "theta")
-_GRAMMAR = (
-    ast.Name,
-    ast.Load,
-    ast.Constant,
-    ast.Call,
-    ast.UnaryOp,
-    ast.USub,
-    ast.UAdd,
-    ast.BinOp,
-    *_SMOOTH,
-)
+_GRAMMAR = (ast.Name, ast.Load, ast.Constant, ast.Call, ast.UnaryOp, ast.BinOp, *_SMOOTH)
 """What a coefficient is made of: no attributes, items, comprehensions, keywords, statements."""
 _TOO_DEEP = f"nested more than {MAX_DEPTH} deep"
 _FINITE = "finite everywhere"
@@ -113,27 +103,23 @@ class Expression:
 
     def __call__(self, x: Floats) -> Floats:
         """Values at positions x (m), shape (n,)."""
-        coordinates = dict(zip(_COORDINATES[:3], x.T, strict=False))
-        coordinates |= {"r": np.hypot(x[:, 0], x[:, 1]), "theta": np.arctan2(x[:, 1], x[:, 0])}
+        names = dict(zip(_COORDINATES[:3], x.T, strict=False))
+        names |= {"r": np.hypot(x[:, 0], x[:, 1]), "theta": np.arctan2(x[:, 1], x[:, 0])}
+        allowed = f"an expression in {', '.join(names)} and pi with {', '.join(FUNCTIONS)}"
         try:
             with np.errstate(all="ignore"):
-                value = _value(parsed(self.text), coordinates)
+                value = _value(parsed(self.text), names)
             values = np.broadcast_to(np.asarray(value, dtype=float), len(x)).copy()
         except TypeError:  # of operations on what they do not know
             allowed = f"an expression that is {_FINITE}; this one gives no number"
             raise InputError("expression", self.text, allowed) from None
         except ValueError as error:
-            raise self._refused(coordinates, str(error)) from None
+            reason = "".join(f" ({line})" for line in str(error).splitlines()[:1])
+            raise InputError("expression", self.text, allowed + reason) from None
         if not np.isfinite(values).all():
             where = x[np.flatnonzero(~np.isfinite(values))[0]]
             raise InputError("expression", self.text, f"{_FINITE}; it is no number at {where}")
         return values
-
-    def _refused(self, coordinates: dict[str, Floats], reason: str = "") -> InputError:
-        allowed = f"an expression in {', '.join(coordinates)} and pi with {', '.join(FUNCTIONS)}"
-        lines = reason.splitlines()
-        told = f"{allowed} ({lines[0]})" if lines else allowed
-        return InputError("expression", self.text, told)
 
 
 Field = float | Expression | Callable[[Floats], Floats]
@@ -233,37 +219,35 @@ def parsed(text: str, *, smooth: bool = False) -> ast.expr:
 
 
 def _check(node: ast.AST, depth: int, smooth: bool) -> None:
-    """Refuse what is nested too deep or no arithmetic, all the way down."""
+    """Refuse what is nested too deep or no arithmetic, all the way down.
+
+    Functions take just their operands, and nowhere to write.
+    """
     if not depth:
         raise ValueError(_TOO_DEEP)
-    _check_node(node, smooth)
-    for child in ast.iter_child_nodes(node):
-        _check(child, depth - 1, smooth)
-
-
-def _check_node(node: ast.AST, smooth: bool) -> None:
-    """Refuse what is no arithmetic; functions take just their operands, and nowhere to write."""
     if isinstance(node, ast.BitXor):
         raise ValueError("a power is written **")
     if not isinstance(node, _GRAMMAR if smooth else (*_GRAMMAR, ast.Compare, *_OPERATORS)):
         raise ValueError(f"{type(node).__name__} is no arithmetic")
-    if isinstance(node, ast.Constant):
-        if not isinstance(node.value, int | float) or isinstance(node.value, bool):
-            raise ValueError(f"{type(node.value).__name__} is no number")
-        if abs(node.value) > float_info.max:
-            raise ValueError("a number is too large")
-    if isinstance(node, ast.Compare) and len(node.ops) > 1:
-        raise ValueError("one comparison at a time, joined by &")
-    if isinstance(node, ast.Call):
-        if not isinstance(node.func, ast.Name):
+    match node:
+        case ast.Constant(value=value):
+            if not isinstance(value, int | float) or isinstance(value, bool):
+                raise ValueError(f"{type(value).__name__} is no number")
+            if abs(value) > float_info.max:
+                raise ValueError("a number is too large")
+        case ast.Compare(ops=[_, _, *_]):
+            raise ValueError("one comparison at a time, joined by &")
+        case ast.Call(func=ast.Name(id=name), args=args):
+            known = _DERIVATIVES if smooth else FUNCTIONS
+            if name not in known:
+                raise ValueError(f"{name} is not among {', '.join(known)}")
+            # np.where, the one that is no ufunc, takes three.
+            if len(args) != (count := getattr(getattr(np, name), "nin", 3)):
+                raise ValueError(f"{name} takes {count}, not {len(args)}")
+        case ast.Call():
             raise ValueError("what is called is no function")
-        known = _DERIVATIVES if smooth else FUNCTIONS
-        if node.func.id not in known:
-            raise ValueError(f"{node.func.id} is not among {', '.join(known)}")
-        function: Any = getattr(np, node.func.id)
-        count = getattr(function, "nin", 3)  # np.where, the one that is no ufunc, takes three
-        if len(node.args) != count:
-            raise ValueError(f"{node.func.id} takes {count}, not {len(node.args)}")
+    for child in ast.iter_child_nodes(node):
+        _check(child, depth - 1, smooth)
 
 
 def _value(node: ast.AST, names: Mapping[str, Any]) -> Any:

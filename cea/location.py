@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.mesh import lattice
 from cea.surface_points import Location, Status, SurfaceCells, SurfaceCoordinates
 
@@ -22,7 +22,7 @@ TOLERANCE = 1e-8
 
 _MAX_ITERATIONS = 40
 _GRAZING = 1e-10  # sine between line and surface below which Newton's steps are least-squares steps
-_CHUNK = 50_000
+_PER_POINT = 1280  # bytes of temporaries for each point
 _SIDE = 4  # parts of a side of a cell between samples
 _SAFETY = 1.5  # margin on the sampled distance of a bent cell from the flat one of its corners
 _NEAR = 1.05
@@ -46,73 +46,40 @@ def locate_along(
     a corner of the surface, then the lowest element; of several misses the smallest. The miss
     allowed, the tolerance, is relative to the local mesh size.
     """
-    x = np.ascontiguousarray(x, dtype=float)
-    direction = np.ascontiguousarray(direction, dtype=float)
     n = len(x)
-    out = Location(
-        at=SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, chart.dim - 1))),
-        distance=np.full(n, np.nan),
-        miss=np.full(n, np.inf),
-        status=np.full(n, Status.MISSED, dtype=np.int8),
-        tolerance=tolerance,
-    )
-    for start in range(0, n, _CHUNK):
-        _locate(chart, x, direction, np.arange(start, min(start + _CHUNK, n)), reach, out)
+    at = SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, chart.dim - 1)))
+    missed = np.full(n, Status.MISSED, dtype=np.int8)
+    out = Location(at, np.full(n, np.nan), np.full(n, np.inf), missed, tolerance)
+    for rows in chunks(n, _PER_POINT):
+        point, element, xi = chart.candidates(x[rows], direction[rows], reach)
+        point = point + rows.start
+        aim = direction[point]
+        xi, distance, miss = _newton(chart, element, xi, x[point], aim, tolerance)
+        relative = miss / chart.size(element)
+        hit = (relative <= tolerance) & (np.abs(distance) <= reach)
+        # Hits before misses; hits by distance, rounded so that one edge seen from two elements
+        # ties; then by the angle of incidence, so that elements that meet smoothly tie.
+        rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)
+        several = np.flatnonzero(hit & (np.bincount(point, hit)[point] > 1))
+        flat = np.zeros(len(hit))
+        flat[several] = _incidence(chart, element[several], xi[several], aim[several])
+        order = np.lexsort((element, flat, rank, ~hit, point))
+        found, first = np.unique(point[order], return_index=True)
+        best = order[first]
+        at.element[found], at.xi[found] = element[best], xi[best]
+        out.distance[found], out.miss[found] = distance[best], miss[best]
+        edge = chart.on_edge(element[best], xi[best], 10 * tolerance)
+        inside = np.where(edge, Status.EDGE, Status.INSIDE)
+        out.status[found] = np.where(hit[best], inside, Status.MISSED)
     return out
 
 
-def _locate(
-    chart: "Chart", x: Floats, direction: Floats, points: Ints, reach: float, out: Location
-) -> None:
-    """Locate some of the points and write down what is found."""
-    aim, tolerance = direction[points], out.tolerance
-    point, element, xi = chart.candidates(x[points], aim, reach)
-    size = chart.size(element)
-    xi, distance, miss = _newton(chart, element, xi, x[points[point]], aim[point], tolerance)
-    relative = miss / size
-    hit = (relative <= tolerance) & (np.abs(distance) <= reach)
-
-    # Hits before misses; hits by distance, rounded so that one edge seen from two elements ties.
-    rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)
-    flat = _incidence(chart, point, element, xi, aim[point], hit)
-    best = _first_of_each(point, element, rank, flat, hit)
-    found = points[point[best]]
-    out.at.element[found] = element[best]
-    out.at.xi[found] = xi[best]
-    out.distance[found] = distance[best]
-    out.miss[found] = miss[best]
-    edge = chart.on_edge(element[best], xi[best], 10 * tolerance)
-    out.status[found] = np.where(
-        hit[best], np.where(edge, Status.EDGE, Status.INSIDE), Status.MISSED
-    )
-
-
-def _incidence(
-    chart: "Chart", point: Ints, element: Ints, xi: Floats, aim: Floats, hit: NDArray[np.bool_]
-) -> Floats:
-    """Angle between the line and the normal, 1 - cosine, where a point hits several elements."""
-    flat = np.zeros(len(point))
-    several = np.flatnonzero(hit)
-    several = several[np.bincount(point[several])[point[several]] > 1]
-    normal = cross(chart.tangents(element[several], xi[several])[1])
+def _incidence(chart: "Chart", element: Ints, xi: Floats, aim: Floats) -> Floats:
+    """Angle between lines and normals, as 1 - cosine, rounded, (n,)."""
+    normal = cross(chart.tangents(element, xi)[1])
     length = np.linalg.norm(normal, axis=1)
-    along = np.abs(np.einsum("ni,ni->n", normal, aim[several]))
-    # Rounded so that elements that meet smoothly tie.
-    flat[several] = np.round(1 - along / np.where(length > 0, length, 1.0), 6)
-    return flat
-
-
-def _first_of_each(
-    point: Ints, element: Ints, rank: Floats, flat: Floats, hit: NDArray[np.bool_]
-) -> NDArray[np.intp]:
-    """The best pair of each point that has any."""
-    rivals = np.bincount(point)[point] > 1
-    alone, several = np.flatnonzero(~rivals), np.flatnonzero(rivals)
-    keys = (element, flat, rank, ~hit, point)
-    order = several[np.lexsort(tuple(key[several] for key in keys))]
-    first = np.ones(len(order), dtype=bool)
-    first[1:] = point[order[1:]] != point[order[:-1]]
-    return np.concatenate([alone, order[first]])
+    along = np.abs(np.einsum("ni,ni->n", normal, aim))
+    return np.round(1 - along / np.where(length > 0, length, 1.0), 6)
 
 
 def _newton(
@@ -130,22 +97,17 @@ def _newton(
     for _ in range(_MAX_ITERATIONS):
         if not active.size:
             break
-        # At first, and often to the end, all are active: no copies are made of them.
-        some = slice(None) if len(active) == len(xi) else active
-        e, before = element[some], xi[some]
+        e, before = element[active], xi[active]
         position, tangents = chart.tangents(e, before)
-        rest = x[some] - position
-        step = newton_step(tangents, direction[some], rest)
-        moved = chart.clamp(e, before + step)
-        way = moved - before
-        xi[some] = moved
+        rest = x[active] - position
+        xi[active] = chart.clamp(e, before + newton_step(tangents, direction[active], rest))
+        way = xi[active] - before
         # Steps that end the iteration are so short that tangents tell the position after them.
-        offset[some] = np.einsum("nij,nj->ni", tangents, way) - rest
+        offset[active] = np.einsum("nij,nj->ni", tangents, way) - rest
         active = active[np.abs(way).max(axis=1) > 1e-3 * tolerance]
     if active.size:
         offset[active] = chart.tangents(element[active], xi[active])[0] - x[active]
-    distance = np.einsum("ij,ij->i", offset, direction)
-    miss = np.linalg.norm(offset - distance[:, None] * direction, axis=1)
+    distance, miss = _apart(offset, direction)
     return xi, distance, miss
 
 
@@ -172,49 +134,22 @@ def _across(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
     """Numerators of Cramer's rule: rest in the place of each tangent, along the direction."""
     if tangents.shape[1] == 2:
         return rest[:, 1:] * direction[:, :1] - rest[:, :1] * direction[:, 1:]
-    turned = np.cross(direction, rest)
-    return np.stack(
-        [
-            np.einsum("ni,ni->n", tangents[:, :, 1], turned),
-            -np.einsum("ni,ni->n", tangents[:, :, 0], turned),
-        ],
-        axis=1,
-    )
+    # t_2 . (d x rest), - t_1 . (d x rest)
+    return np.einsum("nij,ni,j->nj", tangents[:, :, ::-1], np.cross(direction, rest), [1.0, -1.0])
 
 
-class Boxes:
-    """Boxes (m) with sides along the axes, low and high (n, dim), in trees of like sizes."""
+def near_boxes(low: Floats, high: Floats, x: Floats, reach: float) -> tuple[Ints, Ints]:
+    """Points x (m), (m, dim), and boxes that come within reach of them, one pair a row.
 
-    def __init__(self, low: Floats, high: Floats) -> None:
-        self.low, self.high = low, high
-
-    @cached_property
-    def _trees(self) -> list[tuple[Ints, cKDTree, float]]:
-        """Boxes of like size, a tree of their centres, their half extent (m)."""
-        half = 0.5 * (self.high - self.low).max(axis=1)
-        centre = 0.5 * (self.low + self.high)
-        kind = np.frexp(half)[1]
-        every = [np.flatnonzero(kind == each) for each in np.unique(kind)]
-        return [(some, _tree(centre[some]), float(half[some].max())) for some in every]
-
-    def within(self, x: Floats, reach: float) -> tuple[Ints, Ints]:
-        """Points (m), shape (m, dim), and boxes that come within reach of them, one pair a row."""
-        points, boxes, tree = [], [], _tree(x)
-        for some, centres, half in self._trees:
-            pairs = tree.sparse_distance_matrix(
-                centres, half + reach, p=np.inf, output_type="ndarray"
-            )
-            point, box = pairs["i"].astype(np.int64), some[pairs["j"]]
-            at = x[point]
-            near = ((at >= self.low[box] - reach) & (at <= self.high[box] + reach)).all(axis=1)
-            points.append(point[near])
-            boxes.append(box[near])
-        return np.concatenate(points), np.concatenate(boxes)
-
-
-def _tree(x: Floats) -> cKDTree:
-    """Tree that is quick to make: it is asked once or twice."""
-    return cKDTree(x, balanced_tree=False, compact_nodes=False)
+    Boxes have sides along the axes, from low to high (m), (n, dim) each.
+    """
+    half = 0.5 * (high - low).max(axis=1) + reach
+    found = cKDTree(x).query_ball_point(0.5 * (low + high), half, p=np.inf)
+    box = np.repeat(np.arange(len(found)), [len(each) for each in found])
+    point = np.concatenate([*found, []]).astype(np.int64)
+    at = x[point]
+    near = ((at >= low[box] - reach) & (at <= high[box] + reach)).all(axis=1)
+    return point[near], box[near]
 
 
 class CellBounds:
@@ -235,15 +170,14 @@ class CellBounds:
         else:  # corners in C order: the first, that along the second direction, along the first
             shape = np.column_stack([1 - t.sum(axis=1), t[:, ::-1]])
         corners = x[:, corner]
-        bulge = np.abs(x - shape @ corners).max(axis=1)
-        margin = _SAFETY * bulge
-        self.boxes = Boxes(corners.min(axis=1) - margin, corners.max(axis=1) + margin)
+        margin = _SAFETY * np.abs(x - shape @ corners).max(axis=1)
+        self._low, self._high = corners.min(axis=1) - margin, corners.max(axis=1) + margin
         self.centre = corners.mean(axis=1)
         farthest = np.linalg.norm(corners - self.centre[:, None], axis=2).max(axis=1)
         self.radius = farthest + np.linalg.norm(margin, axis=1)
         # Not on the edges: a collapsed one has no tangent to start Newton's method with.
-        inner = (steps > 0).all(axis=1)
-        inner &= (steps.sum(axis=1) if not cells.tensor else steps.max(axis=1)) < _SIDE
+        far = steps.max(axis=1) if cells.tensor else steps.sum(axis=1)
+        inner = (steps > 0).all(axis=1) & (far < _SIDE)
         self._starts = at.xi.reshape(*x.shape[:2], -1)[:, inner]
         self._samples = x[:, inner]
 
@@ -251,14 +185,13 @@ class CellBounds:
         """Pairs worth trying: points, elements, and xi of the sample nearest to the line."""
         # Room for rounding, beside a reach that may be zero.
         room = reach + 1e-6 * 2 * float(self.radius.max())
-        point, cell = self.boxes.within(x, room)
-        aim = direction[point]
-        along, across = _apart(self.centre[cell] - x[point], aim)
+        point, cell = near_boxes(self._low, self._high, x, room)
+        along, across = _apart(self.centre[cell] - x[point], direction[point])
         near = _NEAR * self.radius[cell]
         tried = (across <= near) & (np.abs(along) <= reach + near)
-        point, cell, aim = point[tried], cell[tried], aim[tried]
+        point, cell = point[tried], cell[tried]
         offset = self._samples[cell] - x[point][:, None]
-        along, across = _apart(offset, aim[:, None])
+        along, across = _apart(offset, direction[point][:, None])
         best = np.hypot(across, np.maximum(np.abs(along) - reach, 0.0)).argmin(axis=1)
         return point, self._element[cell], self._starts[cell, best]
 
@@ -306,10 +239,11 @@ class Chart(ABC):
 
     def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
         """Pairs worth trying: points, elements, starting xi; every true hit within reach is one."""
-        return self._bounds.candidates(x, direction, reach)
+        return self.bounds.candidates(x, direction, reach)
 
     @cached_property
-    def _bounds(self) -> CellBounds:
+    def bounds(self) -> CellBounds:
+        """Boxes and balls of its cells."""
         return CellBounds(self.cells(), self.tangents)
 
     def clamp(self, element: Ints, xi: Floats) -> Floats:

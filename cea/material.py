@@ -1,16 +1,134 @@
-"""Linear elastic solids: isotropic, orthotropic, fully anisotropic."""
+"""Linear elastic solids: isotropic, orthotropic, fully anisotropic.
+
+In the axes of a material, which may turn from point to point,
+
+    sigma = R S R^T,    S_pq = C_pqrs (R^T grad u R)_rs
+
+with the tensor C in the axes of the material, the columns of R(x). Matrices of constants have the
+order 11, 22, 33, 23, 13, 12 of Voigt (Ting, Anisotropic Elasticity, 1996, sec. 2.3).
+"""
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from cea.arrays import is_number
-from cea.elasticity import Axes, Elasticity
-from cea.errors import InputError
+from cea.arrays import Floats, is_number
+from cea.errors import InputError, require
+from cea.expressions import Expression
+
+_VOIGT = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+_PARALLEL = 1e-6
+"""Sine of the angle below which two directions make no axes."""
+_SHEAR = 1e-9
+"""Shear out of the plane that counts as none, relative to the largest stress."""
+
+Direction = tuple[float | str, float | str, float | str]
+"""Components: numbers, or expressions in the coordinates."""
+
+
+@dataclass(frozen=True)
+class Axes:
+    """Axes of a material: along two given directions, or cylindrical.
+
+    Parameters
+    ----------
+    first, second
+        Directions of axes 1 and 2; what of the second lies along the first is taken away. Axis 3 is
+        normal to both, right-handed.
+    cylindrical_about
+        Direction of axis 3, given in the place of both: axis 1 is radial, 2 circumferential.
+    origin
+        A point of that axis (m).
+    """
+
+    first: Direction | None = None
+    second: Direction | None = None
+    cylindrical_about: tuple[float, float, float] | None = None
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        if (self.cylindrical_about is None) == (self.first is None or self.second is None):
+            raise InputError("axes", self, "first and second, or cylindrical_about")
+
+    @property
+    def uniform(self) -> bool:
+        """Whether they are the same everywhere."""
+        given = (*(self.first or ("",)), *(self.second or ("",)))
+        return not any(isinstance(each, str) for each in given)
+
+    def at(self, x: Floats) -> Floats:
+        """R at positions x (m), shape (dim, n): the axes as columns, (3, 3, n)."""
+        if self.cylindrical_about is None:
+            one, other = (_vectors(each, x) for each in (self.first, self.second))
+            e1 = _unit(one, one)
+            e2 = _unit(other - e1 * np.sum(e1 * other, axis=0), other)
+            return np.stack([e1, e2, np.cross(e1, e2, axis=0)], axis=1)
+        axis = _vectors(self.cylindrical_about, x)
+        e3, arm = _unit(axis, axis), np.zeros_like(axis)
+        arm[: len(x)] = x - np.asarray(self.origin, dtype=float)[: len(x), None]
+        e1 = _unit(arm - e3 * np.sum(e3 * arm, axis=0), arm)
+        return np.stack([e1, np.cross(e3, e1, axis=0), e3], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Elasticity:
+    """Stress of a displacement gradient at any point of a body."""
+
+    matrix: Floats  # constants in the axes of the material (N/m^2), symmetric, shape (6, 6)
+    axes: Axes | None = None  # None for those of space
+
+    @property
+    def varies(self) -> bool:
+        """Whether the tensor is not the same everywhere."""
+        return self.axes is not None and not self.axes.uniform
+
+    def stress(self, gradient: Floats, x: Floats) -> Floats:
+        """Cauchy stress (N/m^2), shape (dim, dim, n); in the plane that of plane strain.
+
+        With ``gradient[i, j] = d u_i / d x_j``, shape (dim, dim, n), at positions x (m), shape
+        (dim, n), which are not looked at where the tensor is uniform. Refused where there are no
+        axes at a point.
+        """
+        dim, tensor = len(gradient), self.matrix[np.ix_(_VOIGT.ravel(), _VOIGT.ravel())]
+        if not self.varies:
+            if self.axes is not None:
+                R = self.axes.at(np.zeros((3, 1)))[:, :, 0]
+                turn = np.kron(R, R)
+                tensor = turn @ tensor @ turn.T
+            own = tensor.reshape((3,) * 4)[:dim, :dim, :dim, :dim].reshape(dim * dim, -1)
+            return (own @ gradient.reshape(dim * dim, -1)).reshape(gradient.shape)
+        R = self.axes.at(x)[:dim]  # type: ignore[union-attr]
+        along = np.einsum("ipn,ijn,jqn->pqn", R, gradient, R, optimize=True)
+        own = (tensor @ along.reshape(9, -1)).reshape(along.shape)
+        return np.einsum("ipn,pqn,jqn->ijn", R, own, R, optimize=True)
+
+    def check(self, dim: int, field: str) -> None:
+        """Refuse axes that do not exist, and in the plane those that shear out of it."""
+        somewhere = np.repeat(np.sqrt([[2.0], [3.0], [5.0]])[:dim], 4, axis=1)  # on no axis
+        try:
+            stress = self.stress(np.eye(9)[:, [0, 1, 3, 4]].reshape(3, 3, 4), somewhere)
+        except InputError as error:
+            raise InputError(f"{field}.axes", error.value, error.allowed) from None
+        if dim == 2 and np.abs(stress[2, :2]).max() > _SHEAR * np.abs(stress).max():
+            allowed = "constants and axes that are symmetric about the plane (plane strain)"
+            raise InputError(field, "shear out of the plane", allowed)
+
+
+def _vectors(components: Direction | None, x: Floats) -> Floats:
+    """Vectors at positions x (dim, n), (3, n)."""
+    return np.stack([Expression(str(each))(x.T) for each in components or ()])
+
+
+def _unit(vectors: Floats, whole: Floats) -> Floats:
+    """Vectors of length one, (3, n); refused where hardly anything is left of the whole."""
+    length = np.linalg.norm(vectors, axis=0)
+    if not (length > _PARALLEL * np.linalg.norm(whole, axis=0)).all():
+        raise InputError("axes", "no direction somewhere", "directions that differ at every point")
+    return vectors / length
 
 
 class Material(ABC):
@@ -34,12 +152,8 @@ class Material(ABC):
         return {}
 
     def __post_init__(self) -> None:
-        for fault in self._faults():
-            raise fault
-
-    def _faults(self) -> Iterator[InputError]:
-        if self.rho is not None and not (is_number(self.rho) and self.rho > 0):
-            yield InputError("material.rho", self.rho, "a positive number (kg/m^3)")
+        given = self.rho is None or (is_number(self.rho) and self.rho > 0)
+        require(given, "material.rho", self.rho, "a positive number (kg/m^3)")
 
     def density(self, field: str) -> float:
         """Density (kg/m^3), which is needed here; refused where there is none."""
@@ -83,12 +197,12 @@ class IsotropicMaterial(Material):
     rho: float | None = None
     kind: ClassVar[str] = "isotropic"
 
-    def _faults(self) -> Iterator[InputError]:
-        if not (is_number(self.E) and self.E > 0):
-            raise InputError("material.E", self.E, "a positive number (N/m^2)")
-        if not (is_number(self.nu) and -1 < self.nu < 0.5):
-            yield InputError("material.nu", self.nu, "between -1 and 0.5, both excluded")
-        yield from super()._faults()
+    def __post_init__(self) -> None:
+        positive = is_number(self.E) and self.E > 0
+        require(positive, "material.E", self.E, "a positive number (N/m^2)")
+        within = is_number(self.nu) and -1 < self.nu < 0.5
+        require(within, "material.nu", self.nu, "between -1 and 0.5, both excluded")
+        super().__post_init__()
 
     @property
     def lame(self) -> tuple[float, float]:
@@ -117,20 +231,19 @@ class IsotropicMaterial(Material):
 class SolidOfConstants(Material):
     """A solid of several constants, of which the matrix has to be positive definite."""
 
-    def _faults(self) -> Iterator[InputError]:
-        yield from super()._faults()
+    def __post_init__(self) -> None:
+        super().__post_init__()
         for name, value in self.constants.items():
-            if not is_number(value) or (name[0] in "EG" and value <= 0):
-                allowed = "a positive number" if name[0] in "EG" else "a number"
-                yield InputError(f"material.{name}", value, allowed)
-                return
+            positive = name[0] in "EG"
+            valid = is_number(value) and (value > 0 or not positive)
+            require(valid, f"material.{name}", value, f"a {'positive ' * positive}number")
         matrix = self.matrix_of(self.constants)
-        scale = np.sqrt(np.abs(np.diag(matrix)))
-        scaled = matrix / np.where(scale > 0, scale, 1.0) / np.where(scale > 0, scale, 1.0)[:, None]
-        if (least := float(np.linalg.eigvalsh(scaled)[0])) <= 0:
-            allowed = "constants that are positive definite (abs(nu_ij) < sqrt(E_i / E_j) and more)"
-            told = f"{allowed}: the least eigenvalue of their scaled matrix is {least:.2g}"
-            yield InputError("material.constants", self.constants, told)
+        diagonal = np.abs(np.diag(matrix))
+        scale = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+        least = float(np.linalg.eigvalsh(matrix / scale / scale[:, None])[0])
+        allowed = "constants that are positive definite (abs(nu_ij) < sqrt(E_i / E_j) and more)"
+        told = f"{allowed}: the least eigenvalue of their scaled matrix is {least:.2g}"
+        require(least > 0, "material.constants", self.constants, told)
 
 
 @dataclass(frozen=True)
@@ -193,14 +306,11 @@ class OrthotropicMaterial(SolidOfConstants):
             inverse[i, j] = inverse[j, i] = -c[f"nu_{i + 1}{j + 1}"] / c[f"E_{i + 1}"]
         return np.linalg.inv(inverse)
 
-    def _faults(self) -> Iterator[InputError]:
-        if len(self.constants) in (5, 9):
-            yield from super()._faults()
-        else:
-            allowed = (
-                "nine constants; E_1, E_3, nu_12, nu_13, G_13 alone are isotropic about axis 3"
-            )
-            yield InputError("material.constants", sorted(self.constants), allowed)
+    def __post_init__(self) -> None:
+        allowed = "nine constants; E_1, E_3, nu_12, nu_13, G_13 alone are isotropic about axis 3"
+        known = sorted(self.constants)
+        require(len(known) in (5, 9), "material.constants", known, allowed)
+        super().__post_init__()
 
 
 @dataclass(frozen=True)
@@ -240,11 +350,10 @@ class AnisotropicMaterial(SolidOfConstants):
             matrix[i, j] = matrix[j, i] = constants.get(f"C.{name}", 0.0)
         return matrix
 
-    def _faults(self) -> Iterator[InputError]:
-        if unknown := set(self.C) - set(_ENTRIES.values()):
-            yield InputError("material.C", sorted(unknown), "C_11, C_12, ... C_66")
-        else:
-            yield from super()._faults()
+    def __post_init__(self) -> None:
+        unknown = sorted(set(self.C) - set(_ENTRIES.values()))
+        require(not unknown, "material.C", unknown, "C_11, C_12, ... C_66")
+        super().__post_init__()
 
 
 _ENTRIES = {(i, j): f"C_{i + 1}{j + 1}" for i in range(6) for j in range(i, 6)}

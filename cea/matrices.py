@@ -54,13 +54,40 @@ def side_by_side(blocks: Sequence[Any]) -> Any:
     return PETSc.Mat().createNest([list(blocks)]).convert("aij")
 
 
-def product(left: Any, right: Any, factor: Any) -> Any:
-    """L^T diag(factor) R."""
-    scaled = right.copy()
-    scaled.diagonalScale(L=factor)
+def applied(matrix: Any, values: Floats, *, transposed: bool = False) -> Floats:
+    """A matrix, or its transpose, times a vector, both by the rows of this rank."""
+    x, y = matrix.createVecs()
+    if transposed:
+        x, y = y, x
+    x.array[:] = values
+    (matrix.multTranspose if transposed else matrix.mult)(x, y)
+    image = y.array_r.copy()
+    destroy(x, y)
+    return image
+
+
+def diagonal_of(matrix: Any) -> Floats:
+    """Diagonal of a matrix, the rows of this rank."""
+    vector = matrix.getDiagonal()
+    values = vector.array_r.copy()
+    destroy(vector)
+    return values
+
+
+def product(left: Any, right: Any, factor: Floats) -> Any:
+    """L^T diag(factor) R; the factors are those of the rows of this rank."""
+    scaled = _with_rows_scaled(right, factor)
     result = _alone(left.transposeMatMult(scaled))
     destroy(scaled)
     return result
+
+
+def _with_rows_scaled(matrix: Any, factor: Floats) -> Any:
+    scaled, vector = matrix.copy(), matrix.createVecLeft()
+    vector.array[:] = factor
+    scaled.diagonalScale(L=vector)
+    destroy(vector)
+    return scaled
 
 
 def transposed_product(left: Any, right: Any) -> Any:
@@ -73,21 +100,18 @@ def times(left: Any, right: Any) -> Any:
     return _alone(left.matMult(right))
 
 
-def symmetric_product(gap: Any, weight: Any) -> Any:
+def symmetric_product(gap: Any, weight: Floats) -> Any:
     """G^T D G as (sqrt(D) G)^T (sqrt(D) G): symmetric to the last bit.
 
     On several ranks an entry and its mirror image may add the same parts in another order; their
     mean does not.
     """
-    root = weight.copy()
-    root.sqrtabs()
-    scaled = gap.copy()
-    scaled.diagonalScale(L=root)
+    scaled = _with_rows_scaled(gap, np.sqrt(weight))
     result = _alone(scaled.transposeMatMult(scaled))
     if result.comm.size > 1:
         symmetrised(result)
     result.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    destroy(root, scaled)
+    destroy(scaled)
     return result
 
 
@@ -115,11 +139,6 @@ def _mean_with_transpose(matrix: Any, sign: float) -> Any:
     matrix.scale(0.5)
     transpose.destroy()
     return matrix
-
-
-def total(matrices: Sequence[Any]) -> Any:
-    """Sum of matrices, a new one."""
-    return scaled_total([(1.0, matrix) for matrix in matrices])
 
 
 def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
@@ -182,13 +201,9 @@ def dense(columns: NDArray[Any], layout: tuple[int, int], comm: Any) -> Any:
     return PETSc.Mat().createDense(size, array=array, comm=comm)
 
 
-def gather(vector: Any, *, everywhere: bool = True) -> Floats:
-    """Whole PETSc vector on every rank, or on rank 0 only and empty on others."""
-    scatter, whole = (PETSc.Scatter.toAll if everywhere else PETSc.Scatter.toZero)(vector)
-    scatter.scatter(vector, whole)
-    values = np.array(whole.array, dtype=float)
-    destroy(scatter, whole)
-    return values
+def gather(vector: Any) -> Floats:
+    """Whole PETSc vector on every rank."""
+    return np.concatenate(vector.comm.tompi4py().allgather(vector.array_r))
 
 
 def destroy(*objects: Any) -> None:

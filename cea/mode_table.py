@@ -74,8 +74,8 @@ def shown_cells(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
         {
             "mode": str(row["mode"]),
             "frequency": f"{row['frequency']:.{places}f}",
-            "growth_rate": growth_text(row["growth_rate"]),
-            "damping_ratio": ratio_text(row["damping_ratio"]),
+            "growth_rate": _signed(row["growth_rate"], 3, _DIGITS),
+            "damping_ratio": _signed(row["damping_ratio"], 4, _RATIO),
             "verdict": row["verdict"],
             "uncertainty": f"{row['uncertainty']:.1e}",
             "residual": f"{row['residual']:.1e}",
@@ -85,16 +85,15 @@ def shown_cells(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
     ]
 
 
-def growth_text(rate: float) -> str:
-    """A growth rate (1/s); a small one by its digits, for it decides as a large one does."""
-    return f"{rate:+.3f}" if rate == 0 or abs(rate) >= _DIGITS else f"{rate:+.2e}"
+def _signed(number: float | None, places: int, least: float) -> str:
+    """A number with so many digits after the point, a dash for none.
 
-
-def ratio_text(ratio: float | None) -> str:
-    """A damping ratio, likewise; a dash where a mode has none."""
-    if ratio is None:
+    One below the least by its digits, for a small growth rate decides as a large one does.
+    """
+    if number is None:
         return "-"
-    return f"{ratio:+.4f}" if ratio == 0 or abs(ratio) >= _RATIO else f"{ratio:+.1e}"
+    large = number == 0 or abs(number) >= least
+    return f"{number:+.{places}f}" if large else f"{number:+.{5 - places}e}"
 
 
 def aligned(rows: Sequence[Mapping[str, Any]]) -> list[str]:

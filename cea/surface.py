@@ -39,11 +39,9 @@ class TrueSurface(Protocol):
 
     def distance(self, x: Floats, direction: Floats) -> Floats:
         """Signed distance (m) to it along unit directions from points x (m), (n, dim): (n,)."""
-        ...
 
     def normal(self, x: Floats, near: Floats) -> Floats:
         """Its unit normals at points x (m), outward as those of the facets near them, (n, dim)."""
-        ...
 
 
 class Surface(Chart):

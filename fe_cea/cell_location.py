@@ -8,7 +8,7 @@ import basix
 import numpy as np
 
 from cea.arrays import Floats, Ints, chunks
-from cea.location import Boxes
+from cea.location import near_boxes
 from fe_cea.facets import geometry_element, nodes_and_dofs
 
 _MAX_ITERATIONS = 40
@@ -55,19 +55,15 @@ class Cells:
         """Diagonals of the boxes of the nodes of each cell (m), (n,)."""
         return np.linalg.norm(np.ptp(self.nodes, axis=1), axis=1)
 
-    @cached_property
-    def _boxes(self) -> Boxes:
-        """The boxes of the nodes of each cell."""
-        return Boxes(self.nodes.min(axis=1), self.nodes.max(axis=1))
-
     def locate(self, x: Floats) -> tuple[Ints, Floats, Floats]:
         """Cell and reference coordinates nearest to each point."""
         cell = np.full(len(x), -1, dtype=np.int64)
         xi, miss = np.zeros(x.shape), np.full(len(x), np.inf)
+        low, high = self.nodes.min(axis=1), self.nodes.max(axis=1)
         left, largest = np.arange(len(x)), float(self.sizes.max())
         reach, most = _TOUCHES * largest, _INSIDE
         while len(left):
-            point, candidates = self._boxes.within(x[left], reach)
+            point, candidates = near_boxes(low, high, x[left], reach)
             found, apart = self._pulled_back(candidates, x[left[point]], point)
             order = np.lexsort((candidates, np.round(apart, _ALIKE), point))
             best = order[np.unique(point[order], return_index=True)[1]]

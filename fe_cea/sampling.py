@@ -10,8 +10,8 @@ from dolfinx.fem.petsc import interpolation_matrix
 from scipy.sparse import csr_array, vstack
 
 from cea.arrays import Floats, Ints, chunks
+from cea.body.space import VolumeCells
 from cea.errors import require
-from cea.volume import VolumeCells
 from fe_cea.facets import geometry_element
 
 _FLAT = 1e-10

@@ -10,6 +10,7 @@ from dolfinx.fem import functionspace
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
+from cea.body.space import VolumeCells
 from cea.errors import require
 from cea.mesh import Mesh
 from cea.petsc import MPI
@@ -17,7 +18,6 @@ from cea.ranks import agreed
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.surface import TrueSurface
-from cea.volume import VolumeCells
 from fe_cea.distribution import distribute, lasting_communicator
 from fe_cea.matrices import LagrangeMatrices
 from fe_cea.prolongation import prolongation

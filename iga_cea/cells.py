@@ -7,7 +7,7 @@ from scipy.sparse import coo_array, csr_array, diags_array, kron, vstack
 from scipy.special import comb
 
 from cea.arrays import Floats, Ints
-from cea.volume import VolumeCells
+from cea.body.space import VolumeCells
 from iga_cea.multipatch import Multipatch
 from iga_cea.patch import Patch
 from iga_cea.splines import insertion_matrix

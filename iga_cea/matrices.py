@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.elasticity import Elasticity
+from cea.material import Elasticity
 from cea.rotation import Rotation
 from iga_cea.entries import entries
 from iga_cea.metric import VALUE, Metric

@@ -8,11 +8,11 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
+from cea.body.space import VolumeCells
 from cea.errors import InputError
 from cea.petsc import MPI
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
-from cea.volume import VolumeCells
 from iga_cea.cells import bezier_cells
 from iga_cea.collapse import collapsed_lines, face_is_collapsed
 from iga_cea.matrices import NurbsMatrices

@@ -200,7 +200,7 @@ def planted(tmp_path):
 )
 def test_a_planted_circle_of_files_is_found(planted, back):
     modules = planted(hall__a="from hall.b import x", hall__b="import hall.c", hall__c=back)
-    assert circles(imports_within(modules)) == [["hall.a", "hall.b", "hall.c"]]
+    assert {*circles(imports_within(modules))} == {"hall.a", "hall.b", "hall.c"}
     assert circles(imports_between_folders(modules)) == []
 
 
@@ -212,14 +212,14 @@ def test_a_planted_circle_of_folders_is_found(planted):
         hall__left__d="",
     )
     assert circles(imports_within(modules)) == []
-    assert circles(imports_between_folders(modules)) == [["hall.left", "hall.right"]]
+    assert {*circles(imports_between_folders(modules))} == {"hall.left", "hall.right"}
 
 
 def test_a_folder_and_its_subfolder_can_make_a_circle(planted):
     modules = planted(
         hall__a="from hall.sub import b", hall__sub__b="", hall__sub__c="import hall.d", hall__d=""
     )
-    assert circles(imports_between_folders(modules)) == [["hall", "hall.sub"]]
+    assert {*circles(imports_between_folders(modules))} == {"hall", "hall.sub"}
 
 
 def test_a_tree_without_circles_has_none(planted):

@@ -1,21 +1,66 @@
-"""What a backend must offer to make a body; its surfaces in :mod:`cea.surface`.
+"""What a backend must offer to make a body, and its cells; surfaces in :mod:`cea.surface`.
 
 A space has scalar basis functions numbered 0 .. ``num_scalar_dofs`` - 1 over all ranks. A *full*
 displacement vector holds component c of function i at ``dim * i + c``.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
 
+import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
-from cea.elasticity import Elasticity
+from cea.material import Elasticity
+from cea.mesh import lattice
 from cea.rotation import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.surface import Surface
-from cea.volume import VolumeCells
+
+
+@dataclass(frozen=True)
+class VolumeCells:
+    """Cells of a body with geometry and displacement as they are, for programs that draw such.
+
+    Lagrange elements on equally spaced nodes, or the rational Bezier elements of knot spans. Both
+    have one point for each (i, j, k) of a lattice: 0 <= i, j, k <= degree in boxes,
+    i + j + k <= degree in simplices. Fields of Lagrange elements pass through the values at the
+    points; of Bezier elements points and values are rational Bezier coefficients.
+    """
+
+    kind: Literal["lagrange", "bezier"]
+    simplex: bool  # whether cells are triangles or tetrahedra
+    degree: int  # along every direction, to which lower ones are raised: programs are surest there
+    points: Floats  # positions (m), shape (n, dim)
+    weights: Floats  # rational weights of the points, shape (n,); 1 for Lagrange elements
+    # points of each right-handed cell in C order of the lattice, shape (n_cells, points of a cell)
+    cells: Ints
+    values: csr_array  # coefficients there of the scalar basis functions, (n, num_scalar_dofs)
+
+    def straight(self) -> "StraightCells":
+        """Straight cells through the corners of these, on which fields are what they are."""
+        dim = self.points.shape[1]
+        places = lattice(dim, self.degree, self.simplex).tolist()
+        corners = np.vstack([np.zeros((1, dim), dtype=int), np.eye(dim, dtype=int)])
+        if not self.simplex:
+            corners = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
+            if dim == 3:
+                corners = np.vstack([np.insert(corners, 2, z, axis=1) for z in (0, 1)])
+        at = [places.index(corner) for corner in (self.degree * corners).tolist()]
+        used, cells = np.unique(self.cells[:, at], return_inverse=True)
+        cells = cells.reshape(-1, len(at))
+        return StraightCells(self.points[used], cells, csr_array(self.values[used]))
+
+
+@dataclass(frozen=True)
+class StraightCells:
+    """Points of a body joined to straight cells."""
+
+    points: Floats  # positions (m), (n, dim)
+    cells: Ints  # points in VTK order, (n_cells, dim + 1) simplices or (n_cells, 2^dim) boxes
+    values: csr_array  # values there of the scalar basis functions, (n, num_scalar_dofs)
 
 
 class Space(Protocol):
@@ -28,42 +73,33 @@ class Space(Protocol):
     @property
     def dim(self) -> int:
         """Dimension of space, 2 or 3."""
-        ...
 
     @property
     def comm(self) -> Any:
         """MPI communicator (mpi4py)."""
-        ...
 
     @property
     def ranges(self) -> Ints:
         """First scalar dof of each rank, and the end of the last, rising, shape (ranks + 1,)."""
-        ...
 
     @property
     def surfaces(self) -> Mapping[str, Surface]:
         """Named surfaces, the same on every rank."""
-        ...
 
     def constrain(self, supports: Sequence[Support], field: str) -> Constraints:
         """What supports leave free; the field is their name in messages."""
-        ...
 
     def stiffness(self, elasticity: Elasticity) -> Any:
         """Elastic stiffness (N/m) of a law of the material, symmetric."""
-        ...
 
     def mass(self, rho: float) -> Any:
         """Consistent mass at a density (kg/m^3), symmetric, kg; components are not coupled."""
-        ...
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
         """Y of a rotation at 1 rad/s (:mod:`cea.rotation`) at a density (kg/m^3), skew, kg."""
-        ...
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
         """Z of a rotation (:mod:`cea.rotation`) at a density (kg/m^3), symmetric, kg."""
-        ...
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Int sigma_ij d_i u . d_j v with the stress sigma of a displacement, symmetric, N/m.
@@ -71,7 +107,6 @@ class Space(Protocol):
         The displacement of all dofs (m) is the same on every rank, (dim * num_scalar_dofs,)
         (Wriggers, Nonlinear Finite Element Methods, 2008, sec. 4.2.3).
         """
-        ...
 
     @property
     def dof_positions(self) -> Floats | None:
@@ -79,7 +114,6 @@ class Space(Protocol):
 
         Shape (num_scalar_dofs, dim); None where x does not lie in it, so that a rotation does not.
         """
-        ...
 
     def prolongation(self, coarse: Any) -> tuple[csr_array, float]:
         """Functions of a coarser space of the same backend, body and ranks in this one.
@@ -89,8 +123,6 @@ class Space(Protocol):
         coarse function and these, relative to its coefficients. Refused where the spaces are not
         those of one body.
         """
-        ...
 
     def volume_cells(self) -> VolumeCells:
         """Cells of the body with geometry and functions as they are; complete on rank 0."""
-        ...

@@ -16,15 +16,16 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.body.unknowns import system_operator
+from cea.body.body import system_operator
 from cea.contact.formulations import Coupling, Form
 from cea.contact.friction import Friction
 from cea.contact.interface import Interface, jump_along
 from cea.contact.laws import NormalLaw, Sliding
 from cea.contact.lumping import lumped_matrices
-from cea.contact.mortar import Eliminated, MortarProjection, ProjectedLaw
+from cea.contact.mortar import Eliminated, MortarProjection
 from cea.errors import InputError
 from cea.matrices import (
+    applied,
     block_diagonal,
     destroy,
     gather,
@@ -150,49 +151,47 @@ class Contact:
             return self.lumped
         if self.projection is None or not self.law.linear:
             return self.tangent(self.slope)
-        compliance = self.compliance(self.slope)
-        matrices = Eliminated(compliance, self.gap, self.slip).matrices()
-        destroy(compliance)
-        return matrices
+        return self._eliminated.matrices()
 
     def tangent(self, p: Floats) -> tuple[Any, Any | None]:
         """K_n and K_f of a slope p of the law at all points (N/m^3); not of lumped contact."""
         if self.projection is not None:
-            return self._projected.tangent(p)
+            return self._eliminated.tangent(p)
         weight = self.weight(p)
-        normal = symmetric_product(self.gap, weight)
         friction = product(self.slip, self.gap, weight) if self.slip is not None else None
-        destroy(weight)
-        return normal, friction
+        return symmetric_product(self.gap, weight), friction
 
-    def closing(self, x: Any) -> Floats:
-        """What a motion x closes of the gap at all points (m), as the law meets it, (n,)."""
-        if self.projection is not None:
-            return self._projected.closing(x)
-        return _times(self.gap, x)
+    def closing(self, x: Floats) -> Floats:
+        """What a motion closes of the gap at all points (m), as the law meets it, (n,).
+
+        Of unknowns x (m), the rows of this rank.
+        """
+        return self._gaps(x) if self.projection is None else self._eliminated.closing(x)
+
+    def _gaps(self, x: Floats) -> Floats:
+        """G x, or B x, on every rank."""
+        return np.concatenate(self.interface.comm.allgather(applied(self.gap, x)))
 
     def projected_gap(self, gap: Floats) -> Floats:
         """A gap given at all points (m) as the law meets it: projected with mortar contact."""
-        return gap if self.projection is None else self._projected.projected(gap)
+        return gap if self.projection is None else self._eliminated.projected(gap)
 
-    def force(self, pressure: Floats, *, friction: bool = True) -> Any:
-        """Forces (N), PETSc vector, that a pressure at all points puts against the motion.
+    def force(self, pressure: Floats, *, friction: bool = True) -> Floats:
+        """Forces (N) that a pressure at all points puts against the motion, the rows of this rank.
 
         Those of friction, if there is any, may be left out.
         """
         friction = friction and self.has_friction
         if self.projection is not None:
-            return self._projected.pushed(pressure, friction=friction)
-        weighted, force = self.weight(pressure), self.gap.createVecRight()
+            return self._eliminated.pushed(pressure, friction=friction)
+        weighted = self.weight(pressure)
+        force = applied(self.gap, weighted, transposed=True)
         if friction and self.slip is not None:
-            self.slip.multTranspose(weighted, force)
-            force.scale(-1.0)
-        self.gap.multTransposeAdd(weighted, force, force)
-        destroy(weighted)
+            force -= applied(self.slip, weighted, transposed=True)
         return force
 
     def pressure(self, x: Any) -> Floats:
-        """Contact pressure (N/m^2) at every point, on every rank, for unknowns x.
+        """Contact pressure (N/m^2) at every point, on every rank, for unknowns x, PETSc vector.
 
         It is made of gaps, which hold the fewer digits the stiffer the contact; refused where the
         sides are tied or bonded. Of a law that is not linear it is the change that x makes.
@@ -200,19 +199,22 @@ class Contact:
         if not self.has_pressure:
             raise InputError(self.name, self.P, "a finite stiffness, and sides that are not bonded")
         if self.projection is None or not self.law.linear:
-            return self.slope * self.closing(x)
-        return self.projection.pressure(self.slope, _times(self.gap, x))
+            return self.slope * self.closing(x.array_r)
+        return self.projection.pressure(self.slope, self._gaps(x.array_r))
 
     @cached_property
-    def _projected(self) -> ProjectedLaw:
+    def _eliminated(self) -> Eliminated:
+        """M^-1 between B and B_k, of a law that is not linear that of p = 1."""
         assert self.projection is not None
-        return ProjectedLaw(self.projection, self.gap, self.slip)
+        p = self.slope if self.law.linear else np.ones(len(self.interface.points))
+        compliance = self.compliance(p)
+        made = Eliminated(self.projection, compliance, self.gap, self.slip)
+        destroy(compliance)
+        return made
 
-    def weight(self, values: Floats) -> Any:
-        """Area weights times values at all points, PETSc vector: of p the diagonal of D (N/m)."""
-        weight = self.gap.createVecLeft()
-        weight.array[:] = self.interface.local_points.weight * values[self.interface.rows]
-        return weight
+    def weight(self, values: Floats) -> Floats:
+        """Area weights times values at all points, at those of this rank: of p D (N/m)."""
+        return self.interface.local_points.weight * values[self.interface.rows]
 
     def compliance(self, p: Floats) -> Any:
         """M where gaps are projected, PETSc AIJ, of a stiffness p at all points (N/m^3)."""
@@ -254,8 +256,7 @@ def assembled(
     if contact.friction is not None and not frictional:
         contact = replace(contact, of_unit_friction=True)
     interface, points = contact.interface, contact.interface.local_points
-    bonded = contact.coupling == "bonded"
-    projection = None
+    bonded, projection = contact.coupling == "bonded", None
     if contact.is_projected:
         # Of a linear law, open points have no part in the projection: their compliance is infinite.
         bearing = (contact.slope > 0) | (not contact.law.linear)
@@ -271,31 +272,25 @@ def assembled(
         destroy(jump)
         return integrals
 
-    axes = [points.normal]
     if bonded:
-        axes = [np.tile(axis, (len(points), 1)) for axis in np.eye(interface.a.dim)]
-    gaps = [operator(axis) for axis in axes]
-    gap = one_below_the_other(gaps) if bonded else gaps[0]
-    destroy(*(gaps if bonded else ()))
-    slip = lumped = None
-    pushed = None
+        axes = [operator(np.tile(axis, (len(points), 1))) for axis in np.eye(interface.a.dim)]
+        gap = one_below_the_other(axes)
+        destroy(*axes)
+    else:
+        gap = operator(points.normal)
+    pushed = slip = lumped = prescribed = None
     if contact.friction is not None and not bonded and (frictional or not leave_out):
         pushed = contact.mu_at_points[:, None] * contact.friction_direction()
         slip = operator(pushed)
     if contact.coupling == "lumped":
-        weight = points.weight * contact.slope[interface.rows]
+        weight = contact.weight(contact.slope)
         lumped = lumped_matrices(bodies, (contact.a, contact.b), interface, weight, pushed)
     given = {name: bodies[name].prescribed for name in (contact.a, contact.b)}
     moved = {name: gather(each) for name, each in given.items() if each is not None}
-    closed = approach_along(contact, points.normal, moved) if moved else np.zeros(0)
-    return replace(
-        contact,
-        gap=gap,
-        slip=slip,
-        projection=projection,
-        lumped=lumped,
-        prescribed=closed if closed.any() else None,
-    )
+    if moved and (closed := approach_along(contact, points.normal, moved)).any():
+        prescribed = closed
+    made = {"gap": gap, "slip": slip, "projection": projection, "lumped": lumped}
+    return replace(contact, **made, prescribed=prescribed)
 
 
 def jump_operator(bodies: Mapping[str, Body], contact: Contact, direction: Floats) -> Any:
@@ -304,22 +299,10 @@ def jump_operator(bodies: Mapping[str, Body], contact: Contact, direction: Float
     return system_operator(bodies, dict(parts), len(direction))
 
 
-def _times(operator: Any, x: Any) -> Floats:
-    """An operator times unknowns, on every rank."""
-    image = operator.createVecLeft()
-    operator.mult(x, image)
-    values = gather(image)
-    destroy(image)
-    return values
-
-
 def approach_along(
     contact: Contact, direction: Floats, displacements: Mapping[str, Floats]
 ) -> Floats:
     """What full displacements of bodies (m) close along directions at all points (m)."""
-    closed = np.zeros(len(direction))
-    jumps = jump_along(contact.interface, direction)
-    for name, jump in zip((contact.a, contact.b), jumps, strict=True):
-        if name in displacements:
-            closed += jump @ displacements[name]
-    return np.concatenate(contact.interface.comm.allgather(closed))
+    jumps = zip((contact.a, contact.b), jump_along(contact.interface, direction), strict=True)
+    parts = [jump @ displacements[name] for name, jump in jumps if name in displacements]
+    return np.concatenate(contact.interface.comm.allgather(sum(parts, np.zeros(len(direction)))))

@@ -39,6 +39,8 @@ class Formulation(ABC):
 
     One of :attr:`cea.surface.Surface.abscissa_kinds`.
     """
+    of_gaps: ClassVar[Coupling] = "pointwise"
+    """What becomes of the gaps at its points, unless it is lumped."""
 
     @property
     @abstractmethod
@@ -60,7 +62,7 @@ class Formulation(ABC):
     @property
     def coupling(self) -> Coupling:
         """What becomes of the gaps at the points."""
-        return "pointwise"
+        return "lumped" if getattr(self, "lumped", False) else self.of_gaps
 
     @property
     def options(self) -> tuple[str, ...]:
@@ -225,11 +227,6 @@ class GaussPointToSurface(Formulation):
     def __post_init__(self) -> None:
         _check_points(self.points)
 
-    @property
-    def coupling(self) -> Coupling:
-        """Lumped, or a penalty at each point."""
-        return "lumped" if self.lumped else "pointwise"
-
     def points_on(self, a: Surface, b: Surface, reach: float) -> SurfacePoints:
         """Points and weights on side a."""
         return a.gauss_points(self.points)
@@ -285,12 +282,8 @@ class Mortar(OnSegments):
     """
 
     name: ClassVar[str] = "mortar"
+    of_gaps: ClassVar[Coupling] = "mortar"
     method: Literal["mortar"] = "mortar"
-
-    @property
-    def coupling(self) -> Coupling:
-        """The gap projected."""
-        return "mortar"
 
 
 @register
@@ -307,9 +300,5 @@ class Bonded(OnSegments):
     """
 
     name: ClassVar[str] = "bonded"
+    of_gaps: ClassVar[Coupling] = "bonded"
     method: Literal["bonded"] = "bonded"
-
-    @property
-    def coupling(self) -> Coupling:
-        """Every component of the jump tied."""
-        return "bonded"

@@ -14,9 +14,9 @@ from scipy.sparse import bsr_array, csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.body.unknowns import system_operator
+from cea.body.body import system_operator
 from cea.contact.interface import Interface, along
-from cea.matrices import block_diagonal, destroy, distributed, product, symmetrised, total
+from cea.matrices import block_diagonal, destroy, distributed, product, scaled_total, symmetrised
 from cea.petsc import MPI, PETSc
 
 
@@ -59,11 +59,9 @@ def _lumped(
     for test_side, trial_side in ((one, other), (other, one)):
         test = system_operator(bodies, {test_side: along(traces[test_side], left)}, rows)
         trial = system_operator(bodies, {trial_side: along(traces[trial_side], right)}, rows)
-        factor = test.createVecLeft()
-        factor.array[:] = -weight
-        parts.append(product(test, trial, factor))
-        destroy(test, trial, factor)
-    result = total(parts)
+        parts.append(product(test, trial, -weight))
+        destroy(test, trial)
+    result = scaled_total([(1.0, part) for part in parts])
     destroy(*parts)
     return result
 

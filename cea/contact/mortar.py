@@ -13,6 +13,7 @@ there bear no multiplier.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,8 @@ from scipy.sparse.linalg import splu, spsolve
 
 from cea.arrays import Floats, Ints
 from cea.contact.interface import Interface
-from cea.matrices import destroy, distributed, gather, local_part, product, symmetric_product
+from cea.matrices import destroy, distributed, local_part, product, symmetric_product
 from cea.petsc import PETSc
-from cea.ranks import local_rows
 
 _INDEPENDENT = 1e-15
 """Least pivot of M, scaled to a diagonal of ones, of a trace that is not a sum of others."""
@@ -61,19 +61,13 @@ class MortarProjection:
 
     def integrals(self, jump: Any) -> Any:
         """Int psi_i of a jump given at the points, PETSc AIJ (points x free dofs)."""
-        weight = self._at_points(self.interface.local_points.weight)
-        result = product(self.traces, jump, weight)
-        destroy(weight)
-        return result
+        return product(self.traces, jump, self.interface.local_points.weight)
 
     def compliance(self, stiffness: Floats) -> Any:
         """M, PETSc AIJ (m x m), symmetric to the last bit, of p or a part of it at all points."""
         own, area = stiffness[self.interface.rows], self.interface.local_points.weight
         share = np.divide(area, own, out=np.zeros(len(own)), where=own > 0)
-        weight = self._at_points(share)
-        result = symmetric_product(self.traces, weight)
-        destroy(weight)
-        return result
+        return symmetric_product(self.traces, share)
 
     def pressure(self, stiffness: Floats, integrals: Floats) -> Floats:
         """Contact pressure lambda_h (N/m^2) at all points, on every rank, from p and B x."""
@@ -83,52 +77,78 @@ class MortarProjection:
         at_points = local_part(self.traces) @ multiplier
         return np.concatenate(self.interface.comm.allgather(at_points))
 
-    def _at_points(self, values: Floats) -> Any:
-        vector = self.traces.createVecLeft()
-        vector.array[:] = values
-        return vector
-
 
 class Eliminated:
-    """B and B_k on the unknowns that they touch, and M^-1 of a block; the same on every rank."""
+    """B and B_k on the unknowns that they touch, and M^-1 of a block; the same on every rank.
 
-    def __init__(self, M: Any, gap: Any, slip: Any | None) -> None:
-        self._gap, dense = gap, everywhere(M).toarray()
+    A law that is not linear meets the closure projected on the traces of side a. With N the traces
+    psi at the points and M_ij = int psi_i psi_j,
+
+        g = N M^-1 (B x - N^T w g_n),    r = (B - mu B_k)^T M^-1 N^T w sigma(g),
+
+    the multiplier is the projected pressure. Where p is uniform this is the mortar contact of a
+    linear law.
+    """
+
+    def __init__(self, projection: MortarProjection, M: Any, gap: Any, slip: Any | None) -> None:
+        self._projection, self._gap, dense = projection, gap, everywhere(M).toarray()
         scale = 1 / np.sqrt(np.diag(dense))
         scaled = scale[:, None] * dense * scale
         factor, order, rank, _ = lapack.dpstrf(scaled, tol=_INDEPENDENT)
-        self.traces = order[:rank] - 1  # those that are not sums of others
-        self._scale, self._factor = scale[self.traces, None], np.triu(factor[:rank, :rank])
-        wholes = [everywhere(each)[self.traces] for each in (gap, slip) if each is not None]
+        self._traces = order[:rank] - 1  # those that are not sums of others
+        self._scale, self._factor = scale[self._traces, None], np.triu(factor[:rank, :rank])
+        wholes = [everywhere(each)[self._traces] for each in (gap, slip) if each is not None]
         self._columns = np.unique(np.concatenate([w.indices[w.data != 0] for w in wholes]))
         self._integrals = [whole[:, self._columns].toarray() for whole in wholes]
+        self._weight = projection.interface.points.weight
 
-    def solve(self, right: Floats) -> Floats:
-        """M^-1 times a block."""
-        return self._scale * cho_solve((self._factor, False), self._scale * right)
+    @cached_property
+    def _at_points(self) -> csr_array:
+        """N, shape (n, m)."""
+        return csr_array(everywhere(self._projection.traces)[:, self._traces])
 
-    def times(self, x: Any) -> Floats:
-        """M^-1 B x of all unknowns x, PETSc vector, shape (m, 1)."""
-        return self.solve(self._integrals[0] @ gather(x)[self._columns, None])
+    def closing(self, x: Floats) -> Floats:
+        """N M^-1 B x of unknowns x, the rows of this rank, shape (n,)."""
+        every = np.concatenate(self._gap.comm.tompi4py().allgather(x))
+        multipliers = self._solve(self._integrals[0] @ every[self._columns, None])
+        return (self._at_points @ multipliers)[:, 0]
 
-    def force(self, multipliers: Floats, *, friction: bool) -> Any:
-        """(B - B_k)^T of multipliers, PETSc vector of all unknowns."""
+    def projected(self, gap: Floats) -> Floats:
+        """The gap projected on the traces, shape (n,)."""
+        return (self._at_points @ self._multipliers(gap))[:, 0]
+
+    def pushed(self, pressure: Floats, *, friction: bool) -> Floats:
+        """Forces r of a pressure at all points, the rows of this rank."""
+        multipliers = self._multipliers(pressure)[:, 0]
         values = self._integrals[0].T @ multipliers
         if friction:
             values -= self._integrals[1].T @ multipliers
-        vector, (mine, start) = self._gap.createVecRight(), self._mine()
-        vector.array[self._columns[mine] - start] = values[mine]
-        return vector
+        force, (mine, start) = np.zeros(self._gap.getLocalSize()[1]), self._mine()
+        force[self._columns[mine] - start] = values[mine]
+        return force
+
+    def tangent(self, slope: Floats) -> tuple[Any, Any | None]:
+        """Derivatives of r with a slope of the law, full on the whole interface."""
+        weighted = diags_array(self._weight * slope) @ self._at_points
+        return self.matrices(csr_array(self._at_points.T @ weighted))
 
     def matrices(self, inner: csr_array | None = None) -> tuple[Any, Any | None]:
         """K_n = B^T M^-1 B and K_f = B_k^T M^-1 B, PETSc AIJ; with M^-1 A M^-1 of an inner A."""
-        multipliers = self.solve(self._integrals[0])
+        multipliers = self._solve(self._integrals[0])
         if inner is not None:
-            multipliers = self.solve(inner @ multipliers)
+            multipliers = self._solve(inner @ multipliers)
         normal, *friction = (each.T @ multipliers for each in self._integrals)
         K_n = self._matrix(0.5 * (normal + normal.T))
         K_n.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         return K_n, self._matrix(friction[0]) if friction else None
+
+    def _solve(self, right: Floats) -> Floats:
+        """M^-1 times a block."""
+        return self._scale * cho_solve((self._factor, False), self._scale * right)
+
+    def _multipliers(self, values: Floats) -> Floats:
+        """M^-1 N^T w of values at all points, shape (m, 1)."""
+        return self._solve(self._at_points.T @ (self._weight * values)[:, None])
 
     def _matrix(self, block: Floats) -> Any:
         mine, start = self._mine()
@@ -144,47 +164,6 @@ class Eliminated:
         """Which of the columns are unknowns of this rank, and its first unknown."""
         first, last = self._gap.getOwnershipRangeColumn()
         return np.flatnonzero((self._columns >= first) & (self._columns < last)), first
-
-
-class ProjectedLaw(Eliminated):
-    """A law that is not linear meets the closure projected on the traces of side a.
-
-    With N the traces psi at the points and M_ij = int psi_i psi_j,
-
-        g = N M^-1 (B x - N^T w g_n),    r = (B - mu B_k)^T M^-1 N^T w sigma(g),
-
-    the multiplier is the projected pressure. Where p is uniform this is the mortar contact of a
-    linear law. All of it is the same on every rank.
-    """
-
-    def __init__(self, projection: MortarProjection, gap: Any, slip: Any | None) -> None:
-        interface = projection.interface
-        gram = projection.compliance(np.ones(len(interface.points)))
-        super().__init__(gram, gap, slip)
-        destroy(gram)
-        self._at_points = csr_array(everywhere(projection.traces)[:, self.traces])
-        self._weight = interface.points.weight
-
-    def closing(self, x: Any) -> Floats:
-        """N M^-1 B x, shape (n,)."""
-        return (self._at_points @ self.times(x))[:, 0]
-
-    def projected(self, gap: Floats) -> Floats:
-        """The gap projected on the traces, shape (n,)."""
-        return (self._at_points @ self._multipliers(gap))[:, 0]
-
-    def pushed(self, pressure: Floats, *, friction: bool) -> Any:
-        """Forces r of a pressure at all points, PETSc vector."""
-        return self.force(self._multipliers(pressure)[:, 0], friction=friction)
-
-    def tangent(self, slope: Floats) -> tuple[Any, Any | None]:
-        """Derivatives of r with a slope of the law, full on the whole interface."""
-        weighted = diags_array(self._weight * slope) @ self._at_points
-        return self.matrices(csr_array(self._at_points.T @ weighted))
-
-    def _multipliers(self, values: Floats) -> Floats:
-        """M^-1 N^T w of values at all points, shape (m, 1)."""
-        return self.solve(self._at_points.T @ (self._weight * values)[:, None])
 
 
 def everywhere(matrix: Any) -> csr_array:
@@ -207,8 +186,7 @@ def _seen_by_any(seen: csr_array, comm: Any) -> Ints:
 
 def _columns(seen: csr_array, touched: Ints, comm: Any) -> Any:
     """Some traces as PETSc AIJ."""
-    start, stop = local_rows(len(touched), comm)
-    return distributed(csr_array(seen[:, touched]), (stop - start, len(touched)), comm)
+    return distributed(csr_array(seen[:, touched]), (PETSc.DECIDE, len(touched)), comm)
 
 
 def _independent(gram: csr_array, cut: NDArray[np.bool_], comm: Any) -> Ints:

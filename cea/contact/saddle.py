@@ -26,8 +26,10 @@ from cea.contact.contact import Contact, by_pair, powers_of
 from cea.eigen.coefficients import NOTHING, Coefficient
 from cea.eigen.multipliers import ForcesOfContact
 from cea.matrices import (
+    applied,
     block_diagonal,
     destroy,
+    diagonal_of,
     distributed,
     identity,
     local_part,
@@ -40,8 +42,11 @@ _UNFELT = 1e-24
 """Stiffness, relative to the largest of a contact, of a force that the bodies do not feel."""
 
 
-def forces_of_contacts(contacts: Sequence[Contact], stiffness: Any) -> Iterator[ForcesOfContact]:
-    """Forces that are unknowns, of each contact that has any; collective."""
+def forces_of_contacts(contacts: Sequence[Contact], stiffness: Floats) -> Iterator[ForcesOfContact]:
+    """Forces that are unknowns, of each contact that has any; collective.
+
+    With the diagonal of K of the bodies (N/m), the rows of this rank.
+    """
     for name, halves in with_multipliers(contacts).items():
         made = (_at_points if halves[0].projection is None else _projected)(halves)
         closure, slip, compliance = made
@@ -70,9 +75,8 @@ def few_forces(halves: Sequence[Contact], carried: Sequence[csr_array]) -> tuple
     gaps, others, places = [], [], []
     for half, share, rows in zip(halves, _relative_stiffness(halves), carried, strict=True):
         weight = half.weight(share)
-        closed = np.flatnonzero(weight.array_r)  # points that have lifted off bear no force
-        root = diags_array(np.sqrt(weight.array_r[closed]))
-        destroy(weight)
+        closed = np.flatnonzero(weight)  # points that have lifted off bear no force
+        root = diags_array(np.sqrt(weight[closed]))
         gaps.append(csr_array(root @ local_part(half.gap)[closed]))
         others.append(csr_array(root @ rows[closed]))
         places.append(half.interface.local_points.x[closed])
@@ -114,18 +118,12 @@ def _at_points(halves: Sequence[Contact]) -> tuple[Any, Any | None, Any]:
     return distributed(closure, columns, comm), slip, identity(closure.shape[0], comm)
 
 
-def _body_stiffness(closure: Any, compliance: Any, stiffness: Any) -> tuple[float, float]:
+def _body_stiffness(closure: Any, compliance: Any, stiffness: Floats) -> tuple[float, float]:
     """P (N/m) at which the stiffest and the softest force are about as stiff as the bodies."""
-    softness, own = stiffness.duplicate(), closure.createVecLeft()
-    stiffness.copy(softness)
-    softness.reciprocal()
-    squares = squared(closure)
-    squares.mult(softness, own)
-    diagonal = compliance.getDiagonal()
-    own.pointwiseDivide(own, diagonal)
-    comm, relative = own.comm.tompi4py(), own.array_r
+    squares, comm = squared(closure), closure.comm.tompi4py()
+    relative = applied(squares, 1 / stiffness) / diagonal_of(compliance)
+    destroy(squares)
     stiffest = comm.allreduce(relative.max(initial=0.0), MPI.MAX)
     felt = relative[relative > _UNFELT * stiffest]
     softest = comm.allreduce(felt.min(initial=stiffest), MPI.MIN)
-    destroy(softness, own, squares, diagonal)
     return 1 / stiffest, 1 / softest

@@ -93,16 +93,19 @@ class _Sides:
         return facing
 
     def near(self, reach: float) -> Ints:
-        """Pairs of cells that face each other and whose bounding spheres come within reach."""
-        (centre_a, radius_a, normal_a), (centre_b, radius_b, normal_b) = (
-            _spheres(self.a, self.cells_a),
-            _spheres(self.b, self.cells_b),
-        )
-        found = KDTree(centre_b).query_ball_point(centre_a, radius_a + radius_b.max() + reach)
+        """Pairs of cells that face each other and whose bounding balls come within reach."""
+        a, b = self.a.bounds, self.b.bounds
+        found = KDTree(b.centre).query_ball_point(a.centre, a.radius + b.radius.max() + reach)
         i = np.repeat(np.arange(len(found)), [len(f) for f in found])
         j = np.concatenate([np.asarray(f, dtype=np.int64) for f in found])
-        apart = np.linalg.norm(centre_a[i] - centre_b[j], axis=1)
-        near = apart <= radius_a[i] + radius_b[j] + reach
+        near = (
+            np.linalg.norm(a.centre[i] - b.centre[j], axis=1) <= a.radius[i] + b.radius[j] + reach
+        )
+        middles = (
+            surface.normal(SurfaceCoordinates(cells.element, cells.corners.mean(axis=1)))
+            for surface, cells in ((self.a, self.cells_a), (self.b, self.cells_b))
+        )
+        normal_a, normal_b = middles
         near &= np.einsum("ij,ij->i", normal_a[i], normal_b[j]) < 0
         return np.column_stack([i, j])[near]
 
@@ -159,15 +162,6 @@ class _Sides:
         touching = ((least < 1) & (most > 0)).all(axis=2)
         near = ((least.min(axis=1) < 1) & (most.max(axis=1) > 0)).all(axis=1)
         return pairs[near], (straight | ~touching).all(axis=1)[near]
-
-
-def _spheres(surface: Surface, cells: SurfaceCells) -> tuple[Floats, Floats, Floats]:
-    """Centres (m), radii (m) with room for curved edges, and middle normals of cells."""
-    x = _outlines(surface, cells, np.arange(len(cells.element)), 1)
-    centre = x.mean(axis=1)
-    radius = 1.25 * np.linalg.norm(x - centre[:, None], axis=2).max(axis=1)
-    middle = SurfaceCoordinates(cells.element, cells.corners.mean(axis=1))
-    return centre, radius, surface.normal(middle)
 
 
 def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int) -> Floats:

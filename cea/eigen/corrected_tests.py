@@ -211,8 +211,8 @@ def _normals(matrices: Matrices, nodes: Nodes) -> Mat:
     """Unit displacements along normals of the nodes that contacts touch, PETSc AIJ."""
     stiffness = matrices.stiffness
     comm, local = stiffness.comm.tompi4py(), stiffness.getLocalSize()[0]
-    along = np.zeros((nodes.count, nodes.dim, nodes.dim))
-    touched = np.zeros(nodes.count, dtype=bool)
+    along = np.zeros((len(nodes.counts), nodes.dim, nodes.dim))
+    touched = np.zeros(len(along), dtype=bool)
     with_friction = matrices.unsymmetric is not None and matrices.contacts
     parts = [scaled_total(matrices.contacts)] if with_friction else []
     if (forces := matrices.multipliers) is not None and not forces.symmetric:

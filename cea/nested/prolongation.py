@@ -19,7 +19,7 @@ from scipy.sparse import csr_array, eye_array, kron
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.body.unknowns import free_operator
+from cea.body.body import free_operator
 from cea.errors import InputError
 from cea.matrices import block_diagonal, destroy, gather, identity
 from cea.petsc import MPI

@@ -8,6 +8,7 @@ import numpy as np
 from cea.arrays import Floats
 from cea.errors import InputError, did_you_mean, require
 from cea.supports.frames import Cartesian, Cylindrical, Frame
+from cea.surface_points import SurfacePoints
 
 _CARTESIAN = Cartesian()
 
@@ -118,6 +119,10 @@ class Pressure:
     def check(self, dim: int, field: str) -> None:
         """Accept any dimension."""
 
+    def traction(self, points: SurfacePoints) -> Floats:
+        """Force per area (N/m^2) at points of its surface, (n, dim)."""
+        return -self.value * points.normal
+
 
 @dataclass(frozen=True)
 class Force:
@@ -134,6 +139,10 @@ class Force:
     def check(self, dim: int, field: str) -> None:
         """Refuse a force of another dimension."""
         require(len(self.value) == dim, f"{field}.value", self.value, f"{dim} components")
+
+    def traction(self, points: SurfacePoints) -> Floats:
+        """Force per area (N/m^2) at points of its surface, (n, dim)."""
+        return np.tile(np.array(self.value) / points.weight.sum(), (len(points), 1))
 
 
 def check_surface(name: str, known: Iterable[str], field: str) -> None:

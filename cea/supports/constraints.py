@@ -20,45 +20,14 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import csr_array, vstack
 from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats, Ints
-from cea.matrices import destroy, distributed
-from cea.petsc import PETSc
+from cea.matrices import distributed
 from cea.supports.directions import Directions, orthonormal
 
 _RANK = 1e-10  # eigenvalue of a sum of projectors, relative to the largest, that is none
-
-
-@dataclass(frozen=True)
-class RowForces:
-    """Forces of projected constraints, rows of C u = c, each with a multiplier of its own.
-
-    A row is solved for the direction t at its anchor, which no single direction there has a part
-    in: (C T)^T l = T^T r. It belongs to the supports whose faces it is the integral over, to each
-    with its part of the integral.
-    """
-
-    # T: displacement of the dofs along the anchors of the rows, shape (dim * m, rows)
-    anchors: csr_array
-    # the part of C of each support, shape (rows, dim * m); C is their sum
-    shares: Mapping[int, csr_array]
-
-    @property
-    def matrix(self) -> csr_array:
-        """C, shape (rows, dim * m)."""
-        first, *others = self.shares.values()
-        return csr_array(sum(others, first))
-
-    def split(self, force: Floats) -> dict[int, Floats]:
-        """C_s^T l by support (N), shape (m, dim) each, of the forces at the dofs, (m, dim)."""
-        solved = csr_array(self.matrix @ self.anchors)
-        multiplier = splu(solved.T.tocsc()).solve(self.anchors.T @ force.ravel())
-        return {
-            support: (rows.T @ multiplier).reshape(force.shape)
-            for support, rows in self.shares.items()
-        }
 
 
 @dataclass(frozen=True)
@@ -68,17 +37,29 @@ class ConstraintForces:
     At a dof where supports hold single directions let V_s be the span of those of support s, P_s
     the projector on it and S = sum_s P_s; of the force r there support s has f_s = P_s S^+ r, the
     sum of least squares. A direction that two supports hold is shared evenly.
+
+    A projected constraint, a row of C u = c, has a multiplier l of its own. It is solved for the
+    direction t at its anchor, which no single direction there has a part in: (C T)^T l = T^T r. It
+    belongs to the supports whose faces it is the integral over, to each with its part C_s of it.
     """
 
     # dof, from 0 to m - 1, and support of each space V_s, shape (n,)
     owner: Ints
     support: Ints
     projector: Floats  # P_s, shape (n, dim, dim)
-    rows: RowForces | None = None  # forces of projected constraints; None without any
+    # T: displacement of the dofs along the anchors of the rows, shape (dim * m, rows)
+    anchors: csr_array
+    shares: Mapping[int, csr_array]  # C_s by support, shape (rows, dim * m); none without rows
 
     @classmethod
     def of(
-        cls, held: Directions, owner: Ints, taken: Floats, slot: Ints, rows: RowForces | None
+        cls,
+        held: Directions,
+        owner: Ints,
+        taken: Floats,
+        slot: Ints,
+        anchors: csr_array,
+        shares: Mapping[int, csr_array],
     ) -> "ConstraintForces":
         """The division where single directions are held, of which taken ones are independent."""
         count, dim = taken.shape[:2]
@@ -92,14 +73,16 @@ class ConstraintForces:
         spaces, space = np.unique(pairs, axis=0, return_inverse=True)
         basis = orthonormal(space.ravel(), direction, len(spaces))[0]
         projector = np.einsum("nki,nkj->nij", basis, basis)
-        return cls(spaces[:, 0], spaces[:, 1], projector, rows)
+        return cls(spaces[:, 0], spaces[:, 1], projector, anchors, shares)
 
     def split(self, force: Floats, supports: int) -> Floats:
         """Forces of each support (N), shape (supports, m, dim), of those at the dofs, (m, dim)."""
         parts = np.zeros((supports, *force.shape))
-        if self.rows is not None:
-            for support, part in self.rows.split(force).items():
-                parts[support] += part
+        if self.shares:
+            solved = csr_array(sum(self.shares.values()) @ self.anchors)
+            multiplier = splu(solved.T.tocsc()).solve(self.anchors.T @ force.ravel())
+            for support, rows in self.shares.items():
+                parts[support] = (rows.T @ multiplier).reshape(force.shape)
         total = np.zeros((*force.shape, force.shape[1]))
         np.add.at(total, self.owner, self.projector)
         rest = force - parts.sum(axis=0)
@@ -131,13 +114,14 @@ class Constraints:
         alone = len(np.unique(self.rows.indices)) == self.rows.nnz
         return bool(alone and np.all(self.rows.data == 1.0))
 
-    def _first_free(self, dofs: Ints) -> Ints:
+    def first_free(self, dofs: Ints) -> Ints:
+        """Number of the first free unknown at scalar dofs, or of the next one."""
         return first_free_at(self.dim, self.dofs, self.removed, dofs)
 
     def expansion(self, first: int, last: int, comm: Any) -> Any:
         """Z, PETSc AIJ (full x free)."""
         local = self._local(self.rows, first, last)
-        starts, stops = self._first_free(np.array([first, last]))
+        starts, stops = self.first_free(np.array([first, last]))
         return distributed(local, (int(stops - starts), local.shape[1]), comm)
 
     def frames(self, first: int, last: int) -> csr_array:
@@ -145,53 +129,32 @@ class Constraints:
 
         B^T B = I, and B^T u gives the free unknowns of a displacement u that the supports admit.
         """
-        starts, stops = self._first_free(np.array([first, last]))
-        return csr_array(self._local(self.frame, first, last)[:, int(starts) : int(stops)])
+        own = slice(*self.first_free(np.array([first, last])))
+        return csr_array(self._local(self.frame, first, last)[:, own])
 
     def _local(self, rows: csr_array, first: int, last: int) -> csr_array:
         """Displacement of the scalar dofs of a rank from all free unknowns."""
-        dim = self.dim
-        held = slice(*np.searchsorted(self.dofs, [first, last]))
+        held = self._held(first, last)
         plain = np.setdiff1d(np.arange(first, last), self.dofs[held], assume_unique=True)
-        component = np.arange(dim)
-        free = coo_array(rows[dim * held.start : dim * held.stop])
-        of_held = components(self.dofs[held] - first, dim)
-        entries = (
-            np.concatenate([np.ones(dim * len(plain)), free.data]),
-            (
-                np.concatenate([components(plain - first, dim), of_held[free.row]]),
-                np.concatenate(
-                    [(self._first_free(plain)[:, None] + component).ravel(), free.col],
-                ),
-            ),
-        )
-        size = dim * (last - first)
-        return csr_array(coo_array(entries, shape=(size, rows.shape[1])))
+        column = (self.first_free(plain)[:, None] + np.arange(self.dim)).ravel()
+        entries = (np.ones(len(column)), column, np.arange(len(column) + 1))
+        identity = csr_array(entries, shape=(len(column), rows.shape[1]))
+        of_held = rows[self.dim * held.start : self.dim * held.stop]
+        order = np.argsort(components(np.concatenate([plain, self.dofs[held]]), self.dim))
+        return csr_array(vstack([identity, of_held], format="csr")[order])
+
+    def _held(self, first: int, last: int) -> slice:
+        """Which of the constrained scalar dofs are those of a rank."""
+        return slice(*np.searchsorted(self.dofs, [first, last]))
 
     def prescribed_displacement(self, first: int, last: int, expansion: Any) -> Any | None:
         """u_D, PETSc vector (full), m; None where all is held at zero."""
         if self.prescribed is None:
             return None
-        held = slice(*np.searchsorted(self.dofs, [first, last]))
-        vector = expansion.createVecLeft()
+        held, vector = self._held(first, last), expansion.createVecLeft()
         part = self.prescribed[self.dim * held.start : self.dim * held.stop]
         vector.array[components(self.dofs[held] - first, self.dim)] = part
         return vector
-
-    def restrict(self, matrix: Any, expansion: Any) -> Any:
-        """Z^T A Z of a symmetric matrix; a product only where Z picks no components."""
-        if not self.selects:
-            # Ten times faster than PtAP of serial AIJ where dependent dofs have long rows.
-            half = matrix.matMult(expansion)
-            product = expansion.transposeMatMult(half)
-            destroy(half)
-            return product
-        first, last = expansion.getOwnershipRange()
-        picked = np.ones(self.dim * self.num_scalar_dofs, dtype=bool)
-        picked[components(self.dofs, self.dim)] = np.diff(self.rows.indptr) > 0
-        chosen = (first + np.flatnonzero(picked[first:last])).astype(PETSc.IntType)
-        free = PETSc.IS().createGeneral(chosen, comm=matrix.comm)
-        return matrix.createSubMatrix(free, free)
 
 
 def first_free_at(dim: int, held: Ints, removed: Ints, dofs: Ints) -> Ints:

@@ -39,12 +39,8 @@ class Directions:
     def joined(cls, parts: Sequence["Directions"], dim: int) -> "Directions":
         """Directions of several parts, in order."""
         every = [cls.of(np.zeros(0, dtype=np.int64), np.zeros((0, dim))), *parts]
-        return cls(
-            np.concatenate([part.dof for part in every]),
-            np.concatenate([part.direction for part in every]),
-            np.concatenate([part.value for part in every]),
-            np.concatenate([part.support for part in every]),
-        )
+        columns = zip(*(vars(part).values() for part in every), strict=True)
+        return cls(*(np.concatenate(column) for column in columns))
 
 
 def merged(entries: Directions, cosine: float) -> Ints:

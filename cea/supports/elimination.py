@@ -9,13 +9,7 @@ from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats, Ints, chunks
 from cea.errors import InputError
-from cea.supports.constraints import (
-    ConstraintForces,
-    Constraints,
-    RowForces,
-    components,
-    first_free_at,
-)
+from cea.supports.constraints import ConstraintForces, Constraints, components, first_free_at
 from cea.supports.directions import Directions, complement, orthonormal
 
 _NEGLIGIBLE = 1e-14
@@ -60,26 +54,22 @@ def constrain(
     place = slice(len(held))
     values = _held_displacement(held, owner[place], taken, slot[place], field).ravel()
     solved = np.flatnonzero(slot[len(held) :] >= 0)
-    rows = None
+    at, row = owner[len(held) :][solved], slot[len(held) :][solved]
+    anchors, shares = _dependent_columns(taken[at, row], at, len(dofs)), {}
     if projected and len(solved):
-        at, row = owner[len(held) :][solved], slot[len(held) :][solved]
-        dependent = _dependent_columns(taken[at, row], at, len(dofs))
         columns = components(dofs, dim)
-        shares = {
-            support: csr_array(share[solved][:, columns])
-            for support, share in projected.shares.items()
-        }
-        rows = RowForces(dependent, shares)
-        C = rows.matrix
-        free = csr_array(free + dependent @ _elimination(C @ dependent, C @ free, field))
+        shares = {s: csr_array(rows[solved][:, columns]) for s, rows in projected.shares.items()}
+        C = csr_array(sum(shares.values()))
+        free = csr_array(free + anchors @ _elimination(C @ anchors, C @ free, field))
         if every.value.any():
             size = np.abs(every.value).max()  # coefficients are dropped below a size
             rest = csr_array((C @ values - projected.right[solved])[:, None] / size)
-            amounts = _elimination(C @ dependent, rest, field)
-            values = values + size * (dependent @ amounts).toarray()[:, 0]
+            amounts = _elimination(C @ anchors, rest, field)
+            values = values + size * (anchors @ amounts).toarray()[:, 0]
     free.data[np.abs(free.data) < _NEGLIGIBLE] = 0.0
     free.eliminate_zeros()
-    forces = ConstraintForces.of(held, owner[place], taken, slot[place], rows)
+    free.sort_indices()
+    forces = ConstraintForces.of(held, owner[place], taken, slot[place], anchors, shares)
     prescribed = values if every.value.any() else None
     return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, forces, prescribed)
 

@@ -14,7 +14,7 @@ where they are in space.
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,9 +27,9 @@ from cea.eigen.blocks import image_of
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm
-from cea.elasticity import Elasticity
-from cea.material import Material
+from cea.material import Elasticity, Material
 from cea.matrices import (
+    applied,
     block_diagonal,
     destroy,
     distributed,
@@ -40,7 +40,6 @@ from cea.matrices import (
     zeros,
 )
 from cea.petsc import Mat, PETSc
-from cea.ranks import local_rows
 from cea.rotation import Rotation
 
 if TYPE_CHECKING:  # brought in where modes are damped
@@ -81,6 +80,12 @@ class BodyTerms:
         """Path of the body in a scene."""
         return f"bodies.{self.name}"
 
+    @property
+    def rows(self) -> slice:
+        """Unknowns of the body among those of this rank."""
+        ends = np.cumsum([0, *(local for local, _ in self.sizes)])
+        return slice(*ends[self.number : self.number + 2])
+
     @cached_property
     def pieces(self) -> tuple[Term | UnformedTerm[Circulatory], ...]:
         """K and M, and what rotation and Rayleigh damping make of them."""
@@ -93,7 +98,7 @@ class BodyTerms:
         modes = self._damped_modes
         if modes is None or not self.with_mass:
             return ()
-        piece = LowRank(modes.images, modes.weights, self._first)
+        piece = LowRank(modes.images, modes.weights, self.rows.start)
         return (UnformedTerm(piece, modes.coefficient),)
 
     def parameters(self) -> Iterator[Parameter]:
@@ -118,22 +123,19 @@ class BodyTerms:
         if motion.rotation is not None:
             yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")
 
-    def strain(self, x: Any) -> Any | None:
+    def strain(self, x: Any) -> Floats | None:
         """Displacement that elastic forces of beta K belong to: beta Omega M^-1 B of one in space.
 
-        Of displacements of all unknowns (m), PETSc vector, that of all dofs of the body; None
-        without damping of its stiffness.
+        Of displacements of all unknowns (m), PETSc vector, that of the dofs of this rank of the
+        body; None without damping of its stiffness.
         """
         damping, rotation = self.motion.damping, self.motion.rotation
         if damping is None or rotation is None or not damping.beta * rotation.rate:
             return None
         term = self.pieces[-1]
         assert not isinstance(term, Term)
-        free, full = self.body.expansion.createVecs()
-        free.array[:] = damping.beta * rotation.rate * term.piece.inner(x.array_r[:, None])[:, 0]
-        self.body.expansion.mult(free, full)
-        destroy(free)
-        return full
+        free = term.piece.inner(x.array_r[:, None])[:, 0]
+        return damping.beta * rotation.rate * applied(self.body.expansion, free)
 
     def placed(self, matrix: Mat, *, rows: bool = True, columns: bool = True) -> Mat:
         """A matrix of the body among zeros of the others: its rows, its columns or both.
@@ -142,18 +144,19 @@ class BodyTerms:
         """
         if len(self.sizes) == 1:
             return matrix
-        own, comm = self.sizes[self.number], self.body.expansion.comm
+        sizes: Any = matrix.getSizes()
+        own_rows, own_columns = sizes
         blocks = [
-            matrix
-            if number == self.number
-            else zeros(size if rows else own, size if columns else own, comm)
-            for number, size in enumerate(self.sizes)
+            zeros(size if rows else own_rows, size if columns else own_columns, matrix.comm)
+            for size in self.sizes
         ]
+        others = blocks.copy()
+        blocks[self.number] = matrix
         if rows and columns:
             whole = block_diagonal(blocks).convert("aij")
         else:
             whole = (one_below_the_other if rows else side_by_side)(blocks)
-        destroy(*(block for block in blocks if block is not matrix))
+        destroy(*others)
         return whole
 
     @property
@@ -201,11 +204,15 @@ class BodyTerms:
             unit = np.zeros((6, 6))
             unit[place] = unit[place[::-1]] = 1.0
             law, entry = Elasticity(unit, material.axes), Entry(material, place, path, own)
-            make = cache(lambda law=law: self.placed(self.body.stiffness_of(law)))
+            make = cache(partial(self._stiffness_of, law))
             yield TermOfConstant("stiffness", make, entry)
             if self.with_mass and self.motion.damping is not None:
                 damped = replace(entry, factor=f"{self.path}.damping.beta")
                 yield TermOfConstant("damping", make, damped)
+
+    def _stiffness_of(self, law: Elasticity) -> Mat:
+        """K of another law."""
+        return self.placed(self.body.reduced(self.body.space.stiffness(law)))
 
     def _of_rotation(self) -> Iterator[Term]:
         """Omega Y and - Omega^2 Z."""
@@ -226,11 +233,14 @@ class BodyTerms:
         B = self.body.gyroscopic(rotation.of_material)
         B.scale(0.5)
         if modes is not None and len(modes.weights):
-            left = self._upright(modes.images * modes.weights)
-            turned = self._upright(-image_of(B, modes.vectors))
-            right = turned.transpose(PETSc.Mat())
+            layout, comm = (PETSc.DECIDE, len(modes.weights)), self.body.expansion.comm
+            left, turned = (
+                self.placed(distributed(csr_array(columns), layout, comm), columns=False)
+                for columns in (modes.images * modes.weights, -image_of(B, modes.vectors))
+            )
+            one = identity(left.getLocalSize()[1], left.comm)
+            piece = Circulatory(left, one, turned.transpose(PETSc.Mat()))
             destroy(turned)
-            piece = Circulatory(left, identity(left.getLocalSize()[1], left.comm), right)
             yield UnformedTerm(piece, modes.coefficient.times(rate))
         if damping is None:
             return
@@ -251,19 +261,6 @@ class BodyTerms:
         from cea.system.modal_damping import damped_modes
 
         return damped_modes(self.path, self.body, self.motion.modal)
-
-    @property
-    def _first(self) -> int:
-        """Number of the first unknown of the body among those of this rank."""
-        return sum(local for local, _ in self.sizes[: self.number])
-
-    def _upright(self, columns: Floats) -> Mat:
-        """Columns of the body, the rows of this rank, as a matrix whose rows are all unknowns."""
-        count, comm = columns.shape[1], self.body.comm
-        start, stop = local_rows(count, comm)
-        every = np.zeros((sum(local for local, _ in self.sizes), count))
-        every[self._first : self._first + len(columns)] = columns
-        return distributed(csr_array(every), (stop - start, count), self.body.expansion.comm)
 
 
 class TermOfConstant(Term):

@@ -34,19 +34,17 @@ from cea.contact.formulations import Form
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.pencil import Term
 from cea.errors import ResultWarning
-from cea.matrices import destroy, product, squared, symmetrised
-from cea.petsc import PETSc
+from cea.matrices import applied, destroy, diagonal_of, product, squared, symmetrised
+from cea.petsc import MPI, PETSc
 
 MOST_DIGITS = 6.0
 """Digits that the penalty form may cost."""
-_KINDS: dict[str, tuple[str, dict[str, Any]]] = {
-    "speed": ("m/s", {"positive": True}),
-    "mu_slope": ("s/m", {"signed": True}),
-    "pressure": ("N/m^2", {}),
+_KINDS: dict[str, tuple[str, float, dict[str, Any]]] = {
+    "speed": ("m/s", -1.0, {"positive": True}),
+    "mu_slope": ("s/m", 1.0, {"signed": True}),
+    "pressure": ("N/m^2", 1.0, {}),
 }
-"""Unit of each parameter, and what it may be."""
-_EXPONENTS = {"speed": -1.0, "mu_slope": 1.0}
-"""Power of it by which each part of the damping grows."""
+"""Unit of each parameter of sliding, the power of it by which damping grows, what it may be."""
 
 
 def contact_terms(contacts: Sequence[Contact], *, eliminate: bool) -> Iterator[Term]:
@@ -64,20 +62,23 @@ def contact_terms(contacts: Sequence[Contact], *, eliminate: bool) -> Iterator[T
 
 def contact_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
     """P and mu of each contact, where they are parameters."""
+    of_friction = []
     for halves in by_pair(contacts).values():
         finite = all(half.form != "saddle" for half in halves)
-        for name, (P, _) in powers_of(halves)[0].items():
-            yield Parameter(name, P, "N/m", positive=True, finite=finite)
-    for halves in by_pair(contacts).values():
         acts = any(half.has_friction for half in halves)
-        for name, (mu, _) in powers_of(halves)[1].items() if halves[0].slip is not None else ():
-            yield Parameter(name, mu if acts else 0.0)
+        stiffness, friction = powers_of(halves)
+        for name, (P, _) in stiffness.items():
+            yield Parameter(name, P, "N/m", positive=True, finite=finite)
+        for name, (mu, _) in friction.items() if halves[0].slip is not None else ():
+            of_friction.append(Parameter(name, mu if acts else 0.0))
+    yield from of_friction
 
 
-def penalty_digits(contacts: Sequence[Contact], stiffness: Any) -> dict[str, float]:
+def penalty_digits(contacts: Sequence[Contact], stiffness: Floats) -> dict[str, float]:
     """Digits that the penalty form costs, by contact; none where gaps are projected.
 
-    log10 of the largest diagonal entry of K_n relative to that of K; infinite where sides are tied.
+    log10 of the largest diagonal entry of K_n relative to that of K, given by the rows of this
+    rank; infinite where sides are tied.
     """
     return {
         name: max(0.0, *(_lost(half, stiffness) for half in halves))
@@ -85,22 +86,20 @@ def penalty_digits(contacts: Sequence[Contact], stiffness: Any) -> dict[str, flo
     }
 
 
-def _lost(contact: Contact, stiffness: Any) -> float:
+def _lost(contact: Contact, stiffness: Floats) -> float:
     if contact.tied:
         return inf
     if contact.awaits_state or (contact.is_projected and contact.law.linear):
         return 0.0
     if contact.penalty_only:
-        own = contact.K_n.getDiagonal()
+        own = diagonal_of(contact.K_n)
     else:
-        weight, own = contact.weight(contact.slope), stiffness.duplicate()
         squares = squared(contact.gap)
-        squares.multTranspose(weight, own)
-        destroy(weight, squares)
-    own.pointwiseDivide(own, stiffness)
-    ratio = own.max()[1]
-    destroy(own)
-    return float(np.log10(max(ratio, np.finfo(float).tiny)))
+        own = applied(squares, contact.weight(contact.slope), transposed=True)
+        destroy(squares)
+    least = float(np.finfo(float).tiny)
+    ratio = contact.interface.comm.allreduce((own / stiffness).max(initial=least), MPI.MAX)
+    return float(np.log10(ratio))
 
 
 def form_for(digits: float) -> Form:
@@ -113,14 +112,13 @@ def with_forms(contacts: Sequence[Contact], digits: Mapping[str, float]) -> tupl
 
     Where the stiffness is not known before a state of steady sliding is, the form stays open.
     """
-
-    def chosen(contact: Contact) -> Contact:
-        if contact.form is not None or contact.awaits_state:
-            return contact
-        form = "penalty" if contact.penalty_only else form_for(digits[contact.pair])
-        return replace(contact, form=form)
-
-    return tuple(chosen(contact) for contact in contacts)
+    chosen = []
+    for contact in contacts:
+        if contact.form is None and not contact.awaits_state:
+            form = "penalty" if contact.penalty_only else form_for(digits[contact.pair])
+            contact = replace(contact, form=form)
+        chosen.append(contact)
+    return tuple(chosen)
 
 
 def penalty_warnings(
@@ -147,20 +145,19 @@ def sliding_terms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> It
         for half in halves:
             for kind, matrix in _damping(bodies, half, 1 / len(halves)):
                 powers = {
-                    f"contacts.{name}.sliding.{each}": (references[each], exponent)
-                    for each, exponent in (("pressure", 1.0), (kind, _EXPONENTS[kind]))
+                    f"contacts.{name}.sliding.{each}": (references[each], _KINDS[each][1])
+                    for each in ("pressure", kind)
                     if references.get(each)
                 }
-                yield Term(
-                    "damping", matrix, Coefficient.of(powers | (mu if kind == "speed" else {}))
-                )
+                both = powers | (mu if kind == "speed" else {})
+                yield Term("damping", matrix, Coefficient.of(both))
 
 
 def sliding_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
     """Parameters of contacts that slide; what is zero everywhere is none."""
     for name, halves in by_pair(contacts).items():
         for kind, reference in _references(halves).items():
-            unit, may = _KINDS[kind]
+            unit, _, may = _KINDS[kind]
             if reference:
                 yield Parameter(f"contacts.{name}.sliding.{kind}", reference, unit, **may)
 
@@ -184,17 +181,19 @@ def _damping(
     sliding, interface = contact.sliding, contact.interface
     if sliding is None:
         return
-    points, rows = interface.local_points, interface.rows
-    load = points.weight * _pressure(contact, share)[rows]
-    k = contact.friction_direction()
+    points, rows, k = interface.local_points, interface.rows, contact.friction_direction()
+    if sliding.pressure is not None:
+        pressure = share * sliding.pressure
+    else:
+        assert contact.closure is not None
+        pressure = np.maximum(contact.law.pressure(contact.closure), 0.0)
+    load = points.weight * pressure[rows]
 
     def damping(direction: Floats, values: Floats) -> Any:
         slip = jump_operator(bodies, contact, direction)
-        weight = slip.createVecLeft()
-        weight.array[:] = values
-        matrix = symmetrised(product(slip, slip, weight))
+        matrix = symmetrised(product(slip, slip, values))
         matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        destroy(slip, weight)
+        destroy(slip)
         return matrix
 
     if sliding.speed is not None and contact.slip is not None:
@@ -202,12 +201,3 @@ def _damping(
         yield "speed", damping(across, load * contact.mu_at_points / sliding.speed[rows])
     if sliding.mu_slope is not None:
         yield "mu_slope", damping(k, load * sliding.mu_slope[rows])
-
-
-def _pressure(contact: Contact, share: float) -> Floats:
-    """Contact pressure at all points (N/m^2): a share of one that is given."""
-    sliding = contact.sliding
-    if sliding is not None and sliding.pressure is not None:
-        return share * sliding.pressure
-    assert contact.closure is not None
-    return np.maximum(contact.law.pressure(contact.closure), 0.0)

@@ -5,7 +5,7 @@
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import inf, log10
@@ -17,12 +17,11 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
-from cea.eigen.coefficients import Parameter
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
-from cea.matrices import block_diagonal, destroy, gather, local_part
-from cea.nodes import Nodes, joined, places
-from cea.petsc import MPI, PETSc
+from cea.matrices import applied, block_diagonal, destroy, diagonal_of
+from cea.nodes import Nodes
+from cea.petsc import PETSc
 from cea.system.body_terms import BodyTerms, Motion
 from cea.system.contact_terms import (
     contact_parameters,
@@ -49,7 +48,6 @@ class CoupledSystem:
     template: Any  # PETSc vector of the layout of the unknowns
     index_sets: Mapping[str, Any]  # unknowns of each body, PETSc index sets by name
     load: Any | None  # forces (N), PETSc vector, None where none were asked for
-    stiffness_diagonal: Any  # diagonal of K of all bodies (N/m), PETSc vector
     # digits that the penalty form costs, or would cost, by contact
     penalty_digits: Mapping[str, float]
     # pieces of a pencil that each body brings, with its damping and rotation
@@ -108,27 +106,8 @@ class CoupledSystem:
             return inf
         if halves[0].is_projected and halves[0].law.linear:
             return 0.0
-        digits = self.penalty_digits
-        if any(_modulus(body) in values for body in (halves[0].a, halves[0].b)):
-            diagonal = self._stiffness_diagonal_at(values)
-            digits = penalty_digits(halves, diagonal)
-            destroy(diagonal)
-        return digits[contact] + log10(P / before)
-
-    def _stiffness_diagonal_at(self, values: Mapping[str, float]) -> Any:
-        """Diagonal of K of all bodies at other E (N/m), PETSc vector; springs stay as they are."""
-        diagonal = self.stiffness_diagonal.copy()
-        for name, body in self.bodies.items():
-            E = body.material.means[0]
-            factor = values.get(_modulus(name), E) / E
-            part = diagonal.getSubVector(self.index_sets[name])
-            part.scale(factor)
-            if (springs := body.spring_stiffness()) is not None:
-                own = springs.getDiagonal()
-                part.axpy(1.0 - factor, own)
-                destroy(own)
-            diagonal.restoreSubVector(self.index_sets[name], part)
-        return diagonal
+        stiffness = _stiffness_diagonal(self.bodies, values)
+        return penalty_digits(halves, stiffness)[contact] + log10(P / before)
 
     def vector(self) -> Any:
         """A new PETSc vector of unknowns, all zero."""
@@ -159,23 +138,20 @@ class CoupledSystem:
         terms += contact_terms(self.contacts, eliminate=eliminate)
         if self.with_mass:
             terms += sliding_terms(self.bodies, self.contacts)
-        with_forces = () if eliminate else self.contacts
+        parameters = [one for each in self.pieces.values() for one in each.parameters()]
+        parameters += contact_parameters(self.contacts)
+        if self.with_mass:
+            parameters += sliding_parameters(self.contacts)
+        bodies, stiffness = list(self.bodies.values()), _stiffness_diagonal(self.bodies, {})
         return Pencil(
             terms,
-            self._parameters(),
-            list(forces_of_contacts(with_forces, self.stiffness_diagonal)),
+            parameters,
+            list(forces_of_contacts(() if eliminate else self.contacts, stiffness)),
             [term for each in self.pieces.values() for term in each.modal],
             [piece for piece in pieces if not isinstance(piece, Term)],
             leave_out=leave_out,
-            nodes=self._nodes,
+            nodes=Nodes(bodies[0].dim, np.concatenate([body.free_counts for body in bodies])),
         )
-
-    def _parameters(self) -> Iterator[Parameter]:
-        for each in self.pieces.values():
-            yield from each.parameters()
-        yield from contact_parameters(self.contacts)
-        if self.with_mass:
-            yield from sliding_parameters(self.contacts)
 
     def linearised(
         self, steady: "SteadySliding", *, geometric_stiffness: bool = False
@@ -187,7 +163,7 @@ class CoupledSystem:
             else contact
             for contact in self.contacts
         ]
-        digits = penalty_digits(contacts, self.stiffness_diagonal)
+        digits = penalty_digits(contacts, _stiffness_diagonal(self.bodies, {}))
         prestress = {}
         if geometric_stiffness:
             prestress = {
@@ -202,30 +178,14 @@ class CoupledSystem:
             prestress=prestress,
         )
 
-    @cached_property
-    def _nodes(self) -> Nodes | None:
-        """Unknowns by basis function; None where supports leave that open on any rank."""
-        found, functions = [], []
-        dim = next(iter(self.bodies.values())).dim
-        for body in self.bodies.values():
-            rows = local_part(body.expansion)
-            found.append(places(rows, range(*body.expansion.getOwnershipRangeColumn())))
-            functions.append(rows.shape[0] // dim)
-        known = [each for each in found if each is not None]
-        every = self.template.comm.tompi4py().allreduce(len(known) == len(found), MPI.LAND)
-        return joined(known, functions, dim) if every else None
-
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
         """Full displacement (m) of a body with what supports prescribe, (dim * scalar dofs,)."""
-        part = x.getSubVector(self.index_sets[body])
-        full = self.bodies[body].expansion.createVecLeft()
-        self.bodies[body].expansion.mult(part, full)
-        x.restoreSubVector(self.index_sets[body], part)
-        if (prescribed := self.bodies[body].prescribed) is not None:
-            full.axpy(1.0, prescribed)
-        displacement = gather(full, everywhere=everywhere)
-        destroy(full)
-        return displacement
+        own = self.bodies[body]
+        full = applied(own.expansion, x.array_r[self.pieces[body].rows])
+        if own.prescribed is not None:
+            full += own.prescribed.array_r
+        parts = own.comm.allgather(full) if everywhere else own.comm.gather(full)
+        return np.concatenate(parts or [np.zeros(0)])
 
 
 def couple(
@@ -246,14 +206,14 @@ def couple(
     PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
     nest = block_diagonal([body.stiffness() for body in bodies.values()])
     index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
-    template, diagonal = nest.createVecRight(), nest.getDiagonal()
+    template = nest.createVecRight()
     destroy(nest)
     frictional = {contact.pair for contact in contacts if contact.has_friction}
     made = [
         assembled(bodies, contact, frictional=contact.pair in frictional, leave_out=leave_out)
         for contact in contacts
     ]
-    digits = penalty_digits(made, diagonal)
+    digits = penalty_digits(made, _stiffness_diagonal(bodies, {}))
     sizes = tuple(body.expansion.getSizes()[1] for body in bodies.values())
     pieces = {}
     for number, (name, body) in enumerate(bodies.items()):
@@ -265,11 +225,22 @@ def couple(
         template=template,
         index_sets=index_sets,
         load=_load(bodies, made, template) if with_load else None,
-        stiffness_diagonal=diagonal,
         penalty_digits=digits,
         pieces=pieces,
         with_mass=with_mass,
     )
+
+
+def _stiffness_diagonal(bodies: Mapping[str, Body], values: Mapping[str, float]) -> Floats:
+    """Diagonal of K of all bodies at some E (N/m), the rows of this rank; springs have none."""
+    parts = []
+    for name, body in bodies.items():
+        E = body.material.means[0]
+        factor = values.get(f"bodies.{name}.material.E", E) / E
+        parts.append(factor * diagonal_of(body.stiffness()))
+        if (springs := body.spring_stiffness()) is not None:
+            parts[-1] += (1.0 - factor) * diagonal_of(springs)
+    return np.concatenate(parts)
 
 
 def _load(bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any) -> Any:
@@ -285,12 +256,5 @@ def _load(bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any
                 "meets a side; or c_n, a law of the gap"
             )
             raise InputError(f"contacts.{contact.pair}.formulation", contact.coupling, allowed)
-        force = contact.force(contact.slope * contact.prescribed)
-        load.axpy(-1.0, force)
-        destroy(force)
+        load.array[:] -= contact.force(contact.slope * contact.prescribed)
     return load
-
-
-def _modulus(body: str) -> str:
-    """Parameter that is E of a body."""
-    return f"bodies.{body}.material.E"

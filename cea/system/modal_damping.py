@@ -21,7 +21,8 @@ from cea.eigen.pencil import Matrices, Pencil, release
 from cea.eigen.search import NearestSearch
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError
-from cea.matrices import destroy
+from cea.matrices import diagonal_of
+from cea.petsc import MPI
 from cea.timing import StageTimer
 
 _SAME = 1e-8  # relative distance up to which frequencies are those of one multiple eigenvalue
@@ -185,11 +186,8 @@ def _end_of_all(matrices: Matrices, highest: float, end: float) -> float:
 
 def _largest_ratio(matrices: Matrices) -> float:
     """Largest ratio of diagonal entries of K and M (1/s^2), of the size of the largest kappa."""
-    stiffness, mass = matrices.stiffness.getDiagonal(), matrices.mass.getDiagonal()
-    stiffness.pointwiseDivide(stiffness, mass)
-    largest = float(stiffness.max()[1])
-    destroy(stiffness, mass)
-    return largest
+    ratios = diagonal_of(matrices.stiffness) / diagonal_of(matrices.mass)
+    return float(matrices.mass.comm.tompi4py().allreduce(ratios.max(initial=0.0), MPI.MAX))
 
 
 def _rayleigh_ritz(body: Body, vectors: Floats) -> tuple[Floats, Floats]:

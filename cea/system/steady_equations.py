@@ -83,7 +83,7 @@ class SteadyEquations:
             for contact in self.contacts
         ]
         self.springs: list[Floats] = []  # slopes at all points of each contact with a law (N/m^3)
-        self._x = system.vector()
+        self._size = system.template.getLocalSize()
 
     @cached_property
     def unstable(self) -> bool:
@@ -96,15 +96,17 @@ class SteadyEquations:
     @cached_property
     def are_held(self) -> bool:
         """Whether the bodies are held without the contacts that have a law; collective."""
-        load = np.random.default_rng(self.comm.rank).standard_normal(self._x.getLocalSize())
+        load = np.random.default_rng(self.comm.rank).standard_normal(self._size)
         return solved_regularly(self.matrices, load) is not None
 
-    def gaps_at(self, factor: float) -> list[Floats]:
+    def gaps_at(self, factor: float, *, even: bool = False) -> list[Floats]:
         """Gaps at all points of each contact with a law (m) where free dofs do not move.
 
-        Supports then prescribe a part of their displacements, that of the load.
+        Supports then prescribe a part of their displacements, that of the load. Springs meet gaps
+        as even as the least of them.
         """
-        pairs = zip(self._gaps, self._prescribed, strict=True)
+        gaps = [np.full(len(gap), gap.min()) for gap in self._gaps] if even else self._gaps
+        pairs = zip(gaps, self._prescribed, strict=True)
         return [gap - factor * closed for gap, closed in pairs]
 
     def load_at(self, factor: float) -> Floats:
@@ -115,12 +117,11 @@ class SteadyEquations:
         """Displacements and contact forces of bodies at rest."""
         multipliers = self.matrices.multipliers
         forces = 0 if multipliers is None else multipliers.closure.getLocalSize()[0]
-        return np.zeros(self._x.getLocalSize()), np.zeros(forces)
+        return np.zeros(self._size), np.zeros(forces)
 
     def state(self, x: Floats, f: Floats, factor: float) -> State:
         """The state of displacements (m) and contact forces (N) under a part of the load."""
-        self._x.array[:] = x
-        closings, gaps = [each.closing(self._x) for each in self.contacts], self.gaps_at(factor)
+        closings, gaps = [each.closing(x) for each in self.contacts], self.gaps_at(factor)
         closures = tuple(u - gap for u, gap in zip(closings, gaps, strict=True))
         rounding = [
             slope * np.finfo(float).eps * np.maximum(np.abs(u), np.abs(gap))
@@ -144,12 +145,9 @@ class SteadyEquations:
 
     def _forces(self, pressures: Sequence[Floats], *, friction: bool = True) -> Floats:
         """Forces of pressures at all points of each contact, the rows of this rank."""
-        total = np.zeros(self._x.getLocalSize())
-        for contact, pressure in zip(self.contacts, pressures, strict=True):
-            force = contact.force(pressure, friction=friction)
-            total += force.array_r
-            destroy(force)
-        return total
+        pairs = zip(self.contacts, pressures, strict=True)
+        forces = (contact.force(pressure, friction=friction) for contact, pressure in pairs)
+        return sum(forces, np.zeros(self._size))
 
     def norms(self, *vectors: Floats) -> Floats:
         """Norms over all ranks of vectors given by the rows of this rank."""
@@ -188,24 +186,17 @@ class SteadyEquations:
                 raise ConvergenceError(f"{OPENS}; nothing presses the sides together", best=None)
             self.springs.append(np.full(len(gap), law.pressure(closure) / closure))
 
-    def _spring_lengths(self, factor: float) -> list[Floats]:
-        """What closes the least initial gap at all points of each contact with a law (m)."""
-        pairs = zip(self._gaps, self._prescribed, strict=True)
-        return [float(gap.min()) - factor * closed + np.zeros(len(gap)) for gap, closed in pairs]
-
     def spring_forces(self, factor: float) -> Floats:
         """Forces (N) of the springs on bodies that do not move, the rows of this rank."""
-        pairs = zip(self.springs, self._spring_lengths(factor), strict=True)
+        pairs = zip(self.springs, self.gaps_at(factor, even=True), strict=True)
         return self._forces([p * rest for p, rest in pairs], friction=False)
 
     def spring_resultant(self, x: Floats, factor: float) -> float:
         """Sum of the normal forces (N) of the springs in a state, positive where they push."""
-        self._x.array[:] = x
-        of_contacts = zip(self.contacts, self.springs, self._spring_lengths(factor), strict=True)
-        return sum(
-            float(contact.interface.points.weight @ (p * (contact.closing(self._x) - rest)))
-            for contact, p, rest in of_contacts
-        )
+        gaps, total = self.gaps_at(factor, even=True), 0.0
+        for contact, p, gap in zip(self.contacts, self.springs, gaps, strict=True):
+            total += float(contact.interface.points.weight @ (p * (contact.closing(x) - gap)))
+        return total
 
     def checked_residual(self, state: State, tangent: Matrices) -> float:
         """Forces left over in a state under the whole load, relative to the load; collective."""
@@ -234,7 +225,6 @@ class SteadyEquations:
     def free(self) -> None:
         """Free what was made for the equations."""
         release(self.matrices)
-        destroy(self._x)
 
 
 def free_tangent(tangent: Matrices) -> None:

@@ -13,10 +13,10 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.contact.contact import Contact
+from cea.eigen.blocks import image_of, norms
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted, count_below
 from cea.errors import ResultWarning
-from cea.matrices import destroy
 from cea.petsc import Vec
 
 _NEAR = 1e-2
@@ -180,15 +180,11 @@ def parity_of(tangent: Matrices, factors: Shifted, *, unstable: bool) -> int | N
 
 def _margin(tangent: Matrices, factors: Shifted) -> float:
     """Inverse of the growth of A^-1 S, S the symmetric part of A that contact and bodies make."""
-    S = tangent.stiffness
-    x, y = S.createVecRight(), S.createVecLeft()
-    x.array[:] = np.random.default_rng(S.comm.rank).standard_normal(x.getLocalSize())
-    growths = []
+    S, growths = tangent.stiffness, []
+    x = np.random.default_rng(S.comm.rank).standard_normal((S.getLocalSize()[0], 1))
+    x /= norms(x, S.comm)
     for _ in range(_STEPS):
-        x.normalize()
-        S.mult(x, y)
-        x.array[:] = factors.solve_block(y.array[:, None])[:, 0]
-        growths.append(x.norm())
-    destroy(x, y)
-    late = np.array(growths[_STEPS // 2 :])
-    return float(1 / np.exp(np.log(late).mean()))
+        x = factors.solve_block(image_of(S, x))
+        growths.append(norms(x, S.comm)[0])
+        x /= growths[-1]
+    return float(1 / np.exp(np.log(growths[_STEPS // 2 :]).mean()))

@@ -30,12 +30,13 @@ from cea.body import Body
 from cea.contact.contact import Contact, assembled
 from cea.contact.saddle import few_forces, with_multipliers
 from cea.errors import ConvergenceError
-from cea.matrices import destroy, distributed, gather, local_part, scaled_total
+from cea.matrices import applied, destroy, distributed, gather, local_part, scaled_total
 from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
 _BALANCED = 1e-8  # sum of forces, relative to the largest of them, that counts as none
-_ROUNDING = 10.0  # the same in parts of what rounding makes of it
+_ROUNDING = 10.0 * float(np.finfo(float).eps)
+"""The same relative to the sum of products of stiffnesses and displacements."""
 
 
 @dataclass(frozen=True)
@@ -48,53 +49,6 @@ class SideForces:
     # sum of stiffness times displacements of the sides (N), of which forces are small differences
     # where gaps tell them
     size: float
-
-
-@dataclass(frozen=True)
-class Balance:
-    """Forces that add up to zero, and so do their moments."""
-
-    of: str  # what they act on, as messages name it
-    labels: tuple[str, ...]  # what puts them on; the supports last, in their order
-    forces: Floats  # their resultants (N), shape (n, dim)
-    # their moments about the middle of the body (N m), shape (n, 1) in the plane, (n, 3) in
-    # space; None where the trial space has no rotation
-    moments: Floats | None
-    supports: int  # number of supports
-    rounding: float  # what rounding makes of the sum of the forces (N)
-    radius: float  # distance from the middle of the body to its farthest dof (m)
-
-    @property
-    def reactions(self) -> Floats:
-        """Resultants of the supports (N), shape (supports, dim)."""
-        return self.forces[len(self.forces) - self.supports :]
-
-    @property
-    def left(self) -> float:
-        """Sum of the forces, or of their moments, in parts of what counts as none: 1 or less."""
-        largest = _longest(self.forces)
-        left = _left(self.forces, largest, self.rounding)
-        if self.moments is not None:
-            largest = max(_longest(self.moments), largest * self.radius)
-            left = max(left, _left(self.moments, largest, self.rounding * self.radius))
-        return left
-
-    def __str__(self) -> str:
-        parts = ", ".join(
-            f"{label} ({', '.join(f'{part:.6g}' for part in force)})"
-            for label, force in zip(self.labels, self.forces, strict=True)
-        )
-        return f"{self.of}: {parts} N"
-
-
-def _longest(vectors: Floats) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max(initial=0.0))
-
-
-def _left(parts: Floats, largest: float, rounding: float) -> float:
-    """Length of a sum in parts of what counts as none."""
-    allowed = _BALANCED * largest + _ROUNDING * rounding + np.finfo(float).tiny
-    return float(np.linalg.norm(parts.sum(axis=0)) / allowed)
 
 
 def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dict[str, Floats]:
@@ -113,14 +67,24 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
     """
     moved = {name: system.displacement(x, name) for name in system.bodies}
     sides = list(forces_on_bodies(system, moved, multipliers))
-    found = [
-        _on_body(pieces, x, moved[name], [side for side in sides if side.body == name])
-        for name, pieces in system.pieces.items()
-        if pieces.motion.modal is None or pieces.motion.rotation is None
-    ]
-    found += [_of_contact(name, sides) for name in dict.fromkeys(side.contact for side in sides)]
-    reactions = {each.of: each.reactions for each in found if each.supports}
-    unbalanced = [str(each) for each in found if not each.left <= 1]
+    reactions, unbalanced = {}, []
+    for name, pieces in system.pieces.items():
+        if pieces.motion.modal is not None and pieces.motion.rotation is not None:
+            continue
+        body, on_body = pieces.body, [side for side in sides if side.body == name]
+        supports, parts, size = _on_body(pieces, x, moved[name], on_body)
+        if len(supports):
+            reactions[name] = supports.sum(axis=1)
+        parts |= {f"support {number}": part for number, part in enumerate(supports)}
+        unbalanced += _unbalanced(name, parts, size, body.space.dof_positions)
+    for name in dict.fromkeys(side.contact for side in sides):
+        both = [side for side in sides if side.contact == name]
+        size = sum(float(np.abs(side.forces).sum()) + side.size for side in both)
+        on_sides: dict[str, Floats] = {}
+        for side in both:
+            label = f"on {side.body}"
+            on_sides[label] = on_sides.get(label, 0.0) + side.forces.sum(axis=0, keepdims=True)
+        unbalanced += _unbalanced(f"contact {name}", on_sides, size)
     # Sums of all ranks may differ by rounding from rank to rank.
     unbalanced = system.template.comm.tompi4py().bcast(unbalanced)
     if unbalanced:
@@ -129,21 +93,55 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
     return reactions
 
 
-def _of_contact(name: str, sides: Sequence[SideForces]) -> Balance:
-    """Forces of a contact on its sides."""
-    both = [side for side in sides if side.contact == name]
-    size = sum(float(np.abs(side.forces).sum()) + side.size for side in both)
-    labels = tuple(f"on {side.body}" for side in both)
-    forces = np.array([side.forces.sum(axis=0) for side in both])
-    return Balance(f"contact {name}", labels, forces, None, 0, np.finfo(float).eps * size, 0.0)
+def _unbalanced(
+    of: str, parts: Mapping[str, Floats], size: float, x: Floats | None = None
+) -> list[str]:
+    """What forces act on, with their resultants, if they do not add up to zero, or their moments.
+
+    Forces at dofs (N), shape (n, dim), by what puts them on, their positions (m) about whose middle
+    moments are taken, and what rounding is relative to. Without positions, as where the trial space
+    has no rotation, there are no moments.
+    """
+    forces = np.array([part.sum(axis=0) for part in parts.values()])
+    left = _left(forces, 0.0, size)
+    if x is not None:
+        arms = x - x.mean(axis=0)
+        radius = float(np.linalg.norm(arms, axis=1).max())
+        moments = np.array([_moment(arms, part) for part in parts.values()])
+        largest = float(np.linalg.norm(forces, axis=1).max(initial=0.0))
+        left = max(left, _left(moments, largest * radius, size * radius))
+    if left <= 1:
+        return []
+    shown = (", ".join(f"{component:.6g}" for component in force) for force in forces)
+    return [f"{of}: {', '.join(f'{p} ({f})' for p, f in zip(parts, shown, strict=True))} N"]
 
 
-def _on_body(pieces: BodyTerms, x: Any, u: Floats, sides: Sequence[SideForces]) -> Balance:
-    """Forces on a body at displacements x of all free dofs and u of its own."""
+def _left(vectors: Floats, largest: float, size: float) -> float:
+    """Length of a sum of vectors in parts of what counts as none: 1 or less."""
+    largest = max(largest, float(np.linalg.norm(vectors, axis=1).max(initial=0.0)))
+    allowed = _BALANCED * largest + _ROUNDING * size + np.finfo(float).tiny
+    return float(np.linalg.norm(vectors.sum(axis=0)) / allowed)
+
+
+def _moment(arms: Floats, force: Floats) -> Floats:
+    """Moment (N m) of forces at dofs (N), shape (n, dim), with their arms (m)."""
+    if force.shape[1] == 2:
+        return np.array([(arms[:, 0] * force[:, 1] - arms[:, 1] * force[:, 0]).sum()])
+    return np.asarray(np.cross(arms, force).sum(axis=0))
+
+
+def _on_body(
+    pieces: BodyTerms, x: Any, u: Floats, sides: Sequence[SideForces]
+) -> tuple[Floats, dict[str, Floats], float]:
+    """Forces on a body at displacements x of all free dofs and u of its own, at all its dofs (N).
+
+    Those of each support, shape (supports, num_scalar_dofs, dim), the others by what puts them on,
+    and the sum of what all of them are small differences of.
+    """
     body, load, strain = pieces.body, pieces.body.full_load(), pieces.strain(x)
     parts = {"loads": gather(load).reshape(-1, body.dim)}
     destroy(load)
-    strained = u if strain is None else u + gather(strain)
+    strained = u if strain is None else u + np.concatenate(body.comm.allgather(strain))
     elastic, size = _times(body.space.stiffness(body.material.elasticity), strained, body)
     for label, factor, matrix in _of_space(pieces):
         product, of_product = _times(matrix, u, body)
@@ -154,24 +152,10 @@ def _on_body(pieces: BodyTerms, x: Any, u: Floats, sides: Sequence[SideForces]) 
         parts[label] = parts.get(label, 0.0) + side.forces
         size += side.size
     size += sum(float(np.abs(part).sum()) for part in parts.values())
-    dofs, reactions = body.support_forces(elastic - sum(parts.values()))
-    labels = (*parts, *(f"support {number}" for number in range(len(reactions))))
-    forces = np.array([part.sum(axis=0) for part in (*parts.values(), *reactions)])
-    moments, radius, positions = None, 0.0, body.space.dof_positions
-    if positions is not None:
-        arms = positions - positions.mean(axis=0)
-        own = [_moment(arms, part) for part in parts.values()]
-        moments = np.array(own + [_moment(arms[dofs], part) for part in reactions])
-        radius = _longest(arms)
-    rounding = float(np.finfo(float).eps * size)
-    return Balance(pieces.name, labels, forces, moments, len(reactions), rounding, radius)
-
-
-def _moment(arms: Floats, force: Floats) -> Floats:
-    """Moment (N m) of forces at dofs (N), shape (n, dim), with their arms (m)."""
-    if force.shape[1] == 2:
-        return np.array([(arms[:, 0] * force[:, 1] - arms[:, 1] * force[:, 0]).sum()])
-    return np.asarray(np.cross(arms, force).sum(axis=0))
+    dofs, held = body.support_forces(elastic - sum(parts.values()))
+    supports = np.zeros((len(held), *elastic.shape))
+    supports[:, dofs] = held
+    return supports, parts, size
 
 
 def _of_space(pieces: BodyTerms) -> Iterator[tuple[str, float, Any]]:
@@ -209,12 +193,14 @@ def forces_on_bodies(
     }
     if not whole:
         return
-    u = whole[system.contacts[0].name].gap.createVecRight()
-    u.array[:] = np.concatenate([moved[name][_own(body)] for name, body in bodies.items()])
+    own = {name: slice(*body.expansion.getOwnershipRange()) for name, body in bodies.items()}
+    u = np.concatenate([moved[name][dofs] for name, dofs in own.items()])
     for contact in system.contacts:
         of_all = whole[contact.name]
         if of_all.lumped is not None:
-            force = _image(*of_all.lumped, u)
+            stiffness = _difference(*of_all.lumped)
+            force = applied(stiffness, u)
+            destroy(stiffness)
         elif not contact.law.linear:
             assert contact.closure is not None
             force = of_all.force(contact.law.pressure(contact.closure))
@@ -227,45 +213,24 @@ def forces_on_bodies(
         yield from _on_sides(bodies, contact, force, _size(contact, moved))
     linear = [contact for contact in system.contacts if contact.law.linear]
     for halves in with_multipliers(linear).values():
-        reactions = [_reaction(whole[half.name]) for half in halves]
+        every = [whole[half.name] for half in halves]
+        reactions = [_difference(m.gap, m.slip if m.has_friction else None) for m in every]
+        parts = [local_part(each) for each in reactions]
         if halves[0].projection is None:
-            parts = [few_forces(halves, [local_part(each) for each in reactions])[1]]
-        else:
-            parts = [local_part(each) for each in reactions]
+            parts = [few_forces(halves, parts)[1]]
         rows = csr_array(vstack(parts))
-        own, multipliers = np.split(multipliers, [rows.shape[0]])
+        f, multipliers = np.split(multipliers, [rows.shape[0]])
         reaction = distributed(rows, reactions[0].getSizes()[1], reactions[0].comm)
-        f, force = reaction.createVecLeft(), reaction.createVecRight()
-        f.array[:] = own
-        reaction.multTranspose(f, force)
-        destroy(reaction, f, *reactions)
+        force = applied(reaction, f, transposed=True)
+        destroy(reaction, *reactions)
         yield from _on_sides(bodies, halves[0], force)
-    destroy(u)
     for each in whole.values():
         destroy(each.gap, *(m for m in (each.slip, *(each.lumped or ())) if m is not None))
 
 
-def _own(body: Body) -> slice:
-    """Dofs of this rank of a body without supports."""
-    return slice(*body.expansion.getOwnershipRange())
-
-
-def _image(K_n: Any, K_f: Any | None, u: Any) -> Any:
-    """(K_n - K_f) u."""
-    force = K_n.createVecLeft()
-    if K_f is not None:
-        K_f.mult(u, force)
-        force.scale(-1.0)
-    K_n.multAdd(u, force, force)
-    return force
-
-
-def _reaction(contact: Contact) -> Any:
-    """L = J - R, a new matrix, of gaps and slips of a contact."""
-    parts = [(1.0, contact.gap)]
-    if contact.has_friction:
-        parts.append((-1.0, contact.slip))
-    return scaled_total(parts)
+def _difference(one: Any, other: Any | None) -> Any:
+    """A matrix less another, if there is one: a new matrix."""
+    return scaled_total([(1.0, one)] if other is None else [(1.0, one), (-1.0, other)])
 
 
 def _size(contact: Contact, moved: Mapping[str, Floats]) -> float:
@@ -275,17 +240,15 @@ def _size(contact: Contact, moved: Mapping[str, Floats]) -> float:
     sides = ((contact.a, interface.trace_a), (contact.b, interface.trace_b))
     for name, trace in sides:
         lengths += abs(trace) @ np.linalg.norm(moved[name].reshape(trace.shape[1], -1), axis=1)
-    weighted = interface.local_points.weight * contact.slope[interface.rows]
-    return interface.comm.allreduce(float(weighted @ lengths))
+    return interface.comm.allreduce(float(contact.weight(contact.slope) @ lengths))
 
 
 def _on_sides(
-    bodies: Mapping[str, Body], contact: Contact, force: Any, size: float = 0.0
+    bodies: Mapping[str, Body], contact: Contact, force: Floats, size: float = 0.0
 ) -> Iterator[SideForces]:
-    """A force against the motion (N), PETSc vector of all dofs, which is freed, on both bodies."""
+    """A force against the motion (N), the dofs of this rank of all bodies, on both bodies."""
     ends = np.cumsum([body.expansion.getLocalSize()[0] for body in bodies.values()])
-    parts = dict(zip(bodies, np.split(-force.array_r, ends[:-1]), strict=True))
-    destroy(force)
+    parts = dict(zip(bodies, np.split(-force, ends[:-1]), strict=True))
     for name in (contact.a, contact.b):
         body = bodies[name]
         whole = np.concatenate(body.comm.allgather(parts[name])).reshape(-1, body.dim)

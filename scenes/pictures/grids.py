@@ -20,7 +20,7 @@ from vtkmodules.vtkCommonDataModel import (
 )
 
 from cea.arrays import Floats, Ints
-from cea.volume import VolumeCells
+from cea.body.space import VolumeCells
 
 _CELL_TYPES = {
     ("lagrange", True, 2): pyvista.CellType.LAGRANGE_TRIANGLE,

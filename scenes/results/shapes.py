@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from cea.arrays import Complexes
-from cea.body.unknowns import free_operator
+from cea.body.body import free_operator
 from cea.eigen.blocks import times
 from cea.eigen.multipliers import with_circulatory
 from cea.eigen.pencil import Pencil, Term

@@ -25,28 +25,9 @@ from scenes.spec.matrices import ROLES, MatrixScene
 class AssembledMatrices:
     """A scene of matrices read once and solved many times, at other parameters.
 
-    Parameters
-    ----------
-    scene
-        The scene.
-    listener
-        Called with the name of each stage as it begins.
-
-    Attributes
-    ----------
-    scene
-        The scene.
-    pieces
-        Its matrices by name.
-    driver
-        What solves its pencil.
-    timer
-        Seconds that reading took.
-
-    Raises
-    ------
-    InputError
-        When a file holds no such matrix, their sizes differ, or the mass is not symmetric.
+    It has its matrices by name, ``pieces``, and a ``driver`` that solves its pencil; ``listener``
+    is called with the name of each stage as it begins. An InputError refuses a file that holds no
+    such matrix, other sizes, and a mass that is not symmetric.
     """
 
     def __init__(self, scene: MatrixScene, listener: Callable[[str], None] | None = None) -> None:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.location import TOLERANCE, Boxes, Chart
+from cea.location import TOLERANCE, Chart, near_boxes
 from cea.surface_points import Status, SurfaceCells
 
 
@@ -164,7 +164,7 @@ def test_boxes_of_any_size_are_those_found_one_by_one(dim, reach):
     centre, x = rng.uniform(size=(80, dim)), rng.uniform(-0.2, 1.2, size=(120, dim))
     half = 10.0 ** rng.uniform(-3, -0.5, size=(80, dim))
     low, high = centre - half, centre + half
-    point, box = Boxes(low, high).within(x, reach)
+    point, box = near_boxes(low, high, x, reach)
     found = np.zeros((120, 80), dtype=int)
     np.add.at(found, (point, box), 1)  # none twice
     beside = np.maximum(low - x[:, None], x[:, None] - high).max(axis=2)

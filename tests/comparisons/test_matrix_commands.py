@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from external_data import external
-from matrix_files import companion, dense, inside, pieces, scene, write
+from matrix_files import dense, inside, pieces, scene, write
 from mpi import command
+from petsc_matrices import quadratic_eigenvalues
 from scipy.io import mmwrite
 from scipy.sparse import csr_array
 
@@ -79,7 +80,7 @@ def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
     assert "pictures" in printed.partition("left out, not needed: ")[2].splitlines()[0]
     assert printed.startswith("▲ solve: ")
     found = np.array([v["re"] + 1j * v["im"] for v in stored["eigenvalues"]])
-    true = companion(made["M"], made["D"] + made["G"], made["K"] + made["F"])
+    true = quadratic_eigenvalues(made["M"], made["D"] + made["G"], made["K"] + made["F"])
     np.testing.assert_allclose(found, inside(true), rtol=1e-9)
     assert stored["inputs"]["min_growth"] == -1.0
     assert stored["verdict"] == "unstable"

@@ -1,8 +1,8 @@
 """Small systems as files: a damped gyroscopic circulatory one that depends on a speed."""
 
 import numpy as np
+from petsc_matrices import quadratic_eigenvalues
 from scipy.io import mmwrite, savemat
-from scipy.linalg import eig
 from scipy.sparse import csr_array, save_npz
 
 N = 24
@@ -67,13 +67,7 @@ def dense(matrices, speed=2.0, mu=0.7):
     M = matrices["M"]
     C = (1 + 1 / speed) * matrices["D"] + speed * matrices["G"]
     K = matrices["K"] + mu * matrices["F"] + (speed**2 - 1) * matrices["Q"]
-    return companion(M, C, K)
-
-
-def companion(M, C, K):
-    """All eigenvalues of lambda^2 M + lambda C + K."""
-    one, zero = np.eye(len(M)), np.zeros_like(M)
-    return eig(np.block([[zero, one], [-K, -C]]), np.block([[one, zero], [zero, M]]))[0]
+    return quadratic_eigenvalues(M, C, K)
 
 
 def inside(values, max_frequency=0.6, min_growth=-1.0):

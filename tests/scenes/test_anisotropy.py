@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.elasticity import Axes
-from cea.material import AnisotropicMaterial, OrthotropicMaterial
+from cea.material import AnisotropicMaterial, Axes, OrthotropicMaterial
 from scenes import SceneError, assemble, load_scene, read_scene, run_modes
 from scenes.building.build import build_body
 

@@ -8,14 +8,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from catalogue import MESHED
 
 import scenes
 from cea.contact.formulations import Greville
 from scenes import SceneError, load_scene, read_scene
-from scenes.spec.plain import plain_data
+from scenes.spec.plain import plain_data, scene_names, tables_of
 
 MU = "contacts.pad_disc.mu"
+MESHED = [
+    (name, backend)
+    for name in scene_names()
+    for backend in ("fe", "iga")
+    if all(backend in body["mesh"] for body in tables_of(name)["bodies"].values())
+]
+"""Scenes that come with the project, with the backends that all their bodies have meshes for."""
 
 
 def test_every_exported_name_is_there():
@@ -50,6 +56,11 @@ def test_what_lies_in_the_working_directory_never_shadows_a_scene(make, tmp_path
     for name in ("mine", "./disc_pad", "disc.toml"):
         with pytest.raises(SceneError, match="disc_pad"):
             load_scene(name)
+
+
+def test_all_scenes_but_one_have_meshes_of_both_backends():
+    assert {name for name in scene_names() if (name, "iga") not in MESHED} == {"ventilated_brake"}
+    assert {name for name, backend in MESHED if backend == "fe"} == set(scene_names())
 
 
 @pytest.mark.parametrize(("name", "backend"), MESHED)

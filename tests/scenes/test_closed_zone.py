@@ -5,7 +5,7 @@ import pytest
 from blocks import rectangle
 
 from scenes import read_scene, run_modes
-from scenes.checking.steady import closed_zone
+from scenes.checking.equilibrium import closed_zone
 
 SEGMENTS = {"method": "segments"}
 

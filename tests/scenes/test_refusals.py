@@ -6,12 +6,11 @@ from math import inf
 
 import numpy as np
 import pytest
-from bad_inputs import HOSTILE, patience, valid
-from stored_runs import a_record
+from bad_inputs import HOSTILE, coarse, patience, valid
 
 from cea.errors import InputError
 from cea.expressions import Expression
-from scenes import open_result
+from scenes import open_result, run_scene, save_result
 from scenes.results.record import read_record, write_record
 from scenes.spec.problems import SceneError
 from scenes.spec.reading import load_scene, read_scene
@@ -76,6 +75,14 @@ def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path, monkeypatch):
         read_record(file)
 
 
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """A stored result as text."""
+    file = tmp_path_factory.mktemp("stored") / "r.json"
+    save_result(run_scene(read_scene(coarse("disc"))), file)
+    return file.read_text()
+
+
 @pytest.mark.parametrize(
     ("place", "value"),
     [
@@ -91,9 +98,8 @@ def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path, monkeypatch):
         (("scene", "analysis"), {"kind": "static"}),
     ],
 )
-def test_stored_results_with_a_part_wrong(place, value, tmp_path):
-    data = json.loads(write_record(a_record(), tmp_path / "r.json").read_text())
-    part = data
+def test_stored_results_with_a_part_wrong(place, value, stored, tmp_path):
+    data = part = json.loads(stored)
     for key in place[:-1]:
         part = part[key]
     part[place[-1]] = value

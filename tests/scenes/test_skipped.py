@@ -127,7 +127,7 @@ UNUSED = (
     "cea.system.steady_newton",
     "cea.system.modal_damping",
     "scenes.running.static",
-    "scenes.checking.steady",
+    "scenes.checking.equilibrium",
     "scenes.export",
     "scenes.pictures",
     "scenes.refinement",

@@ -11,7 +11,7 @@ from comparisons.accuracy.problems import PROBLEMS
 from comparisons.accuracy.study import STUDY, uses
 from comparisons.study.result import read
 from scenes import run_modes
-from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, scene_warnings
+from scenes.checking.warnings import _INCOMPRESSIBLE, point_rule, warnings_of
 from scenes.running.system import coupled
 from scenes.spec.reading import load_scene, read_scene
 
@@ -19,7 +19,9 @@ from scenes.spec.reading import load_scene, read_scene
 def told(scene):
     """Warnings of bodies and contacts by kind; nothing is solved."""
     system, _, _ = coupled(scene)
-    return {warning.kind: warning.data for warning in scene_warnings(scene, system.contacts)}
+    return {
+        warning.kind: warning.data for warning in warnings_of(scene, system.bodies, system.contacts)
+    }
 
 
 def blocks(backend, **changes):
@@ -139,7 +141,7 @@ def test_point_rules_are_told_where_the_study_found_them_too_crude(rule):
         scene = load_scene(row["problem"], backend=backend).change(
             {"contacts.interface.formulation": RULES[rule], "contacts.interface.p": stiffness}
         )
-        warned = list(point_rule("interface", scene, contacts_of(row["problem"], backend)))
+        warned = list(point_rule(scene, "interface", contacts_of(row["problem"], backend)))
         if row["growth_worst"] > max(0.02, 2 * row["floor"]):
             crude += 1
             assert warned, row

@@ -7,8 +7,7 @@ from itertools import batched
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cea.elasticity import Axes
-from cea.material import IsotropicMaterial, Material, OrthotropicMaterial
+from cea.material import Axes, IsotropicMaterial, Material, OrthotropicMaterial
 from scenes.export.decks.bodies import DeckBody, set_name
 from scenes.spec.reading import Scene
 
