@@ -7,10 +7,11 @@ from covering import covering
 from mpi import on_ranks
 from pressed import pressed_blocks
 from reaction_numbers import CONTACTS, INNER, MOVED, NU, OUTER, E, borne, pressed, sector
+from scipy.sparse import csr_array
 
 from cea.errors import ConvergenceError, InputError
 from cea.supports.directions import Directions
-from cea.supports.elimination import constrain
+from cea.supports.elimination import ProjectedConstraints, constrain
 from cea.system import support_forces
 from scenes import read_scene, run_scene
 from scenes.spec.problems import SceneError
@@ -86,6 +87,30 @@ def test_a_dof_is_shared_along_what_each_support_holds():
         cuts = np.cumsum([space.shape[1] for space in spaces])[:-1]
         for s, amount in enumerate(np.split(amounts, cuts)):
             assert parts[s, i] == pytest.approx(spaces[s] @ amount, abs=1e-12)
+
+
+def test_projected_constraints_bear_the_forces_of_their_multipliers():
+    """Held directions of one support beside rows of two others, of known multipliers."""
+    rng, n = np.random.default_rng(3), 6
+    d = rng.normal(size=(4, 3))
+    d /= np.linalg.norm(d, axis=1, keepdims=True)
+    held = Directions.of(np.array([1, 4]), d[:2])
+    anchors = Directions.of(np.array([1, 2, 3]), d[[2, 3, 0]])
+    shares = {support: np.zeros((3, n, 3)) for support in (1, 2)}
+    for rows in shares.values():
+        rows[:, 1:4] = 0.1 * rng.random((3, 3, 3))
+        rows[np.arange(3), anchors.dof] += 0.5 * anchors.direction
+    sparse = {support: csr_array(rows.reshape(3, -1)) for support, rows in shares.items()}
+    constraints = constrain(n, held, ProjectedConstraints(anchors, sparse, np.zeros(3)))
+    multipliers, amounts = rng.normal(size=3), rng.normal(size=2)
+    expected = np.zeros((3, n, 3))
+    expected[0][held.dof] = amounts[:, None] * held.direction
+    for support, rows in shares.items():
+        expected[support] = np.tensordot(multipliers, rows, 1)
+    dofs = constraints.dofs
+    parts = constraints.forces.split(expected.sum(axis=0)[dofs], 3)
+    assert parts == pytest.approx(expected[:, dofs], abs=1e-12)
+    assert np.abs(np.delete(expected, dofs, axis=1)).max() == 0
 
 
 @pytest.mark.grid
