@@ -21,7 +21,7 @@ from random_runs import judged, pencil_outcome
 from scipy.linalg import block_diag
 
 from cea.eigen import driver
-from cea.eigen.blocks import image_of
+from cea.eigen.blocks import times
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.subspace import InvariantSubspace
@@ -182,8 +182,8 @@ def test_products_with_many_columns_are_those_column_by_column(order, monkeypatc
     entries = rng.standard_normal((30, 30)) * (rng.random((30, 30)) < 0.3)
     matrix, columns = to_petsc(entries), np.array(rng.standard_normal((30, 19)), order=order)
     before = columns.copy()
-    image = image_of(matrix, columns)
+    image = times(matrix, columns)
     assert image.flags.f_contiguous
     assert image == pytest.approx(entries @ columns, abs=1e-13)
     assert np.array_equal(columns, before)
-    assert np.array_equal(image_of(matrix, columns[:, 8:9])[:, 0], image[:, 8])
+    assert np.array_equal(times(matrix, columns[:, 8:9])[:, 0], image[:, 8])

@@ -31,10 +31,6 @@ QUICK = {
 slow = pytest.mark.slow
 
 
-def case(ranks, name):
-    return on_ranks(ranks, "parallel_cases.case", name)
-
-
 def assert_same_eigenvalues(found, expected):
     """Equal to 1e-9 as sets; of a near-coalescence only the mean of the pair is well conditioned.
 
@@ -64,7 +60,7 @@ def assert_same_eigenvalues(found, expected):
     ],
 )
 def test_answers_do_not_depend_on_the_number_of_ranks(ranks, name):
-    found, expected = dict(case(ranks, name)), dict(case(1, name))
+    found, expected = (dict(on_ranks(n, "parallel_cases.case", name)) for n in (ranks, 1))
     asymmetry = found.pop("asymmetry")
     assert asymmetry == expected.pop("asymmetry") == [0.0] * len(asymmetry)
     if "im" in expected:
@@ -91,7 +87,7 @@ def test_forces_on_ranks_without_displacements(ranks):
 
 
 def test_the_disc_and_pad_flutters_on_coarse_meshes(backend):
-    assert max(case(1, f"{backend} disc_pad")["re"]) > 100
+    assert max(on_ranks(1, "parallel_cases.case", f"{backend} disc_pad")["re"]) > 100
 
 
 def test_command_line_prints_and_writes_once(tmp_path):
