@@ -44,13 +44,20 @@ def block(backend, size, origin, elements, *, placement=None, **fields):
     return scene_body(backend, geometry, elements, placement=placement or {}, **fields)
 
 
+def contact(a, b, points, direction, *, mu=0.3, **fields):
+    """Contact section of a scene: GPTS with friction."""
+    formulation = {"method": "gpts", "points": points}
+    friction = {"mu": mu, "friction_direction_on_a": direction}
+    return {"a": a, "b": b, "formulation": formulation, **friction, **fields}
+
+
 def rectangle(backend, size, elements, *, origin=(0.0, 0.0), degree=2, **fields):
     """Body section of a rectangle with the same elements on both backends, and other fields."""
     geometry = {"shape": "rectangle", "size": list(size), "origin": list(origin)}
     return scene_body(backend, geometry, elements, degree, **fields)
 
 
-def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.0, **contact):
+def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.0, **fields):
     """Scene of a small block (a) on a larger one (b) whose meshes do not match.
 
     The contact has other fields; None stands for one that is left out.
@@ -77,7 +84,7 @@ def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.
                 "mu": mu,
                 "friction_direction_on_a": {"vector": direction},
             }
-            | contact
+            | fields
         },
         "analysis": {"kind": "cea", "max_frequency": 1.0, "growth_threshold": 10.0},
     }
