@@ -1,17 +1,23 @@
-"""Contact algebra on both backends with every formulation: forces, symmetry, conservation."""
+"""Contact matrices on both backends: forces, conservation, sums over points, halves, joints."""
+
+from pathlib import Path
 
 import numpy as np
 import pytest
-from blocks import FORMULATIONS, PLACEMENTS, assemble, two_blocks
+from blocks import FORMULATIONS, PLACEMENTS, ROTATED, assemble, block, coarse, two_blocks
 from covering import covering
 from motions import asymmetry, control_points, dense, product, resultant, rotation_of, unknowns
+from scipy.linalg import block_diag
 
+from cea.eigen.driver import solve_modes
 from cea.errors import InputError
 from cea.matrices import gather
+from scenes import run_scene
+from scenes.spec.reading import load_scene
 
-P, MU, CLOSURE = 3.0, 0.4, 1e-6
-
-
+P, MU, CLOSURE, AREA = 3.0, 0.4, 1e-6, 0.3
+GPTS = {"method": "gpts", "points": 4}
+LUMPED = GPTS | {"lumped": True}
 EVERY = pytest.mark.parametrize(
     ("backend", "formulation", "placement", "full_pass"),
     covering(["fe", "iga"], FORMULATIONS, PLACEMENTS, [False, True]),
@@ -26,9 +32,8 @@ def system(backend, formulation, placement, full_pass):
     """One for each case: the tests leave it as it is."""
     case = backend, str(formulation), str(placement), full_pass
     if case not in SYSTEMS:
-        data = two_blocks(backend, formulation, placement, mu=MU, P=P)
-        data["contacts"]["interface"]["full_pass"] = full_pass
-        SYSTEMS[case] = assemble(data)
+        options = {"mu": MU, "P": P, "full_pass": full_pass}
+        SYSTEMS[case] = assemble(two_blocks(backend, formulation, placement, **options))
     return SYSTEMS[case]
 
 
@@ -41,7 +46,7 @@ def direction(system):
 def test_friction_pushes_a_along_k_and_b_against_it(system):
     halves, k = system.contacts, direction(system)
     normal = halves[0].interface.points.normal[0]
-    assert halves[0].interface.points.weight.sum() == pytest.approx(0.3, rel=1e-11)
+    assert halves[0].interface.points.weight.sum() == pytest.approx(AREA, rel=1e-11)
     x = unknowns(system, {"upper": lambda X: CLOSURE * np.ones((len(X), 1)) * normal})
     force = P * CLOSURE / len(halves)
     for contact, side in zip(halves, (1, -1), strict=False):
@@ -55,74 +60,157 @@ def test_friction_pushes_a_along_k_and_b_against_it(system):
             assert -pressure == pytest.approx(-sign * force * normal, abs=1e-13 * scale)
 
 
-@EVERY
-def test_momentum_is_conserved(system):
+TURN = np.array([[0, -0.3, 0.2], [0.3, 0, -0.7], [-0.2, 0.7, 0]])
+
+
+def common(system, motion):
+    """Unknowns of bodies that all move as one function of position says."""
+    return unknowns(system, dict.fromkeys(system.bodies, motion))
+
+
+def assert_conserves_momentum(system, *, angular):
     rng = np.random.default_rng(3)
-    x = unknowns(system, dict.fromkeys(system.bodies, lambda X: rng.normal(size=X.shape)))
-    for matrix in (each for contact in system.contacts for each in (contact.K_n, contact.K_f)):
-        force = product(matrix, x)
-        (total_a, scale), (total_b, _) = (resultant(system, force, b) for b in system.bodies)
-        assert np.abs(total_a + total_b).max() <= 1e-13 * scale
-        moments = [
-            np.cross(control_points(body), system.displacement(force, name).reshape(-1, 3)).sum(0)
-            for name, body in system.bodies.items()
-        ]
-        assert np.abs(moments[0] + moments[1]).max() <= 1e-12 * scale
-
-
-@EVERY
-def test_common_rigid_motion_closes_no_gap(system):
-    rotation = np.array([[0, -0.3, 0.2], [0.3, 0, -0.7], [-0.2, 0.7, 0]])
-    x = unknowns(system, dict.fromkeys(system.bodies, lambda X: X @ rotation.T + [1.0, -2.0, 0.5]))
+    x = common(system, lambda X: rng.normal(size=X.shape))
+    rigid = common(system, lambda X: X @ TURN.T + [1.0, -2.0, 0.5])
+    shift = common(system, lambda X: np.ones(X.shape))
     for contact in system.contacts:
-        assert np.abs(gather(product(contact.gap, x))).max() <= 1e-12
-
-
-@EVERY
-def test_normal_stiffness_is_exactly_symmetric(system):
-    for contact in system.contacts:
-        assert asymmetry(contact.K_n) == 0.0
+        assert asymmetry(contact.K_n) == 0.0 or not angular
         assert asymmetry(contact.K_f) > 0.1 * contact.K_f.norm()
+        for matrix in (contact.K_n, contact.K_f):
+            forces = [
+                (control_points(body), system.displacement(product(matrix, x), name).reshape(-1, 3))
+                for name, body in system.bodies.items()
+            ]
+            scale = np.abs(forces[0][1]).sum()
+            assert np.abs(sum(f.sum(axis=0) for _, f in forces)).max() <= 1e-13 * scale
+            largest = np.abs(dense(matrix)).max()
+            assert np.abs(gather(product(matrix, shift))).max() <= 1e-13 * largest
+            if angular:
+                moment = sum(np.cross(x, f).sum(axis=0) for x, f in forces)
+                assert np.abs(moment).max() <= 1e-12 * scale
+                assert np.abs(gather(product(contact.gap, rigid))).max() <= 1e-12
+            else:
+                assert np.abs(gather(product(matrix, rigid))).max() > 1e-3 * largest
 
 
 @EVERY
-def test_matrices_equal_a_loop_over_points(system):
+def test_momentum_is_conserved_and_common_rigid_motions_close_no_gap(system):
+    assert_conserves_momentum(system, angular=True)
+
+
+def test_lumped_contact_conserves_linear_momentum_and_not_angular(backend):
+    assert_conserves_momentum(assemble(two_blocks(backend, LUMPED)), angular=False)
+
+
+def assert_equals_sums(contact, k, *, lumped=False):
+    """K_n and K_f are sums over points of outer products of gaps and slips, from the traces.
+
+    Paper eq. 41: in a-a and b-b of lumped ones scalar row i is summed over scalar columns onto i.
+    """
+    interface = contact.interface
+    normal, weight = interface.points.normal, interface.points.weight
+    p = contact.P / weight.sum()
+    traces = [interface.trace_a.toarray(), -interface.trace_b.toarray()]
+    traces = traces if contact.a == "upper" else traces[::-1]
+    gap, slip = (
+        np.hstack([np.einsum("qi,qc->qic", trace, along).reshape(len(k), -1) for trace in traces])
+        for along in (normal, MU * k)
+    )
+    left = [gap.T * weight, slip.T * weight]
+    tolerance = 1e-13
+    if contact.is_projected:
+        psi = interface.trace_a.toarray()
+        psi = psi[:, np.abs(psi).max(axis=0) > 0]
+        projected = psi @ np.linalg.solve((psi.T * weight / p) @ psi, psi.T * weight)
+        expected = [factor @ projected @ gap for factor in left]
+        tolerance = 1e-11  # times the condition of the mass matrix of the traces
+    else:
+        expected = [p * factor @ gap for factor in left]
+    for matrix, along in zip(expected, (normal, MU * k), strict=True):
+        first = 0
+        for trace in traces if lumped else ():
+            size = 3 * trace.shape[1]
+            share = p * weight * trace.sum(axis=1)
+            own = slice(first, first + size)
+            nodes = np.einsum("q,qi,qc,qd->icd", share, trace, along, normal)
+            matrix[own, own] = block_diag(*nodes)
+            first += size
+    for matrix, reference in zip((contact.K_n, contact.K_f), expected, strict=True):
+        assert np.abs(dense(matrix) - reference).max() <= tolerance * np.abs(reference).max()
+
+
+@EVERY
+def test_matrices_are_sums_over_points(system):
     for contact, side in zip(system.contacts, (1, -1), strict=False):
-        equals_a_loop(system, contact, side * direction(system))
+        count = len(contact.interface.points)
+        assert_equals_sums(contact, np.tile(side * direction(system), (count, 1)))
 
 
-def equals_a_loop(system, contact, k):
-    interface, sizes = contact.interface, [3 * b.num_scalar_dofs for b in system.bodies.values()]
-    starts = dict(zip(system.bodies, (0, sizes[0]), strict=True))
-    sides = ((contact.a, interface.trace_a.toarray()), (contact.b, -interface.trace_b.toarray()))
-    p = P / len(system.contacts) / interface.points.weight.sum()
-    touched = np.flatnonzero(np.abs(sides[0][1]).sum(axis=0))
-    projected = contact.is_projected
-    rows = len(touched) if projected else 1
-    K_n, K_f = np.zeros((2, sum(sizes), sum(sizes)))
-    B, B_k = np.zeros((2, rows, sum(sizes)))
-    M = np.zeros((rows, rows))
-    for i, weight in enumerate(interface.points.weight):
-        gap, slip = np.zeros((2, sum(sizes)))
-        for operator, along in ((gap, interface.points.normal[i]), (slip, k)):
-            for name, trace in sides:
-                part = np.outer(trace[i], along).ravel()
-                operator[starts[name] : starts[name] + len(part)] = part
-        if projected:
-            psi = sides[0][1][i, touched]
-            B += weight * np.outer(psi, gap)
-            B_k += weight * MU * np.outer(psi, slip)
-            M += weight / p * np.outer(psi, psi)
-            continue
-        at = np.flatnonzero((gap != 0) | (slip != 0))
-        K_n[np.ix_(at, at)] += weight * p * np.outer(gap[at], gap[at])
-        K_f[np.ix_(at, at)] += weight * p * MU * np.outer(slip[at], gap[at])
-    if projected:
-        multiplier = np.linalg.solve(M, B)
-        K_n, K_f = B.T @ multiplier, B_k.T @ multiplier
-    tolerance = 1e-11 if projected else 1e-13  # times the condition of M
-    for matrix, expected in ((contact.K_n, K_n), (contact.K_f, K_f)):
-        assert np.abs(dense(matrix) - expected).max() <= tolerance * np.abs(expected).max()
+@pytest.mark.grid
+def test_lumped_matrices_are_sums_over_columns(backend, placement):
+    (contact,) = assemble(coarse(two_blocks(backend, LUMPED, placement))).contacts
+    points = contact.interface.points
+    k = contact.friction.direction.at(points.x, points.normal)
+    assert_equals_sums(contact, k, lumped=True)
+
+
+@pytest.mark.parametrize("points", [15, 25])
+def test_lumped_nurbs_pass_the_patch_test_at_high_stiffness(points):
+    formulation = f"contacts.interface.formulation={{method='gpts', points={points}, lumped=true}}"
+    overrides = ["contacts.interface.P=1e14", formulation]
+    sides = run_scene(load_scene(Path("patch_test"), overrides, "iga")).stresses["interface"]
+    assert max(side.oscillation for side in sides.values()) < 1e-11 * 1000
+
+
+def test_a_full_pass_is_the_mean_of_its_halves(backend):
+    """The second half by itself: sides exchanged, direction of friction reversed."""
+    reversed_ = {"a": "lower.z_max", "b": "upper.z_min", "max_missed": 0.99}
+    reversed_["friction_direction_on_a"] = {"vector": [-1.0, -0.5, 0.0]}
+    forward, backward, both = (
+        assemble(two_blocks(backend, GPTS, **fields)).pencil().at()
+        for fields in ({}, reversed_, {"full_pass": True})
+    )
+    for part in ("stiffness", "unsymmetric"):
+        first, second, found = (dense(getattr(each, part)) for each in (forward, backward, both))
+        mean = 0.5 * (first + second)
+        assert np.abs(found - mean).max() <= 1e-13 * np.abs(mean).max()
+
+
+def bar(*parts, **joint):
+    """A bar of 1 x 0.6 x 0.8, whole or split at half its height into meshes that do not match."""
+    held = [{"surface": "z_min"}]
+    data = {"name": "bar", "contacts": {}, "analysis": {"kind": "cea", "max_frequency": 0.7}}
+    if len(parts) == 1:
+        whole = block(parts[0], [1.0, 0.6, 0.8], [0.0] * 3, [5, 4, 5], supports=held)
+        return data | {"bodies": {"bar": whole}}
+    upper, lower = parts
+    half = [1.0, 0.6, 0.4]
+    bonded = {"a": "upper.z_min", "b": "lower.z_max", "formulation": {"method": "bonded"}}
+    bodies = {
+        "upper": block(upper, half, [0.0, 0.0, 0.4], [5, 3, 2]),
+        "lower": block(lower, half, [0.0, 0.0, 0.0], [4, 4, 3], supports=held),
+    }
+    return data | {"bodies": bodies, "contacts": {"joint": bonded | joint}}
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize("lower", ["iga", "fe"])
+def test_a_bonded_joint_makes_one_body_of_two(backend, lower):
+    joined, whole = (
+        solve_modes(assemble(data).pencil(), 0.7).frequencies
+        for data in (bar(backend, lower, P=float("inf"), form="saddle"), bar(backend))
+    )
+    assert len(whole) >= 8
+    assert joined == pytest.approx(whole, rel=4e-3)
+
+
+def test_a_bonded_joint_closes_no_gap_under_common_rigid_motion(backend):
+    data = bar(backend, backend, P=3.0, form="penalty")
+    for body in data["bodies"].values():
+        body |= {"placement": ROTATED, "supports": []}
+    system = assemble(data)
+    x = common(system, lambda X: X @ TURN.T + [1.0, -2.0, 0.5])
+    assert np.abs(gather(product(system.contacts[0].gap, x))).max() <= 1e-12
 
 
 def test_surfaces_that_do_not_meet_or_look_away_are_refused(backend, formulation):
@@ -130,10 +218,9 @@ def test_surfaces_that_do_not_meet_or_look_away_are_refused(backend, formulation
     data["bodies"]["upper"]["placement"] = {"translation": [0.0, 0.0, 2.0]}
     with pytest.raises(InputError, match=r"contacts.interface = .*find nothing on side b"):
         assemble(data)
-    data = two_blocks(backend, formulation)
+    data = two_blocks(backend, formulation, b="lower.z_min")
     for body in data["bodies"].values():
         body["geometry"]["origin"][2] = 0.1
-    data["contacts"]["interface"] |= {"b": "lower.z_min"}
     with pytest.raises(InputError, match="face each other"):
         assemble(data)
 

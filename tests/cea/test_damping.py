@@ -1,25 +1,33 @@
-"""Rayleigh damping: its factors from damping ratios, and its pieces of the pencil."""
+"""Damping of bodies: ratios that are met, pieces of the pencil, changed parameters, refusals."""
 
 import numpy as np
 import pytest
-from blocks import assemble, two_blocks
+from blocks import alone, assemble, scene_body, two_blocks
 from petsc_matrices import to_numpy
 
-from cea.damping import RayleighDamping
+from cea.damping import ModalDamping, RayleighDamping
+from cea.eigen.driver import solve_modes
+from cea.eigen.matching import assign
 from cea.errors import InputError
 
-GPTS = {"method": "gpts", "points": 3}
-ALPHA, BETA = 0.3, 0.07
+TOP = 1.2
+RAYLEIGH = {"alpha": 0.3, "beta": 0.07}
+KINDS = {
+    "one ratio": {"ratio": 0.02, "max_frequency": 0.95},
+    "a list": {"ratios": [0.5, 1e-6, 0.9, 0.999]},
+    "a table": {"ratios": [0.0, 0.3, 0.1], "frequencies": [0.3, 0.6, 0.9]},
+}
 
 
-def scene(backend, *, damping=None, E=2.0, rho=1.5):
-    data = two_blocks(backend, GPTS, held=True)
-    upper = data["bodies"]["upper"]
-    upper["material"] |= {"E": E, "rho": rho}
-    upper["springs"] = [{"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}]
+def one_block(backend, damping=None, *, held=True, size=(1.0, 0.6), elements=(4, 3)):
+    """A block alone, in plane strain."""
+    geometry = {"shape": "rectangle", "size": list(size), "origin": [0.0, 0.0]}
+    body = scene_body(backend, geometry, list(elements))
+    if held:
+        body["supports"] = [{"surface": "y_min"}]
     if damping is not None:
-        upper["damping"] = damping
-    return assemble(data)
+        body["damping"] = damping
+    return alone(body, TOP)
 
 
 @pytest.mark.parametrize("frequencies", [(100.0, 2500.0), (2500.0, 100.0)])
@@ -31,20 +39,18 @@ def test_ratios_are_met_at_their_frequencies(frequencies):
     assert found == pytest.approx(ratios, rel=1e-14)
 
 
-@pytest.mark.parametrize("ratios", [(0.01, 0.031), (0.031, 0.01)])
-def test_ratios_that_no_damping_has_are_refused(ratios):
-    with pytest.raises(InputError, match=r"damping\.ratios"):
-        RayleighDamping.of_ratios(ratios, (100.0, 300.0))
-
-
 def test_the_damping_matrix_is_that_of_the_body(backend):
-    damped = scene(backend, damping={"alpha": ALPHA, "beta": BETA})
-    matrices = damped.pencil().at()
-    n = damped.bodies["upper"].stiffness().getSize()[0]
-    expected = np.zeros_like(to_numpy(matrices.mass))
-    upper = damped.bodies["upper"]
-    expected[:n, :n] = ALPHA * to_numpy(upper.mass()) + BETA * to_numpy(upper.stiffness())
+    data = two_blocks(backend, {"method": "gpts", "points": 3}, held=True)
+    springs = [{"surface": "x_min", "stiffness": [0.3, 0.2, 0.1]}]
+    data["bodies"]["upper"] |= {"damping": RAYLEIGH, "springs": springs}
+    damped = assemble(data)
+    matrices, upper = damped.pencil().at(), damped.bodies["upper"]
+    own = RAYLEIGH["alpha"] * to_numpy(upper.mass()) + RAYLEIGH["beta"] * to_numpy(
+        upper.stiffness()
+    )
     found = to_numpy(matrices.damping)
+    expected = np.zeros_like(found)
+    expected[: len(own), : len(own)] = own
     difference = np.abs(found - expected)
     assert (difference <= np.maximum(1e-14 * np.abs(expected), 1e-16)).all()
     assert (found == found.T).all()
@@ -52,18 +58,106 @@ def test_the_damping_matrix_is_that_of_the_body(backend):
     assert matrices.quadratic
 
 
+def expected_ratios(kind, frequencies):
+    """Damping ratios of elastic modes, as the scene means them."""
+    modal = KINDS[kind]
+    if "ratio" in modal:
+        return np.where(frequencies <= modal["max_frequency"], modal["ratio"], 0.0)
+    if kind == "a list":
+        return np.pad(modal["ratios"], (0, len(frequencies) - 4))
+    return np.interp(frequencies, modal["frequencies"], modal["ratios"], right=0.0)
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("held", [True, False])
+def test_a_body_alone_has_the_ratios_it_is_given(backend, kind, held):
+    plain, system = (
+        assemble(one_block(backend, damping, held=held))
+        for damping in (None, {"modal": KINDS[kind]})
+    )
+    free = solve_modes(plain.pencil(), TOP).eigenvalues.imag
+    omega = free[free > 1e-3]
+    assert len(free) - len(omega) == (0 if held else 3)
+    zeta = expected_ratios(kind, omega / (2 * np.pi))
+    assert (zeta > 0).sum() > 2
+    exact = omega * (-zeta + 1j * np.sqrt(1 - zeta**2))
+    modes = solve_modes(system.pencil(), TOP, min_growth=-2 * np.pi * TOP)
+    elastic = np.abs(modes.eigenvalues) > 1e-3
+    found = modes.eigenvalues[elastic]
+    assert len(found) == len(exact)
+    rows, columns = assign(np.abs(exact[:, None] - found), 1.0)
+    assert found[columns] == pytest.approx(exact[rows], rel=1e-10)
+    words = np.array(modes.verdicts())[elastic][columns]
+    assert set(words[zeta[rows] > 0]) == {"stable"}
+    assert set(words[zeta[rows] == 0]) <= {"stable", "undecided"}  # of zero errors leave no sign
+
+
+def modal(backend, ratios, **options):
+    return assemble(one_block(backend, {"modal": {"ratios": ratios}}, held=False, **options))
+
+
+def test_modes_of_one_frequency_are_damped_alike(backend):
+    """Of a free square some come in pairs, of which any two may be found."""
+    square = {"size": (1.0, 1.0), "elements": (3, 3)}
+    plain = assemble(one_block(backend, held=False, **square))
+    omega = solve_modes(plain.pencil(), 2 * TOP).eigenvalues.imag[3:]
+    first = int(np.flatnonzero(np.diff(omega) < 1e-8 * omega[:-1])[0])
+    alike = [0.01 * i for i in range(first)] + [0.5, 0.5]
+    modal(backend, alike, **square).pencil()
+    told = rf"damping\.modal\.ratios.*modes {first + 1} to {first + 2}"
+    for ratios in (alike[:-1], [*alike[:-1], 0.6]):
+        with pytest.raises(InputError, match=told):
+            modal(backend, ratios, **square).pencil()
+
+
+def test_more_ratios_than_modes_are_refused(backend):
+    size = assemble(one_block(backend, held=False)).size
+    for count in (size - 2, size + 1):
+        with pytest.raises(InputError, match=r"bodies\.part\.damping\.modal\.ratios"):
+            modal(backend, [0.01] * count).pencil()
+    every = modal(backend, [0.01] * (size - 3)).pencil()
+    assert len(every.low_rank[0].piece.weights) == size - 3
+
+
+def test_modes_that_are_not_counted_do_not_follow_the_material(backend):
+    pencil = assemble(one_block(backend, {"modal": KINDS["one ratio"]})).pencil()
+    with pytest.raises(InputError, match=r"bodies\.part\.material\.E.*5.*found"):
+        pencil.at({"bodies.part.material.E": 5.0})
+    modes = solve_modes(pencil, TOP, left=True)
+    with pytest.raises(InputError, match=r"bodies\.part\.material\.rho"):
+        modes.sensitivity("bodies.part.material.rho")
+    assert np.isfinite(modes.sensitivity("bodies.part.damping.modal.ratio")).all()
+
+
+@pytest.mark.parametrize("ratios", [(0.01, 0.031), (0.031, 0.01)])
+def test_ratios_that_no_damping_has_are_refused(ratios):
+    with pytest.raises(InputError, match=r"damping\.ratios"):
+        RayleighDamping.of_ratios(ratios, (100.0, 300.0))
+
+
 @pytest.mark.parametrize(
-    ("change", "options"),
+    ("fields", "named"),
     [
-        ({"bodies.upper.damping.alpha": 2.0}, {"damping": {"alpha": 2.0, "beta": BETA}}),
-        ({"bodies.upper.damping.beta": 0.0}, {"damping": {"alpha": ALPHA, "beta": 0.0}}),
-        ({"bodies.upper.material.E": 5.0}, {"E": 5.0}),
-        ({"bodies.upper.material.rho": 0.7}, {"rho": 0.7}),
+        ({}, "ratio"),
+        ({"ratio": 0.01}, "max_frequency"),
+        ({"ratio": 0.01, "max_frequency": 0.0}, "max_frequency"),
+        ({"ratio": 0.01, "max_frequency": np.inf}, "max_frequency"),
+        ({"ratio": 1.0, "max_frequency": 9.0}, "ratio"),
+        ({"ratio": -0.1, "max_frequency": 9.0}, "ratio"),
+        ({"ratio": 0.1, "max_frequency": 9.0, "ratios": (0.1,)}, "ratio"),
+        ({"max_frequency": 9.0, "ratios": (0.1,)}, "max_frequency"),
+        ({"ratio": 0.1, "max_frequency": 9.0, "frequencies": (1.0,)}, "frequencies"),
+        ({"ratios": ()}, "ratios"),
+        ({"ratios": (0.1, 3.0)}, "ratios"),
+        ({"ratios": (0.1, np.nan)}, "ratios"),
+        ({"ratios": (0.1, 0.2), "frequencies": (2.0, 1.0)}, "frequencies"),
+        ({"ratios": (0.1, 0.2), "frequencies": (1.0,)}, "frequencies"),
+        ({"ratios": (0.1,), "frequencies": (0.0,)}, "frequencies"),
+        ({"frequencies": (1.0, 2.0)}, "ratio"),
     ],
 )
-def test_a_changed_parameter_gives_the_matrices_of_a_changed_scene(backend, change, options):
-    damping = {"alpha": ALPHA, "beta": BETA}
-    changed = scene(backend, damping=damping).pencil().at(change).damping
-    assembled = scene(backend, **{"damping": damping} | options).pencil().at().damping
-    expected = to_numpy(assembled)
-    assert np.abs(to_numpy(changed) - expected).max() <= 1e-13 * np.abs(expected).max()
+def test_what_is_no_damping_is_refused(fields, named):
+    with pytest.raises(InputError) as told:
+        ModalDamping(**fields)
+    assert told.value.field == named

@@ -51,9 +51,8 @@ class Plane(Grid):
 
     def surface(self, u, v):
         """Positions and derivatives along the parameters."""
-        zero, one = np.zeros_like(u), np.ones_like(u)
-        x = np.stack([u, v, zero], axis=1)
-        return x, np.stack([np.stack([one, zero, zero], 1), np.stack([zero, one, zero], 1)], axis=2)
+        x = np.stack([u, v, np.zeros_like(u)], axis=1)
+        return x, np.tile(np.eye(3)[:, :2], (len(u), 1, 1))
 
 
 class Cylinder(Grid):
@@ -63,80 +62,10 @@ class Cylinder(Grid):
 
     def surface(self, u, v):
         """Positions and derivatives along the parameters."""
-        zero, one = np.zeros_like(u), np.ones_like(u)
+        zero, up = np.zeros_like(u), np.tile([0.0, 0.0, 1.0], (len(u), 1))
         radial = np.stack([np.cos(u), np.sin(u), zero], axis=1)
         around = np.stack([-np.sin(u), np.cos(u), zero], axis=1)
-        up = np.stack([zero, zero, one], axis=1)
         return self.radius * radial + v[:, None] * up, np.stack([self.radius * around, up], axis=2)
-
-
-CHARTS = [
-    Plane((-1.0, 0.5), (2.0, 2.5), (9, 7)),
-    Cylinder((-1.2, -0.4), (1.3, 0.9), (8, 5)),
-]
-
-
-def unit(vectors):
-    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
-
-
-def cloud(chart, n, *, margin, seed=4):
-    """Parameters in and around the chart, positions and unit normals there, signed distances."""
-    rng = np.random.default_rng(seed)
-    parameters = chart.low + rng.uniform(-margin, np.add(chart.shape, margin), (n, 2)) * chart.step
-    x, tangents = chart.surface(*parameters.T)
-    normal = unit(np.cross(tangents[:, :, 0], tangents[:, :, 1]))
-    return parameters, x, normal, rng.uniform(-0.05, 0.05, n)
-
-
-@pytest.mark.parametrize("chart", CHARTS, ids=lambda chart: type(chart).__name__)
-def test_points_along_normals(chart):
-    parameters, x, normal, distance = cloud(chart, 10_000, margin=0.8)
-    found = chart.locate(x - distance[:, None] * normal, normal, reach=0.06)
-    place = (parameters - chart.low) / chart.step
-    outside = ((place < 0) | (place > chart.shape)).any(axis=1)
-    assert 0.1 < outside.mean() < 0.6
-    np.testing.assert_array_equal(found.status == Status.MISSED, outside)
-    assert (found.status[~outside] == Status.INSIDE).all()
-    hit = ~outside
-    cell = np.floor(place[hit]).astype(int)
-    np.testing.assert_array_equal(found.at.element[hit], np.ravel_multi_index(cell.T, chart.shape))
-    np.testing.assert_allclose(
-        chart.parameters(found.at.element[hit], found.at.xi[hit]), parameters[hit], atol=1e-9
-    )
-    np.testing.assert_allclose(found.distance[hit], distance[hit], atol=1e-9)
-    assert (found.miss[hit] <= TOLERANCE * chart.size(found.at.element[hit])).all()
-    assert (found.miss[outside] > TOLERANCE * chart.step.max() * chart.radius).all()
-    if isinstance(chart, Plane):
-        beyond = (place - np.clip(place, 0, chart.shape)) * chart.step
-        near = outside & np.isfinite(found.miss)
-        expected = np.linalg.norm(beyond[near], axis=1)
-        np.testing.assert_allclose(found.miss[near], expected, atol=1e-9)
-
-
-@pytest.mark.parametrize("chart", CHARTS, ids=lambda chart: type(chart).__name__)
-def test_shared_edges_and_corners_go_to_the_lowest_element(chart):
-    """Whatever the order of points, and with rounding either way."""
-    rng = np.random.default_rng(6)
-    lines = rng.integers(1, np.array(chart.shape), (3000, 2))
-    along = rng.uniform(0.1, 0.9, (3000, 2))
-    on_line = np.zeros((3000, 2), dtype=bool)
-    on_line[:1000, 0] = on_line[1000:2000, 1] = True
-    on_line[2000:] = True
-    place = np.where(on_line, lines, lines + along)
-    x, tangents = chart.surface(*(chart.low + place * chart.step).T)
-    normal = unit(np.cross(tangents[:, :, 0], tangents[:, :, 1]))
-    distance = rng.uniform(-0.05, 0.05, 3000)
-    points = x - distance[:, None] * normal
-    found = chart.locate(points, normal, reach=0.06)
-    assert (found.status == Status.EDGE).all()
-    cell = np.where(on_line, lines - 1, lines)
-    np.testing.assert_array_equal(found.at.element, np.ravel_multi_index(cell.T, chart.shape))
-    np.testing.assert_allclose(found.distance, distance, atol=1e-9)
-
-    order = rng.permutation(3000)
-    again = chart.locate(points[order], normal[order], reach=0.06)
-    np.testing.assert_array_equal(again.at.element, found.at.element[order])
 
 
 class Floors(Plane):
@@ -157,16 +86,74 @@ class Floors(Plane):
         return x, derivatives
 
 
+PLANE = (-1.0, 0.5), (2.0, 2.5), (9, 7)
+EACH = pytest.mark.parametrize(
+    "chart",
+    [Plane(*PLANE), Cylinder((-1.2, -0.4), (1.3, 0.9), (8, 5))],
+    ids=lambda chart: type(chart).__name__,
+)
+
+
+def lifted(chart, rng, place):
+    """Points off the places on a chart, normals there, signed distances."""
+    x, tangents = chart.surface(*(chart.low + place * chart.step).T)
+    normal = np.cross(tangents[:, :, 0], tangents[:, :, 1])
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    distance = rng.uniform(-0.05, 0.05, len(x))
+    return x - distance[:, None] * normal, normal, distance
+
+
+@EACH
+def test_points_along_normals(chart):
+    rng = np.random.default_rng(4)
+    place = rng.uniform(-0.8, np.add(chart.shape, 0.8), (10_000, 2))
+    x, normal, distance = lifted(chart, rng, place)
+    found = chart.locate(x, normal, reach=0.06)
+    outside = ((place < 0) | (place > chart.shape)).any(axis=1)
+    assert 0.1 < outside.mean() < 0.6
+    np.testing.assert_array_equal(found.status == Status.MISSED, outside)
+    hit = ~outside
+    assert (found.status[hit] == Status.INSIDE).all()
+    cell, element = np.floor(place[hit]).astype(int), found.at.element[hit]
+    np.testing.assert_array_equal(element, np.ravel_multi_index(cell.T, chart.shape))
+    parameters = chart.parameters(element, found.at.xi[hit])
+    np.testing.assert_allclose(parameters, chart.low + place[hit] * chart.step, atol=1e-9)
+    np.testing.assert_allclose(found.distance[hit], distance[hit], atol=1e-9)
+    assert (found.miss[hit] <= TOLERANCE * chart.size(element)).all()
+    assert (found.miss[outside] > TOLERANCE * chart.step.max() * chart.radius).all()
+    if isinstance(chart, Plane):
+        beyond = (place - np.clip(place, 0, chart.shape)) * chart.step
+        near = outside & np.isfinite(found.miss)
+        expected = np.linalg.norm(beyond[near], axis=1)
+        np.testing.assert_allclose(found.miss[near], expected, atol=1e-9)
+
+
+@EACH
+def test_shared_edges_and_corners_go_to_the_lowest_element(chart):
+    """Whatever the order of points, and with rounding either way."""
+    rng = np.random.default_rng(6)
+    lines = rng.integers(1, np.array(chart.shape), (3000, 2))
+    on_line = np.repeat([[True, False], [False, True], [True, True]], 1000, axis=0)
+    place = np.where(on_line, lines, lines + rng.uniform(0.1, 0.9, (3000, 2)))
+    x, normal, distance = lifted(chart, rng, place)
+    found = chart.locate(x, normal, reach=0.06)
+    assert (found.status == Status.EDGE).all()
+    cell = np.where(on_line, lines - 1, lines)
+    np.testing.assert_array_equal(found.at.element, np.ravel_multi_index(cell.T, chart.shape))
+    np.testing.assert_allclose(found.distance, distance, atol=1e-9)
+    order = rng.permutation(3000)
+    again = chart.locate(x[order], normal[order], reach=0.06)
+    np.testing.assert_array_equal(again.at.element, found.at.element[order])
+
+
 @pytest.mark.parametrize("height", [0.001, 0.02, -0.02, -0.03, -0.049, -0.06])
 def test_the_nearer_of_two_floors_is_met(height):
     """Whether it lies close by, or as far as both are looked for."""
-    floors = Floors((-1.0, 0.5), (2.0, 2.5), (9, 7))
     x = np.full((500, 3), height)
     x[:, :2] = np.random.default_rng(3).uniform((-0.9, 0.6), (1.9, 2.4), (500, 2))
-    up = np.tile([0.0, 0.0, 1.0], (500, 1))
-    found = floors.locate(x, up, reach=0.2)
-    nearest = min((-height, -floors.depth - height), key=abs)
+    found = Floors(*PLANE).locate(x, np.tile([0.0, 0.0, 1.0], (500, 1)), reach=0.2)
     assert not found.missed.any()
+    nearest = min((-height, -Floors.depth - height), key=abs)
     np.testing.assert_allclose(found.distance, nearest, atol=1e-12)
 
 
@@ -178,9 +165,8 @@ def test_boxes_of_any_size_are_those_found_one_by_one(dim, reach):
     half = 10.0 ** rng.uniform(-3, -0.5, size=(80, dim))
     low, high = centre - half, centre + half
     point, box = near_boxes(low, high, x, reach)
+    found = np.zeros((120, 80), dtype=int)
+    np.add.at(found, (point, box), 1)  # none twice
     beside = np.maximum(low - x[:, None], x[:, None] - high).max(axis=2)
-    found = np.zeros(beside.shape, dtype=bool)
-    found[point, box] = True
-    assert len(point) == found.sum()  # none twice
     np.testing.assert_array_equal(found, beside <= reach)
     assert 0 < found.sum() < found.size

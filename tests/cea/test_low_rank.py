@@ -29,8 +29,7 @@ def with_piece(pencil, piece):
 )
 def test_systems_are_those_of_the_full_matrix(backend, form, shift):
     turning = {"penalty": 0.3, "saddle": 0.0}[form]
-    data = two_blocks(backend, GPTS, mu=0.4 if turning else 0.0, held=True)
-    data["contacts"]["interface"] |= {"form": form}
+    data = two_blocks(backend, GPTS, mu=0.4 if turning else 0.0, held=True, form=form)
     plain = damped(assemble(data).pencil(), 0.1, 0.02, turning=turning)
     rows = plain.at().size
     piece = LowRank(RNG.standard_normal((rows, 5)), 10.0 ** -np.arange(5.0))

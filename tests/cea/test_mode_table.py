@@ -1,4 +1,4 @@
-"""Tables of modes: signs, rigid motions, marks, and pandas where there is some."""
+"""Words of modes and runs, row by row of their definition; tables of modes."""
 
 from math import inf
 
@@ -6,12 +6,94 @@ import numpy as np
 import pytest
 from blocks import two_blocks
 
+from cea.eigen.classify import cannot_grow, classify, classify_run, counted_words
 from cea.eigen.spectrum import Spectrum, Window
 from cea.mode_table import shown_cells
 from scenes import read_scene, run_modes
 
+
+@pytest.mark.parametrize(
+    ("growth", "error", "threshold", "bounded", "rigid", "word"),
+    [
+        (2.0, 0.5, 1.0, False, False, "unstable"),
+        (1.1, 1.05, 1.0, False, False, "unstable"),  # above both, though not by their sum
+        (1.0, 0.5, 1.0, False, False, "grows slowly"),  # at the threshold
+        (1.17, 2e-7, 5.0, False, False, "grows slowly"),
+        (2.0, 3.0, 1.0, False, False, "undecided"),
+        (0.5, 0.5, 1.0, False, False, "undecided"),
+        (-1.0, 0.5, 1.0, False, False, "stable"),
+        (-0.5, 0.5, 1.0, False, False, "stable"),
+        (-0.4, 0.5, 1.0, False, False, "undecided"),
+        (0.0, 0.5, 1.0, False, False, "undecided"),
+        (0.0, 0.5, 1.0, True, False, "stable"),
+        (0.0, 0.0, 0.0, False, False, "stable"),
+        (5.0, np.inf, 1.0, False, False, "undecided"),
+        (-5.0, np.inf, 1.0, False, False, "undecided"),
+        (1e-9, 1e-8, 0.0, False, True, "rigid"),
+    ],
+)
+def test_word_of_a_mode(growth, error, threshold, bounded, rigid, word):
+    assert classify([growth], [error], [threshold], [bounded], [rigid]) == [word]
+
+
+@pytest.mark.parametrize(
+    ("kappa", "errors", "symmetric", "free"),
+    [
+        # Real and apart from all others.
+        (
+            [1.0, 2.0, 2.1, 5.0, -1.0, 0.01, 3 + 1j, 3 - 1j],
+            [0.1] * 8,
+            False,
+            [True, False, False, True, False, False, False, False],
+        ),
+        # Copies with fine conditions cannot grow, and a coalescence may.
+        (
+            [2.0, 2.0 + 1e-13j, 2.0 - 1e-13j, 3.0, 3.0],
+            [3e-13, 3e-13, 3e-13, 1e-8, 1e-8],
+            False,
+            [True, True, True, False, False],
+        ),
+        # Without friction equal ones cannot grow either.
+        ([1.0, 1.0, -1.0, 0.01], [0.1] * 4, True, [True, True, False, False]),
+    ],
+)
+def test_kappa_that_cannot_grow(kappa, errors, symmetric, free):
+    found = cannot_grow(np.array(kappa), np.array(errors), symmetric=symmetric)
+    assert found.tolist() == free
+
+
+@pytest.mark.parametrize(
+    ("words", "complete", "missing", "word"),
+    [
+        (["stable", "unstable", "undecided", "grows slowly"], True, False, "unstable"),
+        (["stable", "undecided", "grows slowly"], False, False, "grows slowly"),
+        (["stable", "undecided"], True, False, "undecided"),
+        (["stable", "rigid"], True, False, "stable"),
+        (["stable", "rigid"], False, False, "no unstable mode found"),
+        (["stable"], False, True, "undecided"),
+        ([], True, False, "no modes"),
+        ([], False, False, "no modes"),
+    ],
+)
+def test_word_of_a_run(words, complete, missing, word):
+    assert classify_run(words, complete=complete, missing=missing) == word
+
+
+def test_counts_name_the_fastest_and_the_threshold():
+    words = ["grows slowly"] * 11 + ["stable", "rigid", "unstable"]
+    growth = [1e-4] * 10 + [1.3e-4, 0.0, 0.0, 2.0]
+    told = counted_words(words, growth, None)
+    for part in (
+        "11 modes grow slowly (fastest +0.00013 1/s)",
+        "1 rigid",
+        "1 unstable (fastest +2 1/s)",
+        "threshold 1e-4 |lambda|",
+    ):
+        assert part in told
+    assert "threshold 50 1/s" in counted_words(words, growth, 50.0)
+
+
 WINDOW = Window(100.0, 1e5, inf, 5, 1, inf, True, False, 4e5, 5, None)
-OMEGA = 200.0
 
 
 def spectrum(values, uncertainties):
@@ -21,12 +103,13 @@ def spectrum(values, uncertainties):
 
 def test_damping_ratios_are_those_of_an_oscillator():
     """X'' + 2 zeta omega x' + omega^2 x = 0, of both signs, and beyond critical damping."""
-    zetas = np.array([0.05, -0.05, 1e-5])
-    values = OMEGA * (-zetas + 1j * np.sqrt(1 - zetas**2))
+    zetas, omega = np.array([0.05, -0.05, 1e-5]), 200.0
+    values = omega * (-zetas + 1j * np.sqrt(1 - zetas**2))
     modes = spectrum([*values, -30.0 + 0j], np.full(4, 1e-9))
     np.testing.assert_allclose(modes.damping_ratios, [*zetas, 1.0], rtol=1e-12)
-    assert [row["damping_ratio"] for row in modes.table()] == modes.damping_ratios.tolist()
-    assert [row["verdict"] for row in modes.table()] == ["stable", "unstable", "stable", "stable"]
+    table = modes.table()
+    assert [row["damping_ratio"] for row in table] == modes.damping_ratios.tolist()
+    assert [row["verdict"] for row in table] == ["stable", "unstable", "stable", "stable"]
 
 
 def test_what_nothing_holds_is_rigid_and_has_no_damping_ratio():
@@ -49,7 +132,7 @@ def test_two_free_blocks_in_contact_have_nine_rigid_motions(backend, mu):
     assert np.flatnonzero(result.modes.rigid).tolist() == list(range(9))
     assert "9 rigid" in result.summary
     cells = shown_cells(result.table())
-    assert all(cell["verdict"] == "rigid" for cell in cells[:9])
+    assert {cell["verdict"] for cell in cells[:9]} == {"rigid"}
     assert {cell["damping_ratio"] for cell in cells[:9]} == {"-"}
     assert cells[9]["verdict"] == "stable"
     assert result.title(8).endswith("mode 9: rigid motion")

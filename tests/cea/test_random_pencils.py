@@ -1,19 +1,31 @@
-"""Random pencils agree with dense eigenvalues, every copy counted, verdicts and errors too."""
+"""Random and graded pencils beside dense eigenvalues; subspaces, products with many columns."""
 
 from functools import partial
 
+import numpy as np
 import pytest
+from eigen_numbers import graded
+from mpi import on_ranks
+from petsc_matrices import to_petsc
 from random_pencils import (
+    POWERS,
+    pencil_of,
     random_graded,
     random_graded_damped,
     random_linear,
     random_low_rank,
     random_quadratic,
+    sheared,
 )
 from random_runs import judged, pencil_outcome
+from scipy.linalg import block_diag
 
 from cea.eigen import driver
+from cea.eigen.blocks import times
+from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
+from cea.eigen.subspace import InvariantSubspace
+from cea.errors import ConvergenceError
 
 PENCILS = {
     "linear": random_linear,
@@ -72,3 +84,106 @@ def test_krylov_spaces_find_all_of_them_too(kind, seeds, monkeypatch):
     """Searched as large systems are."""
     monkeypatch.setattr(driver, "KrylovOptions", lambda: KrylovOptions(dense_limit=0))
     check(kind, seeds, refused=0.01)
+
+
+EPS = np.finfo(float).eps
+
+
+def test_what_no_scaling_mends_is_owned_to():
+    """Eigenvalues are whole numbers, and known to what the result says, or it is refused."""
+    known = 0
+    for seed in range(60):
+        matrix, kappa = sheared(seed)
+        try:
+            pencil = pencil_of(np.eye(len(matrix)), None, matrix, graded=True)
+            modes = solve_modes(pencil, float(np.sqrt(kappa.max() + 0.5)) / (2 * np.pi))
+        except ConvergenceError:
+            continue
+        exact = 1j * np.concatenate([-np.sqrt(kappa), np.sqrt(kappa)])
+        error = np.abs(modes.eigenvalues[:, None] - exact).min(axis=1)
+        assert (error <= modes.growth_uncertainties + 1e-14).all()
+        assert "unstable" not in modes.verdicts()
+        known += 1
+    assert known > 30
+
+
+PROBLEMS = {f"{seed} {power}": random_graded(seed, power) for power in POWERS for seed in (0, 1)}
+PROBLEMS["damped"] = random_graded_damped(1, 20)
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_eigenvectors_are_those_of_the_unknowns_as_given(name):
+    problem = PROBLEMS[name]
+    modes = solve_modes(problem.pencil(), problem.max_frequency, left=True)
+    assert len(modes)
+    K, M = problem.scaled(problem.stiffness), problem.scaled(problem.mass)
+    D = 0 * M if problem.damping is None else problem.scaled(problem.damping)
+    value, x, y = modes.eigenvalues, modes.vectors, modes.left.vectors
+    left = K.T @ y + D.T @ y * value.conj() + M @ y * value.conj() ** 2
+    assert (np.abs(left) <= 1e-9 * (np.abs(K.T) @ np.abs(y))).all()
+    if problem.damping is not None:
+        turned = np.einsum("ij,ij->j", y.conj(), 2 * value * (M @ x) + D @ x)
+        assert turned == pytest.approx(2 * value)
+        return
+    right = K @ x + M @ x * value**2
+    assert (np.abs(right) <= 1e-9 * (np.abs(K) @ np.abs(x))).all()
+    assert np.einsum("ij,ij->j", x.conj(), M @ x).real == pytest.approx(np.ones(len(modes)))
+    overlap, size = y.conj().T @ (M @ x), np.abs(y).T @ (np.abs(M) @ np.abs(x))
+    assert (np.abs(overlap - np.eye(len(modes))) <= 1e-9 * size).all()
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("seed", "damped"), [(5, False), (1, True)])
+def test_ranks_agree(ranks, seed, damped):
+    alone = graded(seed, damped)
+    several = on_ranks(ranks, "eigen_numbers.graded", seed, damped)
+    assert len(alone["im"]) > 1
+    assert several["verdicts"] == alone["verdicts"]
+    for part in ("re", "im"):
+        assert several[part] == pytest.approx(alone[part], rel=1e-8, abs=1e-10)
+
+
+def pairs_of(projected):
+    """Eigenvalues and vectors of a subspace that is all there is."""
+    made = InvariantSubspace(np.eye(len(projected)), projected, symmetric=False)
+    return made.eigenpairs()
+
+
+@pytest.mark.parametrize("corner", [0.0, 1e-6 * EPS, -1e-6 * EPS])
+def test_one_vector_twice_is_replaced(corner):
+    """A Jordan block that is nothing but rounding, or nearly so, as of rigid motions."""
+    matrix = block_diag([[0.0, 30 * EPS], [corner, 0.0]], 1.0, 2.0, 3.0)
+    own = np.linalg.eig(matrix)[1]
+    values, vectors = pairs_of(matrix)
+    slow = np.abs(values) < 1e-9
+    assert slow.sum() == 2
+    assert np.linalg.svd(own[:, slow], compute_uv=False)[-1] < 1e-2
+    assert np.linalg.svd(vectors[:, slow], compute_uv=False)[-1] > 0.9
+    assert np.abs(matrix @ vectors - vectors * values).max() < 1e3 * EPS
+
+
+def test_pairs_rise_with_the_imaginary_part_of_lambda():
+    """Equal complex pairs, and real kappa of both signs, between others."""
+    turn = [[2.0, -1.0], [1.0, 2.0]]
+    matrix = block_diag(3.0, turn, -4.0, 0.5, turn, -1.0, 1.9, 2.2)
+    values, vectors = pairs_of(matrix)
+    upper = np.flatnonzero(values.imag > 0)
+    np.testing.assert_array_equal(values[upper + 1], values[upper].conj())
+    assert np.abs(matrix @ vectors - vectors * values).max() < 100 * EPS
+    assert (np.diff(np.abs(np.sqrt(-values).imag)) >= -10 * EPS).all()
+    assert values[:2] == pytest.approx([-1.0, -4.0])
+
+
+@pytest.mark.parametrize("order", ["F", "C"])
+def test_products_with_many_columns_are_those_column_by_column(order, monkeypatch):
+    monkeypatch.setattr("cea.eigen.blocks._NUMBERS", 1)  # 8 columns at a time
+    rng = np.random.default_rng(4)
+    entries = rng.standard_normal((30, 30)) * (rng.random((30, 30)) < 0.3)
+    matrix, columns = to_petsc(entries), np.array(rng.standard_normal((30, 19)), order=order)
+    before = columns.copy()
+    image = times(matrix, columns)
+    assert image.flags.f_contiguous
+    assert image == pytest.approx(entries @ columns, abs=1e-13)
+    assert np.array_equal(columns, before)
+    assert np.array_equal(times(matrix, columns[:, 8:9])[:, 0], image[:, 8])

@@ -1,59 +1,54 @@
-"""What supports bear: closed forms, changes of frame, Coulomb's law, bodies in equilibrium."""
+"""Displacements that supports prescribe, and what supports bear: exact fields, equilibrium."""
 
 import numpy as np
 import pytest
-from blocks import alone, scene_body
+from blocks import alone, scene_body, two_blocks
+from covering import covering
 from mpi import on_ranks
+from pressed import pressed_blocks
 from reaction_numbers import CONTACTS, INNER, MOVED, NU, OUTER, E, borne, pressed, sector
 from scipy.sparse import csr_array
 
-from cea.errors import ConvergenceError
+from cea.errors import ConvergenceError, InputError
 from cea.supports.directions import Directions
 from cea.supports.elimination import ProjectedConstraints, constrain
 from cea.system import support_forces
 from scenes import read_scene, run_scene
+from scenes.spec.problems import SceneError
 
 SIDES = ("x_min", "x_max", "y_min", "y_max")
 
 
+def solved(data):
+    return run_scene(read_scene(data))
+
+
 def reactions_of(data):
     """What the supports of a scene bear, by body."""
-    return run_scene(read_scene(data)).reactions
+    return solved(data).reactions
 
 
-def column(backend, rollers, *, nu=0.0, **body):
+def column(backend, *, plain=False, nu=0.0, **body):
     """A column pressed on its foot by its top, between walls."""
-    supports = [{"surface": name, "components": rollers[name[0]]} for name in SIDES]
+    supports = [{"surface": s, "components": [s[0] if plain else "normal"]} for s in SIDES]
     supports.append({"surface": "z_max", "components": ["z"], "value": -8.2e-6})
     supports.append({"surface": "z_min", "components": ["normal"]})
-    part = scene_body(
-        backend,
-        {"shape": "box", "size": [0.01, 0.02, 0.04]},
-        [1, 1, 4],
-        material={"E": 1e9, "nu": nu, "rho": 2000.0},
-        supports=supports,
-        **body,
-    )
-    return alone(part, None)
-
-
-NORMAL = {"x": ["normal"], "y": ["normal"]}
-PLAIN = {"x": ["x"], "y": ["y"]}
+    body |= {"material": {"E": 1e9, "nu": nu, "rho": 2000.0}, "supports": supports}
+    geometry = {"shape": "box", "size": [0.01, 0.02, 0.04]}
+    return alone(scene_body(backend, geometry, [1, 1, 4], **body), None)
 
 
 @pytest.mark.parametrize("nu", [0.0, 0.3])
-def test_walls_bear_nothing_along_a_column(backend, nu):
+@pytest.mark.parametrize("plain", [True, False])
+def test_walls_bear_nothing_along_a_column(backend, nu, plain):
     """Uniaxial strain: sigma_z = (lambda + 2 mu) e on the ends, lambda e on the walls."""
-    forces = reactions_of(column(backend, NORMAL, nu=nu))["part"]
     lame = 1e9 * nu / (1 + nu) / (1 - 2 * nu), 1e9 / 2 / (1 + nu)
     strain = -8.2e-6 / 0.04
     along, across = (lame[0] + 2 * lame[1]) * strain, lame[0] * strain
     x, y, z = across * 0.02 * 0.04, across * 0.01 * 0.04, along * 0.01 * 0.02
     expected = [[-x, 0, 0], [x, 0, 0], [0, -y, 0], [0, y, 0], [0, 0, z], [0, 0, -z]]
+    forces = reactions_of(column(backend, plain=plain, nu=nu))["part"]
     assert forces == pytest.approx(np.array(expected), abs=1e-12 * abs(z))
-    assert reactions_of(column(backend, PLAIN, nu=nu))["part"] == pytest.approx(
-        forces, abs=1e-12 * abs(z)
-    )
 
 
 @pytest.mark.parametrize(
@@ -76,25 +71,18 @@ def test_a_sector_bears_what_lame_says(backend, sides):
 def test_a_dof_is_shared_along_what_each_support_holds():
     """Against a dense least-norm solution: independent, equal, and partly shared directions."""
     rng = np.random.default_rng(2)
-    d = rng.normal(size=(6, 3))
-    d /= np.linalg.norm(d, axis=1, keepdims=True)
     dof = np.array([3, 3, 3, 5, 5, 5, 8, 8, 8, 8, 8])
     support = np.array([0, 1, 2, 0, 1, 1, 0, 0, 1, 2, 2])
-    direction = d[[0, 1, 2, 3, 3, 4, 0, 1, 1, 0, 2]]
+    direction = rng.normal(size=(5, 3))[[0, 1, 2, 3, 3, 4, 0, 1, 1, 0, 2]]
+    direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     constraints = constrain(10, Directions.of(dof, direction, support=support))
     r = np.zeros((10, 3))
     np.add.at(r, dof, rng.normal(size=(len(dof), 1)) * direction)
-    dofs = constraints.dofs
-    parts = constraints.forces.split(r[dofs], 3)
-    assert list(dofs) == [3, 5, 8]
-    assert parts.sum(axis=0) == pytest.approx(r[dofs], abs=1e-13)
-    for i, each in enumerate(dofs):
-        spaces = []
-        for s in range(3):
-            own = direction[(dof == each) & (support == s)].T
-            spaces.append(np.linalg.qr(own)[0])
-            across = np.eye(3) - spaces[-1] @ spaces[-1].T
-            assert np.abs(across @ parts[s, i]).max() < 1e-13
+    assert list(constraints.dofs) == [3, 5, 8]
+    parts = constraints.forces.split(r[constraints.dofs], 3)
+    for i, each in enumerate(constraints.dofs):
+        held = (direction[(dof == each) & (support == s)].T for s in range(3))
+        spaces = [np.linalg.qr(each)[0] for each in held]
         amounts = np.linalg.lstsq(np.hstack(spaces), r[each], rcond=None)[0]
         cuts = np.cumsum([space.shape[1] for space in spaces])[:-1]
         for s, amount in enumerate(np.split(amounts, cuts)):
@@ -103,24 +91,22 @@ def test_a_dof_is_shared_along_what_each_support_holds():
 
 def test_projected_constraints_bear_the_forces_of_their_multipliers():
     """Held directions of one support beside rows of two others, of known multipliers."""
-    rng = np.random.default_rng(3)
-    n, d = 6, rng.normal(size=(4, 3))
+    rng, n = np.random.default_rng(3), 6
+    d = rng.normal(size=(4, 3))
     d /= np.linalg.norm(d, axis=1, keepdims=True)
     held = Directions.of(np.array([1, 4]), d[:2])
     anchors = Directions.of(np.array([1, 2, 3]), d[[2, 3, 0]])
-    shares = {}
-    for support in (1, 2):
-        rows = np.zeros((3, n, 3))
-        for k, (dof, direction) in enumerate(zip(anchors.dof, anchors.direction, strict=True)):
-            rows[k, [1, 2, 3]] = 0.1 * rng.random((3, 3))
-            rows[k, dof] += 0.5 * direction
-        shares[support] = csr_array(rows.reshape(3, -1))
-    constraints = constrain(n, held, ProjectedConstraints(anchors, shares, np.zeros(3)))
+    shares = {support: np.zeros((3, n, 3)) for support in (1, 2)}
+    for rows in shares.values():
+        rows[:, 1:4] = 0.1 * rng.random((3, 3, 3))
+        rows[np.arange(3), anchors.dof] += 0.5 * anchors.direction
+    sparse = {support: csr_array(rows.reshape(3, -1)) for support, rows in shares.items()}
+    constraints = constrain(n, held, ProjectedConstraints(anchors, sparse, np.zeros(3)))
     multipliers, amounts = rng.normal(size=3), rng.normal(size=2)
     expected = np.zeros((3, n, 3))
     expected[0][held.dof] = amounts[:, None] * held.direction
     for support, rows in shares.items():
-        expected[support] = (rows.T @ multipliers).reshape(n, 3)
+        expected[support] = np.tensordot(multipliers, rows, 1)
     dofs = constraints.dofs
     parts = constraints.forces.split(expected.sum(axis=0)[dofs], 3)
     assert parts == pytest.approx(expected[:, dofs], abs=1e-12)
@@ -146,14 +132,14 @@ def test_supports_bear_what_contacts_of_every_kind_do(backend, contact, mu):
 
 def test_springs_and_loads_are_borne_too(backend):
     """A column on a foundation bears on nothing else; of a load the foot bears what is left."""
-    data = column(backend, NORMAL, springs=[{"surface": "z_max", "stiffness": [0.0, 0.0, 1e9]}])
-    del data["bodies"]["part"]["supports"][4]
-    area, push = 0.01 * 0.02, 300.0
+    data = column(backend, springs=[{"surface": "z_max", "stiffness": [0.0, 0.0, 1e9]}])
+    supports, area, push = data["bodies"]["part"]["supports"], 0.01 * 0.02, 300.0
+    del supports[4]
     data["loads"] = [{"surface": "part.z_max", "force": [0.0, 0.0, -push]}]
     forces = reactions_of(data)["part"]
     spring, rod = 1e9 * area, 1e9 * area / 0.04
     assert forces[-1, 2] == pytest.approx(push * rod / (rod + spring), rel=1e-10)
-    del data["bodies"]["part"]["supports"][4]
+    del supports[4]
     forces = reactions_of(data)["part"]
     assert np.abs(forces).max() < 1e-11 * push
     data["loads"].append({"body": "part", "body_force": [0.0, 5e6, 0.0]})
@@ -168,9 +154,8 @@ def test_forces_that_do_not_balance_end_the_run(backend, contact, monkeypatch):
 
     def wrong(*arguments):
         first, *others = real(*arguments)
-        yield support_forces.SideForces(
-            first.contact, first.body, 1.0001 * first.forces, first.size
-        )
+        forces = 1.0001 * first.forces
+        yield support_forces.SideForces(first.contact, first.body, forces, first.size)
         yield from others
 
     monkeypatch.setattr("cea.system.support_forces.forces_on_bodies", wrong)
@@ -189,3 +174,141 @@ def test_reactions_are_the_same_on_any_ranks(ranks):
         for name, forces in bodies.items():
             size = np.abs(forces).max()
             assert found[case][name] == pytest.approx(np.array(forces), abs=1e-8 * size), case
+
+
+STRETCH = 1e-3
+SIZE = (1.0, 0.8, 0.5)
+CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
+GPTS = {"method": "gpts", "points": 3}
+STATIC = {"kind": "static", "samples": 5}
+
+
+def box(backend, *others, dim=3, degree=2, divided=False):
+    """A static box stretched along x, free to shrink across, with its corner at the origin."""
+    supports = [{"surface": f"{axis}_min", "components": [axis]} for axis in "xyz"[:dim]]
+    supports += [{"surface": "x_max", "components": ["x"], "value": STRETCH}, *others]
+    body = {"supports": supports, "material": {"E": E, "nu": NU, "rho": 1.0}}
+    geometry = {"shape": "box" if dim == 3 else "rectangle", "size": list(SIZE[:dim])}
+    section = scene_body(backend, geometry, [3, 2, 2][:dim], degree, **body)
+    section["mesh"]["fe"]["cell"] = CELLS[dim][divided]
+    return alone(section, None)
+
+
+@pytest.mark.parametrize(
+    ("cells", "dim", "degree"),
+    covering([("fe", False), ("fe", True), ("iga", False)], [2, 3], [1, 3]),
+)
+def test_a_stretched_box_is_exact(cells, dim, degree):
+    """Of elements that are boxes, or divided into triangles or tetrahedra; splines have boxes."""
+    backend, divided = cells
+    result = solved(box(backend, dim=dim, degree=degree, divided=divided))
+    sample = result.bodies["part"].space.volume_cells().straight()
+    across = -NU if dim == 3 else -NU / (1 - NU)
+    expected = STRETCH * np.array([1.0, across, across])[:dim] * sample.points
+    found = result.displacements("part", sample.values)
+    assert found == pytest.approx(expected, abs=1e-13 * STRETCH)
+    modulus = E if dim == 3 else E / (1 - NU**2)
+    force = modulus * STRETCH * np.prod(SIZE[1:dim])
+    reactions = result.reactions["part"]
+    assert reactions[[0, -1], 0] == pytest.approx([-force, force], rel=1e-12)
+    assert np.abs(reactions.sum(axis=0)).max() <= 1e-12 * force
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize("form", ["penalty", "saddle"])
+def test_supports_that_reach_a_contact_close_it(backend, form):
+    """Moving the walls of one block by as much as the ground of the other changes no force."""
+    pressures, reactions = [], []
+    for mover, value in (("upper", -1e-3), ("lower", 1e-3)):
+        data = two_blocks(backend, GPTS, mu=0.2, held=True, form=form) | {"analysis": STATIC}
+        moved = {"value": value} if mover == "upper" else {}
+        data["bodies"]["upper"]["supports"] = [
+            {"surface": "y_min", "components": ["x", "y"]},
+            {"surface": "x_min", "components": ["x"]},
+            {"surface": "x_min", "components": ["z"]} | moved,
+            {"surface": "z_max", "components": ["z"]} | moved,
+        ]
+        if mover == "lower":
+            data["bodies"]["lower"]["supports"][0]["value"] = [0.0, 0.0, value]
+        result = solved(data)
+        pressures.append(result.stresses["interface"]["a"].sigma_n)
+        reactions.append(result.reactions)
+        for name, sign in (("upper", -1), ("lower", 1)):
+            assert sign * result.reactions[name].sum(axis=0)[2] > 1e-5
+    for one, other in (pressures, *([r[name] for r in reactions] for name in ("upper", "lower"))):
+        assert other == pytest.approx(one, abs=1e-10 * np.abs(one).max())
+
+
+def test_supports_bear_what_a_contact_with_a_law_does(backend, formulation):
+    """Although one of them reaches it."""
+    data = pressed_blocks(backend, formulation, kind="static", c_n=1e3, m_n=2.5, mu=0.3)
+    data["bodies"]["upper"]["supports"] = [
+        {"surface": "z_max", "value": [0.0, 0.0, -1e-3]},
+        {"surface": "x_min", "components": ["z"], "value": -1e-3},
+    ]
+    result = solved(data | {"loads": []})
+    state = result.steady.contacts["interface"]
+    assert state.closed_area > 0
+    for name, sign in (("upper", -1), ("lower", 1)):
+        forces = result.reactions[name].sum(axis=0)
+        assert forces == pytest.approx(sign * state.force_on_a, abs=1e-10 * state.normal_force)
+
+
+def test_small_motions_are_held_at_zero(backend):
+    """Where all of a contact is closed and m_n = 1, how it was closed changes no mode."""
+    modes = []
+    for value in (-1e-3, -2e-3):
+        data = pressed_blocks(backend, GPTS, c_n=10.0, mu=0.1) | {"loads": []}
+        data["bodies"]["upper"]["supports"] = [{"surface": "z_max", "value": [0.0, 0.0, value]}]
+        data["analysis"]["max_frequency"] = 1.0
+        result = solved(data)
+        assert result.steady.contacts["interface"].closed_fraction == 1.0
+        modes.append(result.eigenvalues)
+    assert len(modes[0])
+    assert modes[1] == pytest.approx(modes[0], rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("support", "field"),
+    [
+        ({"value": [1.0, 2.0]}, "value"),
+        ({"components": ["x"], "value": [1.0, 2.0]}, "value"),
+        ({"components": ["x", "x"], "value": [1.0, 2.0]}, "components"),
+        ({"components": ["x"], "value": "much"}, "value"),
+        ({"components": ["x"], "value": float("nan")}, "value"),
+        (
+            {"components": ["radial", "circumferential"], "axis": [0.0, 0.0, 1.0]}
+            | {"value": [1.0, 0.0]},
+            "value",
+        ),
+    ],
+)
+def test_what_is_no_value_is_refused(backend, support, field):
+    with pytest.raises(SceneError) as refused:
+        read_scene(box(backend, {"surface": "y_max"} | support))
+    assert any(f.field.startswith("bodies.part.supports.4") for f in refused.value.faults)
+    assert any(field in f.field for f in refused.value.faults)
+
+
+def test_values_that_contradict_each_other_are_refused(backend):
+    with pytest.raises(InputError, match=r"supports\.value"):
+        solved(box(backend, {"surface": "y_max", "components": ["x"], "value": 0.0}))
+
+
+UNFIT = [
+    {"formulation": {"method": "mortar"}},
+    {"formulation": GPTS, "form": "saddle", "P": float("inf")},
+    {"formulation": GPTS | {"lumped": True}},
+]
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize("contact", UNFIT, ids=str)
+def test_contacts_that_know_no_forces_at_points_refuse_values_that_reach_them(backend, contact):
+    data = two_blocks(backend, mu=0.0, held=True, **contact) | {"analysis": STATIC}
+    supports = data["bodies"]["upper"]["supports"]
+    supports[0]["value"] = [0.0, 0.0, -1e-3]
+    solved(data)
+    supports.append({"surface": "x_min", "components": ["z"], "value": -1e-3})
+    with pytest.raises(InputError, match=r"contacts\.interface"):
+        solved(data)

@@ -1,61 +1,51 @@
-"""Contact forces as unknowns: the same as the penalty form, and beyond where that loses digits."""
+"""Penalty and saddle form of a contact: the same eigenvalues, and which form is chosen."""
 
 from pathlib import Path
 
 import numpy as np
 import pytest
-from blocks import FORMULATIONS, assemble, coarse, two_blocks
+from blocks import assemble, coarse, two_blocks
 from covering import covering
 from motions import dense
 
 from cea.eigen.driver import solve_modes
-from scenes import run_scene
+from scenes import run_modes, run_scene
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import load_scene
+from scenes.spec.reading import load_scene, read_scene
 
-MAX_FREQUENCY = 1.0
+GPTS, MORTAR = {"method": "gpts", "points": 3}, {"method": "mortar"}
+LUMPED = GPTS | {"lumped": True}
+
+
+def scene(backend, formulation, **fields):
+    """Two coarse blocks, held, whose contact has other fields."""
+    return coarse(two_blocks(backend, formulation, held=True, **fields))
 
 
 def modes_of(data, **options):
-    system = assemble(data, **options)
-    return solve_modes(system.pencil(), MAX_FREQUENCY)
+    return solve_modes(assemble(data, **options).pencil(), 1.0)
 
 
-def with_form(data, form, **changes):
-    data["contacts"]["interface"] |= {"form": form} | changes
-    return data
-
-
-@pytest.mark.parametrize(
-    ("backend", "formulation", "mu"),
-    covering(["iga", "fe"], FORMULATIONS, [0.0, 0.4], strength=1),
-    indirect=["formulation"],
-)
+@pytest.mark.grid
+@pytest.mark.parametrize("mu", [0.0, 0.4])
 def test_the_eigenvalues_are_those_of_the_penalty_form(backend, formulation, mu):
-    both = [
-        modes_of(with_form(coarse(two_blocks(backend, formulation, mu=mu, held=True)), form))
-        for form in ("penalty", "saddle")
-    ]
-    assert len(both[0].eigenvalues) > 3
-    assert both[1].eigenvalues == pytest.approx(both[0].eigenvalues, rel=1e-9, abs=1e-9)
-    assert both[1].residuals.max() < 1e-9
+    penalty, saddle = (
+        modes_of(scene(backend, formulation, mu=mu, form=form)) for form in ("penalty", "saddle")
+    )
+    assert len(penalty.eigenvalues) > 3
+    assert saddle.eigenvalues == pytest.approx(penalty.eigenvalues, rel=1e-9, abs=1e-9)
+    assert saddle.residuals.max() < 1e-9
 
 
 @pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 def test_infinite_stiffness_is_the_limit_of_finite_ones(backend):
-    mortar = {"method": "mortar"}
-    kappa = {
-        P: -(
-            modes_of(
-                with_form(coarse(two_blocks(backend, mortar, held=True)), "saddle", P=P)
-            ).eigenvalues
-            ** 2
-        )
+    near, nearer, limit = (
+        modes_of(scene(backend, MORTAR, form="saddle", P=P)).eigenvalues ** 2
         for P in (1e5, 1e6, float("inf"))
-    }
-    near, nearer = (np.abs(kappa[P] - kappa[np.inf]).max() for P in (1e5, 1e6))
-    assert nearer < 1e-4 * np.abs(kappa[np.inf]).max()
-    assert near / nearer == pytest.approx(10, rel=0.05)  # first order in the compliance
+    )
+    errors = [np.abs(kappa - limit).max() for kappa in (near, nearer)]
+    assert errors[1] < 1e-4 * np.abs(limit).max()
+    assert errors[0] / errors[1] == pytest.approx(10, rel=0.05)  # first order in the compliance
 
 
 @pytest.mark.parametrize(
@@ -73,25 +63,19 @@ def test_the_patch_test_passes_at_any_stiffness(backend, method, P):
 @pytest.mark.parametrize(
     ("overrides", "field"),
     [
-        (["contacts.interface.P=inf", "contacts.interface.form='penalty'"], "P"),
-        (["contacts.interface.P=inf", "contacts.interface.formulation.lumped=true"], "P"),
-        (
-            [
-                "contacts.interface.form='saddle'",
-                "contacts.interface.formulation.lumped=true",
-            ],
-            "form",
-        ),
+        (["P=inf", "form='penalty'"], "P"),
+        (["P=inf", "formulation.lumped=true"], "P"),
+        (["form='saddle'", "formulation.lumped=true"], "form"),
     ],
 )
 def test_what_has_no_such_form_is_refused(overrides, field):
     with pytest.raises(SceneError, match=rf"contacts\.interface\.{field} = "):
-        load_scene(Path("patch_test"), overrides)
+        load_scene(Path("patch_test"), [f"contacts.interface.{each}" for each in overrides])
 
 
 @pytest.mark.parametrize("form", ["penalty", "saddle"])
 def test_contact_between_held_sides_does_nothing(form):
-    data = with_form(two_blocks("fe", {"method": "gpts", "points": 2}, mu=0.3), form)
+    data = scene("fe", GPTS, mu=0.3, form=form)
     data["bodies"]["upper"]["supports"] = [{"surface": "z_min"}]
     data["bodies"]["lower"]["supports"] = [{"surface": "z_max"}]
     alone = modes_of(data | {"contacts": {}}).eigenvalues
@@ -106,8 +90,8 @@ def test_friction_that_varies_over_the_points_of_one_side_alone(form, leave_out,
     """Constant, or zero, on the coarse points of the other: both halves keep their own."""
     matrices = []
     for mu in (f"0.4*where(x<0.683,1,{changed})", f"0.4*where(x<0.683,1,{changed})+1e-13*x"):
-        data = two_blocks("fe", {"method": "grid", "points": 4}, mu=mu, held=True, P=30.0)
-        data["contacts"]["interface"] |= {"full_pass": True, "form": form}
+        options = {"P": 30.0, "full_pass": True, "form": form, "held": True}
+        data = two_blocks("fe", {"method": "grid", "points": 4}, mu=mu, **options)
         pencil = assemble(data, leave_out=leave_out).pencil().at()
         if form == "penalty":
             matrices.append(dense(pencil.unsymmetric))
@@ -115,3 +99,61 @@ def test_friction_that_varies_over_the_points_of_one_side_alone(form, leave_out,
             m = pencil.multipliers
             matrices.append(dense(m.reaction).T @ dense(m.closure))
     assert np.abs(matrices[0] - matrices[1]).max() <= 1e-10 * np.abs(matrices[1]).max()
+
+
+def forms(system):
+    return {contact.form for contact in system.contacts}
+
+
+@pytest.mark.parametrize(
+    ("backend", "P", "full_pass"), covering(["fe", "iga"], [3.0, 1e5, 1e9], [False, True])
+)
+def test_saddle_where_a_penalty_costs_more_than_six_digits(backend, P, full_pass):
+    system = assemble(scene(backend, GPTS, P=P, full_pass=full_pass))
+    assert forms(system) == {"saddle" if P == 1e9 else "penalty"}
+    assert not system.warnings_at({})
+
+
+@pytest.mark.parametrize("fields", [{"formulation": LUMPED}, {"form": "penalty"}])
+def test_a_penalty_that_stays_says_how_many_digits_it_costs(backend, fields):
+    fields = {"formulation": GPTS} | fields
+    system = assemble(scene(backend, P=1e9, **fields))
+    assert forms(system) == {"penalty"}
+    (warning,) = system.warnings_at({})
+    assert (warning.kind, warning.data["contact"]) == ("penalty-rounding", "interface")
+    stiffness = system.pencil().at().stiffness
+    bodies = [body.stiffness().getDiagonal().array for body in system.bodies.values()]
+    largest = stiffness.getDiagonal().array / np.concatenate(bodies)
+    assert warning.data["digits"] == pytest.approx(np.log10(largest.max()), abs=1e-3)
+    assert not assemble(scene(backend, P=1e5, **fields)).warnings_at({})
+
+
+@pytest.mark.parametrize(
+    "moduli",
+    [{"upper": 2e-3, "lower": 2e5}, {"upper": 2e5, "lower": 2e4}, {"upper": 3.0}],
+    ids=str,
+)
+def test_digits_at_other_moduli_are_those_of_a_scene_assembled_there(backend, moduli):
+    """Springs do not grow with them, and the stiffer side does not count."""
+    data = scene(backend, GPTS, P=1e9, form="penalty")
+    data["bodies"]["upper"]["springs"] = [{"surface": "z_min", "stiffness": [1e3] * 3}]
+    values = {f"bodies.{name}.material.E": E for name, E in moduli.items()}
+    (found,) = assemble(data).warnings_at(values | {"contacts.interface.P": 1e11})
+    for name, E in moduli.items():
+        data["bodies"][name]["material"]["E"] = E
+    data["contacts"]["interface"]["P"] = 1e11
+    (fresh,) = assemble(data).warnings_at({})
+    assert found.data["digits"] == pytest.approx(fresh.data["digits"], abs=1e-9)
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize("rule", [GPTS, MORTAR], ids=str)
+def test_halves_of_unequal_area_keep_their_own_stiffness(backend, rule):
+    """A full pass at a given p: the larger side has more area and more of P."""
+    both = []
+    for form in ("penalty", "saddle"):
+        options = {"full_pass": True, "form": form, "P": None, "p": "10 + 30*x", "mu": 0.3}
+        both.append(run_modes(read_scene(scene(backend, rule, **options))))
+    assert both[1].eigenvalues == pytest.approx(both[0].eigenvalues, rel=1e-9, abs=1e-9)
+    K_n = [result.matrices()["K_n"].toarray() for result in both]
+    assert np.abs(K_n[1] - K_n[0]).max() <= 1e-12 * np.abs(K_n[0]).max()

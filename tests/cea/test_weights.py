@@ -7,39 +7,38 @@ from covering import covering
 from scipy.interpolate import BSpline
 from scipy.optimize import minimize_scalar
 
-from cea.body import Body
-from cea.material import IsotropicMaterial
 from iga_cea.splines import botella, knots_with_breaks
 from meshes.placement import Placement
-from meshes.shapes import Annulus, Box, Disc, Rectangle, Ring, Shape
+from meshes.shapes import Annulus, Box, Disc, Rectangle, Ring
 
-MATERIAL = IsotropicMaterial(1.0, 0.3)
 TILTED = Placement(axis=(1.0, 2.0, -0.5), angle=37.0, translation=(0.3, -0.2, 0.7))
-BOX = Box((2.0, 1.0, 0.5), (0.1, -0.3, 0.2))
-ANNULUS = Annulus(0.5, 1.0, 0.0, 0.3)
-DISC = Disc(1.0, 0.0, 0.2)
-RING = Ring(0.5, 1.0)
-RECTANGLE = Rectangle((2.0, 1.0))
-SPACE = [(BOX, (3, 3, 2)), (ANNULUS, (2, 16, 1)), (DISC, (2, 12, 1))]
-PLANE = [(RECTANGLE, (3, 2)), (RING, (2, 16))]
+BOX, ANNULUS = Box((2.0, 1.0, 0.5), (0.1, -0.3, 0.2)), Annulus(0.5, 1.0, 0.0, 0.3)
+RECTANGLE, RING = Rectangle((2.0, 1.0)), Ring(0.5, 1.0)
+MESHED = [(BOX, (3, 3, 2)), (ANNULUS, (2, 16, 1)), (Disc(1.0, 0.0, 0.2), (2, 12, 1))]
+MESHED += [(RECTANGLE, (3, 2)), (RING, (2, 16))]
 
 
-def nurbs(shape: Shape, elements, degree: int, continuity: int | None = None) -> Body:
-    dim = len(shape.directions)
-    smoothness = None if continuity is None else dim * (continuity,)
-    placement = TILTED if dim == 3 else Placement()
-    return shape_body(shape, None, degree, elements, continuity=smoothness, placement=placement)
+def surfaces_of(shape, cell, mesh, degree, **options):
+    """Surfaces of a body, tilted in space, of cells or of NURBS."""
+    options["placement"] = TILTED if len(shape.directions) == 3 else Placement()
+    return shape_body(shape, cell, degree, mesh, **options).surfaces.values()
 
 
-def lagrange(shape: Shape, cell: str, elements, degree: int) -> Body:
-    mesh = elements if cell in ("hexahedron", "quadrilateral") else 0.4
-    placement = TILTED if len(shape.directions) == 3 else Placement()
-    return shape_body(shape, cell, degree, mesh, placement=placement)
+def weighted(surface, kind, weights):
+    """Points of a kind with weights, after what all weights have in common is checked."""
+    even, points = surface.abscissae(kind), surface.abscissae(kind, weights)
+    np.testing.assert_array_equal(points.x, even.x)
+    np.testing.assert_allclose(even.weight, surface.area / len(even), rtol=1e-15)
+    assert points.weight.min() > 0
+    assert points.weight.sum() == pytest.approx(surface.area, rel=1e-13)
+    return points
 
 
-def alive(traces):
-    """Functions that are not zero everywhere on a surface."""
-    return np.flatnonzero(np.abs(traces).max(axis=0) > 1e-12)
+def alive(surface, traces):
+    """Functions that are not zero everywhere on a surface, which are its own."""
+    found = np.flatnonzero(np.abs(traces).max(axis=0) > 1e-12)
+    np.testing.assert_array_equal(np.unique(surface.function_dofs), found)
+    return found
 
 
 KNOTS = [
@@ -55,42 +54,30 @@ def test_botella_points_are_the_maxima(knots):
     degree = int((knots == 0).sum()) - 1
     points = botella(knots, degree)
     assert (np.diff(points) > 0).all()
-    assert points[0] == 0
-    assert points[-1] == 1
+    assert (points[0], points[-1]) == (0, 1)
     samples = np.unique(np.concatenate([np.linspace(0, 1, 1001), knots]))
     for found, coefficients in zip(points, np.eye(len(points)), strict=True):
-        spline = BSpline(knots, coefficients, degree)
-        top = spline(samples).argmax()
+        spline = BSpline(knots, -coefficients, degree)
+        top = spline(samples).argmin()
         near = samples[[max(top - 1, 0), min(top + 1, len(samples) - 1)]]
-        best = minimize_scalar(
-            lambda x, spline=spline: -spline(x),
-            bounds=near,
-            method="bounded",
-            options={"xatol": 1e-12},
-        )
+        best = minimize_scalar(spline, bounds=near, method="bounded", options={"xatol": 1e-12})
         assert found == pytest.approx(best.x, abs=1e-6)
-        assert spline(found) >= max(-best.fun, spline(samples[top])) * (1 - 1e-14)
+        assert spline(found) <= min(best.fun, spline(samples[top])) * (1 - 1e-14)
 
 
 @pytest.mark.parametrize(
     ("meshed", "kind", "order"),
-    covering(SPACE + PLANE, ["greville", "botella"], [(2, None), (3, 1)]),
+    covering(MESHED, ["greville", "botella"], [(2, None), (3, 1)]),
     ids=lambda s: getattr(s[0], "shape", "") if isinstance(s, tuple) else s,
 )
 def test_area_weights_are_integrals_of_the_traces(meshed, kind, order):
-    (shape, elements), (degree, continuity) = meshed, order
-    for surface in nurbs(shape, elements, degree, continuity).surfaces.values():
-        even, points = surface.abscissae(kind), surface.abscissae(kind, "area")
-        fine = surface.gauss_points(16)
+    (shape, elements), (degree, smooth) = meshed, order
+    continuity = smooth and (smooth,) * len(elements)
+    for surface in surfaces_of(shape, None, elements, degree, continuity=continuity):
+        points, fine = weighted(surface, kind, "area"), surface.gauss_points(16)
         traces = surface.trace(fine.at).toarray()
-        dofs = alive(traces)
-        np.testing.assert_array_equal(np.unique(surface.function_dofs), dofs)
+        dofs, integrals = alive(surface, traces), fine.weight @ traces
         assert len(points) == len(dofs)
-        np.testing.assert_array_equal(points.x, even.x)
-        np.testing.assert_allclose(even.weight, surface.area / len(even), rtol=1e-15)
-        assert points.weight.min() > 0
-        assert points.weight.sum() == pytest.approx(surface.area, rel=1e-13)
-        integrals = fine.weight @ traces
         np.testing.assert_allclose(np.sort(points.weight), np.sort(integrals[dofs]), rtol=1e-11)
         if kind == "botella":
             # The largest function at a maximum is its own, whose integral the point bears.
@@ -101,26 +88,22 @@ def test_area_weights_are_integrals_of_the_traces(meshed, kind, order):
 
 
 @pytest.mark.parametrize(
-    ("shape", "elements", "cell", "degree"),
+    ("shape", "mesh", "cell", "degree"),
     [
-        *((BOX, (3, 3, 2), cell, p) for cell in ("hexahedron", "tetrahedron") for p in (1, 2, 3)),
+        *((BOX, (3, 3, 2), "hexahedron", p) for p in (1, 2, 3)),
+        *((BOX, 0.4, "tetrahedron", p) for p in (1, 2, 3)),
         (BOX, (2, 2, 1), "hexahedron", 4),
         (ANNULUS, (2, 16, 1), "hexahedron", 2),
-        (ANNULUS, None, "tetrahedron", 2),
+        (ANNULUS, 0.4, "tetrahedron", 2),
         (RECTANGLE, (3, 2), "quadrilateral", 3),
         (RING, (2, 16), "quadrilateral", 2),
-        (RING, None, "triangle", 2),
+        (RING, 0.4, "triangle", 2),
     ],
     ids=lambda s: getattr(s, "shape", s) if not isinstance(s, tuple) else "",
 )
-def test_tributary_weights_share_each_facet_by_squares(shape, elements, cell, degree):
-    for surface in lagrange(shape, cell, elements, degree).surfaces.values():
-        even, points = surface.abscissae("nodes"), surface.abscissae("nodes", "tributary")
-        np.testing.assert_array_equal(points.x, even.x)
-        np.testing.assert_allclose(even.weight, surface.area / len(even), rtol=1e-15)
-        assert points.weight.min() > 0
-        assert points.weight.sum() == pytest.approx(surface.area, rel=1e-13)
-        fine = surface.gauss_points(7)
+def test_tributary_weights_share_each_facet_by_squares(shape, mesh, cell, degree):
+    for surface in surfaces_of(shape, cell, mesh, degree):
+        points, fine = weighted(surface, "nodes", "tributary"), surface.gauss_points(7)
         traces = surface.trace(fine.at).toarray()
         expected = np.zeros(surface.num_scalar_dofs)
         for facet in range(surface.num_elements):
@@ -130,7 +113,6 @@ def test_tributary_weights_share_each_facet_by_squares(shape, elements, cell, de
         picked = surface.trace(points.at).toarray()
         np.testing.assert_allclose(picked, np.rint(picked), atol=1e-14)
         own = picked.argmax(axis=1)
-        np.testing.assert_array_equal(np.sort(own), alive(traces))
-        np.testing.assert_array_equal(np.unique(surface.function_dofs), alive(traces))
+        np.testing.assert_array_equal(np.sort(own), alive(surface, traces))
         rel = 1e-12 if isinstance(shape, Box | Rectangle) else 1e-5
         np.testing.assert_allclose(points.weight, expected[own], rtol=rel)

@@ -36,10 +36,10 @@ def values_of(entry):
 
 
 def apart(found, reference):
-    """Largest relative distance of two lists in one order, in the digits of their texts."""
+    """Largest relative distance of two lists by rising frequency, in the digits of their texts."""
     assert len(found) == len(reference)
     worst = Decimal(0)
-    for x, y in zip(found, reference, strict=True):
+    for x, y in zip(by_frequency(found), by_frequency(reference), strict=True):
         re, im = (Decimal(a) - Decimal(b) for a, b in zip(x, y, strict=True))
         size = abs(complex(float(y[0]), float(y[1])))
         worst = max(worst, (abs(re) + abs(im)) / Decimal(size))
@@ -54,16 +54,16 @@ def just_above(entry):
     return float(entry["lam"][-1][1]) * (1 + 1e-6)
 
 
-def same_set(values, reference, tolerance):
-    """Both lists hold the same values, whatever their order."""
-    assert distance_to(values, reference).max() < tolerance
-    assert distance_to(reference, values).max() < tolerance
-
-
 def distance_to(values, reference):
     """Relative distance of each value to the nearest reference."""
     values, reference = np.asarray(values), np.asarray(reference)
     return (abs(values[:, None] - reference) / abs(reference)).min(axis=1)
+
+
+def same_set(values, reference, tolerance):
+    """Both lists hold the same values, whatever their order and their multiplicities."""
+    assert distance_to(values, reference).max() < tolerance
+    assert distance_to(reference, values).max() < tolerance
 
 
 def assert_same(values, reference, tolerance):
@@ -75,6 +75,10 @@ def assert_same(values, reference, tolerance):
         assert abs(left.pop(nearest) - value) < tolerance * abs(value)
 
 
+def slow(*values):
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
 DRUMS = stored("drum_2d") + stored("drum_3d")
 
 
@@ -84,28 +88,23 @@ def test_the_drum_to_19_digits_and_nothing_missing():
     problem = Drum.of(entry["m"], entry["p"], entry["mu"], entry.get("kz"))
     found = entries.drum(problem, max_frequency=just_above(entry))
     assert found["digits"] >= 20
-    told = set(entry) - {"lam"}
-    assert {key: found[key] for key in told} == {key: entry[key] for key in told}
+    assert {key: found[key] for key in entry if key != "lam"}.items() <= entry.items()
     assert apart(found["lam"], entry["lam"]) < 1e-19
 
 
-@pytest.mark.parametrize(
-    "i", [2, *(pytest.param(i, marks=pytest.mark.slow) for i in (0, 1, 3, 4, 5, 6))]
-)
+@pytest.mark.parametrize("i", [2, *map(slow, (0, 1, 3, 4, 5, 6))])
 def test_blocks_with_sinusoidal_friction_to_16_digits(i):
     entry = stored("blocks_sine_mu")[i]
     problem = Blocks.of(entry["p"], entry["mu0"], entry["kz"])
     found = entries.blocks_sine(problem, max_frequency=just_above(entry))
-    assert apart(by_frequency(found["lam"]), by_frequency(entry["lam"])) < 1e-16
+    assert apart(found["lam"], entry["lam"]) < 1e-16
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("p", ["1", "10"])
 def test_thresholds_of_the_blocks_to_19_digits(p):
-    found = {
-        point["omega"][:12]: point
-        for point in entries.thresholds(Blocks.of(p), 1.0, max_frequency=3.5)
-    }
+    points = entries.thresholds(Blocks.of(p), 1.0, max_frequency=3.5)
+    found = {point["omega"][:12]: point for point in points}
     for entry in stored("blocks_sine_mu_thresholds"):
         if entry["p"] == p:
             point = found[entry["omega"][:12]]
@@ -119,7 +118,7 @@ def test_lumped_systems(i):
     exact = [[[Exact(x).rational for x in row] for row in entry[name]] for name in "MCK"]
     found = entries.lumped_system(lumped.LumpedSystem(entry["name"], *exact), {})
     # Doubles stand for thirds in some entries: the closed forms below keep their digits.
-    assert apart(by_frequency(found["lam"]), by_frequency(entry["lam"])) < 3e-16
+    assert apart(found["lam"], entry["lam"]) < 3e-16
 
 
 def test_lumped_models_hold_20_digits_and_their_closed_form_thresholds():
@@ -127,7 +126,7 @@ def test_lumped_models_hold_20_digits_and_their_closed_form_thresholds():
     for mu in ("0.4", "0.46875", "0.7"):
         found = entries.lumped_system(lumped.hoffmann(mu), {})
         reference = table[f"Hoffmann mu={mu}"]
-        assert apart(by_frequency(found["lam"]), by_frequency(reference["lam"])) < 1e-20
+        assert apart(found["lam"], reference["lam"]) < 1e-20
     assert lumped.hoffmann_threshold() == Exact("0.46875").rational
     for c1, c2, mu in (("0.0", "0.0", "0.3"), ("0.02", "0.1", "0.3"), ("0.002", "0.02", "0.1")):
         info = table[f"Hulten mu={mu} c=({c1},{c2})"]["info"]
@@ -145,7 +144,7 @@ def test_constant_friction_with_corner_singularities_to_9_digits_on_a_coarse_gri
 
 @pytest.mark.parametrize(
     ("i", "degree", "layers", "tolerance"),
-    [(0, 18, 0, 3e-9), *(pytest.param(i, 13, 1, 1e-10, marks=pytest.mark.slow) for i in range(18))],
+    [(0, 18, 0, 3e-9), *(slow(i, 13, 1, 1e-10) for i in range(18))],
 )
 def test_the_stored_rings_on_other_grids(i, degree, layers, tolerance):
     """The 17 values that hold their digits; the rigid rotation is stored as its round-off."""
@@ -229,28 +228,28 @@ def test_a_layer_of_long_waves_is_a_column_and_its_static_stiffness_that_of_unia
 @pytest.mark.parametrize(
     ("arguments", "field"),
     [
-        (["drum", "--m", "-1"], "m"),
-        (["drum", "--m", "1", "--p", "0"], "p"),
-        (["drum", "--m", "1", "--mu", "-0.1"], "mu"),
-        (["drum", "--m", "1", "--inner", "2"], "inner"),
-        (["drum", "--m", "1", "--nu-a", "0.5"], "a.nu"),
-        (["drum", "--m", "1", "--kz", "pie"], "kz"),
-        (["drum", "--m", "1", "--count", "0"], "count"),
-        (["drum", "--m", "1", "--count", "3", "--max-frequency", "3"], "max_frequency"),
-        (["blocks", "--mu", "0.3", "--mu0", "0.3"], "mu"),
-        (["blocks", "--thresholds"], "max_frequency"),
-        (["blocks", "--E-b", "soft"], "b.E"),
-        (["ring", "--m", "1", "--outer", "0.01"], "inner"),
-        (["hoffmann", "--k3", "soft"], "k3"),
-        (["drum", "--m", "1", "--p", "1e-999999999"], "p"),
-        (["drum", "--m", "1", "--p", "nan"], "p"),
-        (["drum", "--m", "1", "--max-frequency", "nan"], "max_frequency"),
-        (["blocks", "--mu", ""], "mu"),
-        (["drum", "--m", "1", "--json", "/"], "json"),
+        ("drum --m -1", "m"),
+        ("drum --m 1 --p 0", "p"),
+        ("drum --m 1 --mu -0.1", "mu"),
+        ("drum --m 1 --inner 2", "inner"),
+        ("drum --m 1 --nu-a 0.5", "a.nu"),
+        ("drum --m 1 --kz pie", "kz"),
+        ("drum --m 1 --count 0", "count"),
+        ("drum --m 1 --count 3 --max-frequency 3", "max_frequency"),
+        ("blocks --mu 0.3 --mu0 0.3", "mu"),
+        ("blocks --thresholds", "max_frequency"),
+        ("blocks --E-b soft", "b.E"),
+        ("ring --m 1 --outer 0.01", "inner"),
+        ("hoffmann --k3 soft", "k3"),
+        ("drum --m 1 --p 1e-999999999", "p"),
+        ("drum --m 1 --p nan", "p"),
+        ("drum --m 1 --max-frequency nan", "max_frequency"),
+        ("blocks --mu=", "mu"),
+        ("drum --m 1 --json /", "json"),
     ],
 )
 def test_wrong_parameters_are_refused_by_name(arguments, field):
-    error = CliRunner().invoke(app, arguments).exception
+    error = CliRunner().invoke(app, arguments.split()).exception
     assert isinstance(error, InputError)
     assert error.field.startswith(field)
 
@@ -283,10 +282,9 @@ def test_command_writes_entries_of_the_stored_form(tmp_path):
     ],
 )
 def test_stored_values_by_name(problem, arguments, file, chosen, tolerance):
-    (entry,) = [e for e in stored(file) if all(e[key] == chosen[key] for key in chosen)]
+    (entry,) = [e for e in stored(file) if chosen.items() <= e.items()]
     reference = values_of(entry)
-    values = exact_eigenvalues(problem, count=len(reference), **arguments)
-    assert_same(values, reference, tolerance)
+    assert_same(exact_eigenvalues(problem, count=len(reference), **arguments), reference, tolerance)
 
 
 def test_a_window_by_frequency_is_one_by_count_and_results_are_kept_and_protected():
@@ -360,27 +358,21 @@ def test_where_flutter_begins_with_constant_friction():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "field"),
+    ("solve", "arguments", "field"),
     [
-        ({"problem": "plate", "count": 1}, "problem"),
-        ({"problem": "drum", "count": 1}, "m"),
-        ({"problem": "blocks", "m": 1, "count": 1}, "m"),
-        ({"problem": "ring", "m": 1, "kz": "pi", "count": 1}, "kz"),
-        ({"problem": "drum", "m": 1, "count": 1, "length": 2}, "length"),
-        ({"problem": "drum", "m": 1}, "max_frequency"),
-        ({"problem": "drum", "m": 1, "count": 1, "outer": 0.9}, "inner"),
+        (exact_eigenvalues, {"problem": "plate", "count": 1}, "problem"),
+        (exact_eigenvalues, {"problem": "drum", "count": 1}, "m"),
+        (exact_eigenvalues, {"problem": "blocks", "m": 1, "count": 1}, "m"),
+        (exact_eigenvalues, {"problem": "ring", "m": 1, "kz": "pi", "count": 1}, "kz"),
+        (exact_eigenvalues, {"problem": "drum", "m": 1, "count": 1, "length": 2}, "length"),
+        (exact_eigenvalues, {"problem": "drum", "m": 1}, "max_frequency"),
+        (exact_eigenvalues, {"problem": "drum", "m": 1, "count": 1, "outer": 0.9}, "inner"),
+        (whole_spectrum, {"problem": "ring", "max_frequency": 1e4, "depth": 1}, "depth"),
+        (mu_critical, {"problem": "blocks"}, "max_frequency"),
+        (mu_critical, {"problem": "hoffmann", "k9": 1}, "k9"),
     ],
 )
-def test_parameters_a_problem_does_not_have_are_refused(arguments, field):
+def test_parameters_a_problem_does_not_have_are_refused(solve, arguments, field):
     with pytest.raises(InputError) as refused:
-        exact_eigenvalues(**arguments)
+        solve(**arguments)
     assert refused.value.field.startswith(field)
-
-
-def test_whole_bodies_and_thresholds_refuse_too():
-    with pytest.raises(InputError, match="depth"):
-        whole_spectrum("ring", max_frequency=1e4, depth=1)
-    with pytest.raises(InputError, match="max_frequency"):
-        mu_critical("blocks")
-    with pytest.raises(InputError, match="k9"):
-        mu_critical("hoffmann", k9=1)

@@ -1,111 +1,82 @@
 """Lagrange bodies of every cell, degree 1 to 4, in space and in the plane, on curved meshes."""
 
+from dataclasses import replace
 from itertools import permutations, product
-from math import factorial
+from math import comb
 
 import basix.ufl
 import dolfinx
 import numpy as np
 import pytest
-from bodies import dolfinx_body, shape_body
+from bodies import dolfinx_body, lagrange_body, shape_body
 from covering import covering
-from lagrange_bodies import DIMENSION, FLAT, MATERIAL, PLANE, ROUND, SPACE, body_of
+from lagrange_bodies import DIMENSION, FLAT, MATERIAL, ROUND, body_of
 from mpi4py import MPI
-from petsc_matrices import to_scipy
 from scipy.sparse.linalg import spsolve
 
 from cea.location import locate_along
-from cea.surface_points import Status, SurfaceCoordinates
+from cea.surface_points import SurfaceCoordinates
+from meshes.breaks import breaks_of
 from meshes.placement import Placement
-from meshes.shapes import Box
+from meshes.shape_mesh import shape_mesh
+from meshes.shapes import Annulus, Box, Ring
+from meshes.true_surfaces import true_surfaces
 
-every_element = pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
+SLOPE, SHIFT = np.array([0.7, -0.4, 0.5]), 0.3
+"""Of (s.x + c)^q, a polynomial of the full degree that depends on every direction."""
 
 
-def interpolate(body, degree, field):
-    """Values at all scalar dofs of a field in the space, found from a sample that fixes them."""
+def value(x, degree):
+    return (x @ SLOPE[: x.shape[1]] + SHIFT) ** degree
+
+
+def interpolate(body, degree):
+    """The polynomial's values at all scalar dofs, found from a sample that fixes them."""
     sample = body.space.volume_cells()
-    return spsolve(sample.values.tocsc(), field(sample.points))
+    return spsolve(sample.values.tocsc(), value(sample.points, degree))
 
 
-def polynomial(degree, dim):
-    """A scalar polynomial of the full degree that depends on every direction, and its gradient."""
-    slope = np.array([0.7, -0.4, 0.5])[:dim]
-
-    def value(x):
-        return (x @ slope + 0.3) ** degree
-
-    def gradient(x):
-        return degree * (x @ slope + 0.3)[:, None] ** (degree - 1) * slope
-
-    return value, gradient
+def random_points(surface, rng, count):
+    """Points in elements of a surface, whether simplices or boxes."""
+    xi = rng.uniform(0.02, 0.48, (count, surface.dim - 1))
+    return SurfaceCoordinates(rng.integers(0, surface.num_elements, count), xi)
 
 
-@every_element
+@pytest.mark.parametrize(("cell", "degree"), list(product(DIMENSION, (1, 2, 3, 4))))
 def test_polynomials_of_the_degree_are_exact(cell, degree):
-    """Their energies, values on and gradients at the surface, and values within each cell.
+    """Their values on and gradients at the surface, and values within each cell.
 
     Dofs that cells put on a shared edge or face in different orders would spoil all of them.
     """
     body = body_of(FLAT, cell, degree, order=1, elements=(2, 1, 2))
-    value, gradient = polynomial(degree, body.dim)
-    u = interpolate(body, degree, value)
+    u, slope = interpolate(body, degree), SLOPE[: body.dim]
     rng = np.random.default_rng(0)
     for surface in body.surfaces.values():
-        n = surface.num_elements
-        at = SurfaceCoordinates(rng.integers(0, n, 40), rng.uniform(0.02, 0.48, (40, body.dim - 1)))
+        at = random_points(surface, rng, 40)
         x = surface.position(at)
-        np.testing.assert_allclose(surface.trace(at) @ u, value(x), atol=1e-12)
+        np.testing.assert_allclose(surface.trace(at) @ u, value(x, degree), atol=1e-12)
         found = np.column_stack([g @ u for g in surface.gradient(at)])
-        np.testing.assert_allclose(found, gradient(x), atol=1e-11)
-    moved = np.zeros((len(u), body.dim))
-    moved[:, 0] = u
-    lam, mu = MATERIAL.lame
-    # With v = (s.x + c)^q and u = v e0: energy density ((lam + mu) s0^2 + mu s.s) (v'/|s|)^2.
-    slope = np.array([0.7, -0.4, 0.5])[: body.dim]
-    density = ((lam + mu) * slope[0] ** 2 + mu * slope @ slope) / (slope @ slope)
-    gradient_squared = integral(body, lambda x: (gradient(x) ** 2).sum(axis=1), 2 * degree)
-    energy = moved.ravel() @ (to_scipy(body.stiffness()) @ moved.ravel())
-    assert energy == pytest.approx(density * gradient_squared, rel=1e-11)
-    kinetic = moved.ravel() @ (to_scipy(body.mass()) @ moved.ravel())
-    squared = integral(body, lambda x: value(x) ** 2, 2 * degree)
-    assert kinetic == pytest.approx(MATERIAL.rho * squared, rel=1e-11)
-
-
-def integral(body, field, degree):
-    """Integral over a placed block by Gauss points of the block, no mesh involved."""
-    shape, placement = FLAT[body.dim], SPACE if body.dim == 3 else PLANE
-    nodes, weights = np.polynomial.legendre.leggauss(degree // 2 + 1)
-    grid = np.stack(np.meshgrid(*[(nodes + 1) / 2] * body.dim, indexing="ij"), axis=-1)
-    weight = np.prod(np.meshgrid(*[weights / 2] * body.dim, indexing="ij"), axis=0)
-    x = placement.apply(grid.reshape(-1, body.dim) * shape.size)
-    return np.prod(shape.size) * (weight.ravel() @ field(x))
+        expected = degree * value(x, 1)[:, None] ** (degree - 1) * slope
+        np.testing.assert_allclose(found, expected, atol=1e-11)
 
 
 @pytest.mark.parametrize(("dim", "degree"), covering((2, 3), (4, 3), strength=1))
 def test_cells_that_number_a_shared_facet_differently_agree_on_it(dim, degree):
     """Two simplices on one facet, the second with its vertices in every order."""
     corners = np.vstack([np.zeros(dim), np.eye(dim), np.full(dim, 0.9)])
-    name = {2: "triangle", 3: "tetrahedron"}[dim]
-    value, _ = polynomial(degree, dim)
+    element = basix.ufl.element("Lagrange", {2: "triangle", 3: "tetrahedron"}[dim], 1, shape=(dim,))
     for second in permutations(range(1, dim + 2)):
-        mesh = dolfinx.mesh.create_mesh(
-            MPI.COMM_SELF,
-            np.array([list(range(dim + 1)), list(second)]),
-            basix.ufl.element("Lagrange", name, 1, shape=(dim,)),
-            corners,
-        )
+        cells = np.array([list(range(dim + 1)), list(second)])
+        mesh = dolfinx.mesh.create_mesh(MPI.COMM_SELF, cells, element, corners)
         mesh.topology.create_connectivity(dim - 1, dim)
         facets = dolfinx.mesh.exterior_facet_indices(mesh.topology)
         tags = dolfinx.mesh.meshtags(mesh, dim - 1, facets, np.ones(len(facets), dtype=np.int32))
         body = dolfinx_body("pair", mesh, tags, {"all": 1}, degree=degree, material=MATERIAL)
-        shared = factorial(degree + dim - 1) // factorial(degree) // factorial(dim - 1)
-        one = factorial(degree + dim) // factorial(degree) // factorial(dim)
+        shared, one = comb(degree + dim - 1, degree), comb(degree + dim, degree)
         assert body.num_scalar_dofs == 2 * one - shared
-        u = interpolate(body, degree, value)
         points = body.surfaces["all"].gauss_points(degree)
-        traced = body.surfaces["all"].trace(points.at) @ u
-        np.testing.assert_allclose(traced, value(points.x), atol=1e-12)
+        traced = body.surfaces["all"].trace(points.at) @ interpolate(body, degree)
+        np.testing.assert_allclose(traced, value(points.x, degree), atol=1e-12)
 
 
 class EveryPair:
@@ -125,9 +96,7 @@ class EveryPair:
         return point, np.tile(np.arange(count), len(x)), start
 
 
-@pytest.mark.parametrize(
-    "count", [1000, pytest.param(25_000, marks=pytest.mark.slow)], ids=["quick", "slow"]
-)
+@pytest.mark.parametrize("count", [1000, pytest.param(25_000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(("cell", "name"), list(product(DIMENSION, ("inner", "outer"))))
 def test_location_agrees_with_brute_force_on_curved_surfaces(cell, name, count):
     """Points off a turned and shifted surface, some beyond its rim or reach, aims aslant.
@@ -135,25 +104,18 @@ def test_location_agrees_with_brute_force_on_curved_surfaces(cell, name, count):
     The slow run puts 200 000 points through all cases.
     """
     surface = body_of(ROUND, cell, 3).surfaces[name]
-    dim, rng = surface.dim, np.random.default_rng(6)
-    at = SurfaceCoordinates(
-        rng.integers(0, surface.num_elements, count), rng.uniform(0.02, 0.48, (count, dim - 1))
-    )
-    normal = surface.normal(at)
-    x = surface.position(at) + rng.normal(0, 0.08, (count, dim))
-    aim = normal + rng.normal(0, 0.2, (count, dim))
+    rng = np.random.default_rng(6)
+    at = random_points(surface, rng, count)
+    x = surface.position(at) + rng.normal(0, 0.08, (count, surface.dim))
+    aim = surface.normal(at) + rng.normal(0, 0.2, (count, surface.dim))
     aim /= np.linalg.norm(aim, axis=1, keepdims=True)
     found = surface.locate(x, aim, 0.1)
-    parts = [
-        locate_along(EveryPair(surface), x[i : i + 2000], aim[i : i + 2000], 0.1)
-        for i in range(0, count, 2000)
-    ]
-    status = np.concatenate([part.status for part in parts])
-    distance = np.concatenate([part.distance for part in parts])
     assert 0.05 * count < found.missed.sum() < 0.9 * count
-    assert np.array_equal(found.status, status)
-    hit = ~found.missed
-    np.testing.assert_allclose(found.distance[hit], distance[hit], atol=1e-8)
+    for part in np.split(np.arange(count), range(2000, count, 2000)):
+        slow = locate_along(EveryPair(surface), x[part], aim[part], 0.1)
+        assert np.array_equal(found.status[part], slow.status)
+        hit = ~slow.missed
+        np.testing.assert_allclose(found.distance[part][hit], slow.distance[hit], atol=1e-8)
 
 
 @pytest.mark.parametrize("degree", [1, 2])
@@ -161,21 +123,19 @@ def test_location_agrees_with_brute_force_on_curved_surfaces(cell, name, count):
 @pytest.mark.parametrize("name", ["z_max", "top"])
 def test_grid_has_shared_points_once(name, cell, mesh, degree):
     surface = shape_body((ROUND if name == "top" else FLAT)[3], cell, degree, mesh).surfaces[name]
-    corners = len(surface.grid(2))
+    corners, facets = len(surface.grid(2)), surface.num_elements
+    # Euler: V - E + F is 0 for a ring, 1 for a disc.
+    edges = corners + facets - (0 if name == "top" else 1)
     for n in (3, 5):
         points = surface.grid(n)
         assert len(np.unique(np.round(points.x, 9), axis=0)) == len(points)
-        facets = surface.num_elements
-        # Euler: V - E + F is 0 for a ring, 1 for a disc.
-        edges = corners + facets - (0 if name == "top" else 1)
         inner = (n - 2) * (n - 3) // 2 if cell == "tetrahedron" else (n - 2) ** 2
         assert len(points) == corners + edges * (n - 2) + facets * inner
 
 
-@pytest.mark.parametrize("cell", ["tetrahedron", "hexahedron"])
-def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell):
+@pytest.mark.parametrize(("cell", "mesh"), [("tetrahedron", 0.6), ("hexahedron", (1, 4, 1))])
+def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell, mesh):
     """Facets of a quarter circle leave the boxes of their corners by far more than the reach."""
-    mesh = 0.6 if cell == "tetrahedron" else (1, 4, 1)
     body = shape_body(ROUND[3], cell, 2, mesh, placement=Placement(angle=45.0))
     for name in ("inner", "outer"):
         surface = body.surfaces[name]
@@ -185,30 +145,59 @@ def test_a_short_reach_finds_points_on_the_bulge_of_a_curved_facet(cell):
         np.testing.assert_allclose(surface.position(found.at), points.x, atol=1e-8)
 
 
-@pytest.mark.parametrize(("cell", "degree"), list(product(("tetrahedron", "hexahedron"), (1, 2))))
-def test_points_beyond_the_rim_or_reach_are_missed(cell, degree):
-    box = Box((2.0, 1.0, 0.5), origin=(0.1, -0.3, 0.2))
-    mesh = 0.4 if cell == "tetrahedron" else (4, 3, 2)
-    surface = shape_body(box, cell, degree, mesh).surfaces["z_max"]
-    (x0, x1), (y0, y1), (_, z1) = box.extent
-    up = np.tile([0.0, 0.0, 1.0], (5, 1))
-    size = surface.mesh_size
-    x = np.array(
-        [
-            [x1 + 1e-6 * size, 0.0, z1],
-            [x0 - 1e-3, y0 - 1e-3, z1],
-            [x1 + 5.0, y1 + 7.0, z1],
-            [x0 + 0.31, 0.03, z1 + 0.11],
-            [x0 + 0.31, 0.03, z1 + 0.09],
-        ]
-    )
-    found = surface.locate(x, up, reach=0.1)
-    assert found.status[:4].tolist() == [Status.MISSED] * 4
-    assert found.status[4] in (Status.INSIDE, Status.EDGE)
-    assert found.distance[4] == pytest.approx(-0.09, abs=1e-12)
-    # Clamped in reference coordinates, a point on a slanted triangle is not quite the nearest.
-    nearest = np.array([1e-6 * size, np.sqrt(2) * 1e-3])
-    assert (found.miss[:2] > (1 - 1e-6) * nearest).all()
-    assert (found.miss[:2] < (1.5 if cell == "tetrahedron" else 1 + 1e-6) * nearest).all()
-    assert np.isinf(found.miss[2])
-    assert found.at.element[2] == -1
+BOX = Box((0.2, 0.2, 0.1))
+
+
+def surface_of(mesh, name, **options):
+    body = lagrange_body("part", mesh, degree=mesh.order, material=MATERIAL, **options)
+    return body.surfaces[name]
+
+
+def estimate(mesh, name):
+    """Estimated errors in the middle of the facets (m), one for each."""
+    surface = surface_of(mesh, name)
+    return surface.geometry_error(surface.gauss_points(1).at)
+
+
+def meshed(shape, cell, order, elements):
+    return shape_mesh(shape, cell, order, breaks=breaks_of(shape, elements))
+
+
+@pytest.mark.parametrize("cell", ["quadrilateral", "triangle"])
+@pytest.mark.parametrize("count", [8, 24])
+def test_of_chords_it_is_the_sagitta(cell, count):
+    ring = Ring(0.05, 0.08)
+    for name, radius in (("inner", 0.05), ("outer", 0.08)):
+        sagitta = radius * (1 - np.cos(np.pi / count))
+        found = estimate(meshed(ring, cell, 1, (1, count)), name)
+        np.testing.assert_allclose(found, sagitta, rtol=3 / count**2)
+
+
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+def test_of_a_cylinder_it_does_not_depend_on_the_length_of_its_elements(cell):
+    annulus = Annulus(0.05, 0.08, 0.0, 0.2)
+    found = estimate(meshed(annulus, cell, 1, (1, 24, 2)), "outer")
+    np.testing.assert_allclose(found, 0.08 * (1 - np.cos(np.pi / 24)), rtol=5e-3)
+
+
+@pytest.mark.parametrize("order", [2, 3, 4])
+def test_of_curved_facets_it_bounds_their_distance(order):
+    ring = Ring(0.05, 0.08)
+    mesh = meshed(ring, "quadrilateral", order, (1, 12))
+    known = surface_of(mesh, "outer", true_surfaces=true_surfaces(ring))
+    points = known.gauss_points(8)
+    distance = np.abs(known.offset(points.at, points.normal)).max()
+    found = estimate(mesh, "outer")
+    assert (distance < found).all()
+    assert (found < {2: 5, 3: 8, 4: 15}[order] * distance).all()
+    assert (known.geometry_error(points.at) == 0).all()
+
+
+@pytest.mark.parametrize("cell", ["hexahedron", "tetrahedron"])
+@pytest.mark.parametrize("order", [1, 2])
+def test_of_flat_faces_and_at_edges_of_bodies_it_is_zero(cell, order):
+    """Also of a surface that goes round an edge of a box."""
+    mesh = meshed(BOX, cell, order, (3, 3, 2))
+    both = np.concatenate([mesh.surfaces["x_max"], mesh.surfaces["z_max"]])
+    found = estimate(replace(mesh, surfaces={"both": both}), "both")
+    assert found.max() < 1e-15

@@ -57,8 +57,11 @@ def rectangle(backend, size, elements, *, origin=(0.0, 0.0), degree=2, **fields)
     return scene_body(backend, geometry, elements, degree, **fields)
 
 
-def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.0):
-    """Scene of a small block (a) on a larger one (b) whose meshes do not match."""
+def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.0, **fields):
+    """Scene of a small block (a) on a larger one (b) whose meshes do not match.
+
+    The contact has other fields; None stands for one that is left out.
+    """
     direction = [1.0, 0.5, 0.0]
     if placement:
         from meshes.placement import Placement
@@ -81,6 +84,7 @@ def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.
                 "mu": mu,
                 "friction_direction_on_a": {"vector": direction},
             }
+            | fields
         },
         "analysis": {"kind": "cea", "max_frequency": 1.0, "growth_threshold": 10.0},
     }

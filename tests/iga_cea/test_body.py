@@ -1,4 +1,4 @@
-"""NURBS bodies: closed forms, joints, boundary conditions, refusals."""
+"""NURBS bodies: joints, collapsed edges and axes, plate theory, refusals."""
 
 from dataclasses import replace
 
@@ -9,18 +9,31 @@ from covering import covering
 from iga_data import STEEL, TILTED, body, slow_matrices, turned
 from petsc_matrices import to_scipy
 from scipy.linalg import eigh
-from scipy.sparse.linalg import eigsh, spsolve
+from scipy.sparse.linalg import eigsh
 
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.supports.boundary import Pressure, Spring, Support
+from cea.supports.boundary import Support
 from iga_cea.patch import check_geometry
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
-from meshes.shapes import Box, Disc, Ring, Sector
+from meshes.shapes import Box, Disc, Sector
 
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
+DISC = Disc(1.2, -0.1, 0.2)
+
+
+def box_patch(x=0.0, y=0.0, z=0.0, size=(1.0, 1.0, 1.0), between=(0.5,)) -> NurbsPatch:
+    """A patch of a box with breaks along y between its ends."""
+    shape = Box(size, (x, y, z))
+    ends = [np.array(e) for e in shape.extent]
+    ends[1] = y + size[1] * np.array([0.0, *between, 1.0])
+    return nurbs_shape(shape, tuple(ends)).patches[0]
+
+
+def joined(*patches, degree=(2, 2, 2)):
+    return nurbs_body("part", patches, {}, degree, material=STEEL)
 
 
 @pytest.mark.parametrize(
@@ -28,17 +41,12 @@ SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
 )
 def test_joints_are_found_whatever_the_parameters(axes: tuple[int, ...], flip: int) -> None:
     """Two boxes side by side, the second turned and flipped: same spectrum as one box."""
-    halves = [
-        nurbs_shape(Box((1.0, 1.0, 0.5), (x, 0.0, 0.0)), breaks).patches[0]
-        for x, breaks in (
-            (0.0, ([0, 0.5, 1.0], [0, 0.3, 1.0], [0, 0.5])),
-            (1.0, ([1, 1.5, 2.0], [0, 0.3, 1.0], [0, 0.5])),
-        )
-        for breaks in [tuple(np.asarray(b, dtype=float) for b in breaks)]
-    ]
-    straight = nurbs_body("part", halves, {}, (2, 2, 2), material=STEEL)
-    other = turned(halves[1], axes, flip)
-    mixed = nurbs_body("part", [halves[0], other], {}, (2, 2, 2), material=STEEL)
+    first, second = (
+        nurbs_shape(Box((1.0, 1.0, 0.5), (x, 0.0, 0.0)), (x + halves, thirds, ends)).patches[0]
+        for halves, thirds, ends in [map(np.array, ([0, 0.5, 1.0], [0, 0.3, 1.0], [0, 0.5]))]
+        for x in (0.0, 1.0)
+    )
+    straight, mixed = joined(first, second), joined(first, turned(second, axes, flip))
     assert mixed.num_scalar_dofs == straight.num_scalar_dofs == 7 * 4 * 3
     spectra = [
         eigh(to_scipy(b.stiffness()).toarray(), eigvals_only=True) for b in (straight, mixed)
@@ -46,44 +54,31 @@ def test_joints_are_found_whatever_the_parameters(axes: tuple[int, ...], flip: i
     np.testing.assert_allclose(spectra[0], spectra[1], atol=1e-13 * spectra[0][-1])
 
 
-def box_patch(origin, size, y=(0.0, 0.5, 1.0)) -> NurbsPatch:
-    shape = Box(size, origin)
-    ends = [np.array(e) for e in shape.extent]
-    ends[1] = origin[1] + size[1] * np.asarray(y)
-    return nurbs_shape(shape, tuple(ends)).patches[0]
+UNLIKE = r"patch 0 axis 0 side 1 and patch 1 axis 0 side 0"
 
 
 @pytest.mark.parametrize(
-    "neighbour",
+    ("neighbour", "message"),
     [
-        box_patch((1.0, 0.0, 0.0), (1.0, 1.0, 1.0), y=(0.0, 0.4, 1.0)),
-        box_patch((1.0, 0.0, 0.0), (1.0, 0.5, 1.0)),
-        box_patch((1.0, 0.6, 0.0), (1.0, 1.0, 1.0)),
-        box_patch((1.0, 0.3, -1.0), (1.0, 0.1, 3.0)),
-        box_patch((1.0, -0.9, -0.9), (1.0, 1.0, 1.0)),
+        pytest.param(box_patch(1.0, between=(0.4,)), UNLIKE, id="other knots"),
+        pytest.param(box_patch(1.0, size=(1.0, 0.5, 1.0)), UNLIKE, id="half the face"),
+        pytest.param(box_patch(1.0, 0.6), UNLIKE, id="shifted"),
+        pytest.param(box_patch(1.0, 0.3, -1.0, size=(1.0, 0.1, 3.0)), UNLIKE, id="crossing"),
+        pytest.param(box_patch(1.0, -0.9, -0.9), UNLIKE, id="overlapping corners"),
+        pytest.param(box_patch(1.1), "2 bodies that share no face", id="apart"),
+        pytest.param(box_patch(1.0, 1.0), "2 bodies that share no face", id="sharing an edge"),
     ],
-    ids=["other knots", "half the face", "shifted", "crossing", "overlapping corners"],
 )
-def test_patches_that_touch_but_do_not_conform_are_refused(neighbour: NurbsPatch) -> None:
-    first = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    with pytest.raises(InputError, match=r"patch 0 axis 0 side 1 and patch 1 axis 0 side 0"):
-        nurbs_body("part", [first, neighbour], {}, (2, 2, 2), material=STEEL)
+def test_patches_that_do_not_conform_are_refused(neighbour: NurbsPatch, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        joined(box_patch(), neighbour)
 
 
-def test_patches_apart_or_sharing_an_edge_are_refused() -> None:
-    first = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    for origin in ((1.1, 0.0, 0.0), (1.0, 1.0, 0.0)):
-        other = box_patch(origin, (1.0, 1.0, 1.0))
-        with pytest.raises(InputError, match="2 bodies that share no face"):
-            nurbs_body("part", [first, other], {}, (2, 2, 2), material=STEEL)
-
-
-def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
+@pytest.mark.parametrize("thick", [1e-3, 1e-5])
+def test_thin_patches_are_not_taken_for_gaps_between_their_faces(thick: float) -> None:
     """Two layers, a thousandth and less of their elements thick: one face of each is joined."""
-    for thick in (1e-3, 1e-5):
-        layers = [box_patch((0.0, 0.0, k * thick), (1.0, 1.0, thick)) for k in (0, 1)]
-        part = nurbs_body("part", layers, {}, (2, 2, 2), material=STEEL)
-        assert part.num_scalar_dofs == 2 * 3 * 4 * 3 - 3 * 4
+    part = joined(*(box_patch(z=k * thick, size=(1.0, 1.0, thick)) for k in (0, 1)))
+    assert part.num_scalar_dofs == 2 * 3 * 4 * 3 - 3 * 4
 
 
 @pytest.mark.parametrize(
@@ -92,50 +87,50 @@ def test_thin_patches_are_not_taken_for_gaps_between_their_faces() -> None:
         ({"degree": (2, 1, 2)}, r"bodies.part.degree = \(2, 1, 2\): at least \(1, 2, 1\)"),
         ({"degree": (2, 9, 2)}, "whole numbers from 1 to 8"),
         ({"degree": (2, 2)}, "3 whole numbers"),
-        ({"continuity": (2, 1, 1)}, "bodies.part.continuity"),
+        ({"degree": (2, 2, 2), "continuity": (2, 1, 1)}, "bodies.part.continuity"),
     ],
 )
 def test_wrong_input_is_refused(options: dict, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        body(SECTOR, (1, 1, 1), options.pop("degree", (2, 2, 2)), **options)
+        body(SECTOR, (1, 1, 1), **options)
 
 
 @pytest.mark.parametrize("knots", [[0, 0, 0.5, 1, 1], [0, 0, 0, 0.6, 1, 1, 0.9], [0] * 3 + [1] * 4])
 def test_knots_must_rise_and_join(knots) -> None:
-    patch = replace(box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)), degrees=(2, 1, 1))
+    patch = replace(box_patch(), degrees=(2, 1, 1))
     with pytest.raises(InputError, match=r"patch.knots\[0\] = .*rising knots"):
         check_geometry(replace(patch, knots=(np.array(knots, float), *patch.knots[1:])), "patch")
 
 
 @pytest.mark.parametrize("weight", [0.0, -1.0, np.nan])
 def test_weights_must_be_positive(weight) -> None:
-    patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    patch = box_patch()
     patch.weights[0, 0, 0] = weight
     with pytest.raises(InputError, match=r"patch.weights.*positive"):
         check_geometry(patch, "patch")
 
 
-@pytest.mark.parametrize("corner", [(-0.9, -0.8, -0.7), (0.5, 0.5, 1.0)], ids=["folded", "flat"])
-def test_folded_and_flat_patches_are_refused(corner: tuple[float, ...]) -> None:
-    patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    patch.control_points[1, 1, 1] = corner
+@pytest.mark.parametrize(
+    ("place", "points"),
+    [
+        pytest.param((1, 1, 1), (-0.9, -0.8, -0.7), id="folded"),
+        pytest.param((1, 1, 1), (0.5, 0.5, 1.0), id="flat"),
+        pytest.param((..., 2), 0.0, id="without thickness"),
+    ],
+)
+def test_folded_and_flat_patches_are_refused(place, points) -> None:
+    patch = box_patch()
+    patch.control_points[place] = points
     with pytest.raises(InputError, match="neither folded nor collapsed"):
-        nurbs_body("part", [patch], {}, (1, 1, 1), material=STEEL)
-
-
-def test_a_patch_without_thickness_is_refused() -> None:
-    patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    patch.control_points[..., 2] = 0.0
-    with pytest.raises(InputError, match="neither folded nor collapsed"):
-        nurbs_body("part", [patch], {}, (1, 1, 1), material=STEEL)
+        joined(patch, degree=(1, 1, 1))
 
 
 @pytest.mark.parametrize("edge", [(1, 1, slice(None)), (slice(None), 0, 1), (0, slice(None), 0)])
 def test_a_collapsed_edge_is_one_dof(edge: tuple) -> None:
     """Any edge of a box drawn together to its middle: matrices exact, six rigid motions."""
-    patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
+    patch = box_patch()
     patch.control_points[edge] = patch.control_points[edge].mean(axis=0)
-    part = nurbs_body("part", [patch], {}, (2, 2, 1), material=STEEL)
+    part = joined(patch, degree=(2, 2, 1))
     along = next(k for k in range(3) if isinstance(edge[k], slice))
     counts = (3, 4, 2)
     assert part.num_scalar_dofs == np.prod(counts) - counts[along] + 1
@@ -146,23 +141,17 @@ def test_a_collapsed_edge_is_one_dof(edge: tuple) -> None:
 
 
 def test_a_collapsed_face_is_no_surface() -> None:
-    disc = nurbs_shape(Disc(1.0, 0.0, 0.2), breaks_of(Disc(1.0, 0.0, 0.2), (1, 4, 1)))
+    disc = nurbs_shape(DISC, breaks_of(DISC, (1, 4, 1)))
     with pytest.raises(InputError, match=r"faces.axis = \(0, 0, 0\): faces that are not"):
         nurbs_body("part", disc.patches, {"axis": [(0, 0, 0)]}, (2, 2, 1), material=STEEL)
 
 
 def test_cells_of_a_left_handed_patch_are_not_inverted() -> None:
-    patch = box_patch((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-    mirrored = turned(patch, (0, 1, 2), 1)
-    for given in (patch, mirrored):
-        part = nurbs_body("part", [given], {}, (2, 1, 1), material=STEEL)
-        cells = part.space.volume_cells().straight()
+    patch = box_patch()
+    for given in (patch, turned(patch, (0, 1, 2), 1)):
+        cells = joined(given, degree=(2, 1, 1)).space.volume_cells().straight()
         corners = cells.points[cells.cells]
         assert np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]).min() > 0
-
-
-RADIUS, BOTTOM, TOP = 1.2, -0.1, 0.2
-DISC = Disc(RADIUS, BOTTOM, TOP)
 
 
 def test_one_dof_a_level_at_the_axis() -> None:
@@ -180,7 +169,7 @@ def test_one_dof_a_level_at_the_axis() -> None:
 def test_location_about_the_axis(radius: float) -> None:
     rng = np.random.default_rng(3)
     r, angle = radius * rng.random(1000), rng.uniform(0, 2 * np.pi, 1000)
-    x = np.stack([r * np.cos(angle), r * np.sin(angle), np.full(1000, TOP + 0.05)], axis=1)
+    x = np.stack([r * np.cos(angle), r * np.sin(angle), np.full(1000, 0.25)], axis=1)
     top = body(DISC, (3, 8, 2), (2, 3, 2)).surfaces["top"]
     up = np.broadcast_to(TILTED.rotation[:, 2], x.shape)
     found = top.locate(TILTED.apply(x), up, 0.1)
@@ -200,15 +189,8 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     h, material = 0.01, IsotropicMaterial(E=2.0, nu=0.3, rho=1.5)
     shape = Disc(1.0, -h / 2, h / 2)
     data = nurbs_shape(shape, breaks_of(shape, (12, 16, 1), {"r": [0.95, 0.97, 0.985, 0.995]}))
-    held = [Support("outer", (0, 1, 2))]
-    part = nurbs_body(
-        "disc",
-        data.patches,
-        {"outer": data.faces["outer"]},
-        (4, 4, 3),
-        material=material,
-        supports=held,
-    )
+    options = {"material": material, "supports": [Support("outer", (0, 1, 2))]}
+    part = nurbs_body("disc", data.patches, {"outer": data.faces["outer"]}, (4, 4, 3), **options)
     K, M = to_scipy(part.stiffness()).tocsc(), to_scipy(part.mass()).tocsc()
     kappa = np.sort(eigsh(K, 6, M, sigma=0, return_eigenvectors=False))
     rigidity = 2.0 * h**3 / (12 * (1 - 0.3**2))
@@ -216,24 +198,3 @@ def test_clamped_thin_disc_against_plate_theory() -> None:
     leissa = [10.2158, 21.26, 21.26, 34.88, 34.88, 39.771]
     np.testing.assert_allclose(numbers, leissa, rtol=1e-3)
     assert numbers[2] - numbers[1] < 1e-6 * numbers[1]
-
-
-def test_ring_under_pressure_against_lame() -> None:
-    """Radial displacement of a thick ring in plane strain; a soft foundation holds its place."""
-    inner, outer = 0.8, 1.7
-    part = body(
-        Ring(inner, outer),
-        (6, 24),
-        (4, 4),
-        Placement(),
-        springs=[Spring("outer", (1e-9, 1e-9))],
-        pressures=[Pressure("inner", 0.7)],
-    )
-    points = part.surfaces["inner"].gauss_points(3)
-    x = spsolve(to_scipy(part.stiffness()).tocsc(), part.load().getArray())
-    moved = part.surfaces["inner"].trace(points.at) @ (to_scipy(part.expansion) @ x).reshape(-1, 2)
-    E, nu, ratio = STEEL.E, STEEL.nu, (outer / inner) ** 2
-    radial = 0.7 * inner * (1 + nu) / E * ((1 - 2 * nu) + ratio) / (ratio - 1)
-    drift = moved.mean(axis=0)  # what rounding leaves of the resultant moves the foundation
-    assert np.abs(drift).max() < 1e-5 * radial
-    np.testing.assert_allclose(moved - drift, -radial * points.normal, atol=1e-6 * radial)

@@ -1,135 +1,104 @@
-"""Matrices of NURBS bodies against slow loops: every degree, joint and map; sums of products."""
+"""Matrices of NURBS bodies against slow loops: every degree, joint and map; refinement."""
+
+from itertools import product
 
 import numpy as np
 import pytest
 from bodies import nurbs_body
-from iga_data import STEEL, TILTED, TURNED, body, slow_matrices, slow_points, turned
+from iga_data import (
+    STEEL,
+    TILTED,
+    TURNED,
+    basis_on_grid,
+    body,
+    slow_matrices,
+    slow_points,
+    turned,
+)
 from petsc_matrices import to_scipy
 
 from cea.body import Body
 from cea.rotation import Rotation
 from iga_cea.patch import refine
-from iga_cea.separation import holds, separate
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.shapes import Box, Disc, RingSector, Sector
+from meshes.shapes import Annulus, Box, Disc, RingSector, Sector
 
 SECTOR = Sector(0.8, 1.7, 20.0, 85.0, -0.1, 0.2)
+ANNULUS = Annulus(0.8, 1.7, -0.1, 0.2)
 RING_SECTOR = RingSector(0.8, 1.7, 20.0, 85.0)
+DEGREES = (2, 3, 4, 5, 6, 8)
 
 
-def distorted(shape, elements, *, weights: bool) -> NurbsPatch:
-    """Patch of a shape with its control points moved, and its weights changed if wanted."""
+def distorted(shape, elements, degree, *, weights, **options) -> Body:
+    """Body of a shape with its control points moved, and its weights changed if wanted."""
     placement = TILTED if len(elements) == 3 else TURNED
     (whole,) = nurbs_shape(shape, breaks_of(shape, elements), placement).patches
     fine = refine(whole, whole.degrees, [p - 1 for p in whole.degrees])
     rng = np.random.default_rng(3)
     moved = fine.control_points + 0.02 * rng.uniform(-1, 1, fine.control_points.shape)
     factors = 1 + 0.2 * rng.uniform(-1, 1, fine.weights.shape) if weights else 1.0
-    return NurbsPatch(fine.degrees, fine.knots, moved, fine.weights * factors, whole.breaks)
-
-
-def distorted_body(shape, elements, degree, *, weights: bool, **options) -> Body:
-    patch = distorted(shape, elements, weights=weights)
+    patch = NurbsPatch(fine.degrees, fine.knots, moved, fine.weights * factors, whole.breaks)
     return nurbs_body("part", [patch], {}, degree, material=STEEL, **options)
 
 
-def assert_agrees_with_slow_loops(part: Body) -> None:
-    for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
-        A = to_scipy(ours)
-        assert np.abs(A.toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
-        assert abs(A - A.T).max() == 0
+def along(axis, q):
+    """A box of one degree and three elements along an axis, bilinear across."""
+    degree, continuity, elements = [1, 1, 1], [0, 0, 0], [1, 1, 1]
+    degree[axis], continuity[axis], elements[axis] = q, q // 2, 3
+    return body(Box((2.0, 1.0, 0.5)), elements, degree, continuity=continuity)
 
 
-@pytest.mark.parametrize("q", [2, 3, 4, 5, 6, 8])
-def test_every_degree_in_the_plane(q: int) -> None:
-    """Continuity 0 along one parameter, the highest along the other."""
-    assert_agrees_with_slow_loops(body(RING_SECTOR, (2, 3), (q - 1, q), continuity=(0, q - 1)))
-
-
-@pytest.mark.parametrize("q", [1, 2, 3, 4, 5, 6])
-@pytest.mark.parametrize("axis", range(3))
-def test_every_degree_in_space(axis: int, q: int) -> None:
-    degree = [1, 1, 1]
-    degree[axis] = q
-    continuity = [0, 0, 0]
-    continuity[axis] = q // 2
-    elements = [1, 1, 1]
-    elements[axis] = 3
-    assert_agrees_with_slow_loops(
-        body(Box((2.0, 1.0, 0.5)), elements, degree, continuity=continuity)
-    )
-
-
-@pytest.mark.parametrize(("axes", "flip"), [((1, 2, 0), 0), ((2, 1, 0), 2), ((0, 2, 1), 1)])
-def test_odd_orientations_in_space(axes: tuple[int, ...], flip: int) -> None:
-    halves = [
+def odd(axes, flip):
+    """Two sectors, the parameters of the second in another order, one of them reversed."""
+    one, other = (
         nurbs_shape(
-            Sector(0.8, 1.7, a, b, -0.1, 0.2),
-            (np.array([0.8, 1.1, 1.7]), np.array([a, b]), np.array([-0.1, 0.2])),
-            TILTED,
-        ).patches[0]
-        for a, b in ((10.0, 40.0), (40.0, 95.0))
-    ]
-    patches = [halves[0], turned(halves[1], axes, flip)]
-    part = nurbs_body("part", patches, {}, (2, 2, 2), material=STEEL)
-    assert part.num_scalar_dofs == 4 * 5 * 3
-    assert_agrees_with_slow_loops(part)
+            shape, [*map(np.array, ([0.8, 1.1, 1.7], shape.extent[1], [-0.1, 0.2]))], TILTED
+        )
+        for shape in (Sector(0.8, 1.7, a, b, -0.1, 0.2) for a, b in ((10.0, 40.0), (40.0, 95.0)))
+    )
+    patches = [one.patches[0], turned(other.patches[0], axes, flip)]
+    return nurbs_body("part", patches, {}, (2, 2, 2), material=STEEL)
 
 
-@pytest.mark.parametrize("elements", [(1, 4, 1), (2, 8, 2)])
-def test_collapsed_edges(elements: tuple[int, ...]) -> None:
-    """Elements at the axis of a disc have several functions of one dof."""
-    assert_agrees_with_slow_loops(body(Disc(1.2, -0.1, 0.2), elements, (2, 2, 1)))
-
-
-@pytest.mark.parametrize("weights", [False, True])
-@pytest.mark.parametrize(
-    "degree", [(1, 2, 1), (2, 2, 2), (1, 3, 2), (1, 4, 1), (5, 2, 1), (1, 2, 6)]
-)
-def test_distorted_maps_in_space(degree: tuple[int, ...], weights: bool) -> None:
-    assert_agrees_with_slow_loops(distorted_body(SECTOR, (2, 2, 1), degree, weights=weights))
-
-
-@pytest.mark.parametrize("weights", [False, True])
-@pytest.mark.parametrize("continuity", [None, (0, 1), (2, 0)])
-def test_distorted_maps_in_the_plane(continuity, weights: bool) -> None:
-    """More spans than a window has, so that windows move."""
-    part = distorted_body(RING_SECTOR, (6, 5), (3, 3), weights=weights, continuity=continuity)
-    assert_agrees_with_slow_loops(part)
-
-
-def test_a_bulge_between_the_samples_is_seen() -> None:
-    """One control point of a box moved, where the points tried first do not feel it."""
-    (whole,) = nurbs_shape(
-        Box((1.0, 12.0, 1.0)), breaks_of(Box((1.0, 12.0, 1.0)), (3, 12, 1))
-    ).patches
+def bulging():
+    """A box one control point of which is moved, where the points tried first do not feel it."""
+    shape = Box((1.0, 12.0, 1.0))
+    (whole,) = nurbs_shape(shape, breaks_of(shape, (3, 12, 1))).patches
     fine = refine(whole, (1, 1, 1), (0, 0, 0))
     moved = fine.control_points.copy()
     moved[1, 4, 0] += 0.1
     patch = NurbsPatch(fine.degrees, fine.knots, moved, fine.weights, whole.breaks)
-    part = nurbs_body("part", [patch], {}, (2, 1, 1), material=STEEL)
-    assert_agrees_with_slow_loops(part)
+    return nurbs_body("part", [patch], {}, (2, 1, 1), material=STEEL)
 
 
-def test_sums_of_products_are_found_and_others_refused() -> None:
-    """Rank 3 of 40 points is found to rounding; a difference at one point is not overlooked."""
-    q, x = np.linspace(0, 1, 40), np.linspace(0, 2, 11)
-    c = sum(np.multiply.outer(q**k, np.cos(k * x)) for k in range(3)) + 2.0
-    every = {(1, 1): c[None, :, :, None]}
-    few = {pair: values[:, :, ::2] for pair, values in every.items()}
-    found = separate(few, most=5)
-    assert found is not None
-    assert len(found[0, 0].rows) == 3
+IN_SPACE = [(1, 2, 1), (2, 2, 2), (1, 3, 2), (1, 4, 1), (5, 2, 1), (1, 2, 6)]
+BOTH = (False, True)
+PARTS = [
+    # Continuity 0 along one parameter, the highest along the other.
+    *((body, (RING_SECTOR, (2, 3), (q - 1, q)), {"continuity": (0, q - 1)}) for q in DEGREES),
+    *((along, each, {}) for each in product(range(3), range(1, 7))),
+    *((odd, each, {}) for each in (((1, 2, 0), 0), ((2, 1, 0), 2), ((0, 2, 1), 1))),
+    # Elements at the axis of a disc have several functions of one dof.
+    *((body, (Disc(1.2, -0.1, 0.2), n, (2, 2, 1)), {}) for n in ((1, 4, 1), (2, 8, 2))),
+    *((distorted, (SECTOR, (2, 2, 1), q), {"weights": w}) for q in IN_SPACE for w in BOTH),
+    # More spans than a window has, so that windows move.
+    *(
+        (distorted, (RING_SECTOR, (6, 5), (3, 3)), {"weights": weights, "continuity": continuity})
+        for continuity in (None, (0, 1), (2, 0))
+        for weights in BOTH
+    ),
+    (bulging, (), {}),
+]
 
-    def skeleton(pair):
-        return every[pair][:, found[0, 0].rows]
 
-    assert holds(found, skeleton, iter([(slice(0, 40), every)]), 1)
-    other = {(1, 1): every[1, 1].copy()}
-    other[1, 1][0, 7, 3, 0] *= 1 + 1e-12
-    assert not holds(found, skeleton, iter([(slice(0, 40), other)]), 1)
-    assert separate(few, most=2) is None
+@pytest.mark.parametrize(("make", "arguments", "options"), PARTS)
+def test_matrices_are_those_of_slow_loops(make, arguments, options):
+    part = make(*arguments, **options)
+    for ours, slow in zip((part.stiffness(), part.mass()), slow_matrices(part), strict=True):
+        A = to_scipy(ours)
+        assert np.abs(A.toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
+        assert abs(A - A.T).max() == 0
 
 
 @pytest.mark.parametrize("coriolis", [True, False])
@@ -139,7 +108,7 @@ def test_matrices_of_rotation(shape: str, coriolis: bool) -> None:
     part = (
         body(Disc(1.2, -0.1, 0.2), (1, 4, 1), (2, 2, 1))
         if shape == "disc"
-        else distorted_body(SECTOR, (2, 2, 1), (2, 2, 1), weights=True)
+        else distorted(SECTOR, (2, 2, 1), (2, 2, 1), weights=True)
     )
     rotation = Rotation(1.0, (0.2, -0.5, 1.0), (0.3, 0.1, -0.2), coriolis=coriolis)
     spin, n = rotation.spin(3), part.num_scalar_dofs
@@ -161,7 +130,7 @@ def test_matrices_of_rotation(shape: str, coriolis: bool) -> None:
 
 @pytest.mark.parametrize("weights", [False, True])
 def test_geometric_stiffness(weights: bool) -> None:
-    part = distorted_body(SECTOR, (2, 2, 1), (2, 2, 1), weights=weights)
+    part = distorted(SECTOR, (2, 2, 1), (2, 2, 1), weights=weights)
     u = np.random.default_rng(5).uniform(-1, 1, (part.num_scalar_dofs, 3))
     slow = np.zeros((part.num_scalar_dofs,) * 2)
     lam, mu = STEEL.lame
@@ -172,3 +141,28 @@ def test_geometric_stiffness(weights: bool) -> None:
     ours = to_scipy(part.geometric_stiffness(u.ravel())).toarray()
     slow = np.kron(slow, np.eye(3))
     assert np.abs(ours - slow).max() <= 1e-13 * np.abs(slow).max()
+
+
+@pytest.mark.parametrize("shape", [Box((1.0, 2.0, 0.5)), ANNULUS, SECTOR], ids=lambda s: s.shape)
+@pytest.mark.parametrize("degree", [(1, 2, 1), (2, 3, 4), (6, 6, 6), (8, 8, 8)])
+def test_refinement_keeps_the_geometry(shape, degree: tuple[int, int, int]) -> None:
+    grid = [np.linspace(0, 1, 6)] * 3
+    for geometry in nurbs_shape(shape, breaks_of(shape, (2, 8, 3)), TILTED).patches:
+        before = refine(geometry, geometry.degrees, tuple(p - 1 for p in geometry.degrees))
+        after = refine(geometry, np.maximum(degree, geometry.degrees), (0, 1, 0))
+        x, y = (
+            basis_on_grid(patch, grid) @ patch.control_points.reshape(-1, 3)
+            for patch in (before, after)
+        )
+        assert np.abs(x - y).max() < 1e-14
+        assert after.spans == tuple(len(b) - 1 for b in geometry.breaks)
+
+
+@pytest.mark.parametrize(
+    ("backward", "quarters", "told"),
+    [(False, [0.0, 90.0, 180.0, 360.0], "theta"), (True, np.linspace(0, 360, 5), "breaks of r")],
+)
+def test_breaks_that_do_not_fit_are_refused(backward, quarters, told) -> None:
+    r, _, z = breaks_of(ANNULUS, (1, 4, 1))
+    with pytest.raises(ValueError, match=told):
+        nurbs_shape(ANNULUS, (r[::-1] if backward else r, np.array(quarters), z))

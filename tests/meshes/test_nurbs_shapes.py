@@ -1,18 +1,22 @@
-"""NURBS patches of shapes: exact geometry, joints, named faces; patches given as numbers."""
+"""NURBS patches of shapes: exact geometry, joints, named faces; patches as numbers and in files."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from blocks import alone, scene_body
 from bodies import nurbs_body
+from covering import covering
 from iga_data import STEEL, basis_on_grid, body, slow_matrices, turned
 from petsc_matrices import to_scipy
 
 from cea.errors import InputError
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
-from meshes.patches import GivenPatch, Patches
+from meshes.patches import GivenPatch, NurbsFile, Patches
 from meshes.shapes import Annulus, Ring, RingSector, Sector
+from scenes import run_modes
+from scenes.spec.reading import read_scene
 
 
 @pytest.mark.parametrize("shape", [Ring(0.8, 1.7), RingSector(0.8, 1.7, -70.0, 100.0)])
@@ -24,14 +28,18 @@ def test_circles_of_the_plane(shape) -> None:
     for name, radius in (("inner", 0.8), ("outer", 1.7)):
         x = part.surfaces[name].grid(40).x
         assert np.abs(np.linalg.norm(x, axis=1) / radius - 1).max() < 3e-15
-    angles = []
-    for patch in part.space.multipatch.patches:
-        x = basis_on_grid(patch, [np.array([1.0]), patch.breaks[1]]) @ patch.control_points.reshape(
-            -1, 2
-        )
-        angles.append(np.rad2deg(np.arctan2(x[:, 1], x[:, 0])))
-    found = np.unique(np.round(np.concatenate(angles) % 360, 8) % 360)
-    np.testing.assert_allclose(found, np.unique(np.round(breaks[1] % 360, 8)), atol=1e-7)
+    x = np.concatenate(
+        [
+            basis_on_grid(patch, [np.array([1.0]), patch.breaks[1]])
+            @ patch.control_points.reshape(-1, 2)
+            for patch in part.space.multipatch.patches
+        ]
+    )
+    found, expected = (
+        np.unique(np.round(angles % 360, 8) % 360)
+        for angles in (np.rad2deg(np.arctan2(x[:, 1], x[:, 0])), breaks[1])
+    )
+    np.testing.assert_allclose(found, expected, atol=1e-7)
 
 
 def given(patch: NurbsPatch) -> GivenPatch:
@@ -86,9 +94,6 @@ def test_given_knots_are_kept(degree: tuple[int, int]) -> None:
             assert np.abs(to_scipy(ours).toarray() - slow).max() <= 1e-13 * np.abs(slow).max()
 
 
-# Orders of the axes, each with one direction reversed.
-
-
 def test_patches_on_other_elements_are_refused() -> None:
     """Where parameters change places, elements along those that meet must be the same."""
     ring = Annulus(0.8, 1.7, -0.1, 0.2)
@@ -102,6 +107,7 @@ def test_patches_on_other_elements_are_refused() -> None:
 LINE = (0.0, 0.0, 1.0, 1.0)
 SQUARE = (((0.0, 0.0), (0.0, 1.0)), ((1.0, 0.0), (1.0, 1.0)))
 PLAIN = GivenPatch((1, 1), (LINE, LINE), SQUARE)
+SOLID = GivenPatch((1, 1, 1), (LINE, LINE, LINE), np.indices((2, 2, 2)).T.tolist())
 
 
 @pytest.mark.parametrize(
@@ -132,14 +138,88 @@ def test_wrong_patches_are_refused(change: dict, field: str) -> None:
     ("patches", "faces", "field"),
     [
         ((), {}, "patches"),
-        ((PLAIN, given(nurbs_shape(Annulus(1.0, 2.0, 0.0, 1.0), breaks_of(
-            Annulus(1.0, 2.0, 0.0, 1.0), (1, 4, 1))).patches[0])), {}, r"patches = \[2, 3\]"),
+        ((PLAIN, SOLID), {}, r"patches = \[2, 3\]"),
         ((PLAIN,), {"left": ((1, 0, 0),)}, r"faces\[left\]"),
         ((PLAIN,), {"left": ((0, 2, 0),)}, r"faces\[left\]"),
         ((PLAIN,), {"left": ((0, 0, 0), (0, 0, 0))}, r"faces\[left\]"),
         ((PLAIN,), {"left": ()}, r"faces\[left\]"),
     ],
-)  # fmt: skip
+)
 def test_wrong_faces_are_refused(patches, faces: dict, field: str) -> None:
     with pytest.raises(InputError, match=field):
         Patches(patches, faces)
+
+
+SHAPES = {3: Annulus(0.5, 1.0, 0.0, 0.25), 2: Ring(0.5, 1.0)}
+ELEMENTS = {3: (2, 8, 1), 2: (2, 8)}
+
+
+def written(folder, ending, dim):
+    """A file of the quarters of a ring; the .xml names the outer faces, as boundary 2, ``rim``."""
+    splinepy = pytest.importorskip("splinepy")
+    shape = nurbs_shape(SHAPES[dim], breaks_of(SHAPES[dim], ELEMENTS[dim]))
+    fastest_first = tuple(range(dim))[::-1]  # as splinepy lists points
+    patches = [
+        splinepy.NURBS(
+            degrees=list(patch.degrees),
+            knot_vectors=[k.tolist() for k in patch.knots],
+            control_points=patch.control_points.transpose(*fastest_first, dim).reshape(-1, dim),
+            weights=patch.weights.T.reshape(-1, 1),
+        )
+        for patch in shape.patches
+    ]
+    file = folder / f"ring{ending}"
+    if ending == ".json":
+        splinepy.io.json.export(str(file), patches)
+        return str(file)
+    multipatch = splinepy.Multipatch(patches)
+    multipatch.determine_interfaces()
+    multipatch.boundary_from_function(lambda x: np.hypot(x[:, 0], x[:, 1]) > 0.9, boundary_id=2)
+    splinepy.io.gismo.export(str(file), multipatch, labeled_boundaries=True)
+    file.write_text(file.read_text().replace('"BID2"', '"rim"'))
+    return str(file)
+
+
+@pytest.mark.parametrize(("ending", "dim"), covering((".json", ".xml"), (2, 3), strength=1))
+def test_a_ring_of_a_file_has_the_modes_of_the_shape(tmp_path, ending, dim):
+    outer = [[patch, 0, 1] for patch in range(4)]
+    read = {"shape": "nurbs_file", "file": written(tmp_path, ending, dim), "unit": "m"}
+    shape = {"shape": SHAPES[dim].shape, "inner_radius": 0.5, "outer_radius": 1.0}
+    shape |= {"bottom": 0.0, "top": 0.25} if dim == 3 else {}
+    frequencies = []
+    for geometry, elements in (
+        (read | {"faces": {"outer": outer}}, [2, 2, 1][:dim]),
+        (shape, list(ELEMENTS[dim])),
+    ):
+        body = scene_body("iga", geometry, elements, supports=[{"surface": "outer"}])
+        frequencies.append(np.sort(run_modes(read_scene(alone(body, 0.9))).frequencies))
+    found, expected = frequencies
+    assert len(found) == len(expected) > 5
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+
+
+def test_named_boundaries_are_surfaces_and_units_are_told(tmp_path):
+    read = NurbsFile(written(tmp_path, ".xml", 3), "mm")
+    assert read.given.faces["rim"] == tuple((patch, 0, 1) for patch in range(4))
+    assert "rim" in read.surfaces
+    points = np.concatenate([patch.points.reshape(-1, 3) for patch in read.given.patches])
+    assert np.abs(points).max() == pytest.approx(1e-3, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "changes", "words"),
+    [
+        ("a.json", None, {}, "a file of patches"),
+        ("a.json", "", {}, "not empty"),
+        ("a.json", "{}", {}, "not as its format"),
+        ("a.xml", "<xml>", {}, "not as its format"),
+        ("a.xml", "<xml></xml>", {}, "at least one patch|patches"),
+        ("a.igs", "x", {}, "one that ends in .json or .xml"),
+        ("a.json", "{}", {"unit": None}, "the unit of length"),
+    ],
+)
+def test_files_that_are_refused(tmp_path, name, content, changes, words):
+    if content is not None:
+        (tmp_path / name).write_text(content)
+    with pytest.raises(InputError, match=words):
+        NurbsFile(**{"file": str(tmp_path / name), "unit": "m", **changes})

@@ -1,10 +1,12 @@
-"""Mesh files that are refused, each by what is wrong with it."""
+"""Decks of Abaqus: parts, instances, surfaces, sets; mesh files that are refused."""
 
+import numpy as np
 import pytest
-from mesh_writers import file_of, made
+from mesh_writers import DECK, by_place, file_of
 
 from cea.errors import InputError
 from meshes.mesh_file import MeshFile
+from meshes.placement import Placement
 
 CUBE = """*NODE
 1, 0, 0, 0
@@ -25,6 +27,52 @@ TET10 = "*ELEMENT, TYPE=C3D10, ELSET=TET\n2, 1, 2, 3, 5, 4, 6, 7, 8, 2, 1\n"
 AGAIN = "*NODE\n11,0,0,1\n12,1,0,1\n13,1,1,1\n14,0,1,1\n15,0,0,2\n16,1,0,2\n17,1,1,2\n18,0,1,2\n"
 AGAIN += "*ELEMENT, TYPE=C3D8, ELSET=NEXT\n3, 11, 12, 13, 14, 15, 16, 17, 18\n"
 FAR = AGAIN.replace(",1\n", ",5\n").replace(",2\n", ",6\n")
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Reads text as a deck, with fields of the geometry."""
+
+    def read(text, **fields):
+        (tmp_path / "cube.inp").write_text(text)
+        return MeshFile(str(tmp_path / "cube.inp"), **{"unit": "m"} | fields)
+
+    return read
+
+
+@pytest.mark.parametrize("instance", ["Cube-1", "Cube-2"])
+def test_parts_of_a_deck_are_put_where_their_instances_stand(read, instance):
+    mesh = read(DECK, part=instance).mesh(["Top", "Base"])
+    turn = Placement(angle=90.0, translation=(10.0, 0.0, 0.0))
+    cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1, 2)], dtype=float)
+    expected = cube if instance == "Cube-1" else turn.apply(cube)
+    np.testing.assert_allclose(by_place(mesh.points), by_place(expected), atol=1e-14)
+    for name, height in (("Top", 2.0), ("Base", 0.0)):
+        assert set(mesh.points[mesh.surfaces[name]][0, :, 2]) == {height}
+
+
+@pytest.mark.parametrize(
+    ("sets", "middles"),
+    [
+        ("Top", [[9.5, 0.5, 2.0]]),
+        ("First:S1", [[9.5, 0.5, 0.0]]),
+        ("Side", [[10.0, 0.5, 0.5], [10.0, 0.5, 1.5]]),
+        ("Held", [[9.5, 0.5, 0.0]]),
+        ("Some", [[9.5, 0.5, 0.0]]),
+        ("Lower", [[9.5, 0.5, 0.0]]),
+        ("OfElements", [[9, 0.5, 0.5], [9.5, 0, 0.5], [9.5, 0.5, 0], [9.5, 1, 0.5],
+                        [10, 0.5, 0.5]]),
+        ("Cube-2.Bottom", [[9.5, 0.5, 0.0]]),
+        (("Top", "Held"), [[9.5, 0.5, 0.0], [9.5, 0.5, 2.0]]),
+        ("elements:Second", [[9, 0.5, 1.5], [9.5, 0, 1.5], [9.5, 0.5, 2], [9.5, 1, 1.5],
+                             [10, 0.5, 1.5]]),
+    ],
+)  # fmt: skip
+def test_faces_of_a_deck(read, sets, middles):
+    mesh = read(DECK, part="Cube-2", faces={"wanted": sets}).mesh(["wanted"])
+    found = mesh.points[mesh.surfaces["wanted"]].mean(axis=1)
+    assert len(found) == len(middles)
+    np.testing.assert_allclose(sorted(found.round(9).tolist()), sorted(middles), atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -79,22 +127,16 @@ FAR = AGAIN.replace(",1\n", ",5\n").replace(",2\n", ",6\n")
         ("nothing of the kind", {}, "file", r"\*NODE and \*ELEMENT"),
     ],
 )  # fmt: skip
-def test_what_is_refused(tmp_path, text, changes, field, words):
-    file = tmp_path / "cube.inp"
-    file.write_text(text)
+def test_what_is_refused(read, text, changes, field, words):
     with pytest.raises(InputError, match=words) as refused:
-        made({"file": str(file), "unit": "m"}, **changes).mesh(["wanted"] if "faces" in changes
-                                                               else [])  # fmt: skip
+        read(text, **changes).mesh(changes.get("faces", ()))
     assert refused.value.field == field
 
 
-def test_shells_may_be_named_as_marks_or_left_out_by_the_choice_of_a_part(tmp_path):
-    (tmp_path / "cube.inp").write_text(CUBE + SHELL)
-    data = {"file": str(tmp_path / "cube.inp"), "unit": "m"}
-    named = made(data, faces={"skin": "SKIN"}).mesh(["skin"])
-    chosen = made(data, part="CUBE").mesh(["TOP"])
+def test_shells_may_be_named_as_marks_or_left_out_by_the_choice_of_a_part(read):
+    named = read(CUBE + SHELL, faces={"skin": "SKIN"}).mesh(["skin"])
     assert set(named.points[named.surfaces["skin"]][..., 2].ravel()) == {1.0}
-    assert len(chosen.surfaces["TOP"]) == 1
+    assert len(read(CUBE + SHELL, part="CUBE").mesh(["TOP"]).surfaces["TOP"]) == 1
 
 
 @pytest.mark.parametrize(
@@ -122,11 +164,9 @@ def test_files_that_are_none(tmp_path, name, content, words):
 
 
 @pytest.mark.parametrize(("kind", "nodes"), [("C3D15V", 15), ("C3D27", 27)])
-def test_solids_with_some_middles_of_faces_are_refused_by_their_name(tmp_path, kind, nodes):
+def test_solids_with_some_middles_of_faces_are_refused_by_their_name(read, kind, nodes):
     points = "".join(f"{n}, {n % 2}, {n % 3}, {n}\n" for n in range(1, nodes + 1))
     cell = ", ".join(map(str, range(1, nodes + 1)))
-    file = tmp_path / "wedge.inp"
-    file.write_text(f"*NODE\n{points}*ELEMENT, TYPE={kind}, ELSET=BODY\n1, {cell}\n")
     with pytest.raises(InputError, match="pyramids, wedges or hexahedra") as no:
-        MeshFile(str(file), "m", part="BODY")
-    assert (no.value.field, no.value.value) == ("file", f"wedge.inp: {kind} in the part BODY")
+        read(f"*NODE\n{points}*ELEMENT, TYPE={kind}, ELSET=BODY\n1, {cell}\n", part="BODY")
+    assert (no.value.field, no.value.value) == ("file", f"cube.inp: {kind} in the part BODY")

@@ -1,0 +1,239 @@
+"""Files, folders of factors, memory, faults on ranks, time: what programs leave and tell."""
+
+import os
+import pickle
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from time import sleep, time
+
+import numpy as np
+import pytest
+from mpi import on_ranks
+from scipy.sparse import csr_array, diags_array, kronsum
+
+from cea.eigen.mumps import Mumps, factors_on_disk, folder_of_factors
+from cea.errors import ConvergenceError, InputError, WriteError
+from cea.files import folder_whole, write_whole
+from cea.matrices import distributed
+from cea.petsc import MPI, PETSc
+from cea.ranks import FaultOnRankError, agreed, made_on_first
+from cea.timing import StageTimer
+from scenes.spec.problems import SceneError
+
+
+@contextmanager
+def full_disk(size):
+    """Files cannot grow beyond a size (bytes), as on a disk with no more room."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+@contextmanager
+def killed(program, *arguments):
+    """The first line that a program writes, which is killed in the end."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", program, *arguments],
+        stdout=subprocess.PIPE,
+        text=True,
+        cwd=Path(__file__).parents[2],
+    )
+    yield process.stdout.readline().strip()
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    process.stdout.close()
+
+
+def told(program):
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
+    assert done.stderr == ""
+    return done.stdout
+
+
+def names(folder):
+    return sorted(each.name for each in folder.iterdir())
+
+
+def test_a_full_disk_leaves_the_old_file(tmp_path):
+    file = write_whole(b"old", tmp_path / "sub" / "r.json")
+    with full_disk(1000), pytest.raises(WriteError, match=r"r.json cannot be written: File too l"):
+        write_whole(b"x" * 5000, file)
+    assert file.read_bytes() == b"old"
+    assert names(file.parent) == ["r.json"]
+
+
+def test_a_folder_takes_the_place_of_another_whole_or_stays_as_it_was(tmp_path):
+    folder = tmp_path / "modes"
+
+    def fill(name, size):
+        with folder_whole(folder) as part:
+            write_whole(name.encode(), part / name)
+            write_whole(b"x" * size, part / "large.vtu")
+
+    for name in ("1.vtu", "2.vtu"):
+        fill(name, 10)
+    with full_disk(1000), pytest.raises(WriteError):
+        fill("3.vtu", 5000)
+    assert names(folder) == ["2.vtu", "large.vtu"]
+    assert (folder / "2.vtu").read_bytes() == b"2.vtu"
+    assert names(tmp_path) == ["modes"]
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from cea.files import write_whole
+out = Path(sys.argv[1])
+write_whole(b"0" * 10**6, out)
+print("begun", flush=True)
+for i in range(10**6):
+    write_whole(str(i % 10).encode() * 10**6, out)
+"""
+
+
+@pytest.mark.parametrize("delay", [0.01, 0.03, 0.07])
+def test_a_killed_process_leaves_a_whole_file(tmp_path, delay):
+    file = tmp_path / "r.bin"
+    with killed(WRITER, str(file)):
+        sleep(delay)
+    content = file.read_bytes()
+    assert len(content) == 10**6
+    assert len(set(content)) == 1
+
+
+HOLDS = """
+from time import sleep
+from cea.eigen.mumps import factors_on_disk
+with factors_on_disk() as folder:
+    (folder / "factors").write_bytes(b"0" * 1000)
+    print(folder, flush=True)
+    sleep(60)
+"""
+
+
+def test_folders_of_factors_go_when_freed_and_what_killed_programs_left_goes_too(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    with killed(HOLDS) as line:
+        theirs = tmp_path / line
+        before = time() - 3600
+        os.utime(theirs / "in_use", (before, before))  # as old as that of a long run
+        with factors_on_disk() as folder:
+            assert folder_of_factors() == folder
+            assert folder.parent == tmp_path
+            assert (theirs / "factors").exists()
+        assert folder_of_factors() is None
+        assert not folder.exists()
+    with factors_on_disk():
+        assert not theirs.exists()
+
+
+def test_lack_of_memory_is_not_told_as_a_singular_matrix():
+    """MUMPS is allowed a megabyte for factors that take ten times as much."""
+    steps = diags_array([-1.0, 2.0, -1.0], offsets=[-1, 0, 1], shape=(220, 220))
+    plate = csr_array(kronsum(steps, steps))
+    PETSc.Options().setValue("mat_mumps_icntl_23", 1)
+    try:
+        with pytest.raises(MemoryError, match="MUMPS"):
+            Mumps(distributed(plate, plate.shape, MPI.COMM_SELF), symmetric=False)
+    finally:
+        PETSc.Options().delValue("mat_mumps_icntl_23")
+    nothing = csr_array(np.diag([1.0, 0.0, 2.0]))
+    with pytest.raises(ConvergenceError, match="singular"):
+        Mumps(distributed(nothing, nothing.shape, MPI.COMM_SELF), symmetric=False)
+
+
+CLOSED_PIPE = """
+import os, sys
+read, write = os.pipe()
+os.close(read)
+try:
+    os.write(write, b"nobody reads this")
+except BrokenPipeError:
+    sys.stdout.write("raised")
+"""
+PETSC = "import cea.petsc\n"
+MESHED = "from meshes.unstructured import gmsh_session\nwith gmsh_session():\n    pass\n"
+
+
+@pytest.mark.parametrize("begin", [PETSC + MESHED, MESHED + PETSC])
+def test_a_write_to_a_closed_pipe_raises(begin):
+    assert told(begin + CLOSED_PIPE) == "raised"
+
+
+LARGE = 300_000_000
+HELD = f"""
+import numpy as np
+from cea.petsc import give_back
+def resident():
+    lines = open("/proc/self/status").read().splitlines()
+    return next(1024 * int(line.split()[1]) for line in lines if line.startswith("VmRSS"))
+before = resident()
+np.ones({LARGE} // 8)
+freed = resident() - before
+give_back()
+print(freed, resident() - before)
+"""
+
+
+def test_freed_memory_stays_until_it_is_given_back():
+    freed, left = map(int, told(HELD).split())
+    assert freed > 0.9 * LARGE
+    assert left < 0.1 * LARGE
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", [2, 3])
+def test_every_rank_hears_of_a_fault_on_one(ranks):
+    for kind, heard in on_ranks(ranks, "rank_faults.every").items():
+        expected = "FaultOnRankError" if kind == "UnpackableError" else kind
+        assert set(heard[:-1]) == {expected}
+        assert heard[-1] == kind
+
+
+@pytest.mark.parametrize("comm", [MPI.COMM_SELF, MPI.COMM_WORLD])
+def test_a_process_alone_meets_its_own_fault(comm):
+    with pytest.raises(ZeroDivisionError), agreed(comm):
+        _ = 1 / 0
+    with pytest.raises(ZeroDivisionError):
+        made_on_first(comm, lambda: 1 / 0)
+    assert made_on_first(comm, lambda: 3) == 3
+    assert issubclass(FaultOnRankError, RuntimeError)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        InputError("mu", -1.0, "zero or positive"),
+        SceneError([InputError("mu", -1.0, "zero or positive"), InputError("p", 0, "positive")]),
+        ConvergenceError("none"),
+    ],
+)
+def test_errors_travel(error):
+    again = pickle.loads(pickle.dumps(error))
+    assert type(again) is type(error)
+    assert str(again) == str(error)
+    faults = [fault.field for fault in getattr(again, "faults", ())]
+    assert faults == [fault.field for fault in getattr(error, "faults", ())]
+
+
+def test_waiting_counts_for_the_clock_alone():
+    timer = StageTimer()
+    for seconds in (0.2, 0.0):
+        with timer("search"):
+            sleep(seconds)
+    assert timer.seconds["search"] >= 0.2
+    assert timer.processor_seconds["search"] < 0.1
+    assert timer.total == pytest.approx(timer.seconds["search"])
