@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from fcntl import LOCK_EX, LOCK_NB, flock
+from functools import partial
 from pathlib import Path
 from shutil import rmtree
 from tempfile import TemporaryDirectory, gettempdir
@@ -19,6 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Floats
+from cea.eigen.blocks import by_parts
 from cea.errors import ConvergenceError
 from cea.matrices import dense, destroy
 from cea.petsc import MPI, PETSc, give_back
@@ -148,9 +151,9 @@ class Mumps:
 
         The result has all rows of this rank, shape (n_local, columns), real or complex.
         """
-        if np.iscomplexobj(b):
-            both = self.solve_block(np.hstack([b.real, b.imag]), transposed=transposed)
-            return both[:, : b.shape[1]] + 1j * both[:, b.shape[1] :]
+        return by_parts(partial(self._solve, transposed=transposed), b)
+
+    def _solve(self, b: Floats, *, transposed: bool) -> Floats:
         layout, comm = self.matrix.getSizes()[0], self.matrix.comm
         solution = np.zeros((layout[0], b.shape[1]), order="F")
         if not b.shape[1]:  # which MUMPS refuses: an empty window has no eigenvectors

@@ -171,7 +171,7 @@ def _described_modes(modes: Spectrum, growth_threshold: float | None) -> dict[st
         "unstable_count": len(grow),
         "unstable": [{name: value[own] for name, own in names.items()} for value in grow],
         "verdict": modes.verdict(growth_threshold),
-        "hints": modes.hints,
+        "hints": modes.window.hints,
         "window": asdict(window) | _picked(window, "complete", "evidence"),
         "eigenvalues": values,
     }

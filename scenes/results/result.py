@@ -342,7 +342,7 @@ class Result:
         """What stands above a table of modes, and below: signs, dofs, evidence, state, warnings."""
         warnings = [f"warning ({warning.kind}): {warning.message}" for warning in self.warnings]
         facts = [SIGNS, f"{self.dofs} dofs", f"window: {self.modes.window.evidence}"]
-        return [self.summary, *self.modes.hints], [*facts, *self.steady_lines(), *warnings]
+        return [self.summary, *self.modes.window.hints], [*facts, *self.steady_lines(), *warnings]
 
     def _repr_html_(self) -> str:
         if self.spectrum is None:

@@ -10,7 +10,7 @@ from cea.arrays import Complexes
 from cea.eigen.blocks import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Damping, Pencil, internal_forces, release
+from cea.eigen.pencil import Pencil, internal_forces, release
 from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.full_solves import (
     ConfirmedThreshold,
@@ -276,12 +276,10 @@ def _works(pencil: Pencil, modes: Modes) -> Complexes:
     contacts = matrices.multipliers
     if len(f) != (0 if contacts is None else contacts.closure.getLocalSize()[0]):
         raise ConvergenceError("the form of a contact changes with the parameter: fix it")
-    damping = Damping(matrices)
     force = internal_forces(matrices, x, f) + times(matrices.mass, x) * roots**2
-    works = np.diag(all_inner(y, force + damping.times(x) * roots, pencil.comm)).copy()
+    works = np.diag(all_inner(y, force + matrices.drag(x) * roots, pencil.comm)).copy()
     if contacts is not None:
         gap = times(contacts.closure, x) - times(contacts.compliance, f)
         works += np.diag(all_inner(g, gap, pencil.comm))
-    damping.free()
     release(matrices)
     return works

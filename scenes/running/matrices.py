@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from cea.eigen.driver import EigenSolver, run_window
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ResultWarning, require
 from cea.petsc import MPI
@@ -57,7 +57,8 @@ class AssembledMatrices:
         timer, window = StageTimer(listener), scene.window
         self._check_mass(scene.values, timer)
         top, low = window.max_frequency, window.min_growth
-        modes = run_window(self.driver, top, scene.values, min_growth=low, left=left, timer=timer)
+        options: Any = {"min_growth": low, "left": left, "timer": timer}
+        modes = self.driver.solve(top, scene.values, hints=True, **options)
         known = scene, timer, skipped_by(scene, self.pieces)
         return Result(*known, self.warnings(modes), spectrum=modes, pieces=self.pieces)
 

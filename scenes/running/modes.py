@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Unpack
 
 from cea.contact.interface import Interface
-from cea.eigen.driver import EigenSolver, run_window
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ResultWarning
 from cea.system.coupled import CoupledSystem
@@ -60,7 +60,7 @@ def solved(
     top, low = scene.window.max_frequency, scene.window.min_growth
 
     def solve() -> Modes:
-        return run_window(driver, top, values, min_growth=low, left=left, timer=timer)
+        return driver.solve(top, values, min_growth=low, left=left, hints=True, timer=timer)
 
     modes, on_disk = in_memory_or_on_disk(scene, driver, solve)
     modes = replace(modes, warnings=(*modes.warnings, *on_disk))

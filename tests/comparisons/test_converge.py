@@ -224,7 +224,7 @@ def test_digits_that_are_not_reached_are_told_first_with_code_3(cea):
 def test_modes_that_grow_just_above_the_window_are_hinted_at_as_a_run_does():
     window = ("analysis.max_frequency=0.46",)
     data = converged("blocks", digits=5, growth_digits=5, backends=("iga",), overrides=window)
-    (hint,) = run_modes(load_scene("blocks", window, "iga")).modes.hints
+    (hint,) = run_modes(load_scene("blocks", window, "iga")).modes.window.hints
     assert data["hints"] == [hint]
     assert "+0.0274 1/s at 0.46125" in hint
     assert max(mode["frequency"] for mode in data["modes"]) < 0.46

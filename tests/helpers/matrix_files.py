@@ -8,7 +8,7 @@ from unittest.mock import patch
 from warnings import catch_warnings
 
 import numpy as np
-from petsc_matrices import quadratic_eigenvalues
+from petsc_matrices import quadratic_eigenvalues as companion
 from scipy.io import mmwrite, savemat
 from scipy.sparse import csr_array, save_npz
 
@@ -90,7 +90,7 @@ def dense(matrices, speed=2.0, mu=0.7):
     M = matrices["M"]
     C = (1 + 1 / speed) * matrices["D"] + speed * matrices["G"]
     K = matrices["K"] + mu * matrices["F"] + (speed**2 - 1) * matrices["Q"]
-    return quadratic_eigenvalues(M, C, K)
+    return companion(M, C, K)
 
 
 def inside(values, max_frequency=0.6, min_growth=-1.0):

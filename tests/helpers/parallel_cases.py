@@ -77,7 +77,8 @@ def mixed_pairing(a, b):
 def disc_pad(backend):
     """Disc and pad on few elements, on which the modes flutter late."""
     data = coarse("disc_pad", backend, {"pad": [2, 3, 1], "disc": [3, 24, 1]})
-    data["contacts"]["pad_disc"] |= {"formulation": {"method": "segments"}, "mu": 2.0}
+    method = {"fe": GRID, "iga": {"method": "segments"}}[backend]
+    data["contacts"]["pad_disc"] |= {"formulation": method, "mu": 2.0}
     data["analysis"]["max_frequency"] = 6000.0
     return data
 

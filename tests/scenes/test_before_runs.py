@@ -93,13 +93,13 @@ LOAD = {"surface": "upper.x_min", "pressure": 1.0}
 
 
 def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, monkeypatch):
-    symmetric, search = [], cea.eigen.driver.UndampedSearch
+    symmetric, search = [], cea.eigen.driver.Search
 
     def recorded(matrices, *arguments, **options):
         symmetric.append(matrices.symmetric)
         return search(matrices, *arguments, **options)
 
-    monkeypatch.setattr(cea.eigen.driver, "UndampedSearch", recorded)
+    monkeypatch.setattr(cea.eigen.driver, "Search", recorded)
     for mu in (0.0, 0.4):
         result = run_scene(read_scene(two_blocks(backend, GPTS, held=True, mu=mu)))
         (contact,) = result.system.contacts
