@@ -128,7 +128,7 @@ class KrylovSpace:
     def _take(self, start: int, stop: int) -> Floats:
         """Columns where they are: they must not be held while more are put behind."""
         self._basis.setActiveColumns(0, self._basis.getSizes()[1])
-        return np.asarray(self._basis.getArray())[:, start:stop]
+        return np.asarray(self._basis.getArray())[: self._op.local, start:stop]
 
     def _put(self, start: int, block: Floats) -> None:
         """Write columns from a place on; behind the last there is room for more."""
@@ -145,7 +145,7 @@ class KrylovSpace:
         """Coefficients of a block on the first vectors, given its image; they are subtracted."""
         self._basis.setActiveColumns(0, stop)
         vectors = self._vectors(block.shape[1])
-        values = np.asarray(vectors.getArray())
+        values = np.asarray(vectors.getArray())[: self._op.local]
         values[:] = image
         coefficients = vectors.dot(self._basis)
         values[:] = block
