@@ -107,14 +107,14 @@ class Enrichment:
 
     def take(self, taken: Snapshot) -> float | None:
         """Test the reduced model by a full solve, and take its modes in."""
-        tested = None
-        if self.worst(taken.point) <= _MEANINGFUL:
-            ratio = largest_ratio(self.at(taken.point), taken)
+        point, tested = taken.about["point"], None
+        if self.worst(point) <= _MEANINGFUL:
+            ratio = largest_ratio(self.at(point), taken)
             tested = self.model.norms.states.comm.bcast(ratio)
             if 1 < tested < np.inf:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
         self.model.take(taken)
-        self.solves.append({"tested": tested, **taken.plain()})
+        self.solves.append({"tested": tested, **taken.about})
         return tested
 
     def stands(self, points: Sequence[Point]) -> bool:

@@ -202,7 +202,8 @@ class _Run:
         asked, own = self._asked, np.concatenate(box.parts)
         low, high = (self._scene.point(each) for each in zip(*box.ends, strict=True))
         for solve in self._store.solves():
-            if all(low[name] <= value <= high[name] for name, value in solve.point.items()):
+            at = solve.about["point"]
+            if all(low[name] <= at[name] <= high[name] for name in at):
                 basis.take(solve)
         checked = self._checked[np.isin(self._checked, own)]
         while True:
