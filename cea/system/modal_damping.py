@@ -13,12 +13,12 @@ from scipy.linalg import eigh
 from cea.arrays import Floats
 from cea.body import Body
 from cea.damping import ModalDamping
-from cea.eigen.blocks import all_inner, image_of
+from cea.eigen.blocks import all_inner, times
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.search import NearestSearch
+from cea.eigen.search import Search, nearest_plan
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import diagonal_of
@@ -89,7 +89,7 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
     damped = factors > 0
     vectors, weights = vectors[:, damped], (4 * np.pi * factors * frequencies)[damped]
     coefficient = _coefficient(path, body, damping)
-    return DampedModes(vectors, image_of(body.mass(), vectors), weights, coefficient)
+    return DampedModes(vectors, times(body.mass(), vectors), weights, coefficient)
 
 
 def modal_parameter(path: str, damping: ModalDamping) -> Parameter:
@@ -152,10 +152,10 @@ def _elastic_modes(
         least = float(np.sqrt(_BELOW * largest)) / (2 * np.pi)
         if end is None:  # so many elastic modes, and one more if any
             count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-            options, timer = KrylovOptions(), StageTimer()
-            search = NearestSearch(matrices, -_BELOW * largest, count, options, timer)
+            search = Search(matrices, np.inf, KrylovOptions(), StageTimer())
             try:
-                kappa = np.sort(search.run().eigenvalues.real)
+                found = search.run(nearest_plan(search, -_BELOW * largest, count))
+                kappa = np.sort(found.eigenvalues.real)
             finally:
                 search.free()
             end = float(np.sqrt(kappa[count - 1])) / (2 * np.pi)
@@ -193,8 +193,6 @@ def _largest_ratio(matrices: Matrices) -> float:
 def _rayleigh_ritz(body: Body, vectors: Floats) -> tuple[Floats, Floats]:
     """Frequencies (Hz) and modes, by rising frequency, in the space that some modes span."""
     mass, stiffness = body.mass(), body.stiffness()
-    gram, form = (
-        all_inner(vectors, image_of(each, vectors), mass.comm) for each in (mass, stiffness)
-    )
+    gram, form = (all_inner(vectors, times(each, vectors), mass.comm) for each in (mass, stiffness))
     kappa, turn = eigh(form, gram)
     return np.sqrt(np.maximum(kappa, 0.0)) / (2 * np.pi), vectors @ turn
