@@ -172,9 +172,8 @@ class _Run:
                 order = np.argsort(-worst, kind="stable")
                 order = order[worst[order] > tolerance][:_AT_ONCE]
                 settings, size = basis.model.small.settings, basis.model.size
-                points = [self._point(i) for i in np.concatenate(box.parts)[order].tolist()]
-                unanswered = [each["point"] for each in basis.failed]
-                basis.cover([point for point in points if point not in unanswered])
+                worst_of_all = np.concatenate(box.parts)[order].tolist()
+                basis.cover([self._point(i) for i in worst_of_all])
                 if basis.model.size == size:
                     break
                 if basis.model.small.settings != settings:
