@@ -9,7 +9,7 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact
-from cea.errors import InputError
+from cea.errors import require
 from cea.material import Material
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
@@ -76,8 +76,7 @@ def stress_map(system: CoupledSystem, contact_name: str, x: Any, samples: int) -
     """Stresses of both sides of a flat contact on one grid over side a."""
     contact = _contact(system, contact_name)
     a = contact.interface.a
-    if a.dim != 3:
-        raise InputError("dim", a.dim, "3: the contact of bodies in the plane is a curve")
+    require(a.dim == 3, "dim", a.dim, "3: the contact of bodies in the plane is a curve")
     corners, normal = _corners(contact)
     axes = _plane_axes(normal)
     centre = corners.mean(axis=0)

@@ -6,6 +6,7 @@ By the path of the body in a scene, ``bodies.<name>``, the parameter is ``.dampi
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.linalg import eigh
@@ -15,15 +16,12 @@ from cea.body import Body
 from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.coefficients import Coefficient, Parameter
-from cea.eigen.driver import solve_modes
-from cea.eigen.krylov_schur import KrylovOptions
-from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.search import NearestSearch
+from cea.eigen.driver import EigenSolver
+from cea.eigen.pencil import Matrices, Pencil
 from cea.eigen.shifted import count_below
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError, InputError, require
 from cea.matrices import diagonal_of
 from cea.petsc import MPI
-from cea.timing import StageTimer
 
 _SAME = 1e-8  # relative distance up to which frequencies are those of one multiple eigenvalue
 _MOST = 2000  # most modes of a body that are damped one by one
@@ -53,14 +51,14 @@ class _OfTheseModes:
     def at(self, values: Mapping[str, float]) -> float:
         """Value at given parameters; refused where the modes would be others."""
         for name, found_at in self.found_at.items():
-            if values[name] != found_at:
-                raise InputError(name, values[name], f"{found_at:g}, where damped modes were found")
+            same, allowed = values[name] == found_at, f"{found_at:g}, where damped modes were found"
+            require(same, name, values[name], allowed)
         return self.coefficient.at(values)
 
     def derivative(self, name: str, values: Mapping[str, float]) -> float:
         """Derivative in one parameter; refused where the modes would move."""
-        if name in self.found_at:
-            raise InputError(name, values[name], "left as it is: damped modes move with it")
+        stays = name not in self.found_at
+        require(stays, name, values[name], "left as it is: damped modes move with it")
         return self.coefficient.derivative(name, values)
 
 
@@ -82,9 +80,9 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
         frequencies, reach, vectors = _elastic_modes(path, body, damping.end, len(counted))
     except ConvergenceError as error:
         raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
-    if len(counted) > len(frequencies):
-        allowed = f"at most {len(frequencies)}: all elastic modes of the body"
-        raise InputError(f"{path}.damping.modal.ratios", f"{len(counted)} ratios", allowed)
+    given, place = f"{len(counted)} ratios", f"{path}.damping.modal.ratios"
+    allowed = f"at most {len(frequencies)}: all elastic modes of the body"
+    require(len(counted) <= len(frequencies), place, given, allowed)
     factors = _factors(path, damping, frequencies, np.maximum(_SAME * frequencies, reach))
     damped = factors > 0
     vectors, weights = vectors[:, damped], (4 * np.pi * factors * frequencies)[damped]
@@ -145,43 +143,31 @@ def _elastic_modes(
     Rising frequencies and what they may be off by (Hz), shape (n,), and vectors phi with
     phi^T M phi = 1, the rows of this rank.
     """
-    pencil = Pencil.of(body.stiffness(), body.mass())
-    matrices = pencil.at()
-    try:
+    with EigenSolver(Pencil.of(body.stiffness(), body.mass())) as solver:
+        matrices = solver.matrices()
         largest = _largest_ratio(matrices)
-        least = float(np.sqrt(_BELOW * largest)) / (2 * np.pi)
+        least, highest = (float(np.sqrt(part * largest)) / (2 * np.pi) for part in (_BELOW, 1.0))
         if end is None:  # so many elastic modes, and one more if any
             count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-            options, timer = KrylovOptions(), StageTimer()
-            search = NearestSearch(matrices, -_BELOW * largest, count, options, timer)
-            try:
-                kappa = np.sort(search.run().eigenvalues.real)
-            finally:
-                search.free()
-            end = float(np.sqrt(kappa[count - 1])) / (2 * np.pi)
+            nearest = solver.nearest(-_BELOW * largest, count).frequencies
+            end = float(np.sort(nearest)[count - 1])
         end = max((1 + _BEYOND) * end, least)
         modes_below = count_below(matrices, (2 * np.pi * end) ** 2)
         if modes_below > _MOST:
             allowed = f"at most {_MOST} modes that are damped one by one; Rayleigh damping for more"
             raise InputError(f"{path}.damping.modal", f"{modes_below} up to {end:g} Hz", allowed)
-        if modes_below == matrices.size:
-            end = _end_of_all(matrices, float(np.sqrt(largest)) / (2 * np.pi), end)
-    finally:
-        release(matrices)
-    modes = solve_modes(pencil, end)
+        if modes_below == matrices.size:  # an end that is not far beyond all modes
+            below = partial(count_below, matrices)
+            while highest < end and below((2 * np.pi * highest) ** 2) < matrices.size:
+                highest *= 2
+            end = min(highest, end)
+        modes = solver.solve(end)
     uncertainties = modes.growth_uncertainties / (2 * np.pi)
     elastic = modes.frequencies > _RIGID * uncertainties
     if lost := int((~elastic & (modes.frequencies > least)).sum()):
         raise ConvergenceError(f"{lost} of {len(modes)} modes are lost to rounding", best=modes)
     frequencies, vectors = _rayleigh_ritz(body, modes.vectors.real)
     return frequencies[elastic], uncertainties[elastic], vectors[:, elastic]
-
-
-def _end_of_all(matrices: Matrices, highest: float, end: float) -> float:
-    """A frequency (Hz) not far beyond all modes, all of which are below an end."""
-    while highest < end and count_below(matrices, (2 * np.pi * highest) ** 2) < matrices.size:
-        highest *= 2
-    return min(highest, end)
 
 
 def _largest_ratio(matrices: Matrices) -> float:

@@ -12,7 +12,7 @@ from cea.arrays import Floats
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.static import rounding_uncertainty
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError, require
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import (
     LOST,
@@ -60,10 +60,9 @@ def steady_sliding(
     of them is kept. A ConvergenceError with the last state tells when the load opens the contact, a
     rigid motion is free, or no equilibrium is found.
     """
-    if system.load is None:
-        raise InputError("load", None, "forces: the system was coupled without")
-    if all(contact.law.linear for contact in system.contacts):
-        raise InputError("contacts", list(system.bodies), "one with a law of its closure")
+    require(system.load is not None, "load", None, "forces: the system was coupled without")
+    linear = all(contact.law.linear for contact in system.contacts)
+    require(not linear, "contacts", list(system.bodies), "one with a law of its closure")
     if isinstance(steps, int):
         steps = tuple(number / steps for number in range(1, steps + 1))
     equations = SteadyEquations(system)

@@ -261,9 +261,8 @@ def momentum_defects(system: CoupledSystem, motions: Mapping[str, Floats]) -> di
         scale = sum(matrix.norm(PETSc.NormType.NORM_1) for matrix in matrices)
         for i, motion in enumerate(zip(*motions.values(), strict=True)):
             for name, values in zip(motions, motion, strict=True):
-                part = r.getSubVector(system.index_sets[name])
-                part.array[:] = values[slice(*part.owner_range)]
-                r.restoreSubVector(system.index_sets[name], part)
+                own = slice(*system.bodies[name].expansion.getOwnershipRangeColumn())
+                r.array[system.pieces[name].rows] = values[own]
             y.set(0.0)
             for matrix in matrices:
                 matrix.multTransposeAdd(r, y, y)

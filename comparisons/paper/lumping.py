@@ -221,9 +221,7 @@ def rotation_ratio(result: Result) -> float:
         vector = result.system.vector()
         for name in turned:
             u = _normal_displacement(result.system.bodies[name], sides[name], height)
-            part = vector.getSubVector(result.system.index_sets[name])
-            u.copy(part)
-            vector.restoreSubVector(result.system.index_sets[name], part)
+            vector.array[result.system.pieces[name].rows] = u.array_r
             destroy(u)
         product = vector.duplicate()
         contact.K_n.mult(vector, product)

@@ -36,8 +36,7 @@ def displacements(
     """
     name, trace = _trace(system, place, at)
     body, comm = system.bodies[name], system.bodies[name].comm
-    start = system.template.getOwnershipRange()[0]
-    own = vectors[system.index_sets[name].indices - start]
+    own = vectors[system.pieces[name].rows]
     held = body.prescribed if prescribed else None
     if trace is None:
         u = times(body.expansion, own)

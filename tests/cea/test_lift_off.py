@@ -5,6 +5,7 @@ import pytest
 from blocks import assemble, two_blocks
 
 from cea.errors import InputError
+from cea.matrices import applied
 from comparisons.stability.dense import array
 
 FREE = "where(x < 0.37, 0, 3.0)"
@@ -27,11 +28,7 @@ def closure(system):
     motion = system.vector()
     upper = system.bodies["upper"]
     down = np.tile([0.0, 0.0, -1.0], upper.expansion.getSizes()[0][1] // 3)
-    full = upper.expansion.createVecLeft()
-    full.array[:] = down
-    part = motion.getSubVector(system.index_sets["upper"])
-    upper.expansion.multTranspose(full, part)
-    motion.restoreSubVector(system.index_sets["upper"], part)
+    motion.array[system.pieces["upper"].rows] = applied(upper.expansion, down, transposed=True)
     return contact, motion
 
 
