@@ -28,7 +28,6 @@ from cea.matrices import (
     applied,
     block_diagonal,
     destroy,
-    gather,
     one_below_the_other,
     product,
     symmetric_product,
@@ -285,8 +284,11 @@ def assembled(
     if contact.coupling == "lumped":
         weight = contact.weight(contact.slope)
         lumped = lumped_matrices(bodies, (contact.a, contact.b), interface, weight, pushed)
-    given = {name: bodies[name].prescribed for name in (contact.a, contact.b)}
-    moved = {name: gather(each) for name, each in given.items() if each is not None}
+    moved = {
+        name: np.concatenate(bodies[name].comm.allgather(own))
+        for name in (contact.a, contact.b)
+        if (own := bodies[name].prescribed) is not None
+    }
     if moved and (closed := approach_along(contact, points.normal, moved)).any():
         prescribed = closed
     made = {"gap": gap, "slip": slip, "projection": projection, "lumped": lumped}

@@ -171,7 +171,7 @@ class CoupledSystem:
         own = self.bodies[body]
         full = applied(own.expansion, x.array_r[self.pieces[body].rows])
         if own.prescribed is not None:
-            full += own.prescribed.array_r
+            full += own.prescribed
         parts = own.comm.allgather(full) if everywhere else own.comm.gather(full)
         return np.concatenate(parts or [np.zeros(0)])
 

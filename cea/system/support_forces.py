@@ -30,7 +30,7 @@ from cea.body import Body
 from cea.contact.contact import Contact, assembled
 from cea.contact.saddle import few_forces, with_multipliers
 from cea.errors import ConvergenceError
-from cea.matrices import applied, destroy, distributed, gather, local_part, scaled_total
+from cea.matrices import applied, destroy, distributed, local_part, scaled_total
 from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
@@ -139,8 +139,7 @@ def _on_body(
     and the sum of what all of them are small differences of.
     """
     body, load, strain = pieces.body, pieces.body.full_load(), pieces.strain(x)
-    parts = {"loads": gather(load).reshape(-1, body.dim)}
-    destroy(load)
+    parts = {"loads": np.concatenate(body.comm.allgather(load)).reshape(-1, body.dim)}
     strained = u if strain is None else u + np.concatenate(body.comm.allgather(strain))
     elastic, size = _times(body.space.stiffness(body.material.elasticity), strained, body)
     for label, factor, matrix in _of_space(pieces):
