@@ -17,7 +17,7 @@ from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
-from cea.eigen.pencil import Matrices, Pencil
+from cea.eigen.pencil import Pencil
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError, require
 from cea.matrices import diagonal_of
@@ -28,7 +28,7 @@ _MOST = 2000  # most modes of a body that are damped one by one
 _RIGID = 10.0  # frequency relative to its uncertainty up to which a motion is rigid, or lost
 _RIGID_MOTIONS = 6  # most rigid motions of a body in one piece
 _BELOW = 1e-9
-"""Square of a frequency that no elastic mode need be below, relative to :func:`_largest_ratio`."""
+"""Square of a frequency that no elastic mode need be below, relative to the largest."""
 _BEYOND = 1e-6  # what is searched beyond the last mode asked for, relative to its frequency
 
 
@@ -145,7 +145,9 @@ def _elastic_modes(
     """
     with EigenSolver(Pencil.of(body.stiffness(), body.mass())) as solver:
         matrices = solver.matrices()
-        largest = _largest_ratio(matrices)
+        # of the size of the largest kappa (1/s^2)
+        ratios = diagonal_of(matrices.stiffness) / diagonal_of(matrices.mass)
+        largest = float(body.comm.allreduce(ratios.max(initial=0.0), MPI.MAX))
         least, highest = (float(np.sqrt(part * largest)) / (2 * np.pi) for part in (_BELOW, 1.0))
         if end is None:  # so many elastic modes, and one more if any
             count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
@@ -166,21 +168,12 @@ def _elastic_modes(
     elastic = modes.frequencies > _RIGID * uncertainties
     if lost := int((~elastic & (modes.frequencies > least)).sum()):
         raise ConvergenceError(f"{lost} of {len(modes)} modes are lost to rounding", best=modes)
-    frequencies, vectors = _rayleigh_ritz(body, modes.vectors.real)
-    return frequencies[elastic], uncertainties[elastic], vectors[:, elastic]
-
-
-def _largest_ratio(matrices: Matrices) -> float:
-    """Largest ratio of diagonal entries of K and M (1/s^2), of the size of the largest kappa."""
-    ratios = diagonal_of(matrices.stiffness) / diagonal_of(matrices.mass)
-    return float(matrices.mass.comm.tompi4py().allreduce(ratios.max(initial=0.0), MPI.MAX))
-
-
-def _rayleigh_ritz(body: Body, vectors: Floats) -> tuple[Floats, Floats]:
-    """Frequencies (Hz) and modes, by rising frequency, in the space that some modes span."""
-    mass, stiffness = body.mass(), body.stiffness()
-    gram, form = (
-        all_inner(vectors, image_of(each, vectors), mass.comm) for each in (mass, stiffness)
+    # Rayleigh-Ritz in the space that they span.
+    vectors = modes.vectors.real
+    form, gram = (
+        all_inner(vectors, image_of(each, vectors), each.comm)
+        for each in (body.stiffness(), body.mass())
     )
     kappa, turn = eigh(form, gram)
-    return np.sqrt(np.maximum(kappa, 0.0)) / (2 * np.pi), vectors @ turn
+    frequencies = np.sqrt(np.maximum(kappa, 0.0)) / (2 * np.pi)
+    return frequencies[elastic], uncertainties[elastic], (vectors @ turn)[:, elastic]
