@@ -94,7 +94,8 @@ _REGISTER: dict[str, type[Formulation]] = {}
 def register[T: type[Formulation]](formulation: T) -> T:
     """Let scenes name a formulation, a dataclass, by its method; a decorator."""
     where = f"{formulation.__module__}.{formulation.__qualname__}"
-    require(is_dataclass(formulation), "formulation", where, "a dataclass")
+    if not is_dataclass(formulation):
+        raise InputError("formulation", where, "a dataclass")
     method = next((f.default for f in fields(formulation) if f.name == "method"), MISSING)
     if not isinstance(method, str):
         raise InputError(f"{where}.method", None, "a field with a default, the name in scenes")
