@@ -14,6 +14,7 @@ random vectors are appended.
 """
 
 import sys
+from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 
@@ -107,60 +108,64 @@ def krylov_schur(
     if locked.size >= op.finite:
         return locked
     random, block = np.random.default_rng([seed, op.rank]), options.block
-    space = _started(op, locked, block, random)
-    check, restarts = options.first_check * block, 0
-    verified, counted, last_random = not verify, 0, 0  # random vectors take part up to that size
+    with closing(_started(op, locked, block, random)) as space:
+        check, restarts = options.first_check * block, 0
+        verified, counted, last_random = (
+            not verify,
+            0,
+            0,
+        )  # random vectors take part up to that size
 
-    def append_random() -> bool:
-        room = op.rows - locked.size - space.size - space.next
-        if (columns := min(options.random_columns, room)) > 0:
-            space.append_random(_random_block(op, random, columns))
-        return bool(space.next)
+        def append_random() -> bool:
+            room = op.rows - locked.size - space.size - space.next
+            if (columns := min(options.random_columns, room)) > 0:
+                space.append_random(_random_block(op, random, columns))
+            return bool(space.next)
 
-    while True:
-        if space.size < check and space.next:
-            space.extend()
-            continue
-        theta, vectors = small_eigenpairs(space.square, symmetric=op.symmetric)
-        residuals = np.linalg.norm(space.operator[space.size :] @ vectors, axis=0)
-        sizes, least = np.abs(theta), 1 / radius_of(theta)
-        inside, converged = sizes >= least, residuals <= options.tolerance * sizes
-        nearly = residuals <= options.loose * sizes
-        if (nearly & (_NEAR_SHIFT * abs(op.shift) * sizes > 1)).any():
-            raise SingularError(near)
-        number = int(inside.sum())
-        if last_random and (space.size >= last_random or not space.next):
-            verified, last_random = verified or number <= counted, 0
-        if not space.next:  # invariant: it holds all directions, or all that its vectors see
-            counted, check = number, space.size + options.random_steps * block
-            if verified or not append_random():
-                finite = sizes * abs(op.shift) > op.negligible
-                return _locked(op, space, locked, theta, inside & finite)
-            last_random = check
-            continue
-        if number > most:
-            raise CrowdedError(f"a disc holds {number} eigenvalues or more")
-        wanted = _wanted(op, theta, inside)
-        seen = converged | ~wanted & _outside(op, theta, residuals, nearly)
-        if verified and seen[inside].all() and _clear(sizes, residuals, inside, least):
-            return _locked(op, space, locked, theta, converged)
-        if space.size >= max(12 * block, options.restart * number + 6 * block):
-            if restarts == options.max_restarts:
-                raise ConvergenceError(
-                    f"{int((inside & ~converged).sum())} eigenvalues in the disc of radius "
-                    f"{1 / least:.4g} about {op.shift:.4g} did not converge",
-                    best=_locked(op, space, locked, theta, converged),
-                )
-            restarts, full = restarts + 1, space.size
-            space.restart(*_leading(space.square, theta, number + 3 * block))
-            last_random -= (full - space.size) if last_random else 0
-        check = max(space.size + space.next, int(options.growth * space.size))
-        if nearly[wanted].all() and not (verified or last_random):
-            counted = number
-            append_random()
-            last_random = check = space.size + options.random_steps * space.next
-        elif last_random:
-            check = min(check, last_random)
+        while True:
+            if space.size < check and space.next:
+                space.extend()
+                continue
+            theta, vectors = small_eigenpairs(space.square, symmetric=op.symmetric)
+            residuals = np.linalg.norm(space.operator[space.size :] @ vectors, axis=0)
+            sizes, least = np.abs(theta), 1 / radius_of(theta)
+            inside, converged = sizes >= least, residuals <= options.tolerance * sizes
+            nearly = residuals <= options.loose * sizes
+            if (nearly & (_NEAR_SHIFT * abs(op.shift) * sizes > 1)).any():
+                raise SingularError(near)
+            number = int(inside.sum())
+            if last_random and (space.size >= last_random or not space.next):
+                verified, last_random = verified or number <= counted, 0
+            if not space.next:  # invariant: it holds all directions, or all that its vectors see
+                counted, check = number, space.size + options.random_steps * block
+                if verified or not append_random():
+                    finite = sizes * abs(op.shift) > op.negligible
+                    return _locked(op, space, locked, theta, inside & finite)
+                last_random = check
+                continue
+            if number > most:
+                raise CrowdedError(f"a disc holds {number} eigenvalues or more")
+            wanted = _wanted(op, theta, inside)
+            seen = converged | ~wanted & _outside(op, theta, residuals, nearly)
+            if verified and seen[inside].all() and _clear(sizes, residuals, inside, least):
+                return _locked(op, space, locked, theta, converged)
+            if space.size >= max(12 * block, options.restart * number + 6 * block):
+                if restarts == options.max_restarts:
+                    raise ConvergenceError(
+                        f"{int((inside & ~converged).sum())} eigenvalues in the disc of radius "
+                        f"{1 / least:.4g} about {op.shift:.4g} did not converge",
+                        best=_locked(op, space, locked, theta, converged),
+                    )
+                restarts, full = restarts + 1, space.size
+                space.restart(*_leading(space.square, theta, number + 3 * block))
+                last_random -= (full - space.size) if last_random else 0
+            check = max(space.size + space.next, int(options.growth * space.size))
+            if nearly[wanted].all() and not (verified or last_random):
+                counted = number
+                append_random()
+                last_random = check = space.size + options.random_steps * space.next
+            elif last_random:
+                check = min(check, last_random)
 
 
 def _random_block(op: ShiftInvert, random: np.random.Generator, columns: int) -> Floats:

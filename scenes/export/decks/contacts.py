@@ -7,7 +7,7 @@ Friction pushes side a against the velocity of a relative to b: where side a res
 the direction of friction on a.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +17,13 @@ from cea.contact.friction import AlongVector, Circumferential
 from cea.errors import InputError
 from cea.surface import Surface
 from scenes.export.decks.bodies import DeckBody, set_name
+from scenes.export.decks.model import keyword, numbers
 from scenes.spec.contact import ContactSpec
 
+STICK = 1e-5
+"""Stick stiffness of CalculiX over contact stiffness."""
+MORE_FRICTION = 2.0
+"""Friction of the static step of CalculiX over that of the scene."""
 _TANGENT = 1e-6
 """Part of a velocity along the normal that counts as none."""
 
@@ -45,6 +50,22 @@ def deck_contacts(
         sides = set_name(spec.a), set_name(spec.b)
         found.append(DeckContact(f"{name}-interaction", *sides, p, float(spec.mu)))
     return found
+
+
+def contact_lines(contacts: list[DeckContact], program: str, closure: float) -> Iterator[str]:
+    """Surface interactions, each a linear law, and pairs, whose sides overlap by a closure (m)."""
+    for each in contacts:
+        yield keyword("SURFACE INTERACTION", NAME=each.interaction)
+        yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
+        yield numbers(each.stiffness)
+        if each.mu:
+            calculix = numbers(MORE_FRICTION * each.mu, STICK * each.stiffness)
+            yield from ("*FRICTION", calculix if program == "calculix" else numbers(0.0))
+        pair = keyword("CONTACT PAIR", INTERACTION=each.interaction, TYPE="SURFACE TO SURFACE")
+        yield pair if program == "calculix" else f"{pair}, SMALL SLIDING"
+        yield f"{each.slave}, {each.master}"
+        overlap = numbers(-closure)  # in the place of whatever distance nodes have
+        yield keyword("CLEARANCE", MASTER=each.master, SLAVE=each.slave, VALUE=overlap)
 
 
 @dataclass(frozen=True)

@@ -26,15 +26,11 @@ import numpy as np
 
 from cea.contact.friction import Circumferential
 from scenes.export.decks.bodies import DeckBody
-from scenes.export.decks.contacts import DeckContact, RigidMotion
+from scenes.export.decks.contacts import MORE_FRICTION, STICK, DeckContact, RigidMotion
 from scenes.export.decks.model import boundary_lines, comments, keyword, numbers, table
 
 CLOSURE = {"calculix": 1e-12, "abaqus": 1e-7}
 """Closure over the size of the bodies."""
-STICK = 1e-5
-"""Stick stiffness of CalculiX over contact stiffness."""
-MORE_FRICTION = 2.0
-"""Friction of the static step of CalculiX over that of the scene."""
 _BEYOND = 2.0
 """Slip over that at which a point begins to slip."""
 BASIS = 2
@@ -55,22 +51,6 @@ class Deck:
         """How far the sides overlap (m)."""
         points = np.concatenate([body.points for body in self.bodies.values()])
         return CLOSURE[program] * float(np.ptp(points, axis=0).max())
-
-
-def contact_lines(deck: Deck, program: str) -> Iterator[str]:
-    """Surface interactions, each a linear law, and pairs."""
-    for each in deck.contacts:
-        yield keyword("SURFACE INTERACTION", NAME=each.interaction)
-        yield "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR"
-        yield numbers(each.stiffness)
-        if each.mu:
-            calculix = numbers(MORE_FRICTION * each.mu, STICK * each.stiffness)
-            yield from ("*FRICTION", calculix if program == "calculix" else numbers(0.0))
-        pair = keyword("CONTACT PAIR", INTERACTION=each.interaction, TYPE="SURFACE TO SURFACE")
-        yield pair if program == "calculix" else f"{pair}, SMALL SLIDING"
-        yield f"{each.slave}, {each.master}"
-        overlap = numbers(-deck.closure(program))  # in the place of whatever distance nodes have
-        yield keyword("CLEARANCE", MASTER=each.master, SLAVE=each.slave, VALUE=overlap)
 
 
 def _friction_lines(contacts: list[DeckContact], stick: float | None) -> Iterator[str]:

@@ -20,9 +20,9 @@ from cea.timing import StageTimer
 from meshes.mesh_file import MeshFile
 from scenes.building.build import build_bodies, used_surfaces
 from scenes.export.decks.bodies import ELEMENTS, deck_bodies, set_name
-from scenes.export.decks.contacts import deck_contacts, moving_bodies
+from scenes.export.decks.contacts import contact_lines, deck_contacts, moving_bodies
 from scenes.export.decks.model import boundary_lines, comments, model_lines
-from scenes.export.decks.steps import STEPS, Deck, contact_lines
+from scenes.export.decks.steps import STEPS, Deck
 from scenes.spec.body import BodySpec, file_name
 from scenes.spec.contact import ContactSpec
 from scenes.spec.problems import SceneError
@@ -78,7 +78,7 @@ def _write(scene: Scene, surfaces: Mapping[str, Surface], files: list[Path], mod
     for program, steps in STEPS.items():
         head = ["*HEADING", model.removesuffix("_model.inp")] if program == "abaqus" else []
         head += [*comments(_about(scene, deck, program)), f"*INCLUDE, INPUT={model}"]
-        behaviour = contact_lines(deck, program)
+        behaviour = contact_lines(deck.contacts, program, deck.closure(program))
         texts.append(iter([*head, *boundary_lines(deck.bodies), *behaviour, *steps(deck)]))
     for file, lines in zip(files, texts, strict=True):
         # ASCII is all that both programs surely read.
