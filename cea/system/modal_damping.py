@@ -18,10 +18,12 @@ from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
 from cea.eigen.pencil import Pencil
+from cea.eigen.search import NearestSearch
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError, require
 from cea.matrices import diagonal_of
 from cea.petsc import MPI
+from cea.timing import StageTimer
 
 _SAME = 1e-8  # relative distance up to which frequencies are those of one multiple eigenvalue
 _MOST = 2000  # most modes of a body that are damped one by one
@@ -151,8 +153,13 @@ def _elastic_modes(
         least, highest = (float(np.sqrt(part * largest)) / (2 * np.pi) for part in (_BELOW, 1.0))
         if end is None:  # so many elastic modes, and one more if any
             count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-            nearest = solver.nearest(-_BELOW * largest, count).frequencies
-            end = float(np.sort(nearest)[count - 1])
+            place = -_BELOW * largest
+            search = NearestSearch(matrices, place, count, solver.options, StageTimer())
+            try:
+                kappa = np.sort(search.run().eigenvalues.real)
+            finally:
+                search.free()
+            end = float(np.sqrt(kappa[count - 1])) / (2 * np.pi)
         end = max((1 + _BEYOND) * end, least)
         modes_below = count_below(matrices, (2 * np.pi * end) ** 2)
         if modes_below > _MOST:
