@@ -27,8 +27,8 @@ from cea.matrices import (
     times,
     zeros,
 )
+from cea.motion import Rotation
 from cea.petsc import PETSc
-from cea.rotation import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support, check_surface
 from cea.supports.constraints import Constraints
 from cea.surface import Surface
@@ -203,11 +203,11 @@ class Body:
         return self.reduced(self.space.mass(self.density))
 
     def gyroscopic(self, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
+        """Y of a rotation at 1 rad/s (:mod:`cea.motion`), PETSc AIJ (free x free), kg, skew."""
         return self.reduced(self.space.gyroscopic(self.density, rotation), antisymmetrised)
 
     def convective_stiffness(self, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
+        """Z of a rotation (:mod:`cea.motion`), PETSc AIJ (free x free), kg, symmetric."""
         return self.reduced(self.space.convective(self.density, rotation))
 
     def geometric_stiffness(self, displacement: Floats) -> Any:

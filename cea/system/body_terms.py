@@ -4,7 +4,7 @@ By the path of the body in a scene, ``bodies.<name>``, the parameters are ``.mat
 ``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``; modal damping has its own.
 
 Damping that rotates with its body makes of displacements at rest in space, with B = int rho v . R u
-of the rotation (:mod:`cea.rotation`), the pieces of the stiffness
+of the rotation (:mod:`cea.motion`), the pieces of the stiffness
 
     alpha Omega B,    beta Omega K M^-1 B,    Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T,
 
@@ -22,7 +22,6 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.blocks import image_of
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
@@ -39,27 +38,11 @@ from cea.matrices import (
     side_by_side,
     zeros,
 )
+from cea.motion import Motion
 from cea.petsc import Mat, PETSc
-from cea.rotation import Rotation
 
 if TYPE_CHECKING:  # brought in where modes are damped
     from cea.system.modal_damping import DampedModes
-
-
-@dataclass(frozen=True)
-class Motion:
-    """What acts on the velocities of a body."""
-
-    damping: RayleighDamping | None = None  # its Rayleigh damping; None without
-    rotation: Rotation | None = None  # its rotation; None without
-    # its modal damping (:mod:`cea.system.modal_damping`); None without
-    modal: ModalDamping | None = None
-
-    @property
-    def circulates(self) -> bool:
-        """Whether damping is carried along by a rotation."""
-        damped = self.damping is not None or self.modal is not None
-        return damped and self.rotation is not None
 
 
 @dataclass(frozen=True)

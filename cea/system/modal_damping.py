@@ -13,7 +13,6 @@ from scipy.linalg import eigh
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, image_of
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
@@ -22,6 +21,7 @@ from cea.eigen.search import NearestSearch
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError, require
 from cea.matrices import diagonal_of
+from cea.motion import ModalDamping
 from cea.petsc import MPI
 from cea.timing import StageTimer
 

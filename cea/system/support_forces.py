@@ -12,7 +12,7 @@ unknowns of what was solved they are taken from there, for gaps do not tell thos
 contacts: L^T f, where of points L = Q^T sqrt(W p^) (G - mu T), G and T those of all dofs and Q that
 of the solution (:mod:`cea.contact.saddle`).
 
-Of a body that rotates (:mod:`cea.rotation`) forces on all dofs are, on the body and from outside,
+Of a body that rotates (:mod:`cea.motion`) forces on all dofs are, on the body and from outside,
 Omega^2 Z u of the convective stiffness and - alpha Omega B u of the damping of the mass; elastic
 forces are K (u + beta Omega M^-1 B u), K without springs. What modal damping does at held dofs its
 modes do not tell: M phi and K phi / omega^2 are the same at free dofs alone.

@@ -15,7 +15,7 @@ With damping or rotation contact forces are eliminated, no side may be tied, and
 lambda^2 M + lambda D + K is solved at twice the size, lambda relative to its typical size. D holds
 alpha M_b + beta K_b and sum 2 zeta omega (M_b phi) (M_b phi)^T of all modes of bodies, Omega Y_b,
 and what contacts that slide add; of bodies that rotate, Omega C_b M_b^-1 B_b is part of K, but for
-springs (:mod:`cea.rotation`).
+springs (:mod:`cea.motion`).
 """
 
 from collections.abc import Mapping

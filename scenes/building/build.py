@@ -20,11 +20,11 @@ from cea.contact.laws import LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError, require
 from cea.expressions import Expression, evaluate
 from cea.mesh import Mesh
+from cea.motion import Motion
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure
 from cea.surface import Surface
-from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of

@@ -8,7 +8,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact
 from cea.errors import ResultWarning
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from scenes.spec.body import BodySpec
 from scenes.spec.reading import Scene
 

@@ -209,7 +209,7 @@ class Result:
         Modal damping would be full: W is there where modes of a body are damped, a column for
         each, and the damping is C + W W^T. Damping that rotates with its body makes K_c of
         displacements, and what would be full: with J, N and L, which are there, K_c + L N^-1 J
-        (:mod:`cea.rotation`). A scene of matrices has M, C where there is one, and K.
+        (:mod:`cea.motion`). A scene of matrices has M, C where there is one, and K.
 
         Returns
         -------

@@ -7,7 +7,7 @@ import numpy as np
 from cea.arrays import Floats, of_size_one
 from cea.errors import InputError
 from cea.material import Elasticity
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from cea.supports.boundary import Support
 from cea.supports.frames import Cartesian, Cylindrical
 from scenes.spec.body import BodySpec

@@ -5,8 +5,8 @@ import pytest
 from blocks import assemble, two_blocks
 from petsc_matrices import to_numpy
 
-from cea.damping import RayleighDamping
 from cea.errors import InputError
+from cea.motion import RayleighDamping
 
 GPTS = {"method": "gpts", "points": 3}
 ALPHA, BETA = 0.3, 0.07

@@ -5,10 +5,10 @@ import pytest
 from blocks import alone, assemble, scene_body
 from covering import covering
 
-from cea.damping import ModalDamping
 from cea.eigen.driver import solve_modes
 from cea.eigen.matching import assign
 from cea.errors import InputError
+from cea.motion import ModalDamping
 
 TOP = 1.2
 

@@ -14,7 +14,7 @@ from petsc_matrices import dense_pencil, quadratic_eigenvalues, to_numpy
 from scipy.linalg import eigh
 
 from cea.eigen.shifted import Shifted
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from scenes.running.system import coupled
 from scenes.spec.reading import read_scene
 

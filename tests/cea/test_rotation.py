@@ -11,7 +11,7 @@ from scipy.linalg import eigh
 
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from meshes.placement import Placement
 from meshes.shapes import Annulus, Ring
 

@@ -7,7 +7,7 @@ from iga_data import STEEL, TILTED, TURNED, body, slow_matrices, slow_points, tu
 from petsc_matrices import to_scipy
 
 from cea.body import Body
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from iga_cea.patch import refine
 from iga_cea.separation import holds, separate
 from meshes.breaks import breaks_of
