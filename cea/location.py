@@ -114,7 +114,12 @@ def newton_step(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
     volume = np.einsum("ni,ni->n", normal, direction)
     squares = np.einsum("nij,nij->nj", tangents, tangents).prod(axis=1)
     grazing = ~(np.abs(volume) > _GRAZING * np.sqrt(squares))
-    step = _across(tangents, direction, rest) / np.where(grazing, 1.0, volume)[:, None]
+    if tangents.shape[1] == 2:
+        step = rest[:, 1:] * direction[:, :1] - rest[:, :1] * direction[:, 1:]
+    else:  # t_2 . (d x rest), - t_1 . (d x rest)
+        turned = np.cross(direction, rest) * [[[1.0]], [[-1.0]]]
+        step = np.einsum("nij,jni->nj", tangents[:, :, ::-1], turned)
+    step /= np.where(grazing, 1.0, volume)[:, None]
     if grazing.any():
         # The direction as long as the tangents, so that neither is taken for nothing.
         length = np.linalg.norm(tangents[grazing], axis=1).max(axis=1)
@@ -122,14 +127,6 @@ def newton_step(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
         inverse = np.linalg.pinv(np.concatenate([tangents[grazing], along], axis=2), rcond=1e-8)
         step[grazing] = np.einsum("nij,nj->ni", inverse[:, :-1], rest[grazing])
     return step
-
-
-def _across(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
-    """Numerators of Cramer's rule: rest in the place of each tangent, along the direction."""
-    if tangents.shape[1] == 2:
-        return rest[:, 1:] * direction[:, :1] - rest[:, :1] * direction[:, 1:]
-    # t_2 . (d x rest), - t_1 . (d x rest)
-    return np.einsum("nij,ni,j->nj", tangents[:, :, ::-1], np.cross(direction, rest), [1.0, -1.0])
 
 
 def near_boxes(low: Floats, high: Floats, x: Floats, reach: float) -> tuple[Ints, Ints]:

@@ -11,7 +11,7 @@ Trans. Math. Softw. 38, 2011). Rank is judged column by column (Heath 1982).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -88,6 +88,7 @@ def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
     return result
 
 
+@dataclass
 class _Compression:
     """The tree of rows G and T at points, worked through from its leaves.
 
@@ -95,14 +96,14 @@ class _Compression:
     and what is rounding of each column of T.
     """
 
-    def __init__(
-        self, gap: csr_array, slip: csr_array, size: Floats, touching: Ints, least: Floats
-    ) -> None:
-        self._gap, self._slip = gap, slip
-        self._size, self._touching, self._least = size, touching, least
-        # rows of J and R that are done: dense blocks and their columns
-        self.closure: list[tuple[Floats, Ints]] = []
-        self.reaction: list[tuple[Floats, Ints]] = []
+    gap: csr_array
+    slip: csr_array
+    size: Floats
+    touching: Ints
+    least: Floats
+    # rows of J and R that are done: dense blocks and their columns
+    closure: list[tuple[Floats, Ints]] = field(default_factory=list)
+    reaction: list[tuple[Floats, Ints]] = field(default_factory=list)
 
     def of_points(self, points: Ints, x: Floats) -> _Front:
         """What remains of some points once all that is theirs alone is done."""
@@ -112,7 +113,7 @@ class _Compression:
         return self.finish(_joined([self.of_points(half, x) for half in halves]))
 
     def _leaf(self, points: Ints) -> _Front:
-        gap, slip = self._gap[points], self._slip[points]
+        gap, slip = self.gap[points], self.slip[points]
         columns, count = np.unique(gap.indices, return_counts=True)
         carried = np.unique(slip.indices)
         return _Front(
@@ -121,9 +122,9 @@ class _Compression:
 
     def finish(self, front: _Front) -> _Front:
         """Eliminate the columns that no other point touches; what remains."""
-        own = front.touching == self._touching[front.columns]
+        own = front.touching == self.touching[front.columns]
         inner, edge = front.columns[own], front.columns[~own]
-        size = self._size[front.columns]
+        size = self.size[front.columns]
         # Of rows of very different size the large ones go first: small ones keep their digits.
         order = np.argsort(-np.abs(front.rows).max(axis=1, initial=0.0), kind="stable")
         rows, carried = front.rows[order] / size, front.carried[order]
@@ -146,7 +147,7 @@ class _Compression:
                 carried = _reflected(factors, reflections, carried)
                 rest = np.triu(factors)
             rest, carried = rest[: len(edge)], carried[: len(edge)]
-        lasting = np.abs(carried).max(axis=0, initial=0.0) > self._least[front.carried_columns]
+        lasting = np.abs(carried).max(axis=0, initial=0.0) > self.least[front.carried_columns]
         return _Front(
             rest * size[~own],
             edge,
