@@ -136,7 +136,7 @@ class Contact:
         assert self.friction is not None
         points = self.interface.local_points
         with agreed(self.interface.comm):
-            return self.friction.direction.at(points.x, points.normal)
+            return self.friction.along(points.x, points.normal)
 
     @property
     def K_n(self) -> Any:

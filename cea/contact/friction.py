@@ -106,26 +106,22 @@ FrictionDirection = AlongVector | Circumferential | AlongField
 
 
 @dataclass(frozen=True)
-class Reversed:
-    """Against a direction on side a: that of friction on b, in the second half of a full pass."""
-
-    direction: FrictionDirection
-
-    def at(self, x: Floats, normal: Floats) -> Floats:
-        """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        return -self.direction.at(x, normal)
-
-
-@dataclass(frozen=True)
 class Friction:
     """Coulomb friction of steady sliding, along a direction of the traction on side a."""
 
     mu: Floats | float  # coefficient, shape (n,) or one number, zero or positive
-    direction: FrictionDirection | Reversed
+    direction: FrictionDirection
+    # whether it is that on side b: in the second half of a full pass friction is against it
+    reverse: bool = False
 
     def __post_init__(self) -> None:
         mu = np.asarray(self.mu)
         require(bool((mu >= 0).all()), "mu", float(mu.min()), "zero or positive")
+
+    def along(self, x: Floats, normal: Floats) -> Floats:
+        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        tangents = self.direction.at(x, normal)
+        return -tangents if self.reverse else tangents
 
     @property
     def acts(self) -> bool:

@@ -168,7 +168,7 @@ def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
     slip = np.zeros_like(gap)
     if friction is not None and friction.acts:
         mu = np.broadcast_to(friction.mu, len(points))
-        slip = mu[:, None] * jump(system, contact, friction.direction.at(points.x, normal))
+        slip = mu[:, None] * jump(system, contact, friction.along(points.x, normal))
     if contact.coupling in ("mortar", "bonded"):
         a = contact.interface.a
         trace = (a.trace if bonded else a.split_trace)(points.at)
@@ -318,7 +318,7 @@ def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floa
         if value is not None
     }
     load = share * points.weight * given["pressure"]
-    k = friction.direction.at(x, n)
+    k = friction.along(x, n)
     along = jump(system, contact, k)
     damping: Floats = along.T @ ((load * given.get("mu_slope", 0.0))[:, None] * along)
     if "speed" in given:

@@ -41,7 +41,7 @@ def _against_rotation(
     assert half.friction is not None
     points = half.interface.points
     on_a, on_b = (_velocity(bodies[body].rotation, points.x) for body in (half.a, half.b))
-    k = half.friction.direction.at(points.x, points.normal)
+    k = half.friction.along(points.x, points.normal)
     power = float(points.weight @ ((on_a - on_b) * k).sum(axis=1))
     if power > 0:
         told = (

@@ -34,7 +34,7 @@ def precise(result):
     points, p = interface.points, contact.slope
     psi = interface.trace_a.toarray()
     psi = psi[:, np.abs(psi).max(axis=0) > 0]
-    k = contact.friction.direction.at(points.x, points.normal)
+    k = contact.friction.along(points.x, points.normal)
     jumps = []
     for direction in (points.normal, contact.friction.mu[:, None] * k):
         parts = []

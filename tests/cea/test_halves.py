@@ -28,7 +28,7 @@ def test_lumped_matrices_are_sums_over_columns_of_a_loop(backend, placement):
     contact = assemble(coarse(two_blocks(backend, LUMPED, placement, mu=MU, P=P))).contacts[0]
     interface = contact.interface
     normal, p = interface.points.normal, P / 0.3
-    k = contact.friction.direction.at(interface.points.x, normal)
+    k = contact.friction.along(interface.points.x, normal)
     traces = [interface.trace_a.toarray(), interface.trace_b.toarray()]
     sizes = [t.shape[1] for t in traces]
     for matrix, left, factor in ((contact.K_n, normal, 1.0), (contact.K_f, k, MU)):

@@ -43,6 +43,6 @@ def test_a_direction_by_expressions_is_the_circumferential_one():
         interfaces = build_interfaces(scene, bodies, StageTimer())
         law = build_system(scene, bodies, interfaces, StageTimer()).contacts[0]
         points = interfaces["pad_disc"].points
-        both.append(law.friction.direction.at(points.x, points.normal))
+        both.append(law.friction.along(points.x, points.normal))
     assert both[1] == pytest.approx(both[0], abs=1e-14)
     assert np.ptp(both[0][:, 0]) > 0.3
