@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import pandas as pd
 
@@ -22,7 +22,7 @@ from cea.contact.formulations import (
     NodeToSurface,
 )
 from comparisons.study.numbers import decimals, number, per_cent, shown
-from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.sections import Column, Section, Table, diagram
 from comparisons.study.study import Case, Session, Study, StudyResult
 from scenes import Result
 from scenes.results.matching import match_unstable
@@ -31,21 +31,14 @@ from scenes.spec.reading import BACKENDS, Scene, load_scene
 
 FREQUENCY_BOUND, GROWTH_BOUND = 0.01, 0.15
 """Largest relative differences of frequencies and of growth rates that agree."""
-_FINER = 3
-"""Degree, in every direction, that the last pairing is run with once more."""
+_FINER = 3  # degree, in every direction, that the last pairing is run with once more
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the comparison.
+    """Options of the comparison."""
 
-    Parameters
-    ----------
-    overrides
-        Changes of the disc_pad scene.
-    """
-
-    overrides: tuple[str, ...] = ()
+    overrides: Annotated[tuple[str, ...], "Changes of the disc_pad scene."] = ()
 
 
 def rules(backend: Backend) -> dict[str, Formulation]:
@@ -186,15 +179,8 @@ SECTIONS = [
             Table("modes", "", "modes", shown=False),
         ],
         [
-            Plot(
-                "stability",
-                "Every mode of every run.",
-                "modes",
-                "frequency",
-                "growth",
-                ("run",),
-                ("formulation",),
-                style="markers",
+            diagram(
+                "stability", "Every mode of every run.", "modes", ("run",), panel=("formulation",)
             )
         ],
         modes=True,

@@ -16,8 +16,7 @@ from comparisons.study.plots import AXIS, BLUE, STYLE, save
 from scenes import Result
 
 _OPEN = "#D9D9D9"
-_FLAT = 0.5
-"""Length of the mean unit normal from which a contact is seen along it."""
+_FLAT = 0.5  # length of the mean unit normal from which a contact is seen along it
 
 
 def draw_contacts(result: Result, out: Path) -> list[Path]:

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from math import sqrt
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -29,10 +29,8 @@ from scenes.spec.reading import Scene, read_scene
 
 K1, K2 = 1.0, 1.44
 """Stiffness along x and y (N/m)."""
-MODULUS = 1e6
-"""Young's modulus of all bodies (N/m^2)."""
-_TOP = 0.3
-"""Upper end of the modes (Hz), above both of the mass, which are at 0.16 and 0.19."""
+MODULUS = 1e6  # Young's modulus of all bodies (N/m^2)
+_TOP = 0.3  # upper end of the modes (Hz), above both of the mass, which are at 0.16 and 0.19
 _LOWEST, _HIGHEST = 0.005, 2.0
 """Friction below and above every threshold."""
 _WALLS = {
@@ -43,25 +41,16 @@ _WALLS = {
 }
 """Sides of the square and of the wall, corner and size of the wall, direction of friction on the
 square, stiffness along the normal of both walls together."""
+_RATIOS = tuple(float(f"{r:.4g}") for r in np.geomspace(1e-3, 0.3, 8))
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the study.
+    """Options of the study."""
 
-    Parameters
-    ----------
-    backends
-        Backends of the bodies.
-    shares
-        Damping ratio of the second mode over that of the first.
-    ratios
-        Means of both damping ratios.
-    """
-
-    backends: tuple[str, ...] = ("fe", "iga")
-    shares: tuple[float, ...] = (1.0, 3.0, 10.0)
-    ratios: tuple[float, ...] = tuple(float(f"{r:.4g}") for r in np.geomspace(1e-3, 0.3, 8))
+    backends: Annotated[tuple[str, ...], "Backends of the bodies."] = ("fe", "iga")
+    shares: Annotated[tuple[float, ...], "Second damping ratio over the first."] = (1.0, 3.0, 10.0)
+    ratios: Annotated[tuple[float, ...], "Means of both damping ratios."] = _RATIOS
 
 
 def cases(options: Options) -> Iterator[Case]:

@@ -15,8 +15,7 @@ from time import perf_counter
 from typing import Literal
 
 _PROJECT = "friction-cea"
-_PATIENCE = 60.0
-"""Seconds that a program may take."""
+_PATIENCE = 60.0  # seconds that a program may take
 _COUNT = "import sys; from cea.petsc import MPI; sys.stdout.write(f'of {MPI.COMM_WORLD.size};')"
 _AGAIN = "make distclean setup"
 LIBRARIES = {"libGL.so.1": "libgl1", "libEGL.so.1": "libegl1", "libGLU.so.1": "libglu1-mesa"}
@@ -31,8 +30,7 @@ _COARSE = {
 }
 _EXACT = (1.374601231794j, 1.767482480613j, 1.825025163132j, 1.953583329521j, 2.024977609479j)
 """The first five, by ``cea exact blocks --count 5``."""
-_TOLERANCE = 1e-4
-"""Relative error of eigenvalues on such meshes."""
+_TOLERANCE = 1e-4  # relative error of eigenvalues on such meshes
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ converges faster than geometrically for finite p, geometrically for p = infinity
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Annotated, Any
 
 from flint import acb, arb
 
@@ -25,16 +25,16 @@ from exact_cea.solve import Characteristic
 class Blocks(Characteristic):
     """Blocks with sinusoidal friction, in plane strain or for one wave number in z."""
 
-    p: Exact = Exact("1")  # contact stiffness per area, may be infinite
-    mu0: Exact = Exact("0.3")  # amplitude of the friction coefficient
+    p: Annotated[Exact, "Contact stiffness per area, or inf."] = Exact("1")
+    mu0: Annotated[Exact, "Friction mu0 sin(pi x / length)."] = Exact("0.3")
     # None: plane strain. Else the family u_x, u_y ~ cos(kz z), u_z ~ sin(kz z), which rollers at
     # both ends of a block of length pi / kz admit
-    kz: Exact | None = None
+    kz: Annotated[Exact | None, "Wave number in z, e.g. pi/2; none: plane strain."] = None
     a: Material = SOFT
     b: Material = STIFF
-    height_a: Exact = Exact("0.5")
-    height_b: Exact = Exact("1")
-    length: Exact = Exact("2")
+    height_a: Annotated[Exact, "Thickness of body a."] = Exact("0.5")
+    height_b: Annotated[Exact, "Thickness of body b."] = Exact("1")
+    length: Annotated[Exact, "Distance of the roller walls."] = Exact("2")
     harmonics: int = 24  # truncation N
 
     @classmethod

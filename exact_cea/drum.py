@@ -9,7 +9,7 @@ with ``phi ~ Z_m(alpha r)`` and ``chi, psi ~ Z_m(beta r)``, Z = J or Y,
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 from flint import acb, acb_mat, arb
 
@@ -28,16 +28,16 @@ class Drum(Characteristic):
     ``sigma_rr / p = u_r^a - u_r^b``.
     """
 
-    m: int  # circumferential order
-    p: Exact = Exact("1")  # contact stiffness per area, may be infinite
-    mu: Exact = Exact("0.3")  # coefficient of friction
+    m: Annotated[int, "Circumferential order; may be repeated."]
+    p: Annotated[Exact, "Contact stiffness per area, or inf."] = Exact("1")
+    mu: Annotated[Exact, "Friction coefficient."] = Exact("0.3")
     # None: plane strain. Else the family u_r, u_theta ~ cos(kz z), u_z ~ sin(kz z)
-    kz: Exact | None = None
+    kz: Annotated[Exact | None, "Wave number in z, e.g. pi/2; none: plane strain."] = None
     a: Material = SOFT
     b: Material = STIFF
-    inner: Exact = Exact("0.5")
-    interface: Exact = Exact("1")
-    outer: Exact = Exact("1.5")
+    inner: Annotated[Exact, "Inner radius."] = Exact("0.5")
+    interface: Annotated[Exact, "Radius of the interface."] = Exact("1")
+    outer: Annotated[Exact, "Outer radius."] = Exact("1.5")
 
     @classmethod
     def of(cls, m: int, *given: Any, **named: Any) -> "Drum":

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,15 +137,15 @@ class Ring:
     ``n = -e_z``, ``k = +e_theta``.
     """
 
-    m: int  # circumferential order
-    p: Exact = Exact("1e12")  # contact stiffness per area, may be infinite
-    mu: Exact = Exact("0.3")  # coefficient of friction
+    m: Annotated[int, "Circumferential order; may be repeated."]
+    p: Annotated[Exact, "Contact stiffness per area, or inf."] = Exact("1e12")
+    mu: Annotated[Exact, "Friction coefficient."] = Exact("0.3")
     a: Material = PAD
     b: Material = DISC
-    inner: Exact = Exact("0.08")
-    outer: Exact = Exact("0.16")
-    height_a: Exact = Exact("0.01")
-    height_b: Exact = Exact("0.02")
+    inner: Annotated[Exact, "Inner radius."] = Exact("0.08")
+    outer: Annotated[Exact, "Outer radius."] = Exact("0.16")
+    height_a: Annotated[Exact, "Thickness of body a."] = Exact("0.01")
+    height_b: Annotated[Exact, "Thickness of body b."] = Exact("0.02")
 
     @classmethod
     def of(cls, m: int, *given: Any, **named: Any) -> "Ring":

@@ -7,7 +7,7 @@ J. Hulten, SAE paper 932965 (1993).
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import cast
+from typing import Annotated, cast
 
 from flint import acb, arb, ctx, fmpq, fmpq_mat, fmpq_poly
 
@@ -39,11 +39,11 @@ def rationals(**values: str | float | Exact) -> list[Fraction]:
 
 
 def hoffmann(
-    mu: str | float,
-    k11: str | float = "2.5",
-    k12: str | float = "0.5",
-    k22: str | float = "2",
-    k3: str | float = "4/3",
+    mu: Annotated[str | float, "Friction coefficient."],
+    k11: Annotated[str | float, "Stiffness."] = "2.5",
+    k12: Annotated[str | float, "Coupling."] = "0.5",
+    k22: Annotated[str | float, "Stiffness."] = "2",
+    k3: Annotated[str | float, "Stiffness of the contact."] = "4/3",
 ) -> LumpedSystem:
     """Minimal model of mode coupling: unit masses, ``K = [[k11, k12 - mu k3], [k12, k22]]``."""
     m, a, b, c, d = rationals(mu=mu, k11=k11, k12=k12, k22=k22, k3=k3)
@@ -70,12 +70,12 @@ def hoffmann_threshold(
 
 
 def hulten(
-    mu: str | float,
-    k1: str | float = "1",
-    k2: str | float = "1.44",
-    c1: str | float = "0",
-    c2: str | float = "0",
-    rotation: str | float = "0",
+    mu: Annotated[str | float, "Friction coefficient."],
+    k1: Annotated[str | float, "Stiffness of contact 1."] = "1",
+    k2: Annotated[str | float, "Stiffness of contact 2."] = "1.44",
+    c1: Annotated[str | float, "Damping of contact 1."] = "0",
+    c2: Annotated[str | float, "Damping of contact 2."] = "0",
+    rotation: Annotated[str | float, "Speed of the frame."] = "0",
 ) -> LumpedSystem:
     """Two orthogonal contacts on one unit mass, damped, in a frame turning at ``rotation``.
 

@@ -1,6 +1,7 @@
 """Isotropic elasticity in exact numbers, and how a contact joins two normal responses."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from flint import acb, arb
 
@@ -12,9 +13,9 @@ from exact_cea.numbers import Exact, positive
 class Material:
     """Linear isotropic solid, in any consistent units."""
 
-    E: Exact  # Young's modulus
-    nu: Exact  # Poisson's ratio
-    rho: Exact  # density
+    E: Annotated[Exact, "Young's modulus"]
+    nu: Annotated[Exact, "Poisson's ratio"]
+    rho: Annotated[Exact, "Density"]
 
     @classmethod
     def of(

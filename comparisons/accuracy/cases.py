@@ -4,11 +4,11 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import prod
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from cea.errors import InputError
+from cea.errors import require
 from comparisons.accuracy.problems import PROBLEMS, Problem
 from comparisons.study.formulations import Variant, variants
 from comparisons.study.study import Case
@@ -22,44 +22,31 @@ INTEGRATING = ("mortar", "segments")
 DEGREES: Mapping[Backend, tuple[int, ...]] = {"fe": (1, 2, 3, 4), "iga": (2, 3, 4, 5, 6)}
 """Degrees of Lagrange elements, and of NURBS at full continuity."""
 _REFINEMENTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
-FEWEST = {2: 400, 3: 500}
-"""Fewest degrees of freedom of a case, by dimension."""
+FEWEST = {2: 400, 3: 500}  # fewest degrees of freedom of a case, by dimension
 PARTS = ("errors", "no flutter")
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the study.
+    """Options of the study."""
 
-    Parameters
-    ----------
-    parts
-        Of "errors" (against run time) and "no flutter" (where nothing may grow).
-    problems
-        Problems with exact eigenvalues.
-    stiffnesses
-        Contact stiffnesses p in units of each problem; at the first every degree is run.
-    most_dofs_2d, most_dofs_3d
-        Most degrees of freedom of a run.
-    levels
-        Meshes of a line at most.
-    repeats
-        Timed runs of each mesh; medians count.
-    """
-
-    parts: tuple[str, ...] = PARTS
-    problems: tuple[str, ...] = tuple(PROBLEMS)
-    stiffnesses: tuple[float, ...] = (1.0, 0.1, 10.0, 1000.0)
-    most_dofs_2d: int = 12_000
-    most_dofs_3d: int = 4_500
-    levels: int = 4
-    repeats: int = 3
+    parts: Annotated[tuple[str, ...], "Errors (by run time), no flutter (nothing may grow)."] = (
+        PARTS
+    )
+    problems: Annotated[tuple[str, ...], "Problems with exact eigenvalues."] = tuple(PROBLEMS)
+    stiffnesses: Annotated[
+        tuple[float, ...],
+        "Contact stiffnesses p in units of each problem; every degree at the first.",
+    ] = (1.0, 0.1, 10.0, 1000.0)
+    most_dofs_2d: Annotated[int, "Most degrees of freedom of a run in the plane."] = 12_000
+    most_dofs_3d: Annotated[int, "Most degrees of freedom of a run in space."] = 4_500
+    levels: Annotated[int, "Meshes of a line at most."] = 4
+    repeats: Annotated[int, "Timed runs of each mesh; medians count."] = 3
 
     def __post_init__(self) -> None:
         for name, known in (("problems", PROBLEMS), ("parts", PARTS)):
             for value in getattr(self, name):
-                if value not in known:
-                    raise InputError(name, value, f"one of {', '.join(known)}")
+                require(value in known, name, value, f"one of {', '.join(known)}")
 
 
 def rules(backend: Backend, gauss: int, grid: int) -> dict[str, Variant]:

@@ -17,12 +17,9 @@ from comparisons.study.study import Case, Session
 from scenes import run_modes
 from scenes.results.matching import circumferential_orders
 
-REACH = 0.25
-"""Relative distance at which a computed eigenvalue no longer stands for an exact one."""
-SECONDS = 100.0
-"""Most that the runs of one mesh may be expected to take."""
-_DIGITS = 4
-"""Significant digits of run times, memory and errors."""
+REACH = 0.25  # relative distance at which a computed eigenvalue no longer stands for an exact one
+SECONDS = 100.0  # most that the runs of one mesh may be expected to take
+_DIGITS = 4  # significant digits of run times, memory and errors
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -109,8 +106,7 @@ NO_FLUTTER = {
 Layers that mirror each other (even modes load the contact, odd ones slide, and friction couples
 them one way only), and axisymmetric modes of the drum, on which friction does no work.
 """
-_REFINEMENT = 3
-"""Mesh of these problems."""
+_REFINEMENT = 3  # mesh of these problems
 
 
 def no_flutter_cases() -> Iterator[Case]:

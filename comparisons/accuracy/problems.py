@@ -20,10 +20,8 @@ from exact_cea.reference import whole_spectrum
 
 _BEYOND = 1.1
 """Upper end of the search relative to that of the listed band: edge modes keep their partners."""
-_FAR = 1.15
-"""Upper end of the exact list relative to that of the listed band."""
-_REAL = 1e-9
-"""Growth rates below this part of abs(lambda) are rounding of the exact solver."""
+_FAR = 1.15  # upper end of the exact list relative to that of the listed band
+_REAL = 1e-9  # growth rates below this part of abs(lambda) are rounding of the exact solver
 STIFFNESSES = (0.1, 1.0, 10.0, 1000.0)
 """Contact stiffnesses p of the stored lists, in units of each problem."""
 FILE = Path(__file__).with_name("exact.json")
@@ -79,8 +77,7 @@ class Problem:
         return {"unit": self.unit, "mu": self.mu, "highest": _FAR * self.band[1]}
 
 
-_SINE = "{mu}*abs(sin(pi*x/2))"
-"""Not negative at a wall by rounding of its coordinate either."""
+_SINE = "{mu}*abs(sin(pi*x/2))"  # not negative at a wall by rounding of its coordinate either
 _LAYERS = {"upper": (4, 1), "lower": (3, 2)}
 _BLOCKS = {"upper": (4, 1, 3), "lower": (3, 2, 4)}
 _RING = {"outer": (1, 12), "inner": (1, 8)}

@@ -23,10 +23,8 @@ _TOO_COARSE = 0.1
 """Error of growth of a yardstick from which on a mesh says nothing of contact rules."""
 _ROUNDING = 1e-9
 """Errors below this say nothing of the order: exact lists and Krylov iteration end here."""
-_FITTED = 3
-"""Finest meshes that an order is fitted to."""
-LINE = ["problem", "backend", "degree", "rule", "p"]
-"""Labels of a line of a plot."""
+_FITTED = 3  # finest meshes that an order is fitted to
+LINE = ["problem", "backend", "degree", "rule", "p"]  # labels of a line of a plot
 
 
 def cases(options: Options) -> Iterator[Case]:

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from time import process_time
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import pandas as pd
 
 from cea.body import Body
-from cea.errors import InputError
+from cea.errors import require
 from cea.material import IsotropicMaterial
 from cea.petsc import MPI  # ahead of dolfinx
 from comparisons.study.columns import medians
@@ -32,16 +32,13 @@ from dolfinx.mesh import CellType, create_box  # isort: skip
 
 Family = Literal["NURBS", "Q", "P"]
 """NURBS of highest continuity, Lagrange hexahedra, Lagrange tetrahedra."""
-Boxes = tuple[int, int, int]
-"""Elements along each side; tetrahedra are such boxes divided into six."""
+Boxes = tuple[int, int, int]  # elements along each side; tetrahedra are such boxes divided into six
 DEGREES: Mapping[Family, tuple[int, ...]] = {"NURBS": (2, 3, 4), "Q": (1, 2, 3), "P": (1, 2, 3)}
 """Degrees of each family."""
-YARDSTICK = ("Q2", "dolfinx")
-"""What every other is measured by."""
+YARDSTICK = ("Q2", "dolfinx")  # what every other is measured by
 MATERIAL = IsotropicMaterial(E=1.0, nu=0.3, rho=1.0)
 _CELLS: Mapping[str, Literal["hexahedron", "tetrahedron"]] = {"Q": "hexahedron", "P": "tetrahedron"}
-_WEDGES = 6
-"""Tetrahedra that a box is divided into."""
+_WEDGES = 6  # tetrahedra that a box is divided into
 _OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 
 
@@ -93,23 +90,14 @@ PROGRAMS: Mapping[str, Callable[[Family, int, Boxes], Body | PlainDolfinx]] = {
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the benchmark.
+    """Options of the benchmark."""
 
-    Parameters
-    ----------
-    boxes
-        Elements along each side.
-    repeats
-        Rounds; medians count.
-    """
-
-    boxes: Boxes = (16, 16, 8)
-    repeats: int = 3
+    boxes: Annotated[Boxes, "Elements along each side."] = (16, 16, 8)
+    repeats: Annotated[int, "Rounds; medians count."] = 3
 
     def __post_init__(self) -> None:
         at_least_one(repeats=self.repeats)
-        if min(self.boxes) < 1:
-            raise InputError("boxes", self.boxes, "one or more along each direction")
+        require(min(self.boxes) >= 1, "boxes", self.boxes, "one or more along each direction")
 
 
 def cases(options: Options) -> Iterator[Case]:

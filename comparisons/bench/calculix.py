@@ -33,8 +33,7 @@ from scenes.spec.reading import Scene, load_scene, with_contact
 MASS_QUADRATURE = 2
 """Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""
 MODES = 20
-_WIDER = 1.01
-"""Window of this program over the last frequency of CalculiX."""
+_WIDER = 1.01  # window of this program over the last frequency of CalculiX
 _RIGID = 1e-6
 """Modes with abs(lambda) below this part of the largest are rigid, and zero but for rounding."""
 PROGRAMS = ("CalculiX", "this program", "exact mass")
@@ -43,14 +42,9 @@ PROGRAMS = ("CalculiX", "this program", "exact mass")
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the benchmark.
+    """Options of the benchmark."""
 
-    Parameters
-    ----------
-    meshes
-        Boxes along each direction of each body, six tetrahedra each; a mesh after another.
-    """
-
+    # boxes along each direction of each body, six tetrahedra each; a mesh after another
     meshes: tuple[Mapping[str, tuple[int, ...]], ...] = (
         {"pad": (3, 5, 2), "disc": (5, 36, 1)},
         {"pad": (4, 8, 3), "disc": (7, 56, 2)},

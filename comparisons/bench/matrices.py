@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -18,7 +18,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import ArpackError, LinearOperator, eigs, splu
 
 from cea.arrays import Complexes
-from cea.errors import InputError
+from cea.errors import require
 from comparisons.study.columns import medians
 from comparisons.study.measure import measured
 from comparisons.study.numbers import shown
@@ -28,34 +28,19 @@ from scenes import Result
 from scenes.running.matrices import AssembledMatrices
 from scenes.spec.matrices import MatrixScene, load_matrices
 
-_SHIFTS = 5
-"""Runs of scipy."""
-_WANTED = 20
-"""Eigenvalues of each."""
-_SAME = 1e-6
-"""Relative distance of eigenvalues that are the same."""
+_SHIFTS = 5  # runs of scipy
+_WANTED = 20  # eigenvalues of each
+_SAME = 1e-6  # relative distance of eigenvalues that are the same
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the benchmark.
+    """Options of the benchmark."""
 
-    Parameters
-    ----------
-    scene
-        Scene of matrices with damping: TOML file, or its name.
-    set
-        Override of a field of the scene.
-    data
-        Folder of the files that it names.
-    repeats
-        Runs of each by turns; medians count.
-    """
-
-    scene: str = "tu_berlin"
-    set: tuple[str, ...] = ()
-    data: str | None = None
-    repeats: int = 3
+    scene: Annotated[str, "Scene of matrices with damping: TOML file, or its name."] = "tu_berlin"
+    set: Annotated[tuple[str, ...], "Override of a field of the scene."] = ()
+    data: Annotated[str | None, "Folder of the files that it names."] = None
+    repeats: Annotated[int, "Runs of each by turns; medians count."] = 3
 
     def __post_init__(self) -> None:
         at_least_one(repeats=self.repeats)
@@ -64,8 +49,8 @@ class Options:
 def loaded(options: Options) -> MatrixScene:
     """The scene, refused without damping."""
     scene = load_matrices(options.scene, options.set, options.data)
-    if not scene.damping:
-        raise InputError("damping", {}, "one matrix or more: the race is one of quadratic problems")
+    allowed = "one matrix or more: the race is one of quadratic problems"
+    require(bool(scene.damping), "damping", {}, allowed)
     return scene
 
 

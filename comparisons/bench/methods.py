@@ -15,11 +15,11 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import eigs
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import image_of
+from cea.eigen.blocks import all_inner, norms, times
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
-from cea.matrices import dense, destroy, local_part
+from cea.matrices import destroy, local_part, scaled_total
 from cea.petsc import PETSc, SLEPc
 from cea.timing import StageTimer
 from scenes.running.system import coupled
@@ -30,12 +30,12 @@ TOLERANCE = 1e-12
 
 @dataclass(frozen=True)
 class Problem:
-    """K x = kappa M x with K = S - F, and what is asked of a method."""
+    """K x = kappa M x with K = S + U, and what is asked of a method."""
 
     pencil: Pencil  # what this program's driver takes
     stiffness: Any  # S, PETSc AIJ
     mass: Any
-    friction: Any  # F
+    friction: Any  # U
     top: float  # end of the window, of kappa = -lambda^2 (1/s^2)
 
     @classmethod
@@ -47,9 +47,7 @@ class Problem:
             raise InputError("scene", scene.name, "a penalty with friction, without damping")
         assert scene.analysis.kind == "cea"
         top = (2 * np.pi * scene.analysis.max_frequency) ** 2
-        friction = matrices.unsymmetric.copy()
-        friction.scale(-1.0)
-        return cls(pencil, matrices.stiffness, matrices.mass, friction, top)
+        return cls(pencil, matrices.stiffness, matrices.mass, matrices.unsymmetric, top)
 
     @property
     def shift(self) -> float:
@@ -58,11 +56,8 @@ class Problem:
 
     def unsymmetric(self, shift: float = 0.0) -> Any:
         """K - shift M, a new matrix."""
-        K = self.stiffness.copy()
-        for factor, matrix in ((-1.0, self.friction), (-shift, self.mass)):
-            if factor:
-                K.axpy(factor, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-        return K
+        shifted = [(-shift, self.mass)] if shift else []
+        return scaled_total([(1.0, self.stiffness), (1.0, self.friction), *shifted])
 
 
 @dataclass(frozen=True)
@@ -82,17 +77,11 @@ class Answer:
 
 def backward_errors(problem: Problem, found: Answer) -> Floats:
     """|K x - kappa M x| / |kappa M x| of each pair, in the Euclidean norm."""
-    comm = problem.mass.comm.tompi4py()
     K = problem.unsymmetric()
-    stiff, heavy = (
-        image_of(matrix, found.vectors.real) + 1j * image_of(matrix, found.vectors.imag)
-        for matrix in (K, problem.mass)
-    )
+    heavy = times(problem.mass, found.vectors) * found.kappa
+    defect = times(K, found.vectors) - heavy
     destroy(K)
-    heavy = heavy * found.kappa
-    norms = (np.sum(np.abs(part) ** 2, axis=0) for part in (stiff - heavy, heavy))
-    defect, size = (np.sqrt(comm.allreduce(part)) for part in norms)
-    return np.asarray(defect / size)
+    return norms(defect, problem.mass.comm) / norms(heavy, problem.mass.comm)
 
 
 def this_driver(problem: Problem, wanted: int) -> Answer:
@@ -122,7 +111,8 @@ def projection(problem: Problem, wanted: int, count: int) -> Answer:
     S, M = problem.stiffness, problem.mass
     modes = _krylov_schur(S, M, SLEPc.EPS.ProblemType.GHEP, 0.0, count)
     basis = np.asfortranarray(modes.vectors[:, :count].real)  # some more may have converged
-    K, M = (_projected(matrix, basis) for matrix in (problem.unsymmetric(), problem.mass))
+    every = problem.unsymmetric(), problem.mass
+    K, M = (all_inner(basis, times(matrix, basis), matrix.comm) for matrix in every)
     kappa, vectors = eig(K, M)
     return Answer(kappa, basis @ vectors, f"on {basis.shape[1]} real modes")
 
@@ -136,15 +126,6 @@ METHODS: Mapping[str, Callable[[Problem, int], Answer]] = {
     **{f"{n} real modes": partial(projection, count=n) for n in (100, 200, 300)},
 }
 """Methods by name: each takes a problem and how many eigenvalues of the window there are."""
-
-
-def _projected(matrix: Any, basis: Floats) -> Floats:
-    """Products of a basis, the rows of this rank, with its image."""
-    right = dense(basis, matrix.getSizes()[0], matrix.comm)
-    image = matrix.matMult(right)
-    product: Floats = matrix.comm.tompi4py().allreduce(basis.T @ image.getDenseArray())
-    destroy(right, image)
-    return product
 
 
 def _krylov_schur(K: Any, M: Any, kind: Any, shift: float, count: int) -> Answer:

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Annotated, Any
 
 import pandas as pd
 
-from cea.errors import InputError
+from cea.errors import require
 from cea.petsc import MPI
 from comparisons.study.columns import medians, wide
 from comparisons.study.measure import measured
@@ -25,31 +25,19 @@ SIZES: Mapping[str, tuple[float, ...]] = {
     "large": (2.1, 2.7, 3.4, 4.4),
 }
 """Factors on the boxes along each side; runs on more ranks take the last but one."""
-_WHOLE = "whole"
-"""Name of all stages together."""
+_WHOLE = "whole"  # name of all stages together
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the benchmark.
+    """Options of the benchmark."""
 
-    Parameters
-    ----------
-    size
-        Row of meshes: tiny, medium or large.
-    ranks
-        Numbers of ranks, rising.
-    repeats
-        Runs of each by turns; medians count.
-    """
-
-    size: str = "medium"
-    ranks: tuple[int, ...] = (1, 2)
-    repeats: int = 1
+    size: Annotated[str, "Row of meshes: tiny, medium or large."] = "medium"
+    ranks: Annotated[tuple[int, ...], "Numbers of ranks, rising."] = (1, 2)
+    repeats: Annotated[int, "Runs of each by turns; medians count."] = 1
 
     def __post_init__(self) -> None:
-        if self.size not in SIZES:
-            raise InputError("size", self.size, f"one of {', '.join(SIZES)}")
+        require(self.size in SIZES, "size", self.size, f"one of {', '.join(SIZES)}")
         at_least_one(repeats=self.repeats, ranks=min(self.ranks, default=0))
 
 

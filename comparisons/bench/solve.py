@@ -7,15 +7,15 @@ use, made in the same process: how fast the machine happens to be then cancels.
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import linear_sum_assignment
 
 from cea.arrays import Complexes
 from cea.eigen.classify import classify, thresholds
-from cea.errors import InputError
+from cea.eigen.matching import assign
+from cea.errors import require
 from cea.matrices import destroy
 from cea.petsc import MPI, PETSc
 from comparisons.bench.methods import METHODS, OURS, SERIAL, Problem, backward_errors
@@ -34,8 +34,7 @@ SIZES: Mapping[str, Mapping[str, tuple[int, int, int]]] = {
     "million": {"pad": (16, 28, 9), "disc": (30, 222, 5)},
 }
 """Boxes of each body along r, theta and z, six quadratic tetrahedra each."""
-MAX_FREQUENCY = 27e3
-"""End of the window (Hz)."""
+MAX_FREQUENCY = 27e3  # end of the window (Hz)
 _EVENTS = {
     "factorisations": ("MatLUFactorNum", "MatCholFctrNum"),
     "solves": ("MatSolve", "MatSolveTranspos"),
@@ -46,26 +45,15 @@ _EVENTS = {
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the benchmark.
+    """Options of the benchmark."""
 
-    Parameters
-    ----------
-    size
-        Mesh: tiny, small, medium, large or million.
-    ranks
-        Ranks of each method.
-    repeats
-        Runs of each by turns; medians count.
-    """
-
-    size: str = "medium"
-    ranks: int = 1
-    repeats: int = 1
+    size: Annotated[str, "Mesh: tiny, small, medium, large or million."] = "medium"
+    ranks: Annotated[int, "Ranks of each method."] = 1
+    repeats: Annotated[int, "Runs of each by turns; medians count."] = 1
 
     def __post_init__(self) -> None:
         at_least_one(ranks=self.ranks, repeats=self.repeats)
-        if self.size not in SIZES:
-            raise InputError("size", self.size, f"one of {', '.join(SIZES)}")
+        require(self.size in SIZES, "size", self.size, f"one of {', '.join(SIZES)}")
 
 
 def cases(options: Options) -> Iterator[Case]:
@@ -100,8 +88,7 @@ def _wanted(options: Options) -> int:
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     """Run a method and measure it: its row and its eigenvalues."""
     options, comm, name = session.options, MPI.COMM_WORLD, case["method"]
-    if name == SERIAL and comm.size > 1:
-        raise InputError("ranks", comm.size, "1: scipy runs on one")
+    require(name != SERIAL or comm.size == 1, "ranks", comm.size, "1: scipy runs on one")
     problem = _problem(options)
     wanted, before = 0 if name == OURS else _wanted(options), _counts()
     with measured() as cost:
@@ -163,7 +150,7 @@ def unstable(kappa: Complexes) -> int:
 def errors_of(found: Complexes, exact: Complexes) -> tuple[list[float], int]:
     """Relative errors of eigenvalues, each paired with an exact one, and how many have no pair."""
     cost = np.abs(found[:, None] - exact) / np.abs(exact)
-    rows, columns = linear_sum_assignment(cost)
+    rows, columns = assign(cost)
     return cost[rows, columns].tolist(), len(exact) - len(columns)
 
 
@@ -186,7 +173,6 @@ def methods(result: StudyResult) -> pd.DataFrame:
 COLUMNS = {
     "factorisations_worth": Column("time", "LU", shown(3)),
     "factorisations": Column("factorised", show=number),
-    "solves": Column("solves", show=number),
     "blocks": Column("of blocks", show=number),
     "median": Column("error, median", show=shown(2)),
     "worst": Column("worst error of λ²", show=shown(2)),

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import isclose
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import pandas as pd
 
 from cea.errors import InputError
 from cea.petsc import MPI
 from comparisons.study.numbers import decimals, number, per_cent, plain
-from comparisons.study.sections import Column, Plot, Section, Table
+from comparisons.study.sections import Column, Section, Table, diagram
 from comparisons.study.shapes import mode_rows
 from comparisons.study.study import Case, Session, Study, StudyResult
 from scenes.checking.memory import estimated_memory
@@ -27,31 +27,20 @@ from scenes.results.matching import match_runs
 from scenes.spec.reading import Scene, load_scene
 
 SCENE = "ventilated_brake"
-_KILOBYTE = 1024
-"""Bytes of the unit in which the system tells the peak of a process."""
-_PARTNERS = 1e-10
-"""Relative distance of the frequencies of a growing mode and its decaying partner."""
+_KILOBYTE = 1024  # bytes of the unit in which the system tells the peak of a process
+_PARTNERS = 1e-10  # relative distance of the frequencies of a growing mode and its decaying partner
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the study.
+    """Options of the study; refused without sizes, or where they do not fall."""
 
-    Parameters
-    ----------
-    sizes
-        Target edge lengths of the tetrahedra (m), of disc and pads alike, falling.
-    overrides
-        Fields of the scene that differ, as ``--set`` takes them.
-
-    Raises
-    ------
-    InputError
-        When there is no size, or sizes do not fall.
-    """
-
-    sizes: tuple[float, ...] = (0.012, 0.0075, 0.006)
-    overrides: tuple[str, ...] = ()
+    sizes: Annotated[tuple[float, ...], "Edge lengths of tetrahedra (m), falling."] = (
+        0.012,
+        0.0075,
+        0.006,
+    )
+    overrides: Annotated[tuple[str, ...], "Fields of the scene, as with --set."] = ()
 
     def __post_init__(self) -> None:
         falling = all(a > b > 0 for a, b in pairwise(self.sizes))
@@ -188,18 +177,7 @@ STUDY = Study(
                 Table("brake_runs", "Every mesh.", "brake_runs", OWN, printed=True),
                 Table("brake_modes", "Modes over the meshes.", brake_modes, OWN, printed=True),
             ],
-            [
-                Plot(
-                    "brake",
-                    "Every mode of every mesh.",
-                    "modes",
-                    "frequency",
-                    "growth",
-                    ("size",),
-                    own=OWN,
-                    style="markers",
-                )
-            ],
+            [diagram("brake", "Every mode of every mesh.", "modes", ("size",), own=OWN)],
             modes=True,
             of="modes",
         ),

@@ -123,8 +123,7 @@ _EXPECTED = (InputError, ConvergenceError, WriteError, MissingExtraError)
 _OUTPUT = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EPIPE)
 """Faults of what output goes to, a full disk or a program that has ended."""
 
-_PATIENCE = 5.0
-"""Seconds that a rank with a fault gives the others to meet the same one."""
+_PATIENCE = 5.0  # seconds that a rank with a fault gives the others to meet the same one
 
 _LAUNCHERS = ("PMI_", "PMIX_", "PMI2_", "OMPI_", "MPI_LOCAL", "MV2_", "SLURM_", "PALS_", "FLUX_")
 """Beginnings of the environment variables by which launchers tell a process its rank."""
@@ -149,39 +148,32 @@ def one_voice(comm: Any) -> Iterator[None]:
     A fault that all ranks meet is told by rank 0. Where others run on, they may wait for this rank
     for ever: then it tells its fault itself and aborts them.
     """
-    if comm is None:
-        try:
-            yield
-        except Exception as error:
-            _tell(_told(error))
-            sys.exit(1)
-        return
-    meeting = comm.Dup()  # a meeting of ranks must not match messages of their work
+    meeting = comm and comm.Dup()  # a meeting of ranks must not match messages of their work
     try:
         with ExitStack() as silence:
-            if comm.rank > 0:
+            if comm and comm.rank > 0:
                 nothing = silence.enter_context(open(os.devnull, "w"))
                 silence.enter_context(redirect_stdout(nothing))
                 silence.enter_context(redirect_stderr(nothing))
             yield
     except Exception as error:
-        _end(meeting, _told(error))
+        everyone = meeting is None or _all_arrive(meeting)
+        if not everyone or not meeting or meeting.rank == 0:
+            _tell(_told(error))
+        if not everyone:
+            meeting.Abort(1)
+        sys.exit(1)
 
 
 def _told(error: Exception) -> str:
-    if isinstance(error, _EXPECTED) or _is_of_a_scene(error):
+    refusals = sys.modules.get("scenes.spec.problems")  # only what has read scenes refuses one
+    if isinstance(error, (*_EXPECTED, *([refusals.SceneError] if refusals else []))):
         return "".join(f"error: {line}\n" for line in str(error).splitlines())
     if isinstance(error, OSError) and error.errno in _OUTPUT:
         return f"error: output cannot be written: {error.strerror}\n"
     if isinstance(error, MemoryError):
         return f"error: not enough memory{f': {error}' if str(error) else ''}\n"
     return "".join(format_exception(error))
-
-
-def _is_of_a_scene(error: Exception) -> bool:
-    """Whether a scene was refused; only what has read scenes can refuse one."""
-    refusals = sys.modules.get("scenes.spec.problems")
-    return refusals is not None and isinstance(error, refusals.SceneError)
 
 
 def _tell(fault: str) -> None:
@@ -191,15 +183,6 @@ def _tell(fault: str) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.stderr.write(fault)
     sys.stderr.flush()
-
-
-def _end(comm: Any, fault: str) -> None:
-    everyone = _all_arrive(comm)
-    if comm.rank == 0 or not everyone:
-        _tell(fault)
-    if not everyone:
-        comm.Abort(1)
-    sys.exit(1)
 
 
 def _all_arrive(comm: Any) -> bool:

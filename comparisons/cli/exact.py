@@ -1,10 +1,14 @@
-"""The command line ``cea exact``: reference eigenvalues for any parameters."""
+"""The command line ``cea exact``: reference eigenvalues for any parameters.
+
+Options are the parameters of the problems of :mod:`exact_cea`, as texts, which keep all digits.
+"""
 
 import inspect
 from collections.abc import Mapping
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
 
@@ -13,135 +17,81 @@ from comparisons.cli.options import PLAIN, LazyGroup, command_with, need
 
 if TYPE_CHECKING:
     from exact_cea.entries import Entry
-    from exact_cea.material import Material
 
-_HELP = {
-    "m": "Circumferential order; may be repeated.",
-    "p": "Contact stiffness per area, or inf.",
-    "mu": "Friction coefficient; of blocks constant, in the place of mu0.",
-    "mu0": "Friction mu0 sin(pi x / length) [0.3].",
-    "thresholds": "Instead: exceptional points up to mu0.",
-    "kz": "Wave number in z, e.g. pi/2; none: plane strain.",
-    "E": "Young's modulus",
-    "nu": "Poisson's ratio",
-    "rho": "Density",
-    "height": "Thickness",
-    "inner": "Inner radius.",
-    "interface": "Radius of the interface.",
-    "outer": "Outer radius.",
-    "length": "Distance of the roller walls.",
-    "k11": "Stiffness.",
-    "k12": "Coupling.",
-    "k22": "Stiffness.",
-    "k3": "That of the contact.",
-    "k1": "Stiffness of contact 1.",
-    "k2": "Stiffness of contact 2.",
-    "c1": "Damping of contact 1.",
-    "c2": "Damping of contact 2.",
-    "rotation": "Speed of the frame.",
-    "max_frequency": "List all eigenvalues with Im up to this, Re to half.",
-    "count": "Or: list so many, lowest first.",
-    "json": "File for the entries.",
+Options = Mapping[str, tuple[Any, Any, str]]
+"""Type, default and help of options by name."""
+_LIST: Options = {
+    "max_frequency": (float | None, None, "List all eigenvalues with Im up to this, Re to half."),
+    "count": (int | None, None, "Or: list so many, lowest first."),
 }
-"""Help of options; of those that end in _a and _b it is that of the name before, of each body."""
-_TYPES: Mapping[str, Any] = {
-    "m": list[int],
-    "thresholds": bool,
-    "count": int | None,
-    "json": Path | None,
-    "max_frequency": float | None,
+_FRICTION: Options = {
+    "mu0": (str | None, None, "Friction mu0 sin(pi x / length) [0.3]."),
+    "mu": (str | None, None, "Constant friction coefficient, in the place of mu0."),
+    "thresholds": (bool, False, "Instead: exceptional points up to mu0."),
 }
-"""Types of options that are no text; numbers are texts, which keep all their digits."""
-
-_ELASTIC = {"E_a": "0.1", "nu_a": "0.25", "rho_a": "0.35", "E_b": "1", "nu_b": "0.3", "rho_b": "1"}
-_BRAKE = {
-    "E_a": "1e10",
-    "nu_a": "0.25",
-    "rho_a": "2500",
-    "E_b": "2.1e11",
-    "nu_b": "0.3",
-    "rho_b": "7800",
-}
-_LIST = {"max_frequency": None, "count": None, "json": None}
+_MU: Options = {"mu": (str, "0.3", "Friction coefficient.")}
+_JSON: Options = {"json": (Path | None, None, "File for the entries.")}
 
 
-def _drum(o: Any) -> "list[Entry]":
+def _drum(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """Annulus a around annulus b, clamped outside and inside, in plane strain or 3D (--kz)."""
     from exact_cea import entries
-    from exact_cea.drum import Drum
 
-    radii = o.inner, o.interface, o.outer
-    problems = [Drum.of(m, o.p, o.mu, o.kz, *_materials(o), *radii) for m in o.m]
-    return [entries.drum(problem, *_window(o, 14)) for problem in problems]
+    return [entries.drum(problem.of(m, **given), *_window(o, 14)) for m in o.m]
 
 
-def _blocks(o: Any) -> "list[Entry]":
+def _blocks(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """Layer a on layer b between roller walls, with sinusoidal or constant friction."""
     from exact_cea import entries
-    from exact_cea.blocks import Blocks
 
     if o.mu is not None and (o.mu0 is not None or o.thresholds):
         raise InputError("mu", o.mu, "not together with mu0 or thresholds")
     default = "1" if o.thresholds else "0.3"
     friction = next(each for each in (o.mu, o.mu0, default) if each is not None)
-    problem = Blocks.of(o.p, friction, o.kz, *_materials(o), o.height_a, o.height_b, o.length)
+    blocks = problem.of(**given | {"mu0": friction})
     if o.thresholds:
         if o.max_frequency is None or o.count is not None:
             allowed = "given, without count, for thresholds"
             raise InputError("max_frequency", o.max_frequency, allowed)
-        return entries.thresholds(problem, float(problem.mu0), o.max_frequency)
+        return entries.thresholds(blocks, float(blocks.mu0), o.max_frequency)
     make = entries.blocks_sine if o.mu is None else entries.blocks_constant
-    return [make(problem, *_window(o, 11))]
+    return [make(blocks, *_window(o, 11))]
 
 
-def _ring(o: Any) -> "list[Entry]":
+def _ring(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """Ring pad a on disc b with rolling rims, by a Galerkin method of high degree."""
     from exact_cea import entries
-    from exact_cea.galerkin_problems import Ring
 
-    sizes = o.inner, o.outer, o.height_a, o.height_b
-    problems = [Ring.of(m, o.p, o.mu, *_materials(o), *sizes) for m in o.m]
-    return [entries.ring(problem, *_window(o, 20)) for problem in problems]
+    return [entries.ring(problem.of(m, **given), *_window(o, 20)) for m in o.m]
 
 
-def _hoffmann(o: Any) -> "list[Entry]":
+def _hoffmann(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """A system of two degrees of freedom, the model of Hoffmann."""
     from exact_cea import entries, lumped
 
-    stiffness = o.k11, o.k12, o.k22, o.k3
-    info = {"mu_c": str(float(lumped.hoffmann_threshold(*stiffness)))}
-    return [entries.lumped_system(lumped.hoffmann(o.mu, *stiffness), info)]
+    threshold = lumped.hoffmann_threshold(o.k11, o.k12, o.k22, o.k3)
+    return [entries.lumped_system(problem(**given), {"mu_c": str(float(threshold))})]
 
 
-def _hulten(o: Any) -> "list[Entry]":
+def _hulten(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     """A system of two degrees of freedom, the model of Hulten."""
     from exact_cea import entries, lumped
 
-    contacts, info = (o.k1, o.k2, o.c1, o.c2), {}
+    info = {}
     if not lumped.rationals(rotation=o.rotation)[0]:
-        found = zip(("mu_c", "omega_c2"), lumped.hulten_threshold(*contacts), strict=True)
-        info = {name: value.str(22, radius=False) for name, value in found}
-    return [entries.lumped_system(lumped.hulten(o.mu, *contacts, o.rotation), info)]
+        mu, square = lumped.hulten_threshold(o.k1, o.k2, o.c1, o.c2)
+        info = {"mu_c": mu.str(22, radius=False), "omega_c2": square.str(22, radius=False)}
+    return [entries.lumped_system(problem(**given), info)]
 
 
-_DEFAULTS: dict[str, dict[str, Any]] = {
-    "drum": {"m": ..., "p": "1", "mu": "0.3", "kz": None}
-    | _ELASTIC
-    | {"inner": "0.5", "interface": "1", "outer": "1.5"}
-    | _LIST,
-    "blocks": {"p": "1", "mu0": None, "mu": None, "thresholds": False, "kz": None}
-    | _ELASTIC
-    | {"height_a": "0.5", "height_b": "1", "length": "2"}
-    | _LIST,
-    "ring": {"m": ..., "p": "1e12", "mu": "0.3"}
-    | _BRAKE
-    | {"inner": "0.08", "outer": "0.16", "height_a": "0.01", "height_b": "0.02"}
-    | _LIST,
-    "hoffmann": {"mu": "0.3", "k11": "2.5", "k12": "0.5", "k22": "2", "k3": "4/3", "json": None},
-    "hulten": {"mu": "0.3", "k1": "1", "k2": "1.44", "c1": "0", "c2": "0", "rotation": "0"}
-    | {"json": None},
+_PLACES: Mapping[str, tuple[str, Options]] = {
+    "drum": ("drum:Drum", _LIST),
+    "blocks": ("blocks:Blocks", {**_FRICTION, **_LIST}),
+    "ring": ("galerkin_problems:Ring", _LIST),
+    "hoffmann": ("lumped:hoffmann", _MU),
+    "hulten": ("lumped:hulten", _MU),
 }
-"""Options of each problem with their defaults."""
+"""Place of each problem below exact_cea, and options beside its parameters."""
 _PROBLEMS = {
     made.__name__[1:]: (made, inspect.getdoc(made) or "")
     for made in (_drum, _blocks, _ring, _hoffmann, _hulten)
@@ -156,23 +106,56 @@ class _Problems(LazyGroup):
 
     def make(self, name: str) -> Any:
         """Command of a problem."""
-        make, _ = self.table[name]
+        need("exact")
+        (make, _), (place, more) = self.table[name], _PLACES[name]
+        module, _, attribute = place.partition(":")
+        problem = getattr(import_module(f"exact_cea.{module}"), attribute)
 
         def call(**given: Any) -> None:
             from cea.files import check_writable
 
             if given["json"] is not None:
                 check_writable(given["json"], "json")
-            _deliver(make(SimpleNamespace(**given)), given["json"])
+            chosen = make(problem, _parameters(problem, given), SimpleNamespace(**given))
+            _deliver(chosen, given["json"])
 
         call.__doc__ = make.__doc__
-        options = {}
-        for option, default in _DEFAULTS[name].items():
-            quantity, _, body = option.rpartition("_")
-            text = f"{_HELP[quantity]} of body {body}." if body in ("a", "b") else _HELP[option]
+        return command_with(call, {**_own_options(problem), **more, **_JSON}, name)
+
+
+def _own_options(problem: Any) -> dict[str, tuple[Any, Any, str]]:
+    """Options of the parameters of a problem that are annotated with their help.
+
+    A material has one for each of its numbers.
+    """
+    from exact_cea.material import Material
+
+    found: dict[str, tuple[Any, Any, str]] = {}
+    hints = get_type_hints(problem, include_extras=True)
+    for name, parameter in inspect.signature(problem).parameters.items():
+        hint, default = hints[name], parameter.default
+        if hint is Material:
+            for each, number in get_type_hints(Material, include_extras=True).items():
+                text = f"{get_args(number)[1]} of body {name}."
+                found[f"{each}_{name}"] = (str, str(getattr(default, each)), text)
+        elif name == "m":
+            found[name] = (list[int], ..., get_args(hint)[1])
+        elif get_origin(hint) is Annotated:
             kind = str | None if default is None else str
-            options[option] = (_TYPES.get(option, kind), default, text)
-        return command_with(call, options, name)
+            found[name] = (kind, default and str(default), get_args(hint)[1])
+    return found
+
+
+def _parameters(problem: Any, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Parameters of a problem but for orders m, as they were given; its materials made."""
+    from exact_cea.material import Material
+
+    names = inspect.signature(problem).parameters.keys()
+    chosen = {name: given[name] for name in names & given.keys() if name != "m"}
+    for body in names & {"a", "b"}:
+        E, nu, rho = (given[f"{each}_{body}"] for each in ("E", "nu", "rho"))
+        chosen[body] = Material.of(E, nu, rho, body)
+    return chosen
 
 
 app = typer.Typer(cls=_Problems, no_args_is_help=True, **PLAIN)
@@ -181,14 +164,6 @@ app = typer.Typer(cls=_Problems, no_args_is_help=True, **PLAIN)
 @app.callback()
 def exact() -> None:
     """Exact eigenvalues of frictional contacts, without finite elements or splines."""
-    need("exact")
-
-
-def _materials(o: Any) -> "tuple[Material, Material]":
-    from exact_cea.material import Material
-
-    a, b = (o.E_a, o.nu_a, o.rho_a), (o.E_b, o.nu_b, o.rho_b)
-    return Material.of(*a, "a"), Material.of(*b, "b")
 
 
 def _window(o: Any, default: int) -> tuple[float | None, int | None]:
@@ -197,16 +172,8 @@ def _window(o: Any, default: int) -> tuple[float | None, int | None]:
 
 
 _NOT_IN_LINE = (
-    "lam",
-    "lam_contact_free",
-    "digits_each",
-    "M",
-    "C",
-    "K",
-    "window",
-    "a",
-    "b",
-    "sizes",
+    *("lam", "lam_contact_free", "digits_each"),
+    *("M", "C", "K", "window", "a", "b", "sizes"),
 )
 """What an entry holds beside what its first line shows."""
 

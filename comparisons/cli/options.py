@@ -11,7 +11,7 @@ from typer import Argument, Option
 from typer.core import TyperGroup
 from typer.main import get_command
 
-from cea.errors import InputError
+from cea.errors import require
 
 if TYPE_CHECKING:
     from scenes.spec.matrices import MatrixScene
@@ -74,12 +74,9 @@ class MissingExtraError(Exception):
 
 
 def need(*extras: str) -> None:
-    """Refuse to begin without what extras bring, by names: ``pictures``, ``maps`` or ``exact``.
+    """Refuse to begin without what extras bring, with the command that installs them.
 
-    Raises
-    ------
-    MissingExtraError
-        With the command that installs it, when a module of one cannot be found.
+    Names are ``pictures``, ``maps`` and ``exact``.
     """
     for extra in extras:
         missing = [module for module in _MODULES[extra] if find_spec(module) is None]
@@ -108,8 +105,7 @@ def command_with(
 def refuse(given: Mapping[str, Any], why: str) -> None:
     """Refuse the first of some options that was given: those that were not are empty or None."""
     for name, value in given.items():
-        if value:
-            raise InputError(name, value, f"left out {why}")
+        require(not value, name, value, f"left out {why}")
 
 
 def refuse_with_redraw(redraw: bool, options: Mapping[str, Any]) -> None:
@@ -121,8 +117,8 @@ def refuse_with_redraw(redraw: bool, options: Mapping[str, Any]) -> None:
 def refuse_another(given: Mapping[str, Any], stored: Mapping[str, Any]) -> None:
     """Refuse to draw a stored result as another one: what was asked for, and its inputs."""
     for name, value in given.items():
-        if value != stored.get(name):
-            raise InputError(name, value, f"{stored.get(name)!r}, as the stored result has it")
+        allowed = f"{stored.get(name)!r}, as the stored result has it"
+        require(value == stored.get(name), name, value, allowed)
 
 
 def load(

@@ -23,10 +23,7 @@ if TYPE_CHECKING:
 console = Console(highlight=False)
 
 _COLOURS = {"unstable": "bold red", "grows slowly": "red", "undecided": "yellow"}
-_FIRST = ("mode", "frequency", "growth_rate", "damping_ratio", "verdict")
-"""Columns of modes, the most important first; others follow where the terminal has room."""
-_NEEDED = 4
-"""Columns that are never left out."""
+_NEEDED = 4  # columns that are never left out
 
 Column = tuple[str, Sequence[str], bool]
 """Heading, texts, and whether they are numbers, which are never wrapped."""
@@ -77,8 +74,8 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
     made = table_cells(replace(table, group=""), rows(table.frame, result))
     cells = [row["cells"] for _, own in made["groups"] for row in own]
     columns = [
-        (head["axis"], [str(row[i][0]) for row in cells], head["number"])
-        for i, head in enumerate(made["heads"])
+        (head.axis, [str(row[i][0]) for row in cells], head.number)
+        for i, (_, head) in enumerate(made["heads"])
     ]
     if cells:
         print_columns(to, columns, f"{table.name}.csv", title=table.caption)
@@ -104,11 +101,10 @@ def print_skipped(
     named: dict[str, list[str]] = {}
     for name, reason in skipped.items():
         label = next((labels[start] for start in labels if reason.startswith(start)), None)
-        named.setdefault(label or "left out, not needed", []).append(name)
         if explain:
             say(to, f"{'' if label else 'left out: '}{name}: {reason}", "dim")
-    if explain:
-        return
+        else:
+            named.setdefault(label or "left out, not needed", []).append(name)
     for label, names in named.items():
         say(to, f"{label}: {', '.join(names)}", "dim")
 
@@ -136,21 +132,15 @@ def _print_modes(result: "Result", to: Console) -> None:
         say(to, hint, "yellow")
     for cells in texts:
         if cells["verdict"] == "unstable":
-            say(
-                to,
-                f"{MARKS['unstable']} mode {cells['mode']}: {cells['frequency']} Hz, growth rate "
-                f"{cells['growth_rate']} 1/s, damping ratio {cells['damping_ratio']}",
-                _COLOURS["unstable"],
-            )
+            mode = f"{MARKS['unstable']} mode {cells['mode']}: {cells['frequency']} Hz"
+            rates = f"{cells['growth_rate']} 1/s, damping ratio {cells['damping_ratio']}"
+            say(to, f"{mode}, growth rate {rates}", _COLOURS["unstable"])
     if rows:
-        names = [*_FIRST, *(name for name in TITLES if name not in _FIRST)]
-        columns: list[Column] = [("", [MARKS.get(row["verdict"], "") for row in rows], False)]
-        columns += [
-            (TITLES[name], [line[name] for line in texts], name != "verdict") for name in names
-        ]
-        print_columns(
-            to, columns, "result.json", [_COLOURS.get(row["verdict"], "") for row in rows]
-        )
+        marks, colours = ([of.get(row["verdict"], "") for row in rows] for of in (MARKS, _COLOURS))
+        columns: list[Column] = [("", marks, False)]
+        for name, title in TITLES.items():
+            columns.append((title, [line[name] for line in texts], name != "verdict"))
+        print_columns(to, columns, "result.json", colours)
         say(to, SIGNS)
         for line in result.steady_lines():
             say(to, line)

@@ -3,12 +3,10 @@
 Options of a study are the fields of a dataclass.
 """
 
-import inspect
-import re
-from dataclasses import fields, replace
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from types import UnionType
+from types import GenericAlias
 from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type_hints
 
 import typer
@@ -66,14 +64,8 @@ class Studies(LazyGroup):
         """Command with the options of a study and those that all have."""
         need("pictures", *(["exact"] if name in _BESIDE_EXACT else []))
         study = study_in(self.table[name][0])
-        help_of, hints = _described(study.options), get_type_hints(study.options)
-        shown: dict[str, tuple[Any, Any, str]] = {}
-        for each in fields(study.options):
-            kind = _type_of_option(hints[each.name])
-            if kind is not None:  # left out, the study's own default stands
-                shown[each.name] = (kind, None, help_of.get(each.name, ""))
         out = Path("results", *study.name.split())
-        shown |= _COMMON | {"out": (Path, out, "Folder of the result.")}
+        shown = _own_options(study) | _COMMON | {"out": (Path, out, "Folder of the result.")}
 
         def call(**given: Any) -> None:
             common = {name: given.pop(name) for name in (*_COMMON, "out")}
@@ -90,23 +82,21 @@ class Benchmarks(Studies):
     table = BENCHMARKS
 
 
-def _type_of_option(hint: Any) -> Any:
-    """Type of the option for a field of a study's options; None where it is no option."""
-    origin, parts = get_origin(hint), get_args(hint)
-    if origin is UnionType and type(None) in parts:
-        return _type_of_option(next(part for part in parts if part is not type(None)))
-    if hint is bool or (origin is tuple and parts[-1] is not Ellipsis):
-        return hint
-    kind = parts[0] if origin is tuple else hint
-    lists: dict[type, Any] = {int: list[int], float: list[float], str: list[str]}
-    return lists.get(kind) if origin is tuple or kind not in lists else kind
+def _own_options(study: "Study") -> dict[str, tuple[Any, Any, str]]:
+    """Options of a study: the fields of its dataclass that are annotated with their help.
+
+    None is given where an option is left out: the default of the study stands.
+    """
+    hints = get_type_hints(study.options, include_extras=True)
+    told = {name: get_args(hint) for name, hint in hints.items() if get_origin(hint) is Annotated}
+    return {name: (_kind(hint), None, text) for name, (hint, text) in told.items()}
 
 
-def _described(options: type) -> dict[str, str]:
-    """Help of the fields, from the numpy docstring of the options."""
-    text = inspect.getdoc(options) or ""
-    found = re.findall(r"^(\w+(?:, \w+)*)\n((?:    .*\n?)+)", text, re.MULTILINE)
-    return {n: " ".join(body.split()) for names, body in found for n in names.split(", ")}
+def _kind(hint: Any) -> Any:
+    """Type of an option: a list for a tuple of any length."""
+    parts = get_args(hint)
+    any_length = get_origin(hint) is tuple and parts[-1] is Ellipsis
+    return GenericAlias(list, (parts[0],)) if any_length else hint
 
 
 def run_study(
@@ -150,8 +140,8 @@ def _run(
     study: "Study", given: dict[str, Any], out: Path, quick: bool, only: list[str], anew: bool
 ) -> "StudyResult":
     from comparisons.cli.output import working
-    from comparisons.study.progress import Progress
     from comparisons.study.run import run, selected
+    from comparisons.study.session import Progress
 
     for each in only:
         require("=" in each, "only", each, "LABEL=VALUE")

@@ -7,31 +7,15 @@ from typing import Annotated, Any, Literal
 import typer
 from typer import Argument, Option
 
-from comparisons.cli.options import (
-    Data,
-    OnBackend,
-    Out,
-    Redraw,
-    SceneName,
-    Settings,
-    deliver,
-    need,
-    refuse,
-    refuse_another,
-    refuse_with_redraw,
-    with_backend,
-)
+from comparisons.cli import options
 
-IN_PART = 3
-"""Exit code of a command that answered in part, or did not reach the digits asked for."""
-_CONFIRM = 3
-"""Thresholds of a map that are confirmed where no number is given."""
-_EVERY = 10_000
-"""More thresholds than a map has."""
+IN_PART = 3  # exit code of a command that answered in part, or did not reach the digits asked for
+_CONFIRM = 3  # thresholds of a map that are confirmed where no number is given
+_EVERY = 10_000  # more thresholds than a map has
 
 
 def sweep(
-    scene: SceneName,
+    scene: options.SceneName,
     axes: Annotated[
         list[str],
         Argument(
@@ -39,9 +23,9 @@ def sweep(
             "field~normal:mean:deviation, ~lognormal:median:deviation, ~uniform:low:high."
         ),
     ],
-    set_: Settings = None,
-    backend: OnBackend = None,
-    data: Data = None,
+    set_: options.Settings = None,
+    backend: options.OnBackend = None,
+    data: options.Data = None,
     samples: Annotated[int | None, Option(help="Samples of distributions; 2,000.")] = None,
     seed: Annotated[int | None, Option(help="Seed of the samples; 0 by default.")] = None,
     full: Annotated[bool, Option("--full", help="Solve each value in full, on no basis.")] = False,
@@ -49,8 +33,8 @@ def sweep(
     solves: Annotated[int, Option(help="Most full solves of a basis.")] = 150,
     checks: Annotated[int, Option(help="Full solves at random values that test a map.")] = 2,
     confirm: Annotated[int, Option(help="Thresholds that full solves confirm.")] = _CONFIRM,
-    redraw: Redraw = False,
-    out: Out = Path("results/sweep"),
+    redraw: options.Redraw = False,
+    out: options.Out = Path("results/sweep"),
 ) -> None:
     """Follow the modes of a scene along its fields: what grows where, and from where on.
 
@@ -62,14 +46,16 @@ def sweep(
     from comparisons.sweep.points import Axis, read_fields
     from comparisons.sweep.study import Asked
 
-    need("pictures", "maps")
-    refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
-    overrides, fields = with_backend(scene, set_ or (), backend), read_fields(axes)
+    options.need("pictures", "maps")
+    options.refuse_with_redraw(redraw, {"set": set_, "backend": backend, "data": data})
+    overrides, fields = options.with_backend(scene, set_ or (), backend), read_fields(axes)
     if isinstance(fields[0], Axis):
-        refuse({"samples": samples, "seed": seed}, "but for distributions: mu~normal:0.4:0.05")
+        options.refuse(
+            {"samples": samples, "seed": seed}, "but for distributions: mu~normal:0.4:0.05"
+        )
     else:
         more = None if confirm == _CONFIRM else confirm
-        refuse({"full": full, "confirm": more}, "for samples: they are solved on a basis")
+        options.refuse({"full": full, "confirm": more}, "for samples: they are solved on a basis")
     asked = Asked(
         scene,
         fields,
@@ -87,17 +73,19 @@ def sweep(
         _sweep(asked, out)
         return
     made, given = read_sweep(out), asked.plain()
-    refuse_another({name: given[name] for name in ("scene", "fields")}, made.record["inputs"])
-    typer.echo(f"The page to open: {deliver(lambda folder: write_sweep(made, folder), out)}")
+    same = {name: given[name] for name in ("scene", "fields")}
+    options.refuse_another(same, made.record["inputs"])
+    page = options.deliver(lambda folder: write_sweep(made, folder), out)
+    typer.echo(f"The page to open: {page}")
 
 
 def threshold(
-    scene: SceneName,
+    scene: options.SceneName,
     axes: Annotated[list[str], Argument(help="Fields as in cea sweep, that of thresholds first.")],
-    set_: Settings = None,
-    backend: OnBackend = None,
-    data: Data = None,
-    out: Out = Path("results/threshold"),
+    set_: options.Settings = None,
+    backend: options.OnBackend = None,
+    data: options.Data = None,
+    out: options.Out = Path("results/threshold"),
 ) -> None:
     """Find where modes begin and cease to grow along a field, each confirmed by a full solve.
 
@@ -107,9 +95,9 @@ def threshold(
     from comparisons.sweep.points import read_axis
     from comparisons.sweep.study import Asked
 
-    need("pictures", "maps")
+    options.need("pictures", "maps")
     fields = tuple(read_axis(axis) for axis in axes)
-    overrides = with_backend(scene, set_ or (), backend)
+    overrides = options.with_backend(scene, set_ or (), backend)
     _sweep(Asked(scene, fields, overrides, data, confirm=_EVERY), out)
 
 
@@ -133,7 +121,7 @@ def _sweep(asked: Any, out: Path) -> None:
             if len(asked.fields) > 1 or not asked.grid:
                 raise
             made = run(replace(asked, why_in_full=str(error)), out, work.stage)
-    page = deliver(lambda folder: write_sweep(made, folder), out)
+    page = options.deliver(lambda folder: write_sweep(made, folder), out)
     if made.store is not None:
         made.store.discard()
     data = made.record
@@ -151,7 +139,7 @@ def _sweep(asked: Any, out: Path) -> None:
 
 
 def converge(
-    scene: SceneName,
+    scene: options.SceneName,
     digits: Annotated[int, Option(help="Significant digits of frequencies.")] = 3,
     growth_digits: Annotated[int | None, Option(help="Of growth rates; one less.")] = None,
     backend: Annotated[
@@ -162,9 +150,9 @@ def converge(
         bool, Option("--unstable", help="Only modes not known to be stable count.")
     ] = False,
     sweep_digits: Annotated[int, Option(help="Digits of the mesh for sweeps.")] = 2,
-    set_: Settings = None,
-    redraw: Redraw = False,
-    out: Out = Path("results/converge"),
+    set_: options.Settings = None,
+    redraw: options.Redraw = False,
+    out: options.Out = Path("results/converge"),
 ) -> None:
     """Refine a scene until its modes hold the digits asked for, and tell their error bars."""
     begun = perf_counter()
@@ -172,18 +160,18 @@ def converge(
     from comparisons.converge.page import LEVELS, MODES, read_converge, write_converge
     from comparisons.converge.request import Request
     from comparisons.converge.study import run_converge
-    from comparisons.study.progress import Progress
+    from comparisons.study.session import Progress
     from scenes.results.folder import check_out
 
-    need("pictures")
-    refuse_with_redraw(redraw, {"set": set_, "unstable": unstable})
+    options.need("pictures")
+    options.refuse_with_redraw(redraw, {"set": set_, "unstable": unstable})
     backends = None if backend == "both" else (backend,)
     asked = scene, digits, growth_digits, backends, budget, unstable, sweep_digits
     request = Request(*asked, tuple(set_ or ()))
     if redraw:
         data = read_converge(out)
-        refuse_another({"scene": scene}, data["inputs"])
-        page = deliver(lambda folder: write_converge(data, folder), out)
+        options.refuse_another({"scene": scene}, data["inputs"])
+        page = options.deliver(lambda folder: write_converge(data, folder), out)
         typer.echo(f"The page to open: {page}")
         return
     check_out(out)
@@ -194,7 +182,7 @@ def converge(
             work.step(name)
 
         data = run_converge(request, Progress(step=begin, stage=work.stage), begun)
-        page = deliver(lambda folder: write_converge(data, folder), out)
+        page = options.deliver(lambda folder: write_converge(data, folder), out)
     for line in (data["first"], data["words"], *data["hints"]):
         typer.echo(line)
     print_frame(MODES, data)

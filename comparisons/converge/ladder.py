@@ -16,7 +16,7 @@ from cea.arrays import Complexes, Floats
 from cea.eigen.driver import ABOVE
 from cea.eigen.spectrum import Window
 from cea.errors import InputError, ResultWarning
-from comparisons.study.progress import Progress
+from comparisons.study.session import Progress
 from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes
 from scenes.checking.memory import check_memory, estimated_memory

@@ -13,7 +13,7 @@ from comparisons.converge.follow import Followed, estimated
 from comparisons.converge.ladder import Ladder, Mesh, window_of
 from comparisons.converge.record import data_of
 from comparisons.converge.request import Request
-from comparisons.study.progress import Progress
+from comparisons.study.session import Progress
 from scenes.refinement.meshes import from_file
 from scenes.results.record import record
 from scenes.spec.body import Backend

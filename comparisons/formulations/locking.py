@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from math import inf, isfinite, tau
-from typing import Any
+from typing import Annotated, Any
 
 import pandas as pd
 
@@ -25,39 +25,26 @@ from exact_cea.reference import exact_eigenvalues
 from scenes.spec.body import backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene
 
-_MU0 = 0.3
-"""Amplitude of the friction coefficient mu0 sin(pi x / 2)."""
-_HIGHEST = 2.2
-"""Highest Im lambda of the exact eigenvalues that are looked at: six lie below."""
-_DEGREE = 2
-"""Degree on both sides, splines with continuity one less."""
+_MU0 = 0.3  # amplitude of the friction coefficient mu0 sin(pi x / 2)
+_HIGHEST = 2.2  # highest Im lambda of the exact eigenvalues that are looked at: six lie below
+_DEGREE = 2  # degree on both sides, splines with continuity one less
 _GAUSS, _GRID = (3, 6), 37
 """GPTS points per element; equally spaced points over side a."""
-_MARGIN = 1.15
-"""How far beyond the exact eigenvalues is searched: locked ones lie too high."""
+_MARGIN = 1.15  # how far beyond the exact eigenvalues is searched: locked ones lie too high
 _LOCKED = 10.0
 """Growth of the error from the least to that at the largest p from which a formulation locks."""
+_STIFFNESSES = (*(float(10**k) for k in range(10)), inf)
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of locking.
+    """Options of locking."""
 
-    Parameters
-    ----------
-    p
-        Contact stiffnesses (N/m^3); body a has E = 0.1 and thickness 0.5. Infinite ones are run in
-        the saddle form.
-    elements_a, elements_b
-        Elements along x and y.
-    formulations
-        Labels of formulations; all by default.
-    """
-
-    p: tuple[float, ...] = (*(float(10**k) for k in range(10)), inf)
-    elements_a: tuple[int, int] = (12, 4)
-    elements_b: tuple[int, int] = (13, 8)
-    formulations: tuple[str, ...] = ()
+    # body a has E = 0.1 and thickness 0.5; infinite stiffnesses are run in the saddle form
+    p: Annotated[tuple[float, ...], "Contact stiffnesses (N/m^3)."] = _STIFFNESSES
+    elements_a: Annotated[tuple[int, int], "Elements of body a along x and y."] = (12, 4)
+    elements_b: Annotated[tuple[int, int], "Elements of body b along x and y."] = (13, 8)
+    formulations: Annotated[tuple[str, ...], "Labels of formulations; all by default."] = ()
 
 
 def offered(options: Options, backend: Any) -> dict[str, Variant]:

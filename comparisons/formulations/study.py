@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 from comparisons.formulations import locking, patch_tests
 from comparisons.study.study import Case, Session, Study
@@ -14,15 +14,9 @@ PARTS: dict[str, Any] = {"patch_tests": patch_tests, "locking": locking}
 
 @dataclass(frozen=True)
 class Options(patch_tests.Options, locking.Options):
-    """Options of both parts.
+    """Options of both parts."""
 
-    Parameters
-    ----------
-    parts
-        Parts of the study.
-    """
-
-    parts: tuple[str, ...] = tuple(PARTS)
+    parts: Annotated[tuple[str, ...], "Parts of the study."] = tuple(PARTS)
 
 
 def cases(options: Options) -> Iterator[Case]:

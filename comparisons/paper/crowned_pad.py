@@ -36,12 +36,10 @@ EXACT, COLLOCATION, QUADRATURE = "segments", "collocation", "GPTS 3 × 3"
 WEIGHTED, FINER = "collocation, area weights", "segments, finer mesh"
 """Labels of collocation whose points bear the area that is theirs, not equal parts of it, and of
 the exact integration on the finer mesh."""
-PRESSURES = (1e5, 4e5, 2e6)
-"""Pressures on the back of the pad (N/m^2)."""
+PRESSURES = (1e5, 4e5, 2e6)  # pressures on the back of the pad (N/m^2)
 RADII, ANGLES = 9, 60
 """Points across and along the pad at which pressures are compared."""
-_REFINED = 1.5
-"""Factor on the elements of the finer mesh in every direction."""
+_REFINED = 1.5  # factor on the elements of the finer mesh in every direction
 
 
 def formulations(mesh: Mesh) -> dict[str, Formulation]:
@@ -153,5 +151,4 @@ def closures(result: Result, x: Floats) -> Floats:
     return np.einsum("ij,ij->i", normal, moved) - gap
 
 
-CROWNED_PAD = CrownedPad("crowned", "Steady sliding of a crowned pad by formulation")
-"""The study."""
+CROWNED_PAD = CrownedPad("crowned", "Steady sliding of a crowned pad by formulation")  # the study

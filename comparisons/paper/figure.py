@@ -17,8 +17,7 @@ Mesh = Literal["NURBS", "hexahedra", "tetrahedra", "none"]
 BACKENDS: dict[Mesh, Backend] = {"NURBS": "iga", "hexahedra": "fe", "tetrahedra": "fe"}
 """Backend of each kind of mesh."""
 MESHES: tuple[Mesh, ...] = tuple(BACKENDS)
-MOST_LAGRANGE = 4
-"""Highest degree of Lagrange elements."""
+MOST_LAGRANGE = 4  # highest degree of Lagrange elements
 _FACET_GRID = 4
 
 Row = dict[str, Any]

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, Mortar, Segments
-from cea.errors import InputError
+from cea.errors import require
 from comparisons.paper.crowned_pad import CROWNED_PAD
 from comparisons.paper.disc_pad import COLLOCATION, GPTS, GRID, HIGH, LOW, LUMPED, MIDDLE, DiscPad
 from comparisons.paper.figure import Figure
@@ -174,7 +174,7 @@ def chosen(names: tuple[str, ...]) -> list[Figure]:
     """Figures of some names, all by default; refused where there is no such figure."""
     known = {part: name for name in FIGURES for part in name.split(" and ")}
     for name in names:
-        if name not in known:
-            raise InputError("figure", name, f"one of {', '.join(known)}; or claims or all, alone")
+        allowed = f"one of {', '.join(known)}; or claims or all, alone"
+        require(name in known, "figure", name, allowed)
     wanted = dict.fromkeys(known[name] for name in names) or FIGURES
     return [FIGURES[name] for name in wanted]

@@ -21,9 +21,9 @@ from scipy.sparse.linalg import spsolve
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.eigen.blocks import times
+from cea.eigen.blocks import columns_inner, times, transposed_times
 from cea.eigen.matching import ModeMatch
-from cea.matrices import destroy
+from cea.matrices import destroy, scaled_total
 from cea.surface import Surface
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
 from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of
@@ -33,18 +33,15 @@ from comparisons.study.session import Session
 from scenes import Result
 from scenes.spec.reading import Scene
 
-P = 1e6
-"""Contact stiffness of the figures (N/m)."""
-RUNS = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}
-"""Runs that are compared."""
+P = 1e6  # contact stiffness of the figures (N/m)
+RUNS = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}  # runs that are compared
 EDGE = 0.115 * np.tan(np.radians(20.0))
 """Distance from the middle at which the line crosses the boundary of the pad (m)."""
 _MIDDLE, _HALF, _SAMPLES = (0.115, 45.0), 0.07, 281
 """Radius (m) and angle (degrees) of the middle of the line, which is tangential there; half its
 length (m); its points."""
 _NEAR_EDGE = 0.004
-_ALIKE = 0.5
-"""Modal assurance of modes that have the same characteristics."""
+_ALIKE = 0.5  # modal assurance of modes that have the same characteristics
 _DIGITS, _SHAPE_DIGITS = 6, 4
 """Decimals by which points of the bodies (m) are told apart, and those kept of displacements
 relative to the largest."""
@@ -203,10 +200,10 @@ class Lumping(Figure):
 def false_shifts(plain: Result, lumped: Result) -> Floats:
     """First order relative shifts of all frequencies of a run by what lumping adds, (modes,)."""
     modes = plain.modes
-    difference: Any = lumped.system.contacts[0].K_n.copy()
-    difference.axpy(-1.0, plain.system.contacts[0].K_n)
-    products = np.einsum("ij,ij->j", modes.vectors.conj(), times(difference, modes.vectors)).real
-    energies = difference.comm.tompi4py().allreduce(products)
+    parts = ((1.0, lumped), (-1.0, plain))
+    difference = scaled_total([(sign, run.system.contacts[0].K_n) for sign, run in parts])
+    images = times(difference, modes.vectors)
+    energies = columns_inner(modes.vectors, images, difference.comm).real
     destroy(difference)
     return energies / (2 * np.abs(modes.eigenvalues) ** 2)
 
@@ -216,22 +213,17 @@ def rotation_ratio(result: Result) -> float:
     contact: Any = result.system.contacts[0]
     sides = {contact.a: contact.interface.a, contact.b: contact.interface.b}
     height = contact.interface.points.x[:, 1].mean()
-    energies = []
-    for turned in ((PAD, DISC), (PAD,)):
-        vector = result.system.vector()
-        for name in turned:
-            u = _normal_displacement(result.system.bodies[name], sides[name], height)
-            vector.array[result.system.pieces[name].rows] = u.array_r
-            destroy(u)
-        product = vector.duplicate()
-        contact.K_n.mult(vector, product)
-        energies.append(vector.dot(product))
-        destroy(vector, product)
+    bodies = result.system.bodies
+    rotations = {name: _normal_displacement(bodies[name], sides[name], height) for name in bodies}
+    alone = [u if name == PAD else np.zeros_like(u) for name, u in rotations.items()]
+    columns = [np.concatenate(parts) for parts in (list(rotations.values()), alone)]
+    both = np.asfortranarray(np.column_stack(columns))
+    energies = columns_inner(both, times(contact.K_n, both), contact.K_n.comm)
     return float(energies[0] / energies[1])
 
 
-def _normal_displacement(body: Body, side: Surface, height: float) -> Any:
-    """Free dofs of a body for u_z = y - height on a surface and none elsewhere, PETSc vector."""
+def _normal_displacement(body: Body, side: Surface, height: float) -> Floats:
+    """Free dofs of this rank for u_z = y - height on a surface and none elsewhere."""
     points = side.gauss_points(side.cells().degree + 1)
     trace = side.trace(points.at)
     touched = np.unique(trace.indices)
@@ -240,11 +232,8 @@ def _normal_displacement(body: Body, side: Surface, height: float) -> Any:
     load = values.T @ (points.weight * (points.x[:, 1] - height))
     full = np.zeros((body.num_scalar_dofs, body.dim))
     full[touched, 2] = spsolve(gram, load)
-    vector, free = body.expansion.createVecLeft(), body.expansion.createVecRight()
-    vector.array[:] = full.ravel()[slice(*vector.getOwnershipRange())]
-    body.expansion.multTranspose(vector, free)
-    destroy(vector)
-    return free
+    own = slice(*body.expansion.getOwnershipRange())
+    return transposed_times(body.expansion, full.reshape(-1, 1)[own])[:, 0]
 
 
 LUMPING = Lumping(

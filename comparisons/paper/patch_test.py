@@ -39,10 +39,8 @@ from scenes.building.build import build_bodies, build_interfaces
 from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, StaticAnalysis, load_scene, with_contact
 
-EXACT = -1000.0
-"""Normal stress on the interface (N/m^2)."""
-INTERFACE = "interface"
-"""Name of the contact in the scene."""
+EXACT = -1000.0  # normal stress on the interface (N/m^2)
+INTERFACE = "interface"  # name of the contact in the scene
 SIDES = (("b", BLUE, "-"), ("a", VERMILION, "--"))
 """Sides of a contact with colour and line: solid for b, dashed for a, as in the paper."""
 _MAP_SAMPLES, _MAP_DIGITS = 61, 3
@@ -243,25 +241,23 @@ class Setting(Figure):
         upper, lower = bodies["upper"].surfaces["z_min"], bodies["lower"].surfaces["z_max"]
         shapes: Any = [scene.bodies[name].geometry for name in ("upper", "lower")]
         material, paper = scene.bodies["upper"].material, {**_PAPER, **self.paper}
-        rows: list[tuple[str, Any, str]] = [
-            ("length of the interface", shapes[0].size[0], "m"),
-            ("width of the interface", shapes[0].size[1], "m"),
-            ("height of a", shapes[0].size[2], "m"),
-            ("height of b", shapes[1].size[2], "m"),
-            ("E", material.means[0], "N/m²"),
-            ("nu", material.means[2], ""),
-            ("pressure", scene.loads[0].pressure, "N/m²"),
-            ("elements of a", len(upper.cells().element), ""),
-            ("elements of b", len(lower.cells().element), ""),
+        numbers: list[tuple[str, Any, str, str]] = [
+            ("length of the interface", shapes[0].size[0], "m", ""),
+            ("width of the interface", shapes[0].size[1], "m", ""),
+            ("height of a", shapes[0].size[2], "m", ""),
+            ("height of b", shapes[1].size[2], "m", ""),
+            ("E", material.means[0], "N/m²", ""),
+            ("nu", material.means[2], "", ""),
+            ("pressure", scene.loads[0].pressure, "N/m²", ""),
+            ("elements of a", len(upper.cells().element), "", ""),
+            ("elements of b", len(lower.cells().element), "", ""),
         ]
-        numbers = [quoted(what, paper.get(what), value, unit) for what, value, unit in rows]
         for what, rule in _POINTS.items():
             own = rule if mesh == "NURBS" else as_lagrange(rule)
             with_rule = with_contact(scene, formulation=own)
             points = len(build_interfaces(with_rule, bodies, StageTimer())[INTERFACE].points)
-            remark = "" if own is rule else own.label
-            numbers.append(quoted(what, paper.get(what), points, remark=remark))
-        return {"numbers": numbers}
+            numbers.append((what, points, "", "" if own is rule else own.label))
+        return {"numbers": [quoted(each[0], paper.get(each[0]), *each[1:]) for each in numbers]}
 
 
 _ON: tuple[Mesh, ...] = ("NURBS", "hexahedra")
@@ -284,8 +280,7 @@ SETTINGS = (
 3 x 3 quadratic spans; the second mesh is in a picture only, this one is a guess."""
 
 
-_FEW_SAMPLES = 31
-"""Samples across the interface: stresses are polynomials in each span."""
+_FEW_SAMPLES = 31  # samples across the interface: stresses are polynomials in each span
 _SPACES = {
     "NURBS": ((1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (3, 0), (4, 1)),
     "hexahedra": ((1, 0), (2, 0), (3, 0), (4, 0)),

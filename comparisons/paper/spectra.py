@@ -12,7 +12,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import NEAR, ModeMatch, ModeSet, match_modes
-from cea.errors import InputError
+from cea.errors import require
 from comparisons.paper.disc_pad import DISC, PAD, DiscPad
 from comparisons.paper.figure import Figure, Mesh, Row, Tables, polar_points, sector_points
 from comparisons.study.study import Session
@@ -20,10 +20,8 @@ from meshes.shapes import Annulus, Sector
 from scenes import Result
 from scenes.spec.reading import Scene
 
-WITHIN = 0.01
-"""Relative difference below which modes coincide."""
-_CONTACT_GRID = (7, 12)
-"""Points across and along the contact at which shapes are compared."""
+WITHIN = 0.01  # relative difference below which modes coincide
+_CONTACT_GRID = (7, 12)  # points across and along the contact at which shapes are compared
 _CIRCLES, _AROUND = (0.2, 0.5, 0.8, 0.98), 36
 """Circles on the disc, by the part of its width, and points on each."""
 _IN_PLANE = 1e-6
@@ -176,8 +174,7 @@ def displacements(
     side = result.system.bodies[body].surfaces[surface]
     found = side.locate(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)), side.mesh_size)
     hit = ~found.missed
-    if not hit.any():
-        raise InputError("x", f"{len(x)} points", f"points on {body}.{surface}")
+    require(bool(hit.any()), "x", f"{len(x)} points", f"points on {body}.{surface}")
     u = result.mode_shapes(f"{body}.{surface}", found.at[hit], modes)
     return u.reshape(-1, u.shape[-1]), hit
 

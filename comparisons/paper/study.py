@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import pandas as pd
 from matplotlib.figure import Figure as Picture
@@ -14,21 +14,17 @@ from comparisons.paper.claims import judged
 from comparisons.paper.figure import Figure, Tables
 from comparisons.paper.figures import DIAGRAMS, FIGURES, PATCH_TESTS, chosen
 from comparisons.study.numbers import number, shown
-from comparisons.study.sections import Column, Drawing, Frame, Plot, Section, Table
+from comparisons.study.sections import Column, Drawing, Frame, Plot, Section, Table, diagram
 from comparisons.study.study import CHOOSES, Case, Session, Study, StudyResult
 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the study.
+    """Options of the study."""
 
-    Parameters
-    ----------
-    figures
-        Numbers of figures, names of studies beside them; all by default.
-    """
-
-    figures: tuple[str, ...] = field(default=(), metadata=CHOOSES)
+    figures: Annotated[tuple[str, ...], "Numbers of figures, names of studies beside them."] = (
+        field(default=(), metadata=CHOOSES)
+    )
 
 
 def cases(options: Options) -> Iterator[Case]:
@@ -82,11 +78,7 @@ def headline(result: StudyResult) -> str | None:
 
 
 OWN = {
-    "figure": Column("figure"),
-    "what": Column("what"),
     "paper": Column("paper", show=lambda v: v if isinstance(v, str) else number(v)),
-    "ours": Column("ours", show=shown(3)),
-    "unit": Column("unit"),
     "oscillation": Column("oscillation, worse side", "N/m²", shown(3)),
     "oscillation_a": Column("side a", "N/m²", shown(3)),
     "oscillation_b": Column("side b", "N/m²", shown(3)),
@@ -98,7 +90,6 @@ OWN = {
     "growth_difference": Column("largest difference of growth", "1/s", shown(3)),
     "load": Column("pressure on the back", "N/m²", shown(3)),
     "growth_off": Column("growth off segments", "1/s", shown(3)),
-    "points": Column("points", show=number),
 }
 
 
@@ -106,15 +97,22 @@ def _table(name: str, caption: str, **options: Any) -> Table:
     return Table(name, caption, **{"frame": name, "own": OWN, "group": "figure"} | options)
 
 
-def _plot(name: str, caption: str, frame: Frame, x: str, y: str, series: str, **more: Any) -> Plot:
-    return Plot(name, caption, frame, x, y, (series,), own=OWN, **more)
+def _plot(figure: str, frame: Frame, x: str, y: str, series: str, **more: Any) -> Plot:
+    """A plot with the title of its figure."""
+    title = FIGURES[figure].title
+    return Plot(more.pop("name", figure), title, frame, x, y, (series,), own=OWN, **more)
 
 
 def _by_load(y: str, caption: str, log: str = "x") -> Plot:
-    name, panel = f"crowned_{y}", ("mesh",)
-    return _plot(name, caption, "crowned", "load", y, "formulation", panel=panel, log=log)
+    of = ("formulation",), ("mesh",)
+    return Plot(f"crowned_{y}", caption, "crowned", "load", y, *of, log, OWN)
 
 
+_FIGURE_5 = "Figure 5: normal displacement across the boundary of the pad."
+_MODES = [
+    (each.name, each.title, partial(StudyResult.frame, table="modes", figure=each.name))
+    for each in DIAGRAMS
+]
 SECTIONS = [
     Section(
         "Claims",
@@ -128,16 +126,7 @@ SECTIONS = [
         "numbers; the elements of Figure 2 are not in its text, those of Figure 11 in a picture "
         "only.",
         tables=[_table("numbers", "Numbers of the paper beside ours.", printed=True)],
-        plots=[
-            _plot(
-                "figure_1",
-                "Figure 1: the law and its tangent at steady sliding.",
-                "law",
-                "closure",
-                "pressure",
-                "curve",
-            ),
-        ],
+        plots=[_plot("1", "law", "closure", "pressure", "curve", name="figure_1")],
     ),
     Section(
         "Contact patch test",
@@ -155,7 +144,6 @@ SECTIONS = [
         plots=[
             _plot(
                 "points",
-                FIGURES["points"].title,
                 "quadrature",
                 "points",
                 "oscillation",
@@ -179,24 +167,8 @@ SECTIONS = [
         ],
         plots=[
             *_drawings(lumping.drawn, lumping.SHAPES),
-            _plot(
-                "figure_5",
-                "Figure 5: normal displacement across the boundary of the pad.",
-                _melted,
-                "arc",
-                "u",
-                "body",
-                panel=("mesh", "run"),
-            ),
-            _plot(
-                "lumping",
-                FIGURES["lumping"].title,
-                "lumping_shifts",
-                "false_shift",
-                "shift",
-                "mesh",
-                style="markers",
-            ),
+            Plot("figure_5", _FIGURE_5, _melted, "arc", "u", ("body",), ("mesh", "run"), "", OWN),
+            _plot("lumping", "lumping_shifts", "false_shift", "shift", "mesh", style="markers"),
         ],
     ),
     Section(
@@ -215,17 +187,8 @@ SECTIONS = [
             _table("matches", "matches.", shown=False),
         ],
         plots=[
-            _plot(
-                f"figure_{each.name}",
-                f"{each.title}.",
-                partial(StudyResult.frame, table="modes", figure=each.name),
-                "frequency",
-                "growth",
-                "case",
-                panel=("mesh", "P"),
-                style="markers",
-            )
-            for each in DIAGRAMS
+            diagram(f"figure_{name}", f"{title}.", frame, ("case",), panel=("mesh", "P"), own=OWN)
+            for name, title, frame in _MODES
         ],
     ),
     Section(

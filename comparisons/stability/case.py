@@ -39,8 +39,7 @@ MESH = (
 )
 """Warnings about the mesh, the point rule or the units: beside a reference on the same mesh they
 may come, and they excuse no error."""
-_BEYOND = 1.3
-"""How far beyond the modes looked at an exact list reaches."""
+_BEYOND = 1.3  # how far beyond the modes looked at an exact list reaches
 
 
 @dataclass(frozen=True)

@@ -81,8 +81,7 @@ def load_steps() -> Runs:
     yield from refused("a load that pulls, in steps", pulled, _PULLED, _OPENS)
 
 
-_HEIGHT = 1.5
-"""Of both layers."""
+_HEIGHT = 1.5  # height of both layers (m)
 _LAYERS = ((0.1, 0.25, 0.5), (1.0, 0.3, 1.0))
 """E, nu and height of each (:func:`comparisons.stability.scenes.layers`)."""
 
@@ -181,8 +180,7 @@ def damped_maps() -> Runs:
         yield from runs(row, data, PAIR, problem=partial(OfMap, axes=axes))
 
 
-_EVERY = 1e3
-"""Frequency (Hz) above all modes of these bodies."""
+_EVERY = 1e3  # frequency (Hz) above all modes of these bodies
 
 
 def _square() -> Scene:
@@ -245,8 +243,7 @@ def rotation() -> Runs:
 
 _STANDS = 0.0447
 """Rate (rad/s), for sqrt(E / rho) = 1 m/s, at which the backward wave of two diameters stands."""
-_BETWEEN = 0.15
-"""Kappa (1/s^2) between the waves of three and four diameters, likewise."""
+_BETWEEN = 0.15  # kappa (1/s^2) between the waves of three and four diameters, likewise
 
 
 def _dampings(omega: float) -> Iterator[tuple[str, dict[str, Any], float]]:

@@ -24,12 +24,12 @@ from typing import Any
 
 import numpy as np
 from scipy.linalg import block_diag, eigh, eigvals, svd
-from scipy.sparse import csr_array
 
 from cea.arrays import Complexes, Floats
 from cea.contact.contact import Contact
 from cea.contact.interface import along
 from cea.expressions import Expression, evaluate
+from cea.matrices import local_part
 from cea.system.coupled import CoupledSystem
 from scenes.running.system import coupled
 from scenes.spec.body import DampingSpec
@@ -40,19 +40,14 @@ _SHIFT = 0.37
 """Shift below zero, relative to the eigenvalues looked at: next to none of them by accident."""
 _DEPENDENT = 1e-11
 """Singular values below this part of the largest belong to gaps that depend on others."""
-_LOW = 24
-"""Modes whose size sets the shift."""
-_ABOUT = 30.0
-"""How far from the best place the near eigenvalues may give way to the far ones."""
+_LOW = 24  # modes whose size sets the shift
+_ABOUT = 30.0  # how far from the best place the near eigenvalues may give way to the far ones
 _INFINITE = 1e-11
 """Eigenvalues of the inverse below this part of the largest are those of tied gaps: none."""
-_RIGID = 1e-12
-"""Eigenvalues of a body relative to its largest up to which motions are rigid."""
-_TOGETHER = 1e-3
-"""Relative distance of kappa up to which waves of a mesh are two of one frequency."""
+_RIGID = 1e-12  # eigenvalues of a body relative to its largest up to which motions are rigid
+_TOGETHER = 1e-3  # relative distance of kappa up to which waves of a mesh are two of one frequency
 
-Constraint = tuple[Floats, Floats, Floats]
-"""J, T and C: gaps, slips times mu, compliances."""
+Constraint = tuple[Floats, Floats, Floats]  # J, T and C: gaps, slips times mu, compliances
 
 
 def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
@@ -222,7 +217,7 @@ def jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
     """Jump along a direction at every point, on the unknowns of the system, shape (points, n)."""
     interface, parts = contact.interface, []
     for name, body in system.bodies.items():
-        expansion = _sparse(body.expansion)
+        expansion = local_part(body.expansion)
         part = np.zeros((len(direction), expansion.shape[1]))
         if name == contact.a:
             part += (along(interface.trace_a, direction) @ expansion).toarray()
@@ -232,15 +227,9 @@ def jump(system: CoupledSystem, contact: Contact, direction: Floats) -> Floats:
     return np.hstack(parts)
 
 
-def _sparse(matrix: Any) -> csr_array:
-    """PETSc matrix of one rank as a scipy one."""
-    indptr, indices, values = matrix.getValuesCSR()
-    return csr_array((values, indices, indptr), shape=matrix.getSize())
-
-
 def array(matrix: Any) -> Floats:
     """Dense array of a PETSc matrix of one rank."""
-    return _sparse(matrix).toarray()
+    return local_part(matrix).toarray()
 
 
 def _quadratic(K: Floats, D: Floats, M: Floats) -> Complexes:

@@ -70,7 +70,7 @@ def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
         sides = [side.sigma_n for both in result.stresses.values() for side in both.values()]
         return StressAnswer(np.concatenate(sides), kinds, dofs)
     modes, threshold = result.modes, result.analysis.growth_threshold
-    decays = modes.window.min_growth
+    decay = modes.window.min_growth
     return Answer(
         eigenvalues=modes.eigenvalues,
         verdicts=tuple(modes.verdicts(threshold)),
@@ -83,7 +83,7 @@ def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
         condition=float(modes.conditions.max(initial=1.0)),
         warnings=kinds,
         dofs=dofs,
-        min_growth=-np.inf if decays is None else decays,
+        min_growth=-np.inf if decay is None else decay,
     )
 
 

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import cache
 from inspect import getdoc, getmembers, isfunction
 from math import log10
-from typing import Any, get_args
+from typing import Annotated, Any, get_args
 
 import pandas as pd
 
-from cea.errors import InputError
+from cea.errors import require
 from comparisons.stability import (
     cases_bodies,
     cases_contact,
@@ -28,9 +28,7 @@ from comparisons.study.sections import Section, Table
 from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
 
-VERDICTS: tuple[str, ...] = get_args(Verdict)
-"""Every verdict, the best first."""
-_MOST_DIGITS = 16.0
+VERDICTS: tuple[str, ...] = get_args(Verdict)  # every verdict, the best first
 _MODULES = (cases_bodies, cases_contact, cases_files, cases_friction, cases_motion)
 
 
@@ -54,8 +52,7 @@ def title_of(name: str) -> str:
 @cache
 def runs_of(name: str) -> tuple[Run, ...]:
     """Runs of a case; a name that is none is refused."""
-    if name not in catalogue():
-        raise InputError("case", name, f"one of {', '.join(catalogue())}")
+    require(name in catalogue(), "case", name, f"one of {', '.join(catalogue())}")
     return tuple(catalogue()[name]())
 
 
@@ -68,9 +65,8 @@ def numbers_of(name: str, *, quick: bool) -> list[int]:
     runs = runs_of(name)
     if not quick:
         return list(range(len(runs)))
-    rows = list(dict.fromkeys(run.row for run in runs))
     numbers = []
-    for r, row in enumerate(rows):
+    for r, row in enumerate(dict.fromkeys(run.row for run in runs)):
         own = [i for i, run in enumerate(runs) if run.row == row]
         turn = {name: ("fe", "iga")[(r + k) % 2] for k, name in enumerate(QUICK)}
         picked = [i for i in own if turn.get(runs[i].way.name) == runs[i].way.backend]
@@ -80,18 +76,10 @@ def numbers_of(name: str, *, quick: bool) -> list[int]:
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the study.
+    """Options of the study."""
 
-    Parameters
-    ----------
-    cases
-        Names of cases; all by default.
-    every
-        Whether all runs of each row are taken, or a few.
-    """
-
-    cases: tuple[str, ...] = ()
-    every: bool = True
+    cases: Annotated[tuple[str, ...], "Names of cases; all by default."] = ()
+    every: Annotated[bool, "Whether all runs of each row are taken, or a few."] = True
 
 
 def cases(options: Options) -> Iterator[Case]:
@@ -119,10 +107,8 @@ def evaluate(case: Case, session: Session) -> dict[str, Any]:
 
 
 def digits(error: float | None) -> float | None:
-    """Correct digits of the worst mode of a run; 0 where one is missing, None without an answer."""
-    if error is None:
-        return None
-    return max(0.0, min(_MOST_DIGITS, -log10(max(error, 10**-_MOST_DIGITS))))
+    """Correct digits of the worst mode of a run, 16 at most; 0 where one is missing."""
+    return None if error is None else max(0.0, -log10(max(error, 1e-16)))
 
 
 def runs(result: StudyResult) -> pd.DataFrame:
@@ -170,14 +156,10 @@ def fault(result: StudyResult) -> str:
 
 COLUMNS = {
     "row": Column("run"),
-    "runs": Column("runs", show=number),
-    **{verdict: Column(verdict, show=number) for verdict in VERDICTS},
     "not_met": Column("not as expected", show=number),
     "met": Column("as expected"),
     "digits": Column("digits", show=decimals(1)),
     "tolerance": Column("tolerance", show=shown(1)),
-    "missing": Column("missing", show=number),
-    "spurious": Column("spurious", show=number),
     "seconds": Column("longest", "s", decimals(2)),
     "says": Column("it says"),
     "reason": Column("why"),
@@ -200,13 +182,7 @@ STUDY = Study(
             headline,
             [
                 Table("cases", "Verdicts on the runs of each case.", by_case, COLUMNS),
-                Table(
-                    "not_met",
-                    "Runs that are not as the catalogue says.",
-                    not_met,
-                    COLUMNS,
-                    printed=True,
-                ),
+                Table("not_met", "Runs not as the catalogue says.", not_met, COLUMNS, printed=True),
             ],
         ),
         Section("Every run", tables=[Table("runs", "Every run.", runs, _OF_A_RUN)]),

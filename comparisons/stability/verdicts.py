@@ -11,7 +11,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import assign, group
@@ -20,16 +19,12 @@ from comparisons.stability.case import Run
 from comparisons.stability.problems import NOT_COMPLETE, UNDECIDED, Answer, StressAnswer
 from scenes.spec.problems import SceneError
 
-_RIGID = 1e-4
-"""Part of the window's kappa that errors of smaller eigenvalues are relative to."""
-_REACH = 0.25
-"""Largest relative error of lambda of an eigenvalue that stands for a true one."""
+_RIGID = 1e-4  # part of the window's kappa that errors of smaller eigenvalues are relative to
+_REACH = 0.25  # largest relative error of lambda of an eigenvalue that stands for a true one
 _BEYOND = 2.0
 """Part of kappa beyond the window's up to which true eigenvalues are looked at, for its ends."""
-_OPEN = {UNDECIDED, NOT_COMPLETE}
-"""What an answer leaves open that is right as far as it goes."""
-_GAPS = 2
-"""Gaps between frequencies among which the widest ends a window."""
+_OPEN = {UNDECIDED, NOT_COMPLETE}  # what an answer leaves open that is right as far as it goes
+_GAPS = 2  # gaps between frequencies among which the widest ends a window
 _CLEAR = 2.0
 """How far above or below the threshold a growth rate lies on one side of it beyond doubt."""
 
@@ -129,7 +124,9 @@ def compared(answer: Answer | StressAnswer, true: Complexes, tolerance: float) -
     kappa, found = -(near**2), -(answer.eigenvalues**2)
     scale = 2 * np.maximum(np.abs(kappa), _RIGID * top)
     cost = np.abs(found[None, :] - kappa[:, None]) / scale[:, None]
-    cost[_opposite(near, answer.eigenvalues, _RIGID * top)] = np.inf
+    # lambda and - lambda have one kappa: where both are real, one decays and the other grows
+    apart, together = (np.abs(near[:, None] + sign * answer.eigenvalues) for sign in (-1, 1))
+    cost[(apart > together) & (np.abs(near[:, None]) ** 2 > _RIGID * top)] = np.inf
     rows, columns = assign(cost, _REACH)
     inside = near.imag <= np.sqrt(top) * (1 - 2 * tolerance)
     inside &= near.real >= answer.min_growth * (1 - 2 * tolerance)
@@ -143,12 +140,6 @@ def compared(answer: Answer | StressAnswer, true: Complexes, tolerance: float) -
     pairs = near[rows][same], columns[same], tolerance * scale[rows][same]
     claim = _false_claim(answer, *pairs, near[inside])
     return Comparison(error, missing, spurious, admitted, claim)
-
-
-def _opposite(true: Complexes, found: Complexes, rigid: float) -> NDArray[np.bool_]:
-    """Pairs of about lambda and - lambda, which have one kappa: both are real, one decays."""
-    apart, together = (np.abs(true[:, None] + sign * found) for sign in (-1, 1))
-    return (apart > together) & (np.abs(true[:, None]) ** 2 > rigid)
 
 
 def _errors(difference: Complexes, kappa: Complexes, scale: Floats, tolerance: float) -> Floats:

@@ -5,21 +5,18 @@ from typing import Any
 
 import pandas as pd
 
-from comparisons.study.columns import Column
-from comparisons.study.numbers import number, plain
+from comparisons.study.numbers import plain
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Section, Table
-
-_RUNS = {"runs": Column("runs", show=number)}
 
 
 def closing() -> list[Section]:
     """Sections of every study: warnings, times, what was left out, what failed, versions."""
     skipped = "What runs did without since their scenes do not need it."
     return [
-        Section("Warnings", tables=[Table("warnings", "What runs warn of.", _warnings, _RUNS)]),
+        Section("Warnings", tables=[Table("warnings", "What runs warn of.", _warnings)]),
         Section("Run times", tables=[Table("times", "Seconds of cases by stage.", _times)]),
-        Section("Left out", tables=[Table("skipped", skipped, _left_out, _RUNS)]),
+        Section("Left out", tables=[Table("skipped", skipped, _left_out)]),
         Section("Failed", tables=[Table("failed", "Cases without an answer.", StudyResult.failed)]),
         Section(
             "Parameters",

@@ -13,21 +13,11 @@ from scenes.spec.body import backend_name
 
 @dataclass(frozen=True)
 class Column:
-    """How a column is shown.
-
-    Parameters
-    ----------
-    title
-        Its heading, and the title of an axis.
-    unit
-        Unit of its values.
-    show
-        Makes text of a value; None shows it as it is, set to the left.
-    """
+    """How a column is shown; its title is that of an axis too."""
 
     title: str
     unit: str = ""
-    show: Callable[[Any], str] | None = None
+    show: Callable[[Any], str] | None = None  # text of a value; None: as it is, set to the left
 
     def cell(self, value: Any) -> str:
         """Text of a value; a dash where there is none."""
@@ -41,6 +31,11 @@ class Column:
     def axis(self) -> str:
         """Title of an axis."""
         return f"{self.title} ({self.unit})" if self.unit else self.title
+
+    @property
+    def number(self) -> bool:
+        """Whether it is set to the right and sorted by its values."""
+        return self.show not in (None, backend_name)
 
 
 def _stiffness(value: float) -> str:
@@ -82,11 +77,6 @@ def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = No
     title = number(name, 2) if isinstance(name, int | float) else str(name).replace("_", " ")
     kind = frame[name].dtype.kind if name in frame else "O"
     return Column(title, show={"f": shown(3), "i": number}.get(kind))
-
-
-def is_number(shown_as: Column) -> bool:
-    """Whether a column is set to the right and sorted by its values."""
-    return shown_as.show not in (None, backend_name)
 
 
 def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) -> pd.DataFrame:

@@ -11,8 +11,7 @@ from time import perf_counter, process_time
 from cea.petsc import give_back
 
 _PROCESS = Path("/proc/self")
-_RESET_PEAK = "5"
-"""What clears the high-water mark of resident memory: proc(5), clear_refs."""
+_RESET_PEAK = "5"  # what clears the high-water mark of resident memory: proc(5), clear_refs
 
 
 @dataclass

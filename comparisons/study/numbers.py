@@ -6,10 +6,8 @@ from math import floor, isfinite, log10
 from typing import Any
 
 MISSING = "–"
-_SLOW = 0.1
-"""Growth rate (1/s) from which on three digits after the point are enough."""
-_STILL = 1e-9
-"""Growth rate (1/s) below which rounding alone grows."""
+_SLOW = 0.1  # growth rate (1/s) from which on three digits after the point are enough
+_STILL = 1e-9  # growth rate (1/s) below which rounding alone grows
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _NARROW_SPACE = "\u202f"
 

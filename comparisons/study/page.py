@@ -15,14 +15,13 @@ from matplotlib import rc_context
 from cea.files import write_whole
 from comparisons.study import plots
 from comparisons.study.closing import closing
-from comparisons.study.columns import Column, column, is_missing, is_number
+from comparisons.study.columns import Column, column, is_missing
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table, rows
 from comparisons.study.shapes import Shapes, merged, packed
 from comparisons.study.study import Study
 
-REPORT = "report.html"
-"""Name of a page."""
+REPORT = "report.html"  # name of a page
 _HERE = Path(__file__).parent
 _SCRIPTS = ("tables.js", "contents.js", "plots.js", "shapes.js", "viewer.js", "start.js")
 
@@ -108,11 +107,13 @@ def _section(
             tables.append(table_cells(table, frame))
     for plot in section.plots:
         if isinstance(plot, Plot):
-            panels = plots.drawn_by_page(plot, result)
-            if panels and out:
+            points = rows(plot.frame, result)
+            if points.empty:
+                continue
+            drawn.append({"plot": plot, "panels": plots.drawn_by_page(plot, points, result)})
+            if out:
                 with rc_context(plots.STYLE):
-                    plots.save(plots.draw(plot, result), out / f"{plot.name}.png")
-            drawn += [{"plot": plot, "panels": panels}] if panels else []
+                    plots.save(plots.draw(plot, points, result), out / f"{plot.name}.png")
             continue
         with rc_context(plots.STYLE):
             figure = plot(result)
@@ -136,16 +137,12 @@ def _section(
 
 
 def table_cells(table: Table, frame: pd.DataFrame) -> dict[str, Any]:
-    """Headings and cells of a table, rows by the heading of their group.
+    """Columns by name, and cells of a table, rows by the heading of their group.
 
     Cells are text and the raw number that scripts sort by: "" where it is missing, None of texts.
     """
     names = [name for name in frame if name not in ("shape", table.group)]
     columns = {name: column(name, frame, table.own) for name in names}
-    heads = [
-        {"name": name, "title": c.title, "unit": c.unit, "axis": c.axis, "number": is_number(c)}
-        for name, c in columns.items()
-    ]
     groups = [("", frame)]
     if table.group and not frame.empty:
         group = column(table.group, frame, table.own)
@@ -153,7 +150,7 @@ def table_cells(table: Table, frame: pd.DataFrame) -> dict[str, Any]:
     return {
         "name": table.name,
         "caption": table.caption,
-        "heads": heads,
+        "heads": columns.items(),
         "groups": [(title, list(_rows(own, columns))) for title, own in groups],
     }
 
@@ -165,7 +162,7 @@ def _rows(frame: pd.DataFrame, columns: dict[Any, Column]) -> Iterator[dict[str,
 
 
 def _raw(value: Any, shown: Column) -> str | None:
-    if not is_number(shown):
+    if not shown.number:
         return None
     if is_missing(value):
         return ""

@@ -11,7 +11,7 @@ from matplotlib import rc_context
 from matplotlib.figure import Figure
 
 from cea.files import write_whole
-from comparisons.study.columns import column, is_number
+from comparisons.study.columns import column
 from comparisons.study.numbers import literal
 from comparisons.study.sections import Plot, rows
 
@@ -67,11 +67,8 @@ def sign(verdict: str) -> str:
     return f"{VERDICT_MARKS[verdict][2]} {verdict}" if verdict in VERDICT_MARKS else verdict
 
 
-def panels(plot: Plot, result: Any) -> list[tuple[str, list[Trace]]]:
-    """Panels by their titles, each with its lines; none where there are no points."""
-    frame = rows(plot.frame, result)
-    if frame.empty:
-        return []
+def panels(plot: Plot, frame: pd.DataFrame, result: Any) -> list[tuple[str, list[Trace]]]:
+    """Panels by their titles, each with its lines."""
     layers = [(frame, True, plot.lines is None and plot.style == "lines")]
     if plot.lines is not None:
         layers.insert(0, (rows(plot.lines, result), False, True))
@@ -86,9 +83,7 @@ def panels(plot: Plot, result: Any) -> list[tuple[str, list[Trace]]]:
                 points = points[points[name] == value] if name in points else points
             traces += _traces(plot, points, places, marked, joined)
         words = [
-            f"{shown.title} = {shown.cell(values[name])}"
-            if is_number(shown)
-            else shown.cell(values[name])
+            f"{shown.title} = " * shown.number + shown.cell(values[name])
             for name, shown in named.items()
         ]
         made.append((", ".join(words), traces))
@@ -127,15 +122,10 @@ def _look(labels: Mapping[str, Any], places: Mapping[str, Any]) -> tuple[str, st
     return marker, colour
 
 
-def _titles(plot: Plot, result: Any) -> tuple[str, str]:
-    frame = rows(plot.frame, result)
+def draw(plot: Plot, frame: pd.DataFrame, result: Any) -> Figure:
+    """A figure of a plot with its points, panels side by side."""
+    made = panels(plot, frame, result)
     x, y = (column(name, frame, plot.own).axis for name in (plot.x, plot.y))
-    return x, y
-
-
-def draw(plot: Plot, result: Any) -> Figure:
-    """A figure of a plot that has points, panels side by side."""
-    made, (x, y) = panels(plot, result), _titles(plot, result)
     columns = min(3, len(made))
     figure = Figure(figsize=(4.4 * columns + 1.0, 3.6 * -(-len(made) // columns)))
     figure.set_layout_engine("constrained")
@@ -169,19 +159,19 @@ def save(figure: Figure, file: Path) -> bytes:
     return stream.getvalue()
 
 
-def drawn_by_page(plot: Plot, result: Any) -> list[dict[str, Any]]:
+def drawn_by_page(plot: Plot, frame: pd.DataFrame, result: Any) -> list[dict[str, Any]]:
     """Figures of plotly.js with their names and titles, one for each panel."""
     axes: dict[str, Any] = {
         f"{axis}axis": {
-            "title": {"text": literal(title)},
+            "title": {"text": literal(column(name, frame, plot.own).axis)},
             "type": "log" if axis in plot.log else "-",
             "exponentformat": "power" if axis in plot.log else "B",
         }
-        for axis, title in zip("xy", _titles(plot, result), strict=True)
+        for axis, name in (("x", plot.x), ("y", plot.y))
     }
     kept = {"meta": "shown", "mode": "markers", "x": [], "y": [], "name": "mode shown",
             "marker": {"symbol": "circle-open", "size": 18, "color": BLACK}}  # fmt: skip
-    made, every = [], panels(plot, result)
+    made, every = [], panels(plot, frame, result)
     for i, (title, traces) in enumerate(every):
         if any("customdata" in trace for trace in traces):
             traces.append(kept)

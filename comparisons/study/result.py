@@ -8,16 +8,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from cea.errors import InputError
+from cea.errors import InputError, require
 from scenes.results.folder import RESULT as RESULT
 from scenes.results.record import read_record, write_record
 
-ARRAYS = "arrays.npz"
-"""File of the arrays beside the record."""
-PART = "part"
-"""Label that only sets parts of a study apart: frames leave it out."""
-Data = Mapping[str, Any]
-"""Plain data, as JSON holds them."""
+ARRAYS = "arrays.npz"  # file of the arrays beside the record
+PART = "part"  # label that only sets parts of a study apart: frames leave it out
+Data = Mapping[str, Any]  # plain data, as JSON holds them
 
 
 @dataclass(frozen=True)
@@ -25,11 +22,12 @@ class StudyResult:
     """A study that was just run or read back.
 
     ``record`` has provenance, and ``cases`` with ``labels``, ``key``, ``commit``, ``seconds``,
-    ``failed``, ``tables`` of rows, ``shapes`` and ``runs``; ``arrays`` are by key and name.
+    ``failed``, ``tables`` of rows, ``shapes`` and ``runs``; names of ``arrays`` begin with the key
+    of their case and a slash.
     """
 
     record: Data
-    arrays: Mapping[str, Mapping[str, np.ndarray]] = field(default_factory=dict)
+    arrays: Mapping[str, np.ndarray] = field(default_factory=dict)
     _frames: dict[Any, pd.DataFrame] = field(default_factory=dict, repr=False)
 
     @property
@@ -49,9 +47,9 @@ class StudyResult:
     def array(self, case: Mapping[str, Any], name: str) -> np.ndarray:
         """Array that the case with these labels kept; an InputError where there is none."""
         for found in self.cases:
-            own = self.arrays.get(found["key"], {})
-            if case.items() <= found["labels"].items() and name in own:
-                return own[name]
+            whole = f"{found['key']}/{name}"
+            if case.items() <= found["labels"].items() and whole in self.arrays:
+                return self.arrays[whole]
         raise InputError("array", name, f"one that the case {dict(case)} kept")
 
     def failed(self) -> pd.DataFrame:
@@ -67,8 +65,7 @@ class StudyResult:
     def save(self, out: Path) -> None:
         """Write record and arrays to a folder."""
         write_record(self.record, out / RESULT)
-        every = {f"{k}/{n}": a for k, own in self.arrays.items() for n, a in own.items()}
-        write_arrays(every, out / ARRAYS)
+        write_arrays(self.arrays, out / ARRAYS)
 
 
 def write_arrays(arrays: Mapping[str, np.ndarray], file: Path) -> None:
@@ -91,18 +88,13 @@ def read_result(out: Path, command: str) -> dict[str, Any]:
     files = (out / RESULT, out / f"{RESULT}.gz")
     found = next((file for file in files if file.is_file()), None)
     data = read_record(found) if found is not None else {}
-    if data.get("command") != command:
-        raise InputError("out", str(out), f"a folder with the {RESULT} of `cea {command}`")
+    allowed = f"a folder with the {RESULT} of `cea {command}`"
+    require(data.get("command") == command, "out", str(out), allowed)
     return data
 
 
 def read(name: str, out: Path) -> StudyResult:
     """Read what the study of a name wrote to a folder; refused where there is none."""
     record = read_result(out, name)
-    if "cases" not in record:
-        raise InputError("out", str(out), "a result with cases: run the study anew")
-    arrays: dict[str, dict[str, np.ndarray]] = {}
-    for whole, array in read_arrays(out / ARRAYS).items():
-        key, _, own = whole.partition("/")
-        arrays.setdefault(key, {})[own] = array
-    return StudyResult(record, arrays)
+    require("cases" in record, "out", str(out), "a result with cases: run the study anew")
+    return StudyResult(record, read_arrays(out / ARRAYS))

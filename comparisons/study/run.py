@@ -11,11 +11,10 @@ from shutil import rmtree
 from time import perf_counter
 from typing import Any
 
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.petsc import MPI
-from comparisons.study.progress import Progress
 from comparisons.study.result import StudyResult, read, read_arrays, write_arrays
-from comparisons.study.session import Session
+from comparisons.study.session import Progress, Session
 from comparisons.study.study import CHOOSES, Case, Study, evaluated
 from comparisons.study.worker import Computed, workers
 from scenes.results.record import commit, read_record, record, write_record
@@ -28,11 +27,10 @@ def selected(study: Study, options: Any, only: Mapping[str, str]) -> list[Case]:
     """Cases whose labels have the values given as text; refused where no case has."""
     cases = list(study.cases(options))
     for name, value in only.items():
-        if not any(name in case for case in cases):
-            raise InputError("only", name, f"one of {', '.join(cases[0])}")
+        known = any(name in case for case in cases)
+        require(known, "only", name, f"one of {', '.join(cases[0])}")
         values = dict.fromkeys(_text(case[name]) for case in cases)
-        if value not in values:
-            raise InputError("only", f"{name}={value}", f"one of {', '.join(values)}")
+        require(value in values, "only", f"{name}={value}", f"one of {', '.join(values)}")
         cases = [case for case in cases if _text(case[name]) == value]
     return cases
 
@@ -59,8 +57,8 @@ def run(
     :func:`finished` removes the stored cases once it is written.
     """
     comm, begun = MPI.COMM_WORLD, perf_counter()
-    if study.process and comm.size > 1:
-        raise InputError("ranks", comm.size, "1: the study starts processes of its own")
+    alone = not study.process or comm.size == 1
+    require(alone, "ranks", comm.size, "1: the study starts processes of its own")
     progress = progress or Progress(step=lambda _: None, stage=lambda _: None)
     chosen = [dict(case) for case in selected(study, options, only or {})]
     known = comm.bcast(_known(study, out) if comm.rank == 0 and not anew else {})
@@ -79,8 +77,9 @@ def run(
             if key in known or labels not in chosen:
                 return known.get(key)
             progress.step(", ".join(f"{name} {_text(v)}" for name, v in labels.items()))
-            case, arrays = compute(labels)
+            case, own = compute(labels)
             case |= {"key": key, "commit": commit()}
+            arrays = {f"{key}/{name}": array for name, array in own.items()}
             if comm.rank == 0:
                 write_arrays(arrays, parts(out) / f"{key}.npz")
                 write_record(case, parts(out) / f"{key}.json")
@@ -88,7 +87,7 @@ def run(
 
         entries = threads.map(found, every) if study.process else map(found, every)
         done = [entry for entry in entries if entry is not None]
-    arrays = {case["key"]: own for case, own in done if own}
+    arrays = {name: array for _, own in done for name, array in own.items()}
     inputs = json.loads(json.dumps(asdict(options), default=str))
     data, seconds = {"cases": [case for case, _ in done]}, perf_counter() - begun
     return StudyResult(record(study.name, data, inputs=inputs, seconds=seconds), arrays)
@@ -132,4 +131,7 @@ def _of_result(study: Study, folder: Path) -> list[Computed]:
         result = read(study.name, folder)
     except InputError:
         return []
-    return [(case, result.arrays.get(case["key"], {})) for case in result.cases]
+    arrays: dict[str, dict[str, Any]] = {case["key"]: {} for case in result.cases}
+    for name, array in result.arrays.items():
+        arrays[name.partition("/")[0]][name] = array
+    return [(case, arrays[case["key"]]) for case in result.cases]

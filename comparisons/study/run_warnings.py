@@ -3,8 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-_LISTED = 4
-"""Runs up to which all are named."""
+_LISTED = 4  # runs up to which all are named
 Run = tuple[Mapping[str, Any], Iterable[Mapping[str, Any]]]
 """What sets a run apart, by name, and its warnings as plain data."""
 

@@ -24,74 +24,41 @@ def rows(frame: Frame, result: Any) -> pd.DataFrame:
 class Table:
     """A data frame as a page shows it; ``name.csv`` holds its raw values.
 
-    Parameters
-    ----------
-    name
-        Stem of the CSV file.
-    caption
-        What it shows.
-    frame
-        Makes it of the result. A column ``shape`` names the mode of a row in the viewer, and is
-        not shown.
-    own
-        How columns of the application are shown; others are as in
-        :data:`comparisons.study.columns.COLUMNS`.
-    group
-        Column whose values stand as headings above their rows.
-    printed
-        Whether the command prints it.
-    shown
-        Whether the page shows it; otherwise only the CSV file is written.
+    A column ``shape`` of the frame names the mode of a row in the viewer, and is not shown.
     """
 
-    name: str
+    name: str  # stem of the CSV file
     caption: str
     frame: Frame
-    own: Mapping[Any, Column] = field(default_factory=dict)
-    group: str = ""
-    printed: bool = False
-    shown: bool = True
+    own: Mapping[Any, Column] = field(default_factory=dict)  # columns that are not as in COLUMNS
+    group: str = ""  # column whose values stand as headings above their rows
+    printed: bool = False  # whether the command prints it
+    shown: bool = True  # whether the page shows it, or the CSV file alone is written
 
 
 @dataclass(frozen=True)
 class Plot:
     """Lines with markers: a panel for all values of ``panel``, a line for those of ``series``.
 
-    Parameters
-    ----------
-    name
-        Stem of the PNG file.
-    caption
-        What it shows.
-    frame
-        Makes its points of the result; a column ``shape`` names the mode of a point.
-    x, y
-        Columns.
-    series
-        Columns that set lines apart: the backend by its marker, others by colour.
-    panel
-        Columns that set panels apart.
-    log
-        Logarithmic axes: "x", "y" or "xy".
-    own
-        How columns of the application are shown; their titles are those of the axes.
-    lines
-        Makes lines without markers, in the same columns; those of ``frame`` are markers then.
-    style
-        "lines" or "markers".
+    A column ``shape`` of the frame names the mode of a point.
     """
 
-    name: str
+    name: str  # stem of the PNG file
     caption: str
     frame: Frame
     x: str
     y: str
-    series: Sequence[str] = ()
-    panel: Sequence[str] = ()
-    log: str = ""
-    own: Mapping[Any, Column] = field(default_factory=dict)
-    lines: Frame | None = None
-    style: str = "lines"
+    series: Sequence[str] = ()  # columns that set lines apart: backends by marker, else by colour
+    panel: Sequence[str] = ()  # columns that set panels apart
+    log: str = ""  # logarithmic axes: "x", "y" or "xy"
+    own: Mapping[Any, Column] = field(default_factory=dict)  # as of a table; titles of axes too
+    lines: Frame | None = None  # lines without markers; points of ``frame`` are markers then
+    style: str = "lines"  # or "markers"
+
+
+def diagram(name: str, caption: str, frame: Frame, series: Sequence[str], **more: Any) -> Plot:
+    """A stability diagram: growth rates of modes over their frequencies."""
+    return Plot(name, caption, frame, "frequency", "growth", series, style="markers", **more)
 
 
 Drawing = Callable[[Any], "Figure | None"]
@@ -100,28 +67,12 @@ Drawing = Callable[[Any], "Figure | None"]
 
 @dataclass(frozen=True)
 class Section:
-    """A section of a page.
-
-    Parameters
-    ----------
-    title
-        Its heading.
-    text
-        What a reader must know, written once.
-    headline
-        The finding in one line, made of the numbers; None where there is none.
-    tables, plots
-        What it shows.
-    modes
-        Whether the viewer of the modes that cases kept stands here.
-    of
-        Table of rows of a study without which the section is left out.
-    """
+    """A section of a page; one that shows nothing is left out."""
 
     title: str
-    text: str = ""
-    headline: Callable[[Any], str | None] | None = None
+    text: str = ""  # what a reader must know, written once
+    headline: Callable[[Any], str | None] | None = None  # the finding in a line, of the numbers
     tables: Sequence[Table] = ()
     plots: Sequence[Plot | Drawing] = ()
-    modes: bool = False
-    of: str = ""
+    modes: bool = False  # whether the viewer of the modes that cases kept stands here
+    of: str = ""  # table of rows of a study without which the section is left out

@@ -1,6 +1,7 @@
 """Runs of scenes in a study: bodies are reused while they are equal, what a run took is noted."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,15 @@ from scenes import Result, run_scene
 from scenes.spec.plain import as_data
 from scenes.spec.reading import Scene
 
-_REMEMBERED = 2
-"""Runs whose bodies are remembered: cases often alternate between two backends."""
+_REMEMBERED = 2  # runs whose bodies are remembered: cases often alternate between two backends
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where an application shows how far it is."""
+
+    step: Callable[[str], None]  # called as a step begins
+    stage: Callable[[str], None]  # called for each stage in it
 
 
 class Session:

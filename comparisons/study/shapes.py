@@ -11,54 +11,19 @@ from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes, Floats, Ints
+from cea.arrays import Complexes, Ints
 from cea.eigen.classify import BY_URGENCY, GROWING
 from comparisons.study.numbers import growth, literal, number
 from comparisons.study.result import StudyResult
 from scenes import Result
 
-STEPS = 2047
-"""Steps of a displacement on either side of zero: finer ones are noise to a compressor."""
-_POSITIONS = 2**16 - 1
-"""Steps of a position along the longest side of a scene."""
-_POINTS = 4000
-"""Points of the outsides of a scene, about: more are not seen on a screen."""
+STEPS = 2047  # steps of a displacement on either side of zero: finer ones are noise to a compressor
+_POSITIONS = 2**16 - 1  # steps of a position along the longest side of a scene
+_POINTS = 4000  # points of the outsides of a scene, about: more are not seen on a screen
 _MOST = 3_000_000
 """Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
-_ALIGNED = 4
-"""Bytes at whose multiples arrays begin, as typed arrays of a browser want it."""
-_NUMBERS = "shapes"
-"""Array of a case that holds the numbers of its shapes."""
-
-
-@dataclass
-class Binary:
-    """Arrays that a page holds one after the other, and reads by their place."""
-
-    _parts: list[bytes] = field(default_factory=list)
-    _size: int = 0
-
-    def add(self, values: Any, kind: str = "") -> dict[str, Any]:
-        """Keep an array, by default of numbers from 0 on, and tell its type, place and length."""
-        values = np.asarray(values)
-        kind = kind or ("uint16" if values.max(initial=0) < 2**16 else "uint32")
-        begin = self.append(np.ascontiguousarray(values, dtype=kind).tobytes())
-        return {"type": kind, "at": begin, "length": values.size}
-
-    def append(self, content: bytes) -> int:
-        """Keep bytes, and tell where they begin."""
-        begin = self._size
-        self._parts.append(content + bytes(-len(content) % _ALIGNED))
-        self._size += len(self._parts[-1])
-        return begin
-
-    def content(self) -> bytes:
-        """Everything."""
-        return b"".join(self._parts)
-
-    def text(self) -> str:
-        """Everything, compressed."""
-        return packed(self.content())
+_ALIGNED = 4  # bytes at whose multiples arrays begin, as typed arrays of a browser want it
+_NUMBERS = "shapes"  # array of a case that holds the numbers of its shapes
 
 
 def packed(content: bytes) -> str:
@@ -68,22 +33,40 @@ def packed(content: bytes) -> str:
 
 @dataclass
 class Shapes:
-    """What the views of a page draw: bodies by the key of their result, modes by it and number."""
+    """What the views of a page draw: bodies by the key of their result, modes by it and number.
+
+    Arrays stand one after the other in ``content``; plain data have their type, place and length.
+    """
 
     scenes: dict[str, Any] = field(default_factory=dict)
     modes: dict[str, dict[str, Any]] = field(default_factory=dict)
-    binary: Binary = field(default_factory=Binary)
+    content: bytearray = field(default_factory=bytearray)
     _size: int = 0
 
     def plain(self) -> dict[str, Any]:
-        """Plain data for the page, beside the text of :attr:`binary`."""
+        """Plain data for the page, beside the text of :attr:`content`."""
         return {"scenes": self.scenes, "modes": self.modes, "steps": STEPS}
+
+    def numbers(self) -> str:
+        """The arrays as a text."""
+        return packed(bytes(self.content))
 
     def stored(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Plain data, and the array of the bytes that they refer to, if there are some."""
-        numbers = np.frombuffer(self.binary.content(), np.uint8)
+        numbers = np.frombuffer(bytes(self.content), np.uint8)
         arrays = {_NUMBERS: numbers} if len(numbers) else {}
         return {"scenes": self.scenes, "modes": self.modes}, arrays
+
+    def _kept(self, values: Any, kind: str) -> dict[str, Any]:
+        """Keep an array; its type, place and length."""
+        array = np.ascontiguousarray(values, dtype=kind)
+        return {"type": kind, "at": self.append(array.tobytes()), "length": array.size}
+
+    def append(self, part: bytes) -> int:
+        """Keep bytes, and tell where they begin."""
+        begin = len(self.content)
+        self.content += part + bytes(-len(part) % _ALIGNED)
+        return begin
 
     def add(
         self,
@@ -117,13 +100,10 @@ class Shapes:
                 break
             self._size += 4 * u.size
             turned, largest = largest_deflection(u)
+            steps = np.pad(turned * (STEPS / (largest or 1.0)), ((0, 0), (0, 3 - turned.shape[1])))
             kept[str(mode + 1)] = {
-                **{
-                    name: self.binary.add(
-                        np.round(_in_space(part) * (STEPS / (largest or 1.0))).T, "int16"
-                    )
-                    for name, part in (("real", turned.real), ("imaginary", turned.imag))
-                },
+                "real": self._kept(np.round(steps.real).T, "int16"),
+                "imaginary": self._kept(np.round(steps.imag).T, "int16"),
                 "number": mode + 1,
                 "title": title,
                 "frequency": number(rows[mode]["frequency"], 6),
@@ -141,20 +121,18 @@ class Shapes:
         low, extent = every.min(axis=0), float(np.ptp(every, axis=0).max())
         step = extent / _POSITIONS
 
-        def kept(x: Floats) -> dict[str, Any]:
-            return self.binary.add(np.round(np.clip((x - low) / step, 0, _POSITIONS)).T, "uint16")
+        def kept(surface: Any) -> dict[str, Any]:
+            places = np.round(np.clip((surface.points - low) / step, 0, _POSITIONS))
+            numbered = "uint16" if surface.n_points <= _POSITIONS else "uint32"
+            return {
+                "points": self._kept(places.T, "uint16"),
+                "triangles": self._kept(surface.regular_faces.T, numbered),
+                "edges": self._kept(_element_edges(surface).T, numbered),
+                "sharp": self._kept(_sharp_edges(surface).T, numbered),
+            }
 
         self.scenes[key] = {
-            "bodies": [
-                {
-                    "name": literal(name),
-                    "points": kept(surface.points),
-                    "triangles": self.binary.add(surface.regular_faces.T),
-                    "edges": self.binary.add(_element_edges(surface).T),
-                    "sharp": self.binary.add(_sharp_edges(surface).T),
-                }
-                for name, surface in outsides.items()
-            ],
+            "bodies": [{"name": literal(name)} | kept(s) for name, s in outsides.items()],
             "low": low.tolist(),
             "high": every.max(axis=0).tolist(),
             "step": step,
@@ -168,7 +146,7 @@ def merged(result: StudyResult) -> Shapes:
     shapes = Shapes()
     for case in result.cases:
         if case["shapes"]["scenes"]:
-            begin = shapes.binary.append(result.arrays[case["key"]][_NUMBERS].tobytes())
+            begin = shapes.append(result.arrays[f"{case['key']}/{_NUMBERS}"].tobytes())
             shapes.scenes |= _moved(case["shapes"]["scenes"], begin)
             shapes.modes |= _moved(case["shapes"]["modes"], begin)
     return shapes
@@ -249,15 +227,10 @@ def mode_rows(name: str, result: Result) -> list[dict[str, Any]]:
 
 def by_importance(result: Result) -> list[int]:
     """Numbers of modes from 0: growing ones first, the fastest growing before, then undecided."""
+    rows = result.table()
 
-    def place(item: tuple[int, Any]) -> tuple[int, float]:
-        i, row = item
-        urgency = BY_URGENCY.index(row["verdict"])
-        return urgency, -row["growth_rate"] if row["verdict"] in GROWING else i
+    def place(i: int) -> tuple[int, float]:
+        verdict = rows[i]["verdict"]
+        return BY_URGENCY.index(verdict), -rows[i]["growth_rate"] if verdict in GROWING else i
 
-    return [i for i, _ in sorted(enumerate(result.table()), key=place)]
-
-
-def _in_space(vectors: Floats) -> Floats:
-    """Vectors with z = 0 added in 2D, shape (n, 3)."""
-    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+    return sorted(range(len(rows)), key=place)

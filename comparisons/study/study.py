@@ -6,7 +6,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError, InputError, require
 from comparisons.study.result import StudyResult as StudyResult
 from comparisons.study.sections import Section
 from comparisons.study.session import Session as Session
@@ -23,78 +23,43 @@ CHOOSES: Mapping[str, Any] = {"chooses": True}
 
 @dataclass(frozen=True)
 class Process:
-    """How cases are computed in processes of their own.
+    """Cases are computed in processes of their own: a crash or an overlong case ends itself alone.
 
-    Parameters
-    ----------
-    study
-        ``module:name`` of the study, by which the process finds it.
-    seconds
-        Time for a case, the start of the process not counted.
-    at_once
-        Processes that share the cases. A case with a label ``ranks`` runs on so many.
+    A case with a label ``ranks`` runs on so many.
     """
 
-    study: str
-    seconds: float
-    at_once: int = 1
+    study: str  # ``module:name`` of the study, by which the process finds it
+    seconds: float  # time for a case, the start of the process not counted
+    at_once: int = 1  # processes that share the cases
 
 
 @dataclass(frozen=True)
 class Study:
     """Cases, what is computed for each, and how the results are shown.
 
-    Parameters
-    ----------
-    name
-        Name of the command, mark of the record, and folder below ``results``.
-    title
-        Title of the page.
-    options
-        Frozen dataclass of what a user may choose: its fields are options of the command, its
-        docstring describes them.
-    cases
-        Cases of given options, in the order in which they are run; all have the same labels. A
-        label ``part`` sets parts of a study apart, and is not shown.
-    evaluate
-        Computes a case: a row, rows, or rows by the name of their table. Collective on several
-        ranks. Values are plain: numbers, texts, truths and None where there is no number.
-    sections
-        Sections of the page.
-    scene
-        Scene of a case, where it has one, or several by name: part of what a stored case must agree
-        in.
-    quick
-        Options of ``--quick``, which tests run too.
-    check
-        The fault of a result in one line, which ends the command with code 1; "" where there is
-        none.
-    process
-        Cases are computed in other processes, so that a crash or an overlong case ends itself
-        alone; None computes them in this one.
-    shipped
-        Folder of results that come with the project: cases with equal inputs are taken from there
-        at any commit.
+    All cases have the same labels; a label ``part`` sets parts of a study apart, and is not shown.
+    ``evaluate`` is collective; its values are numbers, texts, truths, and None without a number.
     """
 
-    name: str
+    name: str  # of the command, of its records, and of the folder below ``results``
     title: str
+    # frozen dataclass: fields that are annotated with their help are options of the command
     options: type
-    cases: Callable[[Any], Iterable[Case]]
+    cases: Callable[[Any], Iterable[Case]]  # of given options, in the order of running
     evaluate: Callable[[Any, Session], Rows | Mapping[str, Rows]]
     sections: Sequence[Section]
+    # scene of a case, or several by name: part of what a stored case must agree in
     scene: Callable[[Any, Any], Scene | Mapping[str, Any] | None] | None = None
-    quick: Mapping[str, Any] = field(default_factory=dict)
-    check: Callable[[StudyResult], str] | None = None
-    process: Process | None = None
-    shipped: Path | None = None
+    quick: Mapping[str, Any] = field(default_factory=dict)  # options of ``--quick`` and of tests
+    check: Callable[[StudyResult], str] | None = None  # a fault in a line, with which it ends; ""
+    process: Process | None = None  # None: cases are computed in this process
+    shipped: Path | None = None  # folder of results whose cases are taken at any commit
 
 
 def at_least_one(**fields: int) -> None:
     """Refuse options that are no numbers from 1 on."""
     for name, value in fields.items():
-        if value < 1:
-            raise InputError(name, value, "1 or more")
+        require(value >= 1, name, value, "1 or more")
 
 
 def evaluated(

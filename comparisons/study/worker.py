@@ -15,8 +15,8 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
-from queue import Empty, Queue, SimpleQueue
-from threading import Thread
+from queue import Empty, Queue
+from threading import Thread, get_ident
 from typing import Any
 
 from cea.errors import InputError
@@ -25,8 +25,7 @@ from comparisons.study.session import Session
 from comparisons.study.study import Process, evaluated
 
 _MARK = "\x1eanswer "
-_STARTS = 120.0
-"""Seconds in which a process must have begun."""
+_STARTS = 120.0  # seconds in which a process must have begun
 _ENVIRONMENT = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",
@@ -34,8 +33,7 @@ _ENVIRONMENT = {
 }
 
 
-Computed = tuple[dict[str, Any], Mapping[str, Any]]
-"""A case, and its arrays by name."""
+Computed = tuple[dict[str, Any], Mapping[str, Any]]  # a case, and its arrays by name
 
 
 @contextmanager
@@ -44,26 +42,19 @@ def workers(process: Process, options: Any) -> Iterator[Callable[[dict[str, Any]
 
     A case has no arrays: it travels as text.
     """
-    idle: SimpleQueue[dict[int, Worker]] = SimpleQueue()
-    every: list[dict[int, Worker]] = [{} for _ in range(process.at_once)]
-    for by_ranks in every:
-        idle.put(by_ranks)
+    of_threads: dict[tuple[int, int], Worker] = {}  # by thread and number of ranks
 
     def evaluate(labels: dict[str, Any]) -> Computed:
-        ranks, own = labels.get("ranks", 1), idle.get()
-        try:
-            if ranks not in own:
-                own[ranks] = Worker(process.study, asdict(options), ranks)
-            return own[ranks].evaluate(labels, process.seconds), {}
-        finally:
-            idle.put(own)
+        key = get_ident(), labels.get("ranks", 1)
+        if key not in of_threads:
+            of_threads[key] = Worker(process.study, asdict(options), key[1])
+        return of_threads[key].evaluate(labels, process.seconds), {}
 
     try:
         yield evaluate
     finally:
-        for by_ranks in every:
-            for worker in by_ranks.values():
-                worker.end()
+        for worker in of_threads.values():
+            worker.end()
 
 
 class Worker:

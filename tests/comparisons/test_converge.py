@@ -22,7 +22,7 @@ from comparisons.converge.ladder import RATIO, Ladder
 from comparisons.converge.page import read_converge, write_converge
 from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
-from comparisons.study.progress import Progress
+from comparisons.study.session import Progress
 from scenes import run_modes
 from scenes.spec.plain import scene_text
 from scenes.spec.reading import load_scene, read_scene

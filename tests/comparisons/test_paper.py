@@ -16,9 +16,9 @@ from comparisons.paper.figures import FIGURES, chosen
 from comparisons.paper.patch_test import PatchTests
 from comparisons.paper.spectra import Diagram, Spectrum, case_row, run_tables
 from comparisons.paper.study import STUDY, Options, cases
-from comparisons.study.progress import Progress
 from comparisons.study.result import StudyResult, read
 from comparisons.study.run import run
+from comparisons.study.session import Progress
 from scenes import run_modes
 
 SHIPPED = read("paper", STUDY.shipped)

@@ -214,7 +214,7 @@ def squares(monkeypatch):
 
 def test_options_of_a_study_are_options_of_its_command(squares, tmp_path):
     told = squares("--help").output
-    assert "Factor and power." in told
+    assert "Exponent." in told
     assert "What is squared." in told
     told = squares("--sizes", "4", "--sizes", "6", "--power", "3", "--out", str(tmp_path))
     assert told.exit_code == 0, told.output

@@ -7,7 +7,7 @@ import pytest
 
 from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
-from comparisons.study.progress import Progress
+from comparisons.study.session import Progress
 from examples import (
     brake_sweep,
     compare_formulations,

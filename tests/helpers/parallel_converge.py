@@ -2,7 +2,7 @@
 
 from comparisons.converge.request import Request
 from comparisons.converge.study import run_converge
-from comparisons.study.progress import Progress
+from comparisons.study.session import Progress
 
 
 def blocks_to_three_digits():

@@ -4,6 +4,7 @@ import os
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 
@@ -15,23 +16,12 @@ from comparisons.study.study import Process, Study, StudyResult
 
 @dataclass(frozen=True)
 class Options:
-    """Options of it.
+    """Options of it."""
 
-    Parameters
-    ----------
-    sizes
-        What is squared.
-    factor, power
-        Factor and
-        power.
-    log
-        File in which cases are noted.
-    """
-
-    sizes: tuple[int, ...] = (1, 2, 3)
-    factor: float = 1.0
-    power: int = 2
-    log: str = ""
+    sizes: Annotated[tuple[int, ...], "What is squared."] = (1, 2, 3)
+    factor: Annotated[float, "Factor of all."] = 1.0
+    power: Annotated[int, "Exponent."] = 2
+    log: Annotated[str, "File in which cases are noted."] = ""
 
 
 def cases(options):
