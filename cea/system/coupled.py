@@ -20,9 +20,10 @@ from cea.contact.saddle import forces_of_contacts
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
 from cea.matrices import applied, block_diagonal, diagonal_of
+from cea.motion import Motion
 from cea.nodes import Nodes
 from cea.petsc import PETSc
-from cea.system.body_terms import BodyTerms, Motion
+from cea.system.body_terms import BodyTerms
 from cea.system.contact_terms import (
     contact_parameters,
     contact_terms,
