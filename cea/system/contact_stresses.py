@@ -61,14 +61,9 @@ def contact_stresses(
     for side, surface, body, displacement in _sides(system, contact, x):
         points = surface.grid(max(2, round(samples / np.sqrt(surface.num_elements))))
         sigma_n = normal_stress(surface, points.at, displacement, body.material)
-        stresses[side] = NormalStress(
-            float(sigma_n.min()),
-            float(sigma_n.max()),
-            arc,
-            _stress_at(surface, body, displacement, line, direction),
-            points.x,
-            sigma_n,
-        )
+        along = _stress_at(surface, body, displacement, line, direction)
+        ends = float(sigma_n.min()), float(sigma_n.max())
+        stresses[side] = NormalStress(*ends, arc, along, points.x, sigma_n)
     return stresses
 
 
@@ -85,16 +80,11 @@ def stress_map(system: CoupledSystem, contact_name: str, x: Any, samples: int) -
     grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
     points = centre + grid @ axes
     direction = np.broadcast_to(normal, points.shape)
-    offset = centre @ axes.T
-    return StressMap(
-        u + offset[0],
-        v + offset[1],
-        axes,
-        {
-            side: _stress_at(surface, body, displacement, points, direction).reshape(len(v), len(u))
-            for side, surface, body, displacement in _sides(system, contact, x)
-        },
-    )
+    maps = {
+        side: _stress_at(surface, body, moved, points, direction).reshape(samples, samples)
+        for side, surface, body, moved in _sides(system, contact, x)
+    }
+    return StressMap(u + axes[0] @ centre, v + axes[1] @ centre, axes, maps)
 
 
 def pressure_along(
