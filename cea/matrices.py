@@ -90,11 +90,6 @@ def _with_rows_scaled(matrix: Any, factor: Floats) -> Any:
     return scaled
 
 
-def transposed_product(left: Any, right: Any) -> Any:
-    """L^T R."""
-    return _alone(left.transposeMatMult(right))
-
-
 def times(left: Any, right: Any) -> Any:
     """L R."""
     return _alone(left.matMult(right))
@@ -150,11 +145,6 @@ def scaled_total(parts: Sequence[tuple[float, Any]]) -> Any:
     for factor, matrix in parts[1:]:
         result.axpy(factor, matrix, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     return result
-
-
-def largest_row(matrix: Any) -> float:
-    """Largest sum of absolute values of a row."""
-    return float(matrix.norm(PETSc.NormType.INFINITY))
 
 
 def absolute(matrix: Any) -> Any:

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
-from cea.mesh import Mesh, facet_nodes
-from meshes.files.content import first_of_near, named_sides
+from cea.mesh import Mesh
+from meshes.files.content import facets_on, first_of_near, named_sides
 from meshes.shapes import Disc, Shape
 
 TOO_FEW = "more elements: at most two edges at one cell, and on one side of it"
@@ -167,11 +167,10 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
     first = first_of_near(every, _SAME * least)
     cells[0] = mesh.cells[kept]
     parts = first[np.concatenate(cells)]
-    surfaces = {}
-    for name, (whole, *divided) in sides.items():
-        on = np.concatenate([whole[kept], *divided])
-        facets = enumerate(facet_nodes(mesh.cell, mesh.order))
-        surfaces[name] = np.concatenate([parts[on[:, i]][:, local] for i, local in facets])
+    surfaces = {
+        name: facets_on(mesh.cell, mesh.order, parts, np.concatenate([whole[kept], *divided]))
+        for name, (whole, *divided) in sides.items()
+    }
     return Mesh(mesh.cell, mesh.order, every, parts, surfaces).without_loose_points()
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import BeforeValidator
 
 from cea.arrays import Floats
@@ -111,9 +112,6 @@ class MeshFile:
         object.__setattr__(self, "faces", faces)
         empty = [name for name, sets in faces.items() if not sets]
         require(not empty, "faces", empty, "one set of the file or more for each surface")
-        from meshes.files.surfaces import check_sets
-
-        check_sets(self.content, faces)
         require(bool(self.extent), "part", self.part, "elements")
 
     @property
@@ -127,15 +125,17 @@ class MeshFile:
     def elements(self) -> "Part":
         """Its elements in the file."""
         from meshes.files.part import part_of
-        from meshes.files.surfaces import marks_of
+        from meshes.files.surfaces import marking_sets
 
-        faces = {name: self._sets(name) for name in self.faces}
-        marks = marks_of(self.content, faces)
+        marks = marking_sets(self.content, self.faces)
         return part_of(self.content, Path(self.file).name, self.part, marks)
 
-    def _sets(self, surface: str) -> tuple[str, ...]:
-        """Sets of the file that a surface is made of."""
-        return self.faces.get(surface, (surface,))
+    def _faces(self, surfaces: Iterable[str]) -> "dict[str, tuple[NDArray[np.bool_], int]]":
+        """Faces of its elements on each surface, and how many nodes of its sets are on none."""
+        from meshes.files.surfaces import surface_faces
+
+        sets = {name: self.faces.get(name, (name,)) for name in surfaces}
+        return surface_faces(self.content, self.elements, sets)
 
     @cached_property
     def directions(self) -> tuple[str, ...]:
@@ -157,15 +157,12 @@ class MeshFile:
 
     def nodes_left_out(self, surfaces: Iterable[str]) -> dict[str, int]:
         """Numbers of nodes of the body that sets of surfaces have and that make no face of them."""
-        from meshes.files.surfaces import surface_faces
-
-        faces = surface_faces(self.content, self.elements, {n: self._sets(n) for n in surfaces})
-        return {name: count for name, (_, count) in faces.items() if count}
+        return {name: count for name, (_, count) in self._faces(surfaces).items() if count}
 
     def mesh(self, surfaces: Iterable[str], placement: Placement = IN_PLACE) -> Mesh:
         """Its mesh, checked, with some of its surfaces: others may overlap these."""
-        from meshes.files.body import body_mesh
+        from meshes.files.part import body_mesh
 
-        faces = {name: self._sets(name) for name in surfaces}
+        faces = {name: on for name, (on, _) in self._faces(surfaces).items()}
         mesh = body_mesh(self.content, self.elements, faces, self.part)
         return replace(mesh, points=placement.apply(in_metres(mesh.points, self.unit)))

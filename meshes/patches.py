@@ -9,7 +9,7 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
 from xml.etree import ElementTree
@@ -17,9 +17,8 @@ from xml.etree import ElementTree
 import numpy as np
 
 from cea.arrays import Floats, finite_numbers
-from cea.errors import InputError, require
+from cea.errors import require
 from meshes.files.content import first_of_near
-from meshes.files.sandbox import checked_state
 from meshes.mesh_file import Unit, check_unit, in_metres, is_fit
 
 Face = tuple[int, int, int]
@@ -27,8 +26,7 @@ Faces = Mapping[str, tuple[Face, ...]]
 
 _SAME = 1e-10
 """Length of a step between control points in one place, relative to the longest."""
-_KEPT = 4
-"""Files whose content is kept, for the bodies of a scene."""
+_READERS = {".json": "meshes.patches.splinepy_patches", ".xml": "meshes.patches.gismo_patches"}
 _LARGEST = 2**28
 """Bytes of a file."""
 
@@ -235,7 +233,9 @@ class NurbsFile(_OfPatches):
     @cached_property
     def given(self) -> Patches:
         """Its patches (m)."""
-        given, named = _read(*checked_state(Path(self.file), "a file of patches", _LARGEST))
+        from meshes.files.reading import read_once
+
+        given, named = read_once(Path(self.file), "a file of patches", _READERS, largest=_LARGEST)
         faces = {name: ends for name, ends in named.items() if is_fit(name)} | self.faces
         lengths = [in_metres(patch.points, self.unit).tolist() for patch in given]
         patches = [replace(p, control_points=tuple(x)) for p, x in zip(given, lengths, strict=True)]
@@ -245,24 +245,9 @@ class NurbsFile(_OfPatches):
         return Patches(tuple(patches), faces, near)
 
 
-@lru_cache(_KEPT)
-def _read(file: Path, _changed: int, _size: int) -> tuple[list[GivenPatch], Faces]:
-    """Patches of a file, in its unit, and the faces that it names."""
-    reader = {".json": _of_splinepy, ".xml": _of_gismo}.get(file.suffix.lower())
-    if reader is None:
-        raise InputError("file", str(file), "one that ends in .json or .xml")
-    try:
-        return reader(file.read_text("utf-8"))
-    except InputError as error:
-        raise InputError("file", f"{file}: {error.field}", error.allowed) from None
-    except (ValueError, LookupError, TypeError, AttributeError, SyntaxError, RecursionError):
-        allowed = f"a whole {file.suffix} file of patches; it is not as its format has it"
-        raise InputError("file", str(file), allowed) from None
-
-
-def _of_splinepy(text: str) -> tuple[list[GivenPatch], Faces]:
-    """Patches of a file of splinepy; it names no faces."""
-    data = json.loads(text)
+def splinepy_patches(file: Path) -> tuple[list[GivenPatch], Faces]:
+    """Patches of a file of splinepy, in its unit; it names no faces."""
+    data = json.loads(file.read_text("utf-8"))
     splines = []
     for one in data["SplineList"]:
         degrees, points, weights = one["degrees"], one["control_points"], one.get("weights")
@@ -279,9 +264,9 @@ def _unpacked(text: str) -> Floats:
     return np.frombuffer(base64.b64decode(text), dtype=np.float64)
 
 
-def _of_gismo(text: str) -> tuple[list[GivenPatch], Faces]:
-    """Patches of a file of G+Smo, and its named boundaries."""
-    root = ElementTree.fromstring(text)
+def gismo_patches(file: Path) -> tuple[list[GivenPatch], Faces]:
+    """Patches of a file of G+Smo, in its unit, and its named boundaries."""
+    root = ElementTree.fromstring(file.read_text("utf-8"))
     splines: list[GivenPatch] = []
     place: dict[str | None, int] = {}
     for geometry in root.iter("Geometry"):

@@ -3,39 +3,20 @@
 Both builders divide a shape by breaks (:mod:`meshes.breaks`).
 """
 
-from meshes.crowned import Crowned
-from meshes.mesh_file import MeshFile
-from meshes.patches import NurbsFile, Patches
-from meshes.simple_shapes import (
-    Annulus,
-    Box,
-    Disc,
-    Hub,
-    Rectangle,
-    Ring,
-    RingSector,
-    Sector,
-    round_surfaces,
-)
-from meshes.ventilated_disc import VentilatedDisc
+from meshes.crowned import Crowned as Crowned
+from meshes.mesh_file import MeshFile as MeshFile
+from meshes.patches import NurbsFile as NurbsFile
+from meshes.patches import Patches as Patches
+from meshes.simple_shapes import Annulus as Annulus
+from meshes.simple_shapes import Box as Box
+from meshes.simple_shapes import Disc as Disc
+from meshes.simple_shapes import Hub as Hub
+from meshes.simple_shapes import Rectangle as Rectangle
+from meshes.simple_shapes import Ring as Ring
+from meshes.simple_shapes import RingSector as RingSector
+from meshes.simple_shapes import Sector as Sector
+from meshes.simple_shapes import round_surfaces as round_surfaces
+from meshes.ventilated_disc import VentilatedDisc as VentilatedDisc
 
 Simple = Box | Annulus | Sector | Hub | Disc | VentilatedDisc | Rectangle | Ring | RingSector
 Shape = Simple | Crowned | Patches | MeshFile | NurbsFile
-
-__all__ = [
-    "Annulus",
-    "Box",
-    "Crowned",
-    "Disc",
-    "Hub",
-    "MeshFile",
-    "NurbsFile",
-    "Patches",
-    "Rectangle",
-    "Ring",
-    "RingSector",
-    "Sector",
-    "Shape",
-    "VentilatedDisc",
-    "round_surfaces",
-]

@@ -12,9 +12,9 @@ import numpy as np
 from cea.errors import InputError
 from cea.files import ignore_closed_pipes
 from cea.mesh import Mesh, reference_nodes
-from meshes.files.body import body_mesh
 from meshes.files.gmsh import arrays_of_model, content_of
-from meshes.files.part import part_of
+from meshes.files.part import body_mesh, part_of
+from meshes.files.surfaces import surface_faces
 from meshes.shapes import (
     Box,
     Hub,
@@ -59,8 +59,9 @@ def read_gmsh(model: Any) -> Mesh:
     content = content_of(arrays_of_model(model))
     groups = model.getPhysicalGroups(content.dim - 1) if content.dim else ()
     names = [model.getPhysicalName(*group) for group in groups]
-    faces = {name: (f"elements:{name}",) for name in names if name}
-    return body_mesh(content, part_of(content, "the model", None), faces)
+    part, sets = part_of(content, "the model", None), {n: (f"elements:{n}",) for n in names if n}
+    faces = {name: on for name, (on, _) in surface_faces(content, part, sets).items()}
+    return body_mesh(content, part, faces)
 
 
 def outline_mesh(shape: Shape, order: int, size: float) -> Mesh:

@@ -138,12 +138,6 @@ class Body:
         """What supports leave free."""
         return self.space.constrain(self.supports, f"bodies.{self.name}.supports")
 
-    @property
-    def free_counts(self) -> Ints:
-        """Free dofs at each scalar dof of this rank, one scalar dof after another, (n,)."""
-        first, last = self._own
-        return np.diff(self.constraints.first_free(np.arange(first, last + 1)))
-
     @cached_property
     def expansion(self) -> Any:
         """Z, PETSc AIJ (full x free): displacement of every dof from the free ones."""

@@ -4,12 +4,12 @@ Matrices are applied to some columns at a time: nothing of the size of all vecto
 them. A tall block is read once for each product, without copies in another order.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.blas import dgemm
 
 from cea.arrays import Floats
 from cea.matrices import dense, destroy
@@ -26,23 +26,26 @@ def column_blocks(columns: int) -> Iterator[slice]:
         yield slice(start, min(start + _COLUMNS, columns))
 
 
-def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
-    """Matrix times a block of vectors, real and imaginary parts side by side."""
-    ranges = matrix.getOwnershipRanges(), matrix.getOwnershipRangesColumn()
-    if matrix.comm.size > 1 and not np.array_equal(*ranges):
-        x, y = matrix.createVecRight(), matrix.createVecLeft()
-        return _one_by_one(matrix.mult, x, y, vectors)
-    if not np.iscomplexobj(vectors):
-        return image_of(matrix, vectors)
-    n = vectors.shape[1]
-    result = image_of(matrix, np.asfortranarray(np.hstack([vectors.real, vectors.imag])))
-    image = np.empty((len(result), n), dtype=complex, order="F")
-    image.real, image.imag = result[:, :n], result[:, n:]
+def by_parts(product: Callable[[Floats], Floats], block: NDArray[Any]) -> NDArray[Any]:
+    """A real product with a block of vectors: of complex ones with both parts side by side."""
+    if not np.iscomplexobj(block):
+        return product(block)
+    n = block.shape[1]
+    both = product(np.asfortranarray(np.hstack([block.real, block.imag])))
+    image = np.empty((len(both), n), dtype=complex, order="F")
+    image.real, image.imag = both[:, :n], both[:, n:]
     return image
 
 
-def image_of(matrix: Any, vectors: Floats) -> Floats:
-    """Matrix times a block of real vectors, in Fortran order; on several ranks of equal layouts."""
+def times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
+    """Matrix times a block of vectors, in Fortran order."""
+    return by_parts(partial(_times, matrix), vectors)
+
+
+def _times(matrix: Any, vectors: Floats) -> Floats:
+    ranges = matrix.getOwnershipRanges(), matrix.getOwnershipRangesColumn()
+    if matrix.comm.size > 1 and not np.array_equal(*ranges):
+        return _one_by_one(matrix.mult, matrix.createVecRight(), matrix.createVecLeft(), vectors)
     rows, layout = matrix.getSizes()
     image = np.empty((rows[0], vectors.shape[1]), order="F")
     size = max(*matrix.getSize(), 1)
@@ -59,19 +62,16 @@ def image_of(matrix: Any, vectors: Floats) -> Floats:
 def transposed_times(matrix: Any, vectors: NDArray[Any]) -> NDArray[Any]:
     """Transposed matrix times a block of vectors."""
     x, y = matrix.createVecLeft(), matrix.createVecRight()
-    return _one_by_one(matrix.multTranspose, x, y, vectors)
+    return by_parts(partial(_one_by_one, matrix.multTranspose, x, y), vectors)
 
 
-def _one_by_one(product: Any, x: Any, y: Any, vectors: NDArray[Any]) -> NDArray[Any]:
+def _one_by_one(product: Any, x: Any, y: Any, vectors: Floats) -> Floats:
     """Products column by column, for matMult does not bear ranks with rows and no columns."""
-    shape = (y.getLocalSize(), vectors.shape[1])
-    image: NDArray[Any] = np.empty(shape, dtype=vectors.dtype, order="F")
-    parts = ("real", "imag") if np.iscomplexobj(vectors) else ("real",)
+    image = np.empty((y.getLocalSize(), vectors.shape[1]), order="F")
     for i, column in enumerate(vectors.T):
-        for part in parts:
-            x.array[:] = getattr(column, part)
-            product(x, y)
-            getattr(image, part)[:, i] = y.array_r
+        x.array[:] = column
+        product(x, y)
+        image[:, i] = y.array_r
     destroy(x, y)
     return image
 
@@ -115,12 +115,3 @@ def beside(left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
     both: NDArray[Any] = np.empty(shape, dtype=np.result_type(left, right), order="F")
     both[:, :columns], both[:, columns:] = left, right
     return both
-
-
-def subtract(block: Floats, vectors: Floats, coefficients: Floats) -> None:
-    """Subtract vectors times coefficients from a block, in place; all in Fortran order."""
-    if not (vectors.size and block.size):
-        return
-    result = dgemm(-1.0, vectors, coefficients, beta=1.0, c=block, overwrite_c=True)
-    if not np.shares_memory(result, block):
-        block[:] = result

@@ -6,10 +6,10 @@ quadratic in lambda, and its companion form is solved about real shifts. The dri
 parametric pencil, not bodies.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.linalg import LinAlgError
@@ -23,17 +23,17 @@ from cea.eigen.errors import (
     two_sided,
 )
 from cea.eigen.krylov_schur import KrylovOptions
-from cea.eigen.modes import Modes, modes_of, warnings_of
+from cea.eigen.modes import Modes, modes_of, up_to
 from cea.eigen.pencil import Matrices, Pencil, release
-from cea.eigen.search import NearestSearch, Search
+from cea.eigen.search import Search, nearest_plan
 from cea.eigen.subspace import InvariantSubspace
-from cea.eigen.window import DampedSearch, UndampedSearch, WindowSearch
+from cea.eigen.window import window_of, window_plan
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import give_back
 from cea.timing import StageTimer
 
 ABOVE = 1.05
-"""End of the search of :func:`run_window` relative to that of the window."""
+"""End of a search with hints relative to that of the window."""
 
 
 class EigenSolver:
@@ -79,6 +79,7 @@ class EigenSolver:
         *,
         min_growth: float | None = None,
         left: bool = False,
+        hints: bool = False,
         timer: StageTimer | None = None,
     ) -> Modes:
         """All modes up to a frequency, of any growth.
@@ -95,6 +96,9 @@ class EigenSolver:
             overdamped modes crowd. Without, modes that decay mirror those that grow.
         left
             Whether left vectors are wanted too, for sensitivities and true condition numbers.
+        hints
+            Whether the window names modes that grow up to 5 percent above its end, and where it is
+            empty the lowest mode above.
         timer
             Counts assembly, factorisation, krylov and post-processing.
 
@@ -109,18 +113,20 @@ class EigenSolver:
             raise InputError("max_frequency", max_frequency, "a positive number (Hz)")
         if min_growth is not None and not -np.inf < min_growth <= 0:
             raise InputError("min_growth", min_growth, "zero or a negative number (1/s), or none")
-        end, timer = 2 * np.pi * max_frequency, timer or StageTimer()
+        timer = timer or StageTimer()
         with timer("assembly"):
             matrices = self.matrices(changes)
-        search: WindowSearch
-        if matrices.quadratic:
-            decay = None if min_growth is None else -min_growth
-            search = DampedSearch(matrices, end, self.options, timer, decay)
-        else:
-            search = UndampedSearch(matrices, end, self.options, timer)
-        with self._counted(search):
-            search.run()
-            modes = self._modes(search, left=left)
+        above = ABOVE if hints and not matrices.conservative else 1.0  # else nothing can grow there
+        search = Search(matrices, 2 * np.pi * above * max_frequency, self.options, timer)
+
+        decay = None if min_growth is None else -min_growth
+
+        def listed(modes: Modes) -> Modes:
+            return up_to(modes, max_frequency, min_growth) if hints else modes
+
+        with self._counted(search, listed):
+            search.run(window_plan(search, decay))
+            modes = listed(self._modes(search, left=left))
         window = modes.window
         if window.symmetric_count is not None and not window.complete:
             raise ConvergenceError(
@@ -128,11 +134,13 @@ class EigenSolver:
                 f"inertia of S - kappa M counts {window.symmetric_count}",
                 best=modes,
             )
-        return modes
+        if hints and not len(modes) and not window.odd:
+            window = replace(window, lowest=self._lowest(max_frequency, changes))
+        return replace(modes, window=window)
 
     @contextmanager
-    def _counted(self, search: Search) -> Iterator[None]:
-        """Count what a search takes, free it, and attach the modes so far where it fails."""
+    def _counted(self, search: Search, listed: Callable[[Modes], Modes]) -> Iterator[None]:
+        """Count what a search takes, free it, and attach the modes to be listed where it fails."""
         try:
             yield
         except LinAlgError as error:
@@ -143,6 +151,8 @@ class EigenSolver:
             if isinstance(error.best, InvariantSubspace) and error.best.size:
                 search.found = error.best
                 error.best = self._modes(search, left=None)
+            if isinstance(error.best, Modes):
+                error.best = listed(error.best)
             raise
         finally:
             self.solves += 1
@@ -163,18 +173,16 @@ class EigenSolver:
         elif left or unsure:
             try:
                 left_values, vectors = search.left(len(pairs.vectors))
-                op = search.near
                 with timer("post-processing"):
-                    both = left_values, left_vectors_of(op, pairs, left_values, vectors)
+                    both = left_values, left_vectors_of(search.near, pairs, left_values, vectors)
             except (ConvergenceError, LinAlgError):
                 if left:
                     raise
-                op = search.near
         with timer("post-processing"):
             if unsure or (left and not op.symmetric):
-                pairs = two_sided(op, subspace, pairs, both)
+                pairs = two_sided(search.near, subspace, pairs, both)
             wanted = both[1] if left and both is not None else None
-            window = search.window(pairs.values)
+            window = window_of(search, pairs.values)
             return modes_of(self.pencil, *self._summed, pairs, wanted, window)
 
     def nearest(
@@ -207,16 +215,31 @@ class EigenSolver:
             place = place if place.imag >= 0 else -place
         elif isinstance(kappa, complex):
             raise InputError("kappa", kappa, "a real number where nothing damps or rotates")
-        search = NearestSearch(matrices, place, wanted, self.options, timer)
-        with self._counted(search):
-            search.run()
-            modes = self._modes(search, left=None)
-        if matrices.quadratic:
-            order = np.argsort(np.abs(modes.eigenvalues - place), kind="stable")[:wanted]
-            modes = modes[np.sort(order)]
-            radius = float(np.abs(modes.eigenvalues - place).max(initial=0.0))
-            modes = replace(modes, window=replace(modes.window, found=len(modes), radius=radius))
-        return modes
+        end = abs(place) if matrices.quadratic else np.inf
+        search = Search(matrices, end, self.options, timer)
+
+        def listed(modes: Modes) -> Modes:
+            values = modes.eigenvalues if matrices.quadratic else -(modes.eigenvalues**2)
+            distances = np.abs(values - place)
+            if matrices.quadratic:
+                order = np.sort(np.argsort(distances, kind="stable")[:wanted])
+                modes, distances = modes[order], distances[order]
+            radius = float(distances.max(initial=0.0))
+            return replace(modes, window=replace(modes.window, found=len(modes), radius=radius))
+
+        with self._counted(search, listed):
+            search.run(nearest_plan(search, place, wanted))
+            return listed(self._modes(search, left=None))
+
+    def _lowest(self, end: float, changes: Mapping[str, float] | None) -> float | None:
+        """Frequency (Hz) of the lowest mode, which lies above the end of an empty window (Hz)."""
+        try:
+            found = self.nearest(0.5 * (2 * np.pi * end) ** 2, 1, changes).frequencies
+        except ConvergenceError as error:
+            if isinstance(error.best, Modes):  # rounding may have moved them out of the window
+                raise
+            return None  # there may be no mode at all
+        return min(found[found > end].tolist(), default=None)
 
     def matrices(self, changes: Mapping[str, float] | None = None) -> Matrices:
         """The pencil at given parameters, freed when it is asked for at others."""
@@ -235,71 +258,12 @@ def solve_modes(
     max_frequency: float,
     changes: Mapping[str, float] | None = None,
     *,
-    min_growth: float | None = None,
-    left: bool = False,
     options: KrylovOptions | None = None,
-    timer: StageTimer | None = None,
+    **asked: Any,
 ) -> Modes:
     """All modes of a pencil up to a frequency: one solve of an :class:`EigenSolver`.
 
     Parameters and errors are those of the solver and of :meth:`EigenSolver.solve`.
     """
     with EigenSolver(pencil, options) as driver:
-        return driver.solve(max_frequency, changes, min_growth=min_growth, left=left, timer=timer)
-
-
-def run_window(
-    driver: EigenSolver,
-    max_frequency: float,
-    changes: Mapping[str, float] | None = None,
-    *,
-    min_growth: float | None = None,
-    left: bool = False,
-    timer: StageTimer | None = None,
-) -> Modes:
-    """Modes up to a frequency; the window names those that grow up to 5 percent above its end.
-
-    Where it is empty it names the lowest mode above. Where nothing can grow for the structure of
-    the problem, nothing is searched above. Parameters are those of :meth:`EigenSolver.solve`.
-    """
-    above = 1.0 if driver.matrices(changes).conservative else ABOVE
-    try:
-        wider = driver.solve(
-            above * max_frequency, changes, min_growth=min_growth, left=left, timer=timer
-        )
-    except ConvergenceError as error:
-        if isinstance(error.best, Modes):
-            error.best = _up_to(error.best, max_frequency, min_growth)
-        raise
-    modes = _up_to(wider, max_frequency, min_growth)
-    if len(modes) or modes.window.odd:
-        return modes
-    window = replace(modes.window, lowest=_lowest(driver, max_frequency, changes))
-    return replace(modes, window=window)
-
-
-def _up_to(wider: Modes, max_frequency: float, min_growth: float | None) -> Modes:
-    """Modes of a window that was searched beyond its end."""
-    beyond = wider.frequencies > max_frequency
-    grow = beyond & (wider.growth_rates > wider.growth_uncertainties)
-    pairs = np.column_stack([wider.frequencies, wider.growth_rates])[grow]
-    window = replace(
-        wider.window, max_frequency=max_frequency, growing_above=tuple(map(tuple, pairs.tolist()))
-    )
-    kept = ~beyond
-    if window.min_growth is not None and min_growth is None:  # it is relative to the end
-        least = window.min_growth * max_frequency / wider.window.max_frequency
-        window, kept = replace(window, min_growth=least), kept & (wider.growth_rates >= least)
-    modes = replace(wider[np.flatnonzero(kept)], window=window)
-    return replace(modes, warnings=warnings_of(modes))
-
-
-def _lowest(driver: EigenSolver, end: float, changes: Mapping[str, float] | None) -> float | None:
-    """Frequency (Hz) of the lowest mode, which lies above the end of an empty window (Hz)."""
-    try:
-        found = driver.nearest(0.5 * (2 * np.pi * end) ** 2, 1, changes).frequencies
-    except ConvergenceError as error:
-        if isinstance(error.best, Modes):  # rounding may have moved them out of the window
-            raise
-        return None  # there may be no mode at all
-    return min(found[found > end].tolist(), default=None)
+        return driver.solve(max_frequency, changes, **asked)

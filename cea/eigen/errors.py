@@ -43,7 +43,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.blocks import all_inner, column_blocks, columns_inner, image_of, norms, times
+from cea.eigen.blocks import all_inner, column_blocks, columns_inner, norms, times
 from cea.eigen.matching import DEGENERATE, assign, connected, group
 from cea.eigen.pencil import Sizes, internal_forces
 from cea.eigen.shift_invert import MARGIN, ShiftInvert
@@ -109,7 +109,7 @@ def error_estimates(op: ShiftInvert, subspace: InvariantSubspace) -> Eigenpairs:
     values, n = values.copy(), len(values)
     forces = np.empty((op.factors.multipliers, n), dtype=complex)
     lengths, residuals, errors, least = np.empty((4, n))
-    sizes, diagonal = Sizes(matrices, op.damping), matrices.mass.getDiagonal()
+    sizes, diagonal = Sizes(matrices), matrices.mass.getDiagonal()
     root = np.sqrt(diagonal.array_r)[:, None]
     destroy(diagonal)
     for block, x in _blocks(values, vectors):
@@ -163,9 +163,9 @@ def residual(
     """P(lambda) [x; f], its derivative (2 lambda M + D) x, M x undamped, and M x."""
     inertia = times(op.matrices.mass, x)
     defect = internal_forces(op.matrices, x, f) + op.square(values) * inertia
-    if op.damping is None:
+    if not op.damped:
         return defect, inertia, inertia
-    drag = op.damping.times(x)
+    drag = op.matrices.drag(x)
     return defect + values * drag, 2 * values * inertia + drag, inertia
 
 
@@ -175,7 +175,7 @@ def _slopes(op: ShiftInvert, subspace: InvariantSubspace, duals: Complexes) -> F
     second, comm = np.asfortranarray(subspace.basis[rows:]), op.matrices.stiffness.comm
     gram = np.empty((subspace.size,) * 2)
     for block in column_blocks(subspace.size):
-        gram[:, block] = all_inner(second, image_of(op.matrices.mass, second[:, block]), comm)
+        gram[:, block] = all_inner(second, times(op.matrices.mass, second[:, block]), comm)
     squares = np.einsum("ij,ij->j", duals.conj(), gram @ duals).real
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / op.scale)
 
@@ -291,7 +291,7 @@ def _two_sided_errors(
     """Errors of eigenvalues, and lengths of left vectors of unit product, shape (n,)."""
     matrices, comm, n = op.matrices, op.matrices.stiffness.comm, len(pairs.values)
     errors, slopes = np.empty((2, n))
-    sizes = Sizes(matrices, op.damping)
+    sizes = Sizes(matrices)
     for block in column_blocks(n):
         value, x, y = pairs.values[block], pairs.vectors[:, block], left.vectors[:, block]
         f, square = pairs.forces[:, block], op.square(pairs.values[block])

@@ -33,13 +33,14 @@ hold for the sum where they hold without them.
 """
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.eigen.blocks import all_inner, combined, image_of, subtract, times, transposed_times
+from cea.eigen.blocks import all_inner, combined, times, transposed_times
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps, inertia
 from cea.eigen.pencil import Matrices
@@ -62,7 +63,7 @@ type Operation = Callable[[Floats], Floats]
 
 _COLUMNS, _STEPS = 8, 4
 """Size of the Krylov space from which the slope of the cone is estimated: blocks, and steps."""
-SAFETY = 1.5
+_SAFETY = 1.5
 """Factor on that estimate, which comes from below and has mostly converged."""
 _DEPENDENT = 1e-12
 """Square of a new direction, relative to the largest, below which it is not one."""
@@ -81,16 +82,16 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     """
     if matrices.symmetric:
         return None if count_below(matrices, -depth) else 0.0
-    factors, bounded = _factorised(_hermitian_part(matrices, depth), matrices.multipliers)
+    factors = _definite(_hermitian_part(matrices, depth), matrices.multipliers)
     if factors is None:
         return None
     slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
     forces = matrices.multipliers
     loose = forces is None or not (forces.tied or forces.dependent)
-    if cone and bounded and loose and not factors.inertia()[1]:
-        slope, share = (SAFETY * each for each in _quotients(factors, matrices))
+    if cone and loose and not factors.inertia()[1]:
+        slope, share = (_SAFETY * each for each in _quotients(factors, matrices))
     factors.free()
-    return slope / (1 - share) if bounded and share < 1 else None
+    return slope / (1 - share) if share < 1 else None
 
 
 def largest_growth(matrices: Matrices, end: float) -> float:
@@ -119,15 +120,16 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
         parts.append((-end, _skew_row_sums(matrices.gyroscopic)))
     hermitian = _hermitian_part(matrices, growth**2 - end**2, parts)
     destroy(*(matrix for _, matrix in parts))
-    if matrices.circulatory is None:
-        factors, bounded = _factorised(hermitian, matrices.multipliers)
-    else:
-        forces = with_circulatory(matrices.multipliers, matrices.circulatory)
-        factors, bounded = _factorised(hermitian, forces)
+    forces = matrices.multipliers
+    if matrices.circulatory is not None:
+        forces = with_circulatory(forces, matrices.circulatory)
+    factors = _definite(hermitian, forces)
+    if forces is not None and forces is not matrices.multipliers:
         forces.free()
-    if factors is not None:
-        factors.free()
-    return bounded
+    if factors is None:
+        return False
+    factors.free()
+    return True
 
 
 def _symmetric_damping(matrices: Matrices) -> Mat | None:
@@ -152,22 +154,25 @@ def _skew_row_sums(matrix: Mat) -> Mat:
     return distributed(diagonal, columns, matrix.comm)
 
 
-def _factorised(hermitian: Mat, forces: Multipliers | None) -> tuple[Mumps | None, bool]:
-    """A matrix in the place of H + X M with contact forces, factorised; it is freed with them.
+def _definite(hermitian: Mat, forces: Multipliers | None) -> Mumps | None:
+    """Factors of a matrix in the place of H + X M with contact forces, which is freed with them.
 
-    Returns its factors and whether it has no negative eigenvalue; none where that has no bound.
+    None where it has a negative eigenvalue, or that has no bound.
     """
     expected = 0
     if forces is not None:
         sets = _two_sets(forces)
         if sets is None:
             destroy(hermitian)
-            return None, False
+            return None
         hermitian = bordered(hermitian, sets, symmetric=True)
         sets.free()
         expected = forces.size + forces.dependent
     factors = Mumps(hermitian, symmetric=True, inertia=True)
-    return factors, factors.inertia()[0] == expected
+    if factors.inertia()[0] == expected:
+        return factors
+    factors.free()
+    return None
 
 
 def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
@@ -184,71 +189,59 @@ def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
             compliance = Mumps(forces.compliance.copy(), symmetric=True)
         except ConvergenceError:  # what shows nothing must not end a run
             return np.inf, 0.0 if circulatory is None else np.inf
-    skew = matrices.unsymmetric
-    if skew is not None:
-        skew = antisymmetrised(skew.copy())
 
-    def of_circulatory(x: Floats, sign: float) -> Floats:
-        assert circulatory is not None
-        return 0.5 * (circulatory.times(x) + sign * circulatory.times(x, transposed=True))
-
-    def turned(x: Floats) -> Floats:
-        parts = [] if skew is None else [image_of(skew, x)]
-        if compliance is not None and forces is not None:
-            J, L = forces.closure, forces.reaction
-            caused = [compliance.solve_block(times(each, x)) for each in (J, L)]
-            parts.append(0.5 * (transposed_times(L, caused[0]) - transposed_times(J, caused[1])))
+    def unsymmetric(x: Floats, *, transposed: bool = False) -> Floats:
+        force = np.zeros_like(x)
+        if matrices.unsymmetric is not None:
+            force += (transposed_times if transposed else times)(matrices.unsymmetric, x)
+        if forces is not None and compliance is not None:
+            both = (forces.reaction, forces.closure)
+            J, L = both if transposed else both[::-1]
+            force += transposed_times(L, compliance.solve_block(times(J, x)))
         if circulatory is not None:
-            parts.append(of_circulatory(x, -1.0))
-        return np.asfortranarray(sum(parts[1:], parts[0]))
+            force += circulatory.times(x, transposed=transposed)
+        return force
 
     def solve(b: Floats) -> Floats:
         return factors.solve_block(b)[:rows]
 
-    slope, share = largest_quotient(solve, turned, rows, comm), 0.0
+    slope, share = _largest_quotient(solve, partial(_half, unsymmetric, -1.0), rows, comm), 0.0
     if circulatory is not None:
-        share = largest_quotient(solve, lambda x: of_circulatory(x, 1.0), rows, comm)
+        share = _largest_quotient(solve, partial(_half, circulatory.times, 1.0), rows, comm)
     if compliance is not None:
         compliance.free()
-    if skew is not None:
-        destroy(skew)
     return slope, share
 
 
-def largest_quotient(
-    solve: Operation,
-    skew: Operation,
-    rows: int,
-    comm: Any,
-    steps: int = _STEPS,
-    image: Operation | None = None,
-) -> float:
+def _half(product: Callable[..., Floats], sign: float, x: Floats) -> Floats:
+    """Half of a product with x, and of plus or minus that with the transposed matrix."""
+    return np.asfortranarray(0.5 * (product(x) + sign * product(x, transposed=True)))
+
+
+def _largest_quotient(solve: Operation, skew: Operation, rows: int, comm: Any) -> float:
     """Estimate from below of max abs(x^H N x) / x^H H x, N skew or symmetric, by block Krylov.
 
-    ``solve`` and ``skew`` are H^-1 and N times a block, and ``image`` is H times one, where solves
-    are not exact. The vectors are orthonormal in H, with which H^-1 N is skew, or symmetric. Steps
-    are the more the less the extreme quotients stand out.
+    ``solve`` and ``skew`` are H^-1 and N times a block. The vectors are orthonormal in H, with
+    which H^-1 N is skew, or symmetric.
     """
-    most = _COLUMNS * steps
+    most = _COLUMNS * _STEPS
     basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))
     start = np.random.default_rng([0, comm.rank]).standard_normal((rows, _COLUMNS))
     load, size = skew(start), 0
-    for _ in range(steps):
-        block, of_block = np.asfortranarray(solve(load)), load.copy(order="F")
+    for _ in range(_STEPS):
+        block, image = np.asfortranarray(solve(load)), load.copy(order="F")
         for _ in range(2):  # what rounding leaves of the first projection goes with the second
             part = all_inner(images[:, :size], block, comm)
-            subtract(block, basis[:, :size], part)
-            subtract(of_block, images[:, :size], part)
-        if image is not None:
-            of_block = image(block)
-        squares, axes = np.linalg.eigh(all_inner(block, of_block, comm))
+            block -= basis[:, :size] @ part
+            image -= images[:, :size] @ part
+        squares, axes = np.linalg.eigh(all_inner(block, image, comm))
         kept = squares > _DEPENDENT * max(squares.max(), np.finfo(float).tiny)
         if not kept.any():
             break
         turn = axes[:, kept] / np.sqrt(squares[kept])
         new = slice(size, size + turn.shape[1])
         size = new.stop
-        basis[:, new], images[:, new] = combined(block, turn), combined(of_block, turn)
+        basis[:, new], images[:, new] = combined(block, turn), combined(image, turn)
         load = skews[:, new] = skew(basis[:, new])
     projected = all_inner(basis[:, :size], skews[:, :size], comm)
     return float(np.linalg.norm(projected, 2)) if size else 0.0

@@ -79,14 +79,13 @@ def krylov_schur(
     *,
     seed: int = 0,
     most: int = sys.maxsize,
-    verify: bool = True,
 ) -> InvariantSubspace:
     """What is locked together with the eigenvalues of a disc about the shift; collective.
 
     Of small systems LAPACK computes all of them, and the result holds all of the window. The radius
     is a number, or follows from the Ritz values; what is locked was found before, at any shift, of
-    the same pencil. With ``most`` eigenvalues in the disc it is crowded. ``verify`` says whether it
-    is shown that none is missing.
+    the same pencil. With ``most`` eigenvalues in the disc it is crowded. Of a given radius it is
+    verified that none is missing.
 
     Raises
     ------
@@ -94,13 +93,14 @@ def krylov_schur(
         When eigenvalues of the disc do not converge, with the invariant subspace so far;
         CrowdedError when there are too many, SingularError when one is next to the shift.
     """
+    verified = callable(radius)
     radius_of = partial(radius, op.shift) if callable(radius) else lambda _: radius
     locked = locked or InvariantSubspace.empty(op.local, symmetric=op.symmetric)
     near = f"{op.shift:.6g} is next to an eigenvalue"
     if op.rows <= options.dense_limit:
         if locked.size:
             return locked
-        found = dense_subspace(op, radius_of, disc_only=not (verify and np.isfinite(op.reach)))
+        found = dense_subspace(op, radius_of, disc_only=verified or np.isinf(op.reach))
         distances = np.abs(found.eigenvalues - op.shift)
         if distances.min(initial=np.inf) < _NEAR_SHIFT * abs(op.shift):
             raise SingularError(near)
@@ -110,11 +110,7 @@ def krylov_schur(
     random, block = np.random.default_rng([seed, op.rank]), options.block
     with closing(_started(op, locked, block, random)) as space:
         check, restarts = options.first_check * block, 0
-        verified, counted, last_random = (
-            not verify,
-            0,
-            0,
-        )  # random vectors take part up to that size
+        counted, last_random = 0, 0  # random vectors take part up to that size
 
         def append_random() -> bool:
             room = op.rows - locked.size - space.size - space.next

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.blocks import beside, combined, subtract
+from cea.eigen.blocks import beside, combined
 from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.subspace import symmetric_part
 from cea.matrices import dense, destroy
@@ -169,7 +169,7 @@ class KrylovSpace:
         for start, image in self._images:
             own = slice(start, start + image.shape[1])
             inside[own] = op.inner(image, w)
-            subtract(w, self._take(own.start, own.stop), inside[own])
+            w -= combined(self._take(own.start, own.stop), inside[own])
         u, image = w, op.image(w)
         rest: Floats = np.eye(w.shape[1])
         whole: Floats = np.empty(0)

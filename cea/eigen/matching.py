@@ -5,7 +5,7 @@ the mean of their eigenvalues, not its members. Such modes are paired as groups.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,13 +70,14 @@ def connected(linked: NDArray[np.bool_]) -> list[Ints]:
 class SpectrumMatch:
     """Exact eigenvalues with their computed partners, NaN where there is none, and spurious ones.
 
-    Exact ones nearer to each other than a relative tolerance are compared by their mean.
+    Differences are computed less exact ones, those of a group of exact ones the difference of the
+    means: near a coalescence the members lose half the digits of the mean.
     """
 
     exact: Complexes
     found: Complexes
+    differences: Complexes
     spurious: Complexes
-    tolerance: float = DEGENERATE
 
     @property
     def missing(self) -> Complexes:
@@ -84,31 +85,14 @@ class SpectrumMatch:
         return self.exact[np.isnan(self.found)]
 
     @property
-    def complete(self) -> bool:
-        """Whether each has its partner."""
-        return not len(self.missing) and not len(self.spurious)
-
-    @cached_property
-    def differences(self) -> Complexes:
-        """Computed less exact eigenvalue, shape (n,); NaN where none was found.
-
-        Members of a group carry the difference of the means: near a coalescence the members lose
-        half the digits of the mean.
-        """
-        difference = self.found - self.exact
-        for members in group(self.exact, self.tolerance):
-            difference[members] = difference[members].mean()
-        return difference
-
-    @property
     def errors(self) -> Floats:
         """Relative errors of lambda, shape (n,); infinite where none was found."""
-        return _relative(np.abs(self.differences), np.abs(self.exact))
+        return _relative(self.differences, np.abs(self.exact))
 
     @property
     def frequency_errors(self) -> Floats:
         """Errors of Im lambda relative to abs(lambda), shape (n,)."""
-        return _relative(np.abs(self.differences.imag), np.abs(self.exact))
+        return _relative(self.differences.imag, np.abs(self.exact))
 
     @property
     def growth_errors(self) -> Floats:
@@ -116,10 +100,11 @@ class SpectrumMatch:
         size = np.abs(self.exact)
         largest = np.abs(self.exact.real).max(initial=0.0)
         grows = largest > _NO_GROWTH * size.max(initial=0.0)
-        return _relative(np.abs(self.differences.real), np.where(grows, largest, size))
+        return _relative(self.differences.real, np.where(grows, largest, size))
 
 
-def _relative(error: Floats, scale: Floats) -> Floats:
+def _relative(differences: NDArray[Any], scale: Floats) -> Floats:
+    error = np.abs(differences)
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(error == 0, 0.0, error / scale)
     return np.where(np.isnan(error), np.inf, relative)
@@ -150,10 +135,14 @@ def match_spectrum(
     rows, columns = assign(distance, reach)
     found = np.full(len(exact), np.nan, complex)
     found[rows] = computed[columns]
+    alone = np.delete(computed, columns)
+    spurious = alone[(alone.imag >= band[0]) & (alone.imag <= band[1])]
     listed = (exact.imag >= band[0]) & (exact.imag <= band[1])
-    alone = np.setdiff1d(np.arange(len(computed)), columns)
-    inside = (computed[alone].imag >= band[0]) & (computed[alone].imag <= band[1])
-    return SpectrumMatch(exact[listed], found[listed], computed[alone][inside], tolerance)
+    exact, found = exact[listed], found[listed]
+    differences = found - exact
+    for members in group(exact, tolerance):
+        differences[members] = differences[members].mean()
+    return SpectrumMatch(exact, found, differences, spurious)
 
 
 def modal_assurance(left: Complexes, right: Complexes) -> Floats:

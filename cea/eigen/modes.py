@@ -179,6 +179,22 @@ def modes_of(
     return replace(modes, warnings=warnings_of(modes))
 
 
+def up_to(wider: Modes, max_frequency: float, min_growth: float | None) -> Modes:
+    """Modes of a window that was searched beyond its end."""
+    beyond = wider.frequencies > max_frequency
+    grow = beyond & (wider.growth_rates > wider.growth_uncertainties)
+    pairs = np.column_stack([wider.frequencies, wider.growth_rates])[grow]
+    window = replace(
+        wider.window, max_frequency=max_frequency, growing_above=tuple(map(tuple, pairs.tolist()))
+    )
+    kept = ~beyond
+    if window.min_growth is not None and min_growth is None:  # it is relative to the end
+        least = window.min_growth * max_frequency / wider.window.max_frequency
+        window, kept = replace(window, min_growth=least), kept & (wider.growth_rates >= least)
+    modes = replace(wider[np.flatnonzero(kept)], window=window)
+    return replace(modes, warnings=warnings_of(modes))
+
+
 def _columns(vectors: Complexes, order: Ints) -> Complexes:
     """Columns in an order: those of the vectors themselves where it is that they have."""
     number = len(order)

@@ -5,10 +5,12 @@ rank's to its own, and read again at every solve; the system keeps as much of th
 left. A folder is locked while it is in use: those that killed programs left behind are removed.
 """
 
+import resource
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from fcntl import LOCK_EX, LOCK_NB, flock
+from functools import partial
 from pathlib import Path
 from shutil import rmtree
 from tempfile import TemporaryDirectory, gettempdir
@@ -18,15 +20,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cea.arrays import Floats
+from cea.eigen.blocks import by_parts
 from cea.errors import ConvergenceError
 from cea.matrices import dense, destroy
-from cea.petsc import PETSc
+from cea.petsc import MPI, PETSc, give_back
 
 _ROOM = (20, 200, 1000)
 """Room (per cent) for pivots that are delayed beyond what is foreseen: more where it runs out."""
 _NO_ROOM: Any = PETSc.PC.FailedReason.FACTOR_OUTMEMORY
 _LACKS_MEMORY = (-7, -8, -9, -11, -12, -13, -14, -15, -17, -19, -20)
 """Values of INFOG(1) with which MUMPS ends for lack of memory."""
+_PART = 0.9
+"""Part of the memory that is free which factors may take."""
+_FILL, _ENTRY, _MEGABYTE = 100.0, 12, 1e6
+"""Memory of factors over that of their matrix at most, bytes of an entry of it, and of a MB."""
 _FOLDER = "mat_mumps_ooc_tmpdir"
 """Option of PETSc that names the folder of factors on disk."""
 _LARGE = 10_000
@@ -41,12 +49,24 @@ class SingularError(ConvergenceError):
     """A matrix that is singular, or so nearly that solutions lose their digits."""
 
 
+class NoRoomError(MemoryError):
+    """Factors for which there is no memory, as MUMPS estimates them before it makes them.
+
+    Bytes of all ranks: ``memory`` that factorisation takes, ``with_files`` where the factors are on
+    disk, ``files`` of these, and ``free`` memory.
+    """
+
+    def __init__(self, told: str, memory: float, with_files: float, files: float, free: float):
+        self.memory, self.with_files, self.files, self.free = memory, with_files, files, free
+        super().__init__(told)
+
+
 class Mumps:
     """LU, or LDL^T of a symmetric matrix, PETSc AIJ, by MUMPS; the matrix is destroyed with it.
 
     With ``inertia`` its negative eigenvalues may be asked for: null pivots are counted rather than
     failed on, and with any of them systems should not be solved. SingularError when the matrix is
-    singular, or the factorisation fails, MemoryError when there is no memory for the factors.
+    singular, or the factorisation fails, NoRoomError when there is no memory for the factors.
     """
 
     def __init__(self, matrix: Any, *, symmetric: bool, inertia: bool = False) -> None:
@@ -54,19 +74,43 @@ class Mumps:
         self._symmetric, self._inertia = symmetric, inertia
         if symmetric:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+        limit = self._limit()
         for room in _ROOM:
-            self._pc = self._prepared(room)
+            self._pc = self._prepared(room, limit)
             self._set_up()
             if room == _ROOM[-1] or self._pc.getFailedReason() != _NO_ROOM:
                 break
             destroy(self._pc)
         if self._pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
-            rows = matrix_size(self.matrix)
-            code = self._pc.getFactorMatrix().getMumpsInfog(1)
-            self.free()
-            if code in _LACKS_MEMORY:
-                raise MemoryError(f"factors of {rows} rows: MUMPS ends with INFOG(1) = {code}")
+            self._fail(_MEGABYTE * limit * matrix.comm.getSize())
+
+    def _limit(self) -> int:
+        """Memory (MB) that factors may take on each rank; 0 where there surely is enough.
+
+        A limit costs: MUMPS takes all that it is allowed as one array.
+        """
+        comm = self.matrix.comm.tompi4py()
+        entries = self.matrix.getInfo(PETSc.Mat.InfoType.GLOBAL_MAX)["nz_used"]
+        if _FILL * _ENTRY * entries < free_memory(comm):
+            return 0
+        give_back()
+        return max(1, int(free_memory(comm) / _MEGABYTE))
+
+    def _infog(self, number: int) -> int:
+        return int(self._pc.getFactorMatrix().getMumpsInfog(number))
+
+    def _fail(self, free: float) -> None:
+        """Free what there is, and raise what ended the factorisation."""
+        rows, code, entries = matrix_size(self.matrix), self._infog(1), self._infog(3)
+        memory, with_files = (_MEGABYTE * self._infog(number) for number in (17, 27))
+        files = 8.0 * (entries if entries >= 0 else -1e6 * entries)
+        self.free()
+        if code not in _LACKS_MEMORY:
             raise SingularError(f"a matrix of {rows} rows is singular")
+        needed, less, there = (f"{each / 1e9:.3g} GB" for each in (memory, with_files, free))
+        told = f"the factors of {rows} unknowns take {needed} of memory, {less} with those on disk"
+        told += f", where {there} are free (MUMPS, INFOG(1) = {code})"
+        raise NoRoomError(told, memory, with_files, files, free)
 
     def _set_up(self) -> None:
         """Factorise; PETSc reads the folder of factors from its options, and only then."""
@@ -80,7 +124,7 @@ class Mumps:
         finally:
             options.delValue(_FOLDER)
 
-    def _prepared(self, room: int) -> Any:
+    def _prepared(self, room: int, limit: int) -> Any:
         """PETSc preconditioner, set up but for the factors."""
         pc: Any = PETSc.PC().create(self.matrix.comm)
         pc.setOperators(self.matrix)
@@ -90,6 +134,8 @@ class Mumps:
         factor = pc.getFactorMatrix()
         factor.setMumpsIcntl(14, room)
         factor.setMumpsIcntl(22, int(folder_of_factors() is not None))
+        if limit:
+            factor.setMumpsIcntl(23, limit)
         if self._inertia:
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
@@ -105,9 +151,9 @@ class Mumps:
 
         The result has all rows of this rank, shape (n_local, columns), real or complex.
         """
-        if np.iscomplexobj(b):
-            both = self.solve_block(np.hstack([b.real, b.imag]), transposed=transposed)
-            return both[:, : b.shape[1]] + 1j * both[:, b.shape[1] :]
+        return by_parts(partial(self._solve, transposed=transposed), b)
+
+    def _solve(self, b: Floats, *, transposed: bool) -> Floats:
         layout, comm = self.matrix.getSizes()[0], self.matrix.comm
         solution = np.zeros((layout[0], b.shape[1]), order="F")
         if not b.shape[1]:  # which MUMPS refuses: an empty window has no eigenvectors
@@ -133,6 +179,28 @@ class Mumps:
     def free(self) -> None:
         """Free the factors and the matrix."""
         destroy(self._pc, self.matrix)
+
+
+def free_memory(comm: Any) -> float:
+    """Memory (bytes) that each rank may take of what is free on its machine; collective.
+
+    What the process is confined to counts where that is less.
+    """
+    page = resource.getpagesize()
+    pages = Path("/proc/self/statm").read_text(encoding="ascii").split()
+    size, resident = (page * int(number) for number in pages[:2])
+    lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+    free = [1024 * float(line.split()[1]) for line in lines if line.startswith("MemAvailable:")]
+    soft = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if soft != resource.RLIM_INFINITY:
+        free.append(soft - size)
+    for file in ("memory.max", "memory/memory.limit_in_bytes"):
+        with suppress(OSError, ValueError):  # no such group, or no limit
+            free.append(float((Path("/sys/fs/cgroup") / file).read_text()) - resident)
+    neighbours = comm.Split_type(MPI.COMM_TYPE_SHARED)
+    own = _PART * max(0.0, min(free)) / neighbours.size
+    neighbours.Free()
+    return float(comm.allreduce(own, MPI.MIN))
 
 
 def inertia(matrix: Any) -> tuple[int, int]:

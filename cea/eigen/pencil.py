@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats
-from cea.eigen.blocks import image_of, times, transposed_times
+from cea.eigen.blocks import times, transposed_times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.unformed import (
@@ -30,7 +30,6 @@ from cea.eigen.unformed import (
 )
 from cea.errors import InputError
 from cea.matrices import absolute, destroy, scaled_total
-from cea.nodes import Nodes
 from cea.petsc import Mat
 
 Role = Literal["mass", "damping", "stiffness"]
@@ -65,8 +64,6 @@ class Matrices:
     # pieces of C of low rank (N s/m) and circulatory ones of K (N/m), which are not in these
     low_rank: LowRank | None = None
     circulatory: CirculatorySum | None = None
-    contacts: tuple[tuple[float, Mat], ...] = ()  # pieces K_n with their coefficients (N/m)
-    nodes: Nodes | None = None  # which unknowns belong together; None where that is not known
 
     @property
     def symmetric(self) -> bool:
@@ -93,6 +90,17 @@ class Matrices:
     def tied(self) -> int:
         """Number of independent constraints: so many kappa are infinite."""
         return 0 if self.multipliers is None else self.multipliers.tied
+
+    def drag(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
+        """(C + Y) x, or (C + Y)^T x, for every column, the rows of this rank."""
+        force = np.zeros_like(x)
+        if self.damping is not None:
+            force += times(self.damping, x)
+        if self.gyroscopic is not None:
+            force += (transposed_times if transposed else times)(self.gyroscopic, x)
+        if self.low_rank is not None:
+            force += self.low_rank.times(x, self.mass.comm)
+        return force
 
     def operator(
         self, kappa: float = 0.0, rate: float = 0.0, *, symmetric_part: bool = False
@@ -127,8 +135,6 @@ class Pencil:
     leave_out
         Whether pieces whose coefficient is zero are left out: without friction the problem is then
         symmetric.
-    nodes
-        Which unknowns belong together; None where that is not known, as of given matrices.
 
     Raises
     ------
@@ -145,19 +151,14 @@ class Pencil:
         circulatory: Iterable[UnformedTerm[Circulatory]] = (),
         *,
         leave_out: bool = True,
-        nodes: Nodes | None = None,
     ) -> None:
-        self.leave_out, self.nodes = leave_out, nodes
+        self.leave_out = leave_out
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
         self.low_rank = tuple(low_rank)
         self.circulatory = tuple(circulatory)
         self._all_forces = AllForces(self.forces) if self.forces else None
-        self._coefficients: list[Dependence] = [t.coefficient for t in self.terms]
-        self._coefficients += [t.coefficient for t in self.low_rank]
-        self._coefficients += [t.coefficient for t in self.circulatory]
-        self._coefficients += [c for f in self.forces for c in (f.inverse_stiffness, f.friction)]
         unknown = self.names - set(self.parameters)
         if unknown:
             raise InputError("parameters", sorted(self.parameters), f"with {sorted(unknown)}")
@@ -190,7 +191,11 @@ class Pencil:
     @property
     def names(self) -> frozenset[str]:
         """Parameters that its pieces depend on."""
-        return frozenset(name for each in self._coefficients for name in each.names)
+        every: list[Dependence] = [each.coefficient for each in self.terms]
+        every += [each.coefficient for each in self.low_rank]
+        every += [each.coefficient for each in self.circulatory]
+        every += [c for each in self.forces for c in (each.inverse_stiffness, each.friction)]
+        return frozenset(name for each in every for name in each.names)
 
     @property
     def damped(self) -> bool:
@@ -244,12 +249,6 @@ class Pencil:
             multipliers=(
                 self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
             ),
-            contacts=tuple(
-                (t.coefficient.at(values), t.matrix)
-                for t in self.terms
-                if t.contact and t.symmetric
-            ),
-            nodes=self.nodes,
         )
 
     def products(self) -> Iterator[tuple[Role, Dependence, Callable[[Any], Any]]]:
@@ -312,47 +311,17 @@ def internal_forces(
     return force
 
 
-class Damping:
-    """D = C + Y of a pencil at given parameters: a matrix and pieces of low rank."""
+class Sizes:
+    """Absolute values of the entries of a pencil: rounding is of them."""
 
     def __init__(self, matrices: Matrices) -> None:
-        pieces = [m for m in (matrices.damping, matrices.gyroscopic) if m is not None]
-        self._low_rank, self._comm = matrices.low_rank, matrices.mass.comm
-        self._matrix = scaled_total([(1.0, piece) for piece in pieces]) if pieces else None
-        self._absolute: Any | None = None
-
-    def times(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
-        """D x, or D^T x, for every column, the rows of this rank."""
-        product = transposed_times if transposed else times
-        force = np.zeros_like(x) if self._matrix is None else product(self._matrix, x)
-        if self._low_rank is not None:
-            force += self._low_rank.times(x, self._comm)
-        return force
-
-    def sizes(self, x: Floats) -> Floats:
-        """abs(D) x of displacements that are positive; of low rank abs(W) d abs(W)^T x."""
-        if self._matrix is not None and self._absolute is None:
-            self._absolute = absolute(self._matrix)
-        force = np.zeros_like(x) if self._absolute is None else image_of(self._absolute, x)
-        if self._low_rank is not None:
-            force += self._low_rank.sizes(x, self._comm)
-        return force
-
-    def free(self) -> None:
-        """Free the matrices."""
-        destroy(*(matrix for matrix in (self._matrix, self._absolute) if matrix is not None))
-
-
-class Sizes:
-    """Absolute values of the entries of a pencil, of D where it is given: rounding is of them."""
-
-    def __init__(self, matrices: Matrices, damping: Damping | None = None) -> None:
-        stiffness = (matrices.stiffness, matrices.unsymmetric)
-        self._stiffness = [absolute(each) for each in stiffness if each is not None]
-        self._mass = None if matrices.mass is None else absolute(matrices.mass)
-        self._damping, self._circulatory = damping, matrices.circulatory
         forces = matrices.multipliers
-        self._reaction = None if forces is None else absolute(forces.reaction)
+        self._stiffness = _absolute(matrices.stiffness, matrices.unsymmetric)
+        self._damping = _absolute(matrices.damping, matrices.gyroscopic)
+        self._mass = _absolute(matrices.mass)
+        self._reaction = _absolute(None if forces is None else forces.reaction)
+        self._circulatory, self._low_rank = matrices.circulatory, matrices.low_rank
+        self._comm = matrices.stiffness.comm
 
     def forces(
         self, x: NDArray[Any], f: NDArray[Any], values: NDArray[Any] | float = 0.0
@@ -361,18 +330,26 @@ class Sizes:
         size, speed = np.abs(x), np.abs(values)
         total = np.zeros(size.shape, order="F")
         for part in self._stiffness:
-            total += image_of(part, size)
+            total += times(part, size)
         if self._circulatory is not None:
             total += self._circulatory.sizes(x)
-        if self._reaction is not None:
-            total += transposed_times(self._reaction, np.abs(f))
-        if np.any(speed) and self._mass is not None:
-            total += image_of(self._mass, size) * speed**2
-        if np.any(speed) and self._damping is not None:
-            total += self._damping.sizes(size) * speed
+        for part in self._reaction:
+            total += transposed_times(part, np.abs(f))
+        if not np.any(speed):
+            return total
+        for part in self._mass:
+            total += times(part, size) * speed**2
+        for part in self._damping:
+            total += times(part, size) * speed
+        if self._low_rank is not None:
+            total += self._low_rank.sizes(size, self._comm) * speed
         return total
 
     def free(self) -> None:
-        """Free the matrices but those of the damping."""
-        others = (self._mass, self._reaction)
-        destroy(*self._stiffness, *(each for each in others if each is not None))
+        """Free the matrices."""
+        destroy(*self._stiffness, *self._damping, *self._mass, *self._reaction)
+
+
+def _absolute(*matrices: Mat | None) -> list[Any]:
+    """Absolute values of the entries of matrices, where there are any."""
+    return [absolute(each) for each in matrices if each is not None]

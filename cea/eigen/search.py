@@ -1,12 +1,12 @@
-"""Searches of discs about real shifts for eigenvalues, one beside the other.
+"""A search for eigenvalues: discs about real shifts, one beside the other.
 
-Modes that earlier discs hold are locked while a disc is searched. A plan tells the discs: those of
-a window (:mod:`cea.eigen.window`), or one about a place.
+Modes that earlier discs hold are locked while a disc is searched. It is the discs of a window
+(:mod:`cea.eigen.window`) that are searched, or one about a place.
 """
 
 import sys
-from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -17,7 +17,6 @@ from cea.eigen.mumps import SingularError
 from cea.eigen.pencil import Matrices
 from cea.eigen.regions import Disc
 from cea.eigen.shift_invert import Companion, ShiftInvert
-from cea.eigen.spectrum import Window
 from cea.eigen.subspace import InvariantSubspace, Radius
 from cea.errors import ConvergenceError
 from cea.timing import StageTimer
@@ -33,8 +32,8 @@ _EDGE = 1 + 1e-9
 """Radius of a disc relative to the farthest eigenvalue in it: conjugates are equally far."""
 
 
-class Search(ABC):
-    """Searches of discs for eigenvalues of a pencil at given parameters, in units of omega (1/s).
+class Search:
+    """A search of discs for eigenvalues of a pencil at given parameters, in units of omega (1/s).
 
     Attributes
     ----------
@@ -43,49 +42,55 @@ class Search(ABC):
         and the discs that were searched.
     factorisations
         Factorisations made so far.
+    reach, decay
+        Ends of the window (1/s): of Im lambda, and down to which decay Re lambda; infinite where
+        all that a disc holds is wanted.
+    growth, bounded
+        Every eigenvalue of the window that grows at this rate or slower was found (1/s), and
+        whether none grows faster.
+    counted
+        Eigenvalues below the end of the window by inertia; None where friction or damping act.
+    most, crowded
+        Eigenvalues of a disc from which on it is left, and why the last one was.
     """
 
     def __init__(
         self, matrices: Matrices, end: float, options: KrylovOptions, timer: StageTimer
     ) -> None:
-        self._matrices, self._end, self._options, self.timer = matrices, end, options, timer
+        self.matrices, self.end, self.options, self.timer = matrices, end, options, timer
         self.found: InvariantSubspace | None = None
         self.discs: list[Disc] = []
         self.factorisations = 0
-        self.reach, self.decay = end, np.inf  # ends of the window (1/s)
+        self.reach = self.decay = np.inf
+        self.growth, self.bounded = 0.0, False
+        self.counted: int | None = None
+        self.most, self.crowded = sys.maxsize, ""
+        self.parities: dict[float, int] = {}
         self._op: ShiftInvert | None = None
-        self._parities: dict[float, int] = {}
-        self._most, self._crowded, self._verify = sys.maxsize, "", True
 
-    def run(self) -> InvariantSubspace:
-        """Every eigenvalue that is asked for.
+    def run(self, plan: Iterable[tuple[float, float | Radius]]) -> InvariantSubspace:
+        """Search planned discs, by centre and radius; the shift steps aside from an eigenvalue.
 
         ConvergenceError when a disc cannot be searched; ``best`` is the invariant subspace so far.
         """
-        for centre, radius in self._plan():
-            for attempt in range(ATTEMPTS):  # a shift steps aside where it is an eigenvalue
-                step = attempt * _ASIDE
+        for centre, radius in plan:
+            for attempt in range(ATTEMPTS):
+                step, number = attempt * _ASIDE, len(self.discs)
                 shift = centre * (1 + step)
                 reach = radius if callable(radius) else radius + step * abs(centre)
                 try:
-                    op = self.at(shift)
+                    op, known, most = self.at(shift), self.found, self.most
                     with self.timer("krylov"):
                         self.found = krylov_schur(
-                            op,
-                            reach,
-                            self._options,
-                            self.found,
-                            seed=len(self.discs),
-                            most=self._most,
-                            verify=self._verify,
+                            op, reach, self.options, known, seed=number, most=most
                         )
                 except SingularError:
-                    self._parities.pop(shift, None)
+                    self.parities.pop(shift, None)
                     continue
                 except CrowdedError as error:
-                    self._crowded = str(error)
+                    self.crowded = str(error)
                 else:
-                    self._crowded = ""
+                    self.crowded = ""
                     self.discs.append(Disc(shift, np.inf if callable(reach) else reach))
                 break
             else:
@@ -95,24 +100,22 @@ class Search(ABC):
         assert self.found is not None
         return self.found
 
-    @abstractmethod
-    def _plan(self) -> Iterator[tuple[float, float | Radius]]:
-        """Centre and radius of each disc, once that before it was searched."""
-
-    @abstractmethod
-    def window(self, values: Complexes) -> Window:
-        """What was searched, and why it is believed complete, given all eigenvalues found."""
+    @contextmanager
+    def factorising(self, number: int = 1) -> Iterator[None]:
+        """Time and count matrices that are factorised."""
+        self.factorisations += number
+        with self.timer("factorisation"):
+            yield
 
     def at(self, shift: float) -> ShiftInvert:
         """The operator at a shift; that before it is freed."""
         if self._op is None or self._op.shift != shift:
-            self._free_operator()
-            self.factorisations += 1
-            kind = Companion if self._matrices.quadratic else ShiftInvert
-            with self.timer("factorisation"):
-                self._op = kind(self._matrices, shift, self._end, self.reach, self.decay)
+            self.free()
+            kind = Companion if self.matrices.quadratic else ShiftInvert
+            with self.factorising():
+                self._op = kind(self.matrices, shift, self.end, self.reach, self.decay)
             if (parity := self._op.factors.parity()) is not None:
-                self._parities[shift] = parity
+                self.parities[shift] = parity
         return self._op
 
     @property
@@ -121,16 +124,16 @@ class Search(ABC):
         near = [each.centre for each in self.discs[:2]]
         if self._op is not None and (not near or self._op.shift in near):
             return self._op
-        return self.at(self.discs[0].centre)
+        return self.at(near[0])
 
     def odd(self, shift: float | None = None) -> bool:
         """Whether signs of determinants show another real eigenvalue beyond a shift, or any."""
         if self.found is None:
             return False
         values = self.found.eigenvalues.real
-        chosen = self._parities if shift is None else {shift} & self._parities.keys()
-        sign = 1 if self._matrices.quadratic else -1
-        return any(self._parities[s] != np.sum(sign * (values - s) > 0) % 2 for s in chosen)
+        chosen = self.parities if shift is None else {shift} & self.parities.keys()
+        sign = 1 if self.matrices.quadratic else -1
+        return any(self.parities[s] != np.sum(sign * (values - s) > 0) % 2 for s in chosen)
 
     def left(self, rows: int) -> tuple[Complexes, Complexes]:
         """Eigenvalues of the transposed pencil and so many rows of their vectors, of all found."""
@@ -147,60 +150,33 @@ class Search(ABC):
             farthest = max(float(distances[inside].max(initial=0.0)), _ASIDE * disc.radius)
             op = self.at(disc.centre).transposed()
             with self.timer("krylov"):
-                found = krylov_schur(op, _INSIDE * farthest, self._options, found, seed=len(values))
+                found = krylov_schur(op, _INSIDE * farthest, self.options, found, seed=len(values))
         assert found is not None
         return found.eigenpairs(rows)
 
     def free(self) -> None:
         """Free the factors."""
-        self._free_operator()
-
-    def _free_operator(self) -> None:
         if self._op is not None:
             self._op.free()
             self._op = None
 
 
-class NearestSearch(Search):
-    """Searches of the few eigenvalues nearest to a place.
+def nearest_plan(search: Search, place: complex, wanted: int) -> Iterator[tuple[float, Radius]]:
+    """The disc that holds the few eigenvalues nearest to a place.
 
     The place is a real kappa (1/s^2); with damping or rotation lambda with Im lambda >= 0 (1/s),
     not zero, and the disc about a real shift holds the disc about it, and more. A few more than
     ``wanted`` may come, with damping of those with Im lambda >= 0.
     """
+    matrices = search.matrices
+    wanted = min(wanted, matrices.size - matrices.tied)
 
-    def __init__(
-        self,
-        matrices: Matrices,
-        place: complex,
-        wanted: int,
-        options: KrylovOptions,
-        timer: StageTimer,
-    ) -> None:
-        super().__init__(matrices, abs(place) if matrices.quadratic else np.inf, options, timer)
-        self._place, self._wanted = place, min(wanted, matrices.size - matrices.tied)
-        self.reach, self._verify = np.inf, False
-
-    def _plan(self) -> Iterator[tuple[float, Radius]]:
-        damped, place = self._matrices.quadratic, self._place
-        yield SHIFT * abs(place) if damped else place.real, self._radius
-
-    def _radius(self, shift: float, theta: Complexes) -> float:
+    def radius(shift: float, theta: Complexes) -> float:
         values = shift + 1 / theta
-        chosen = values[values.imag >= 0] if self._matrices.quadratic else values
-        if len(chosen) < self._wanted:
+        chosen = values[values.imag >= 0] if matrices.quadratic else values
+        if len(chosen) < wanted:
             return np.inf
-        farthest = np.sort(np.abs(chosen - self._place))[self._wanted - 1]
-        return _EDGE * float(abs(self._place - shift) + farthest)
+        farthest = np.sort(np.abs(chosen - place))[wanted - 1]
+        return _EDGE * float(abs(place - shift) + farthest)
 
-    def window(self, values: Complexes) -> Window:
-        """No window: the eigenvalues that were found."""
-        shift = self.near.shift
-        largest = float(np.abs(values).max(initial=abs(shift)))
-        return Window(
-            max_frequency=largest / (2 * np.pi) if self._matrices.quadratic else np.inf,
-            shift=shift,
-            radius=float(np.abs(values - self._place).max(initial=0.0)),
-            found=len(values),
-            neighbours=True,
-        )
+    yield SHIFT * abs(place) if matrices.quadratic else place.real, radius

@@ -25,8 +25,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import all_inner, combined, image_of, times
-from cea.eigen.pencil import Damping, Matrices
+from cea.eigen.blocks import all_inner, combined, times
+from cea.eigen.pencil import Matrices
 from cea.eigen.regions import outside_of_window, upper_end
 from cea.eigen.shifted import Shifted
 
@@ -51,7 +51,6 @@ class ShiftInvert:
     """
 
     damped, powers, negligible = False, 1, 1e-10
-    damping: Damping | None = None
 
     def __init__(
         self,
@@ -78,7 +77,7 @@ class ShiftInvert:
 
     def image(self, block: Floats) -> Floats:
         """A block times the matrix of the inner product."""
-        return image_of(self.matrices.mass, block)
+        return times(self.matrices.mass, block)
 
     def inner(self, left: Floats, right: Floats) -> Floats:
         """Inner products of every column of one block with every column of another."""
@@ -110,7 +109,7 @@ class ShiftInvert:
 
         It is told for combinations ``mixed`` of them, with (R - sigma)^T times these in ``moved``.
         """
-        load = image_of(self.matrices.mass, combined(basis, moved))
+        load = times(self.matrices.mass, combined(basis, moved))
         return combined(basis, mixed) - self.factors.solve_block(load, transposed=True)
 
     def pairing(
@@ -138,13 +137,11 @@ class Companion(ShiftInvert):
     """
 
     damped, powers, negligible = True, 2, 1e-6
-    damping: Damping
 
     def __init__(self, matrices: Matrices, *places: float) -> None:
         super().__init__(matrices, *places)
         self.symmetric = False
         self.rows, self.finite, self.local = 2 * self.rows, 2 * self.finite, 2 * self.local
-        self.damping = Damping(matrices)
 
     def _factorised(self) -> Shifted:
         return Shifted.quadratic(self.matrices, self.shift)
@@ -153,7 +150,7 @@ class Companion(ShiftInvert):
         """OP on a block [a; b] whose image [M a; M b] is given."""
         rows, back = len(block) // 2, self._transposed
         load = -(self.scale * image[rows:] + self.shift * image[:rows])
-        load -= self.damping.times(block[:rows], transposed=back)
+        load -= self.matrices.drag(block[:rows], transposed=back)
         x, _ = self.factors.solve_with_forces(load, transposed=back)
         return np.asfortranarray(np.vstack([x, (block[:rows] + self.shift * x) / self.scale]))
 
@@ -183,7 +180,7 @@ class Companion(ShiftInvert):
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         """P(s) x' + L^T f = (s - lambda) ((lambda + s) M + D) x, which is (P(s) - P(lambda)) x."""
         load = times(self.matrices.mass, x * (values + self.shift))
-        load += self.damping.times(x, transposed=transposed)
+        load += self.matrices.drag(x, transposed=transposed)
         return self.factors.solve_with_forces(load * (self.shift - values), transposed=transposed)
 
     def left_out(self, basis: Floats, mixed: NDArray[Any], moved: NDArray[Any]) -> NDArray[Any]:
@@ -199,10 +196,5 @@ class Companion(ShiftInvert):
     ) -> tuple[Complexes, Complexes]:
         """Y^H ((lambda_i + lambda_j) M + D) X, and 2 lambda."""
         inertia, _ = super().pairing(values, left, right)
-        drag = all_inner(left, self.damping.times(right), self.comm)
+        drag = all_inner(left, self.matrices.drag(right), self.comm)
         return (values[:, None] + values) * inertia + drag, 2 * values
-
-    def free(self) -> None:
-        """Free the factors and D."""
-        self.damping.free()
-        super().free()

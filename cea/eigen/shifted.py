@@ -7,18 +7,18 @@ With forces f as unknowns (:mod:`cea.eigen.multipliers`) the matrix at kappa = -
                [               Z^T     ]
 
 and the displacement part of A(kappa)^-1 [r; 0] is what drivers iterate with: multipliers carry no
-mass, and Krylov spaces stay ones of displacements. Pieces of C of low rank stay out of the factors,
-and so do circulatory pieces of K of damped problems where they are small; otherwise they are
-unknowns beside the forces. Of A factorised, B of few columns and a small E, with Z = A^-1 B
-(Sherman, Morrison and Woodbury)
+mass, and Krylov spaces stay ones of displacements. Circulatory pieces of K are unknowns beside the
+forces. Pieces of C of low rank stay out of the factors: of A factorised and B of few columns, with
+Z = A^-1 B (Sherman, Morrison and Woodbury)
 
     (A + s B B^T)^-1 = A^-1 - s Z (1 + s B^T Z)^-1 B^T A^-1.
 
-Steps of iterative refinement, x + (A + s B B^T)^-1 (b - (A + s B B^T + E) x), bring back the digits
-that cancel where A is nearly singular and the sum is not, and are a Neumann series of E. How many
-it takes is measured once, on a solution of A in which what is nearly singular stands out.
+Steps of iterative refinement, x + (A + s B B^T)^-1 (b - (A + s B B^T) x), bring back the digits
+that cancel where A is nearly singular and the sum is not. How many it takes is measured once, on a
+solution of A in which what is nearly singular stands out.
 """
 
+from functools import partial
 from typing import Any
 from warnings import catch_warnings, simplefilter
 
@@ -27,11 +27,10 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 
 from cea.arrays import Floats
-from cea.eigen.blocks import column_blocks, norms, times, transposed_times
+from cea.eigen.blocks import by_parts, column_blocks, norms, times, transposed_times
 from cea.eigen.multipliers import Multipliers, with_circulatory
 from cea.eigen.mumps import Mumps, SingularError, inertia
 from cea.eigen.pencil import Matrices
-from cea.eigen.unformed import CirculatorySum
 from cea.matrices import destroy
 from cea.petsc import PETSc
 
@@ -39,8 +38,8 @@ _MOST_STEPS = 8
 """Most steps of refinement."""
 _WORTH, _EXACT = 3.0, 1e-13
 """Factor by which more steps must lessen an error to be taken, and one that is small enough."""
-_UNSOLVED, _SLOW = 1e-2, 1e-10
-"""Errors beyond which the sum counts as singular, and a series of E as too slow."""
+_UNSOLVED = 1e-2
+"""Error beyond which the sum counts as singular."""
 
 
 class Shifted:
@@ -53,35 +52,21 @@ class Shifted:
         self.matrices, self.kappa, self.rate = matrices, kappa, rate
         self._local = matrices.stiffness.getLocalSize()[0]
         turns = bool(rate) and matrices.gyroscopic is not None
-        self._symmetric = matrices.symmetric and not turns
-        self._forces, circulatory = matrices.multipliers, matrices.circulatory
-        self._factors: Mumps | None = None
+        self._symmetric = symmetric = matrices.symmetric and not turns
+        self._forces = matrices.multipliers
+        if matrices.circulatory is not None:
+            self._forces = with_circulatory(matrices.multipliers, matrices.circulatory)
+        whole = bordered(matrices.operator(kappa, rate=rate), self._forces, symmetric=symmetric)
+        self._factors = Mumps(whole, symmetric=symmetric)
         self._update: UpdatedFactors | None = None
-        for rest in (circulatory, None) if rate and circulatory is not None else (None,):
-            if rest is None and circulatory is not None:
-                self._forces = with_circulatory(matrices.multipliers, circulatory)
-            try:
-                self._factorise(rest)
-                break
-            except SingularError:
-                self.free()
-                if rest is None:
-                    raise
+        if rate and matrices.low_rank is not None:
+            root = matrices.low_rank.vectors
+            self._update = UpdatedFactors(self._factors, root, rate, symmetric=symmetric)
 
     @classmethod
     def quadratic(cls, matrices: Matrices, rate: float) -> "Shifted":
         """P(s) = s^2 M + s (C + Y) + K factorised at a real s (1/s)."""
         return cls(matrices, -(rate**2), rate)
-
-    def _factorise(self, rest: CirculatorySum | None) -> None:
-        """Factors with the forces, and what solves with pieces that stay out of them."""
-        operator = self.matrices.operator(self.kappa, rate=self.rate)
-        low_rank, symmetric = self.matrices.low_rank if self.rate else None, self._symmetric
-        whole = bordered(operator, self._forces, symmetric=symmetric)
-        self._factors = Mumps(whole, symmetric=symmetric)
-        if low_rank is not None or rest is not None:
-            root = np.zeros((self._local, 0)) if low_rank is None else low_rank.vectors
-            self._update = UpdatedFactors(self._factors, root, self.rate, rest, symmetric=symmetric)
 
     @property
     def multipliers(self) -> int:
@@ -101,7 +86,6 @@ class Shifted:
         They are real or complex; the matrix may be the transposed one.
         """
         solver = self._update or self._factors
-        assert solver is not None
         solution = solver.solve_block(b, transposed=transposed)
         return solution[: self._local], solution[self._local : self._local + self.multipliers]
 
@@ -114,67 +98,53 @@ class Shifted:
         """
         if self._symmetric or (self._forces is not None and self._forces.tied):
             return None
-        assert self._factors is not None
         sign = self._factors.sign() * (1 if self._update is None else self._update.sign())
         return int(sign != (-1) ** (0 if self._forces is None else self._forces.size))
 
     def free(self) -> None:
         """Free the factors."""
-        if self._factors is not None:
-            self._factors.free()
-        self._factors = self._update = None
+        self._factors.free()
         if self._forces is not None and self._forces is not self.matrices.multipliers:
             self._forces.free()
 
 
 class UpdatedFactors:
-    """A + s B B^T + E, solved by means of A factorised: E is small, B has few columns.
+    """A + s B B^T, solved by means of A factorised, B of few columns.
 
-    B (``root``, m x r) and E (``rest``) are on the first rows of this rank, of which A may have
-    more. ``symmetric`` says that A is, and that there is no E. SingularError when A or the sum is
-    singular, or as good as that, or E is too large.
+    B (``root``, m x r) is on the first rows of this rank, of which A may have more. ``symmetric``
+    says that A is. SingularError when A or the sum is singular, or as good as that.
     """
 
-    def __init__(
-        self,
-        matrix: Mumps,
-        root: Floats,
-        shift: float,
-        rest: CirculatorySum | None = None,
-        *,
-        symmetric: bool,
-    ) -> None:
-        self._matrix, self._root, self._shift, self._rest = matrix, root, shift, rest
+    def __init__(self, matrix: Mumps, root: Floats, shift: float, *, symmetric: bool) -> None:
+        self._matrix, self._root, self._shift = matrix, root, shift
         self._rows, self._comm = matrix.matrix.getLocalSize()[0], matrix.matrix.comm
         self._symmetric = symmetric
         self._small: dict[bool, tuple[Floats, Any]] = {}
         self._steps: dict[bool, int] = {}
-        for transposed in (False,) if rest is None else (False, True):
-            self._prepare(transposed)
+        self._prepare(transposed=False)
 
     def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Solutions for every column of b, the first rows of this rank, as of :class:`Mumps`."""
-        if np.iscomplexobj(b):  # a product of a tall real matrix and complex columns copies it
-            both = self.solve_block(np.hstack([b.real, b.imag]), transposed=transposed)
-            return both[:, : b.shape[1]] + 1j * both[:, b.shape[1] :]
-        b = np.vstack([b, np.zeros((self._rows - len(b), b.shape[1]))])
         transposed = transposed and not self._symmetric
-        self._prepare(transposed)
+        if transposed not in self._steps:
+            self._prepare(transposed=transposed)
+        return by_parts(partial(self._refined, transposed=transposed), b)
+
+    def _refined(self, b: Floats, *, transposed: bool) -> Floats:
+        b = np.vstack([b, np.zeros((self._rows - len(b), b.shape[1]))])
         x = self._once(b, transposed)
         for _ in range(self._steps[transposed]):
             x = x + self._once(b - self._times(x, transposed), transposed)
         return x
 
     def sign(self) -> int:
-        """Sign of det(A + s B B^T) / det A; that of E, along which it is regular, is one."""
+        """Sign of det(A + s B B^T) / det A."""
         factors, pivots = self._small[False][1]
         swaps = int((pivots != np.arange(len(pivots))).sum())
         return int(np.prod(np.sign(np.diag(factors)))) * (-1) ** swaps
 
-    def _prepare(self, transposed: bool) -> None:
+    def _prepare(self, *, transposed: bool) -> None:
         """Find Z, 1 + s B^T Z and the steps; with the Z of A the formula for A^T is unstable."""
-        if transposed in self._steps:
-            return
         image = np.zeros((self._rows, self._root.shape[1]), order="F")
         for each in column_blocks(image.shape[1]):
             image[:, each] = self._matrix.solve_block(self._root[:, each], transposed=transposed)
@@ -197,31 +167,24 @@ class UpdatedFactors:
             x = x + self._once(b - self._times(x, transposed), transposed)
             errors.append(float(np.nan_to_num(norms(x - known, self._comm)[0], nan=np.inf)))
         least = min(errors)
-        if not least <= (_UNSOLVED if self._rest is None else _SLOW):
-            raise SingularError(f"a matrix with updates is singular, or far from one ({least})")
-        steps = next(i for i, each in enumerate(errors) if each <= max(_WORTH * least, _EXACT))
-        if self._rest is not None and steps == _MOST_STEPS and least > _EXACT:
-            raise SingularError("a series that converges slowly")
-        return steps
+        if not least <= _UNSOLVED:
+            raise SingularError(f"a matrix with updates is singular ({least})")
+        return next(i for i, each in enumerate(errors) if each <= max(_WORTH * least, _EXACT))
 
-    def _once(self, b: NDArray[Any], transposed: bool) -> NDArray[Any]:
-        """Solutions without E and refinement."""
+    def _once(self, b: Floats, transposed: bool) -> Floats:
+        """Solutions without refinement."""
         x = self._matrix.solve_block(b, transposed=transposed)
-        if not self._root.shape[1]:
-            return x
         image, small = self._small[transposed]
-        return x - image @ (self._shift * lu_solve(small, self._inner(x), check_finite=False))
+        inner = lu_solve(small, self._inner(x), check_finite=False)
+        return np.asarray(x - image @ (self._shift * inner))
 
-    def _times(self, x: NDArray[Any], transposed: bool) -> NDArray[Any]:
-        """(A + s B B^T + E) x, or its transpose."""
-        own = slice(len(self._root))
+    def _times(self, x: Floats, transposed: bool) -> Floats:
+        """(A + s B B^T) x, or its transpose."""
         result = (transposed_times if transposed else times)(self._matrix.matrix, x)
-        result[own] += self._shift * (self._root @ self._inner(x))
-        if self._rest is not None:
-            result[own] += self._rest.times(x[own], transposed=transposed)
+        result[: len(self._root)] += self._shift * (self._root @ self._inner(x))
         return result
 
-    def _inner(self, x: NDArray[Any]) -> NDArray[Any]:
+    def _inner(self, x: Floats) -> Floats:
         """B^T x, the same on every rank."""
         return np.asarray(self._comm.tompi4py().allreduce(self._root.T @ x[: len(self._root)]))
 

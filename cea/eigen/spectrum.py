@@ -91,6 +91,36 @@ class Window:
             return f"{found}; no eigenvalue of the window grows faster"
         return f"{found}; modes that grow faster than {self.max_growth:.4g} 1/s are not excluded"
 
+    def headline(
+        self, words: Sequence[Word], growth: Sequence[float], threshold: float | None
+    ) -> str:
+        """How many modes have which word, the threshold that decided, and the word of all.
+
+        ``words`` and ``growth`` rates (1/s) are those of the modes; the threshold is 1e-4 of
+        abs(lambda) where it is None.
+        """
+        top = f"{self.max_frequency:g} Hz"
+        if not words:
+            near = "" if self.lowest is None else f"; the lowest is near {self.lowest:.5g} Hz"
+            return f"no modes below {top}{near}"
+        word = classify_run(words, complete=self.complete, missing=self.missing)
+        modes = "mode" if len(words) == 1 else "modes"
+        counts = counted_words(words, growth, threshold)
+        line = f"{len(words)} {modes} up to {top}: {counts}; verdict: {word}"
+        if word == "no unstable mode found":
+            line += f" up to a growth rate of {self.max_growth:.4g} 1/s"
+        return line
+
+    @property
+    def hints(self) -> list[str]:
+        """What to know of modes just above the window, a line where some grow there."""
+        above = self.growing_above
+        if not above:
+            return []
+        modes = "a mode grows" if len(above) == 1 else f"{len(above)} modes grow"
+        told = ", ".join(f"{growth:+.3g} 1/s at {at:.6g} Hz" for at, growth in above)
+        return [f"hint: {modes} just above the end of the window: {told}"]
+
 
 @dataclass(frozen=True)
 class Spectrum:
@@ -218,47 +248,10 @@ class Spectrum:
 
     def headline(self, threshold: float | None = None) -> str:
         """How many modes have which word, the threshold that decided, and the run's word."""
-        return headline(
-            self.verdicts(threshold), self.growth_rates.tolist(), self.window, threshold
-        )
-
-    @property
-    def hints(self) -> list[str]:
-        """What to know of modes just above the window, a line where some grow there."""
-        return hints(self.window)
+        words, growth = self.verdicts(threshold), self.growth_rates.tolist()
+        return self.window.headline(words, growth, threshold)
 
     def text(self, threshold: float | None = None) -> str:
         """The headline, and all modes in a table with marks."""
         lines = aligned(self.table(threshold))
-        return "\n".join([self.headline(threshold), *self.hints, *lines, SIGNS])
-
-
-def headline(
-    words: Sequence[Word], growth: Sequence[float], window: Window, threshold: float | None
-) -> str:
-    """How many modes of a window have which word, the threshold that decided, and its own word.
-
-    ``words`` and ``growth`` rates (1/s) are those of the modes; the threshold is 1e-4 of
-    abs(lambda) where it is None.
-    """
-    top = f"{window.max_frequency:g} Hz"
-    if not words:
-        near = "" if window.lowest is None else f"; the lowest is near {window.lowest:.5g} Hz"
-        return f"no modes below {top}{near}"
-    word = classify_run(words, complete=window.complete, missing=window.missing)
-    modes = "mode" if len(words) == 1 else "modes"
-    counts = counted_words(words, growth, threshold)
-    line = f"{len(words)} {modes} up to {top}: {counts}; verdict: {word}"
-    if word == "no unstable mode found":
-        line += f" up to a growth rate of {window.max_growth:.4g} 1/s"
-    return line
-
-
-def hints(window: Window) -> list[str]:
-    """What to know of modes just above a window, a line where some grow there."""
-    above = window.growing_above
-    if not above:
-        return []
-    modes = "a mode grows" if len(above) == 1 else f"{len(above)} modes grow"
-    told = ", ".join(f"{growth:+.3g} 1/s at {frequency:.6g} Hz" for frequency, growth in above)
-    return [f"hint: {modes} just above the end of the window: {told}"]
+        return "\n".join([self.headline(threshold), *self.window.hints, *lines, SIGNS])

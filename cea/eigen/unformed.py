@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats
-from cea.eigen.blocks import times, transposed_times
+from cea.eigen.blocks import by_parts, times, transposed_times
 from cea.eigen.coefficients import CONSTANT, Dependence
 from cea.eigen.mumps import Mumps
 from cea.matrices import absolute, destroy
@@ -47,10 +47,14 @@ class LowRank:
 
     def times(self, x: NDArray[Any], comm: Any) -> NDArray[Any]:
         """It times a block of vectors, the rows of this rank."""
-        image, inner = np.zeros_like(x), _product(self.vectors.T, x[self.rows])
-        inner = comm.tompi4py().allreduce(inner)
-        image[self.rows] = _product(self.vectors, self.weights[:, None] * inner)
-        return image
+
+        def product(part: Floats) -> Floats:
+            image = np.zeros_like(part)
+            inner = comm.tompi4py().allreduce(self.vectors.T @ part[self.rows])
+            image[self.rows] = self.vectors @ (self.weights[:, None] * inner)
+            return image
+
+        return by_parts(product, x)
 
     def sizes(self, x: Floats, comm: Any) -> Floats:
         """abs(W) diag(d) abs(W)^T x: what rounding the entries of W is relative to."""
@@ -69,13 +73,6 @@ def low_rank_sum(parts: Sequence[tuple[float, LowRank]], rows: int) -> LowRank |
         columns[-1][piece.rows] = piece.vectors[:, own] * np.sqrt(factor * piece.weights[own])
     root = np.asfortranarray(np.hstack([np.zeros((rows, 0)), *columns]))
     return LowRank(root, np.ones(root.shape[1])) if root.shape[1] else None
-
-
-def _product(matrix: Floats, block: NDArray[Any]) -> NDArray[Any]:
-    """A real matrix times a block that may be complex, of which no complex copy is made."""
-    if not np.iscomplexobj(block):
-        return matrix @ block
-    return matrix @ block.real + 1j * (matrix @ block.imag)
 
 
 @dataclass(frozen=True)

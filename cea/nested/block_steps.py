@@ -25,7 +25,7 @@ from scipy.linalg import eig
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.blocks import all_inner, beside, column_blocks, columns_inner, combined, times
 from cea.eigen.matching import DEGENERATE, assign
-from cea.eigen.pencil import Damping, Matrices
+from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 
@@ -73,12 +73,10 @@ class BlockSteps:
             self.factors = Shifted(matrices, shift)
         except ConvergenceError:
             self.factors = Shifted(matrices, 0.5 * shift)
-        self._damping = Damping(matrices)
 
     def free(self) -> None:
         """Free the factors."""
         self.factors.free()
-        self._damping.free()
 
     def improved(self, old: Approximation, steps: int) -> tuple[Approximation, list[Floats]]:
         """Vectors and eigenvalues after some steps, and what each changed eigenvalues by (1/s)."""
@@ -102,7 +100,7 @@ class BlockSteps:
         internal = right.forces + self.factors.kappa * right.inertia  # K V + L^T F
         works, masses = self._inner(W, internal), self._inner(W, right.inertia)
         if self.matrices.quadratic:
-            found, c, d = _ritz(works, masses, self._inner(W, self._damping.times(V)))
+            found, c, d = _ritz(works, masses, self._inner(W, self.matrices.drag(V)))
         elif self.matrices.symmetric:
             found, c, d = _symmetric_ritz(works, masses)
         else:
@@ -152,7 +150,7 @@ class BlockSteps:
         inertia = times(self.matrices.mass, x)
         if not self.matrices.quadratic:  # kappa may be sigma
             return np.asarray(inertia)
-        drag = self._damping.times(x, transposed=transposed)
+        drag = self.matrices.drag(x, transposed=transposed)
         return np.asarray((-(values**2) - self.factors.kappa) * inertia - values * drag)
 
     def _solved(self, forces: Floats, *, transposed: bool = False) -> Floats:

@@ -22,7 +22,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.eigen.blocks import image_of
+from cea.eigen.blocks import times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm
@@ -226,7 +226,7 @@ class BodyTerms:
             layout, comm = (PETSc.DECIDE, len(modes.weights)), self.body.expansion.comm
             left, turned = (
                 self.placed(distributed(csr_array(columns), layout, comm), columns=False)
-                for columns in (modes.images * modes.weights, -image_of(B, modes.vectors))
+                for columns in (modes.images * modes.weights, -times(B, modes.vectors))
             )
             one = identity(left.getLocalSize()[1], left.comm)
             piece = Circulatory(left, one, turned.transpose(PETSc.Mat()))

@@ -21,7 +21,6 @@ from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
 from cea.matrices import applied, block_diagonal, diagonal_of
 from cea.motion import Motion
-from cea.nodes import Nodes
 from cea.petsc import PETSc
 from cea.system.body_terms import BodyTerms
 from cea.system.contact_terms import (
@@ -140,7 +139,7 @@ class CoupledSystem:
         parameters += contact_parameters(self.contacts)
         if self.with_mass:
             parameters += sliding_parameters(self.contacts)
-        bodies, stiffness = list(self.bodies.values()), _stiffness_diagonal(self.bodies, {})
+        stiffness = _stiffness_diagonal(self.bodies, {})
         return Pencil(
             terms,
             parameters,
@@ -148,7 +147,6 @@ class CoupledSystem:
             [term for each in self.pieces.values() for term in each.modal],
             [piece for piece in pieces if not isinstance(piece, Term)],
             leave_out=leave_out,
-            nodes=Nodes(bodies[0].dim, np.concatenate([body.free_counts for body in bodies])),
         )
 
     def linearised(

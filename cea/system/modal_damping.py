@@ -13,11 +13,11 @@ from scipy.linalg import eigh
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.eigen.blocks import all_inner, image_of
+from cea.eigen.blocks import all_inner, times
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
 from cea.eigen.pencil import Pencil
-from cea.eigen.search import NearestSearch
+from cea.eigen.search import Search, nearest_plan
 from cea.eigen.shifted import count_below
 from cea.errors import ConvergenceError, InputError, require
 from cea.matrices import diagonal_of
@@ -89,7 +89,7 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
     damped = factors > 0
     vectors, weights = vectors[:, damped], (4 * np.pi * factors * frequencies)[damped]
     coefficient = _coefficient(path, body, damping)
-    return DampedModes(vectors, image_of(body.mass(), vectors), weights, coefficient)
+    return DampedModes(vectors, times(body.mass(), vectors), weights, coefficient)
 
 
 def modal_parameter(path: str, damping: ModalDamping) -> Parameter:
@@ -153,10 +153,10 @@ def _elastic_modes(
         least, highest = (float(np.sqrt(part * largest)) / (2 * np.pi) for part in (_BELOW, 1.0))
         if end is None:  # so many elastic modes, and one more if any
             count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-            place = -_BELOW * largest
-            search = NearestSearch(matrices, place, count, solver.options, StageTimer())
+            search = Search(matrices, np.inf, solver.options, StageTimer())
             try:
-                kappa = np.sort(search.run().eigenvalues.real)
+                found = search.run(nearest_plan(search, -_BELOW * largest, count))
+                kappa = np.sort(found.eigenvalues.real)
             finally:
                 search.free()
             end = float(np.sqrt(kappa[count - 1])) / (2 * np.pi)
@@ -178,7 +178,7 @@ def _elastic_modes(
     # Rayleigh-Ritz in the space that they span.
     vectors = modes.vectors.real
     form, gram = (
-        all_inner(vectors, image_of(each, vectors), each.comm)
+        all_inner(vectors, times(each, vectors), each.comm)
         for each in (body.stiffness(), body.mass())
     )
     kappa, turn = eigh(form, gram)

@@ -13,7 +13,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.contact.contact import Contact
-from cea.eigen.blocks import image_of, norms
+from cea.eigen.blocks import norms, times
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted, count_below
 from cea.errors import ResultWarning
@@ -184,7 +184,7 @@ def _margin(tangent: Matrices, factors: Shifted) -> float:
     x = np.random.default_rng(S.comm.rank).standard_normal((S.getLocalSize()[0], 1))
     x /= norms(x, S.comm)
     for _ in range(_STEPS):
-        x = factors.solve_block(image_of(S, x))
+        x = factors.solve_block(times(S, x))
         growths.append(norms(x, S.comm)[0])
         x /= growths[-1]
     return float(1 / np.exp(np.log(growths[_STEPS // 2 :]).mean()))

@@ -128,7 +128,7 @@ def _print_modes(result: "Result", to: Console) -> None:
     texts = shown_cells(rows)
     summary = f"{MARKS.get(result.verdict, '')} {result.summary}".strip()
     say(to, summary, _COLOURS.get(result.verdict))
-    for hint in result.modes.hints:
+    for hint in result.modes.window.hints:
         say(to, hint, "yellow")
     for cells in texts:
         if cells["verdict"] == "unstable":

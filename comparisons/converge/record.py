@@ -9,7 +9,7 @@ import numpy as np
 
 from cea.eigen.classify import GROWING
 from cea.eigen.matching import assign
-from cea.eigen.spectrum import Window, headline, hints
+from cea.eigen.spectrum import Window
 from comparisons.converge.combine import Mode
 from comparisons.converge.follow import Followed
 from comparisons.converge.ladder import Mesh, elements_of, window_of
@@ -47,8 +47,8 @@ def data_of(
         held, first = _held(inside, ended, request, threshold)
         searched = _window(inside, above, [mesh.window for mesh in finest.values()], top)
         growth = [mode.estimated.value.real for mode in inside]
-        words = headline([mode.word for mode in inside], growth, searched, threshold)
-        found_hints = hints(searched)
+        words = searched.headline([mode.word for mode in inside], growth, threshold)
+        found_hints = searched.hints
     scenes = {f"finest_{backend}": mesh.scene for backend, mesh in finest.items()}
     tolerance = half_unit(request.sweep_digits)
     enough = [(m, e) for m, e in errors if e["bound"] is not None and e["bound"] <= tolerance]

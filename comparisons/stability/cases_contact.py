@@ -217,22 +217,24 @@ def mortar() -> Runs:
         yield from runs(row, data, _MORTAR, _exact_layers(p, 0.3), tolerance=1e-3)
     for p in stiffnesses:
         true = exact("drum", max_frequency=0.33, p="inf" if p == inf else p, mu="0.3")
-        yield from runs(f"drum, p = {p:.0e} N/m³", _drum(p), _MORTAR, true, tolerance=1e-3)
+        row, data = f"drum, p = {p:.0e} N/m³", _drum(p)
+        for backend in ("fe", "iga"):  # of finite elements it has more than 1,000 unknowns
+            expected = "warned" if backend == "fe" and p > 1 else "accurate"
+            ways = chosen(_MORTAR, backend=backend)
+            yield from runs(row, data, ways, true, expected=expected, tolerance=1e-3)
 
 
 def stiff_windows() -> Runs:
     """Stiff contact in systems of 11,000 unknowns."""
+    # No bound of what friction moves holds for it: windows say up to which growth they do.
     elements = {"fe": ((22, 12), (20, 17)), "iga": ((64, 32), (60, 48))}
     for mu in (0.3, 1.5):
-        # Bounds of strong friction reach too far for a search: windows say up to which growth
-        # they hold.
-        expected = "honest" if mu > 1 else "accurate"
         for p in (1e3, 1e9, inf):
             row, friction = f"mu = {mu:g}, p = {p:.0e} N/m³", f"{mu}*abs(sin(pi*x/2))"
             for backend, sizes in elements.items():
                 data, way = _cubic_layers(p, friction, *sizes), chosen(_MORTAR, backend=backend)
                 true = _exact_layers(p, mu)
-                yield from runs(row, data, way, true, expected=expected, tolerance=1e-3)
+                yield from runs(row, data, way, true, expected="warned", tolerance=1e-3)
 
 
 def directions() -> Runs:

@@ -106,6 +106,7 @@ def key_of(study: Study, options: Any, labels: Any) -> str:
 
 def parts(out: Path) -> Path:
     """Folder of cases that are done while the study runs, beside that of its result."""
+    out = out.absolute()  # the folder that one is in has no name of its own
     return out.with_name(f"{out.name}.cases")
 
 

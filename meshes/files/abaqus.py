@@ -51,8 +51,8 @@ _OF_SET = ("NSET", "ELSET", "INSTANCE", "GENERATE", "INTERNAL", "UNSORTED", "INP
 class Scope:
     """What a part or an instance holds, or a deck outside of both.
 
-    Sets are listed by their names in capitals: what one keyword after the other says of each.
-    ``first_node`` and ``first_element`` are where those of an instance begin in the content.
+    Sets are listed as one keyword after the other gives their members; ``first_node`` and
+    ``first_element`` are where those of an instance begin in the content.
     """
 
     name: str = ""
@@ -67,9 +67,8 @@ class Scope:
 
     def placed(self, name: str, placing: list[list[str]]) -> "Scope":
         """An instance of the part, to which its own nodes, elements and sets are added."""
-        nodes, elements, sets = [*self.nodes], [*self.elements], [*self.sets]
-        own = replace(self, nodes=nodes, elements=elements, sets=sets)
-        return replace(own, name=name, placing=placing)
+        lists = [*self.nodes], [*self.elements], [*self.sets], [*self.told]
+        return Scope(name, placing, *lists)
 
     def take(self, keyword: Keyword) -> None:
         """Take in what a keyword holds; keywords that say nothing of the mesh are passed over."""
@@ -98,13 +97,15 @@ class Scope:
 
     def _elements(self, keyword: Keyword) -> ElementBlock:
         kind = keyword.needed("TYPE").upper()
-        role, known = _known(kind)
-        if not known:
-            return without_nodes(kind, keyword.elements(0)[0][:, 0], role)
-        rows, longer = keyword.elements(len(KINDS[known].groups))
-        if longer:
-            self.told.append(f"numbers behind the nodes of {longer} elements {kind}")
-        return block(kind, known, rows[:, 0], rows[:, 1:], role=role)
+        for pattern, dim, role in _TYPES:
+            if match := re.fullmatch(pattern, kind):
+                known = _NAMES[dim, int(match[1])]
+                rows, longer = keyword.elements(len(KINDS[known].groups))
+                if longer:
+                    self.told.append(f"numbers behind the nodes of {longer} elements {kind}")
+                return block(kind, known, rows[:, 0], rows[:, 1:], role=role)
+        solid = kind.startswith(_OTHER_SOLIDS)
+        return without_nodes(kind, keyword.elements(0)[0][:, 0], "solid" if solid else "structural")
 
     def _take_surface(self, keyword: Keyword) -> None:
         name, of = keyword.needed("NAME"), keyword.parameters.get("TYPE", "ELEMENT").upper()
@@ -144,8 +145,7 @@ class Scope:
             start, axis = lines[1][:3], lines[1][3:6] - lines[1][:3]
             require(bool(np.any(axis)), "file", told, allowed)
             vector = lines[1][6] * axis / np.linalg.norm(axis)
-            turn = Rotation.from_rotvec(vector, degrees=True)
-            points = start + turn.apply(points - start)
+            points = start + Rotation.from_rotvec(vector, degrees=True).apply(points - start)
         return points
 
     def of(self, kind: Type, name: str) -> list[Keyword | Ints]:
@@ -159,14 +159,6 @@ class Scope:
         if kind == "element":
             first, own = self.first_element, _joined(b.numbers for b in self.elements)
         return first + known_rows(own, own if numbers is None else numbers)
-
-
-def _known(kind: str) -> tuple[Role, str]:
-    """Role of a type of element, and its name in the table of kinds; none where it is not there."""
-    for pattern, dim, role in _TYPES:
-        if match := re.fullmatch(pattern, kind):
-            return role, _NAMES[dim, int(match[1])]
-    return "solid" if kind.startswith(_OTHER_SOLIDS) else "structural", ""
 
 
 def abaqus_content(file: Path) -> FileContent:
@@ -226,7 +218,10 @@ def _joined(parts: Iterable[Ints]) -> Ints:
 
 
 class _Resolver:
-    """Finds what sets and surfaces of a deck have as members."""
+    """Finds what sets and surfaces of a deck have as members.
+
+    A set is told by its kind, the scope in which it is looked for, and its name there.
+    """
 
     def __init__(self, content: FileContent, scopes: dict[str, Scope]) -> None:
         self.content, self.scopes = content, scopes
@@ -236,8 +231,10 @@ class _Resolver:
         """The content with its sets, after a look at the names in them."""
         for key, scope in self.scopes.items():
             for kind, _, listed in scope.sets:
-                if kind != "surface" and isinstance(listed, Keyword):
-                    self._check_names(kind, key, listed)
+                if kind == "surface" or not isinstance(listed, Keyword):
+                    continue
+                for name in listed.members()[1] if re.search("[A-Za-z_]", listed.data) else ():
+                    self._place(kind, self._inside(key, listed), name)
         return replace(
             self.content,
             node_sets=self._sets("node"),
@@ -246,7 +243,7 @@ class _Resolver:
         )
 
     def _sets(self, kind: Type) -> Sets:
-        """Sets of a type by name: those of all instances together, and those of each."""
+        """Sets of a kind by name: those of all instances together, and those of each."""
         names = []
         for key, scope in self.scopes.items():
             own = [name for of, name, _ in scope.sets if of == kind]
@@ -264,20 +261,30 @@ class _Resolver:
             raise InputError("file", name, "sets that are not inside each other") from None
         return np.unique(np.concatenate(parts), axis=0)
 
+    def _place(self, kind: Type, key: str, name: str) -> tuple[str, str]:
+        """Scope and name of a set that a scope has or names; a whole instance has no name."""
+        if self.scopes[key].of(kind, name):
+            return key, name
+        instance, _, inner = name.upper().partition(".")
+        known = instance and instance in self.scopes and (inner or kind != "surface")
+        require(bool(known), "file", name, f"a set of {kind}s that the deck has")
+        return instance, inner
+
+    def _inside(self, key: str, keyword: Keyword) -> str:
+        """Scope in which the members of a set are looked for."""
+        instance = keyword.parameters.get("INSTANCE", key).upper()
+        require(instance in self.scopes, "file", instance, "an instance that the deck has")
+        return instance
+
     def _members(self, kind: Type, key: str, name: str) -> Ints:
-        """Rows of nodes, elements, or faces (n, 2) of a set that a scope has or names."""
-        listed = self.scopes[key].of(kind, name)
-        if not listed:
-            instance, dot, inner = name.partition(".")
-            if dot and instance.upper() in self.scopes:
-                if is_number(inner) and kind != "surface":
-                    return self.scopes[instance.upper()].rows(kind, np.array([int(inner[:16])]))
-                return self.members(kind, instance.upper(), inner)
-            whole = self.scopes.get(name.upper()) if name else None
-            if kind == "surface" or whole is None:
-                raise InputError("file", name, f"a set of {kind}s that the deck has")
-            return whole.rows(kind)
-        parts = [self._of_listed(kind, key, each) for each in listed]
+        """Rows of nodes, elements, or faces (n, 2) of a set."""
+        scope, inner = self._place(kind, key, name)
+        if inner != name:
+            if inner and not (is_number(inner) and kind != "surface"):
+                return self.members(kind, scope, inner)
+            numbers = np.array([int(inner[:16])]) if inner else None
+            return self.scopes[scope].rows(kind, numbers)
+        parts = [self._of_listed(kind, key, each) for each in self.scopes[key].of(kind, name)]
         return np.unique(np.concatenate(parts), axis=0)
 
     def _of_listed(self, kind: Type, key: str, listed: Keyword | Ints) -> Ints:
@@ -299,40 +306,26 @@ class _Resolver:
         of_sets = (self.members(kind, key, name) for name in names)
         return _joined([self.scopes[key].rows(kind, numbers), *of_sets])
 
-    def _inside(self, key: str, keyword: Keyword) -> str:
-        """Scope in which the members of a set are looked for."""
-        instance = keyword.parameters.get("INSTANCE", key).upper()
-        require(instance in self.scopes, "file", instance, "an instance that the deck has")
-        return instance
-
-    def _check_names(self, kind: Type, key: str, listed: Keyword) -> None:
-        """Refuse sets that are made of ones that are not there."""
-        if re.search("[A-Za-z_]", listed.data):
-            inside = self._inside(key, listed)
-            for name in listed.members()[1]:
-                known = name.partition(".")[0].upper() in self.scopes
-                if not known and not self.scopes[inside].of(kind, name):
-                    raise InputError("file", name, f"a set of {kind}s that the deck has")
-
     def _faces(self, key: str, keyword: Keyword) -> Ints:
         """Elements and their faces that a surface has, -1 for all free ones, (n, 2)."""
         keyword.check("NAME", "TYPE", "COMBINE", "INTERNAL")
-        found = [np.empty((0, 2), dtype=np.int64)]
-        if how := keyword.parameters.get("COMBINE"):
-            names = [name for line in keyword.lines for name in line if name]
-            found += [self.members("surface", key, name) for name in names]
-            if how.upper() != "UNION":
-                two = how.upper() in ("INTERSECTION", "DIFFERENCE") and len(names) == 2
-                numbered = all((faces[:, 1] >= 0).all() for faces in found)
-                allowed = "UNION, or INTERSECTION or DIFFERENCE of two surfaces of numbered faces"
-                require(two and numbered, "file", f"*SURFACE, COMBINE={how}", allowed)
-                shared = np.isin(found[1] @ [8, 1], found[2] @ [8, 1])
-                return found[1][shared if how.upper() == "INTERSECTION" else ~shared]
-            return np.concatenate(found)
-        of_sides: dict[str, list[str]] = {}
-        for line in keyword.lines:
-            of_sides.setdefault("".join(line[1:2]).upper(), []).append(line[0])
-        for label, names in of_sides.items():
-            elements = self._listed("element", key, Keyword("SURFACE", {}, "\n".join(names)))
-            found.append(self.content.sided(elements, label))
-        return np.concatenate(found)
+        how = keyword.parameters.get("COMBINE", "").upper()
+        if not how:
+            of_sides: dict[str, list[str]] = {"": []}
+            for name, *side in keyword.lines:
+                of_sides.setdefault("".join(side[:1]).upper(), []).append(name)
+            listed = {
+                label: self._listed("element", key, Keyword("SURFACE", {}, "\n".join(names)))
+                for label, names in of_sides.items()
+            }
+            return np.concatenate([self.content.sided(e, label) for label, e in listed.items()])
+        names = [name for line in keyword.lines for name in line if name]
+        found = [self.members("surface", key, name) for name in names]
+        if how == "UNION":
+            return np.concatenate([np.empty((0, 2), dtype=np.int64), *found])
+        numbered = all((faces[:, 1] >= 0).all() for faces in found)
+        fits = how in ("INTERSECTION", "DIFFERENCE") and len(names) == 2 and numbered
+        allowed = "UNION, or INTERSECTION or DIFFERENCE of two surfaces of numbered faces"
+        require(fits, "file", f"*SURFACE, COMBINE={how}", allowed)
+        shared = np.isin(found[0] @ [8, 1], found[1] @ [8, 1])
+        return found[0][shared if how == "INTERSECTION" else ~shared]

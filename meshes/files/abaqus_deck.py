@@ -62,21 +62,20 @@ class Keyword:
         An element ends with the line on which it has all its nodes, or with what goes on behind
         them after a comma.
         """
-        width, longer, whole = size + 1, 0, True
+        width, longer, whole, joined = size + 1, 0, True, True
         fields: list[str] = []
         record: list[str] = []
-        joined = True
         for row in self.lines:
             goes_on = row[-1] == ""
             record += row[:-1] if goes_on else row
-            extra = len(record) - width
-            if extra == 0 or (extra > 0 and not goes_on):
-                whole = whole and (joined or extra == 0)
-                longer += extra > 0
-                fields += record[:width]
-                record, joined = [], True
-            else:
+            more = len(record) > width
+            if len(record) < width or (more and goes_on):
                 joined = joined and goes_on
+                continue
+            whole = whole and (joined or not more)
+            longer += more
+            fields += record[:width]
+            record, joined = [], True
         told = f"*ELEMENT, TYPE={self.needed('TYPE')}"
         require(whole and not record, "file", told, f"{width} numbers for each element")
         return self._whole(self._numbers(fields)).reshape(-1, width), longer
@@ -123,23 +122,22 @@ def is_number(text: str) -> bool:
 def keywords_of(file: Path) -> Iterator[Keyword]:
     """Keywords of a deck in their order, with those of files that it includes."""
     text = text_with_included(file, _KEYWORD, _included, lambda each: _COMMENT.sub("", each))
-    places = list(_KEYWORD.finditer(text))
-    ends = [*(place.start() for place in places[1:]), len(text)]
-    for place, end in zip(places, ends, strict=bool(places)):
-        yield Keyword(*_parsed(place), text[place.end() : end])
+    _, *parts = _KEYWORD.split(text)
+    for head, data in zip(parts[::2], parts[1::2], strict=True):
+        yield _keyword(head, data)
 
 
-def _parsed(match: re.Match[str]) -> tuple[str, dict[str, str]]:
-    """Name of a keyword and its parameters."""
-    name, *parameters = match[1].replace("\n", " ").split(",")
+def _keyword(head: str, data: str = "") -> Keyword:
+    """A keyword from its line, joined to those that continue it."""
+    name, *parameters = head.replace("\n", " ").split(",")
     values = (each.partition("=") for each in parameters if each.strip())
     found = {" ".join(key.upper().split()): value.strip().strip('"') for key, _, value in values}
-    return " ".join(name.upper().split()), found
+    return Keyword(" ".join(name.upper().split()), found, data)
 
 
 def _included(match: re.Match[str]) -> tuple[str, str] | None:
     """What stays of a keyword with the name of a file, and that name."""
-    keyword = Keyword(*_parsed(match), "")
+    keyword = _keyword(match[1])
     if keyword.name == "INCLUDE":
         keyword.check("INPUT")
         return "", keyword.needed("INPUT")

@@ -3,7 +3,6 @@
 import re
 import sys
 from collections.abc import Iterator, Mapping
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ from meshes.files.content import (
     rows_of,
     without_nodes,
 )
-from meshes.files.sandbox import arrays_of
+from meshes.files.sandbox import arrays_of, library
 
 _HEAD = 10
 """Numbers of an element before its nodes: material, type, ..., its number."""
@@ -46,9 +45,7 @@ def ansys_content(file: Path) -> FileContent:
 
     Elements of each material and type are sets as well, ``material 1`` and ``type 2``.
     """
-    if find_spec("mapdl_archive") is None:
-        allowed = "mapdl-archive to read it: python -m pip install 'friction-cea[meshes]'"
-        raise InputError("file", str(file), allowed)
+    library(file, "mapdl_archive")
     arrays = arrays_of(Path(__file__), file)
     numbers, points = arrays["numbers"].astype(np.int64), arrays["points"].astype(float)
     data, ends = arrays["elements"].astype(np.int64), arrays["ends"]

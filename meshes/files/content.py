@@ -13,10 +13,12 @@ from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
-from cea.mesh import Mesh, facet_nodes
+from cea.mesh import Cell, Mesh, facet_nodes
 from meshes.files.elements import CORNERS, FACES, KINDS, full_kind
 
 Role = Literal["solid", "mark", "structural"]
+_FARTHEST = 1e50
+"""Coordinates whose squares and cubes are numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +119,10 @@ class FileContent:
     node_sets: Mapping[str, Ints] = field(default_factory=dict)
     face_sets: Mapping[str, Ints] = field(default_factory=dict)
     told: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        fits = bool((np.abs(self.points) < _FARTHEST).all())
+        require(fits, "file", "nodes", f"finite coordinates, below {_FARTHEST:g}")
 
     @property
     def starts(self) -> Ints:
@@ -234,3 +240,9 @@ def named_sides(mesh: Mesh) -> dict[str, NDArray[np.bool_]]:
     return {
         name: np.isin(sums, marks[facets].sum(axis=1)) for name, facets in mesh.surfaces.items()
     }
+
+
+def facets_on(cell: Cell, order: int, cells: Ints, on: NDArray[np.bool_]) -> Ints:
+    """Facets of cells where ``on``, (n_cells, n_facets), holds."""
+    facets = enumerate(facet_nodes(cell, order))
+    return np.concatenate([cells[on[:, i]][:, local] for i, local in facets])

@@ -9,7 +9,6 @@ over. Any other card may change what the body is: it is reported as an element t
 import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,8 +27,6 @@ _INCLUDE = re.compile(r"(?mi)^[ \t]*INCLUDE[ \t]*(?:'([^']*)'|\"([^\"]*)\"|([^\s
 _BEGIN = re.compile(r"(?mi)^[ \t]*BEGIN\b(?![^\n$]*(?:SUPER|MODULE)).*$")
 _NARROW, _WIDE = 8, 16
 """Columns of a field."""
-_ENDS = {width: (*range(_NARROW, 80, width), 80) for width in (_NARROW, _WIDE)}
-"""Columns at which fields end."""
 
 
 class Card(NamedTuple):
@@ -107,47 +104,36 @@ def _included(match: re.Match[str]) -> tuple[str, str]:
 def _fields(line: str) -> tuple[str, list[str], str]:
     """First field in capitals, data, and the mark of a continuation of a line."""
     line = line.partition("$")[0].rstrip()
-    if "," in line:
-        head, *parts = (part.strip() for part in line.split(","))
-        count = 4 if "*" in head else 8
-        more = len(parts) > count + 1 or any(parts[count + 1 :])
-        require(not more, "file", line, f"at most {count} fields in a line, and a mark")
-        mark = "".join(parts[count:])
-        data = (parts + [""] * count)[:count]
-    else:
-        head, data, mark = _columns(line)
-    return head.upper(), data, mark.upper().lstrip("+*")
+    fields = [part.strip() for part in line.split(",")] if "," in line else _columns(line)
+    count = 4 if "*" in fields[0] else 8
+    marks = fields[1 + count :]
+    require(len(marks) < 2, "file", line, f"at most {count} fields in a line, and a mark")
+    data = (fields[1 : 1 + count] + [""] * count)[:count]
+    return fields[0].upper(), data, "".join(marks).upper().lstrip("+*")
 
 
-def _columns(line: str) -> tuple[str, list[str], str]:
-    """The same of a line with fields of fixed width."""
+def _columns(line: str) -> list[str]:
+    """Fields of fixed width."""
+    cut = _cut(line)
+    if line[:1] != " " or not line[:_NARROW].strip():
+        return cut
+    # Either the name alone or the whole card has moved to the right.
+    ways = [cut, _cut(line.lstrip())]
+    # No two fields touch, and the second one holds something.
+    ways = [way for way in ways if any(way[1:2]) and " ".join(way).split() == line.split()]
+    fits = bool(ways) and ways[0] == ways[-1]
+    require(fits, "file", line.strip(), "a card whose name begins in the first column")
+    return ways[0]
+
+
+def _cut(line: str) -> list[str]:
+    """Fields up to column 80; a tab ends a field, whether or not it fills its columns."""
     width = _WIDE if "*" in line[:_NARROW] else _NARROW
-    if "\t" in line:
-        line = _untabbed(line, width)
-    if line[:1] == " " and line[:_NARROW].strip():
-        # Either the name alone or the whole card may have moved to the right.
-        ways = [_cut(way, width) for way in (line, line.lstrip())]
-        # No two fields touch, and the second one holds something.
-        ways = [way for way in ways if way[1] and " ".join(way).split() == line.split()]
-        fits = bool(ways) and ways[0] == ways[-1]
-        require(fits, "file", line.strip(), "a card whose name begins in the first column")
-        return ways[0][0], ways[0][1:-1], ways[0][-1]
-    head, *data, mark = _cut(line, width)
-    return head, data, mark
-
-
-def _cut(line: str, width: int) -> list[str]:
-    return [line[a:b].strip() for a, b in pairwise((0, *_ENDS[width]))]
-
-
-def _untabbed(line: str, width: int) -> str:
-    """A line with blanks for its tabs: each ends a field, whether or not it fills its columns."""
-    ends, filled = _ENDS[width], ""
-    for part in line.split("\t"):
-        filled += part
-        if len(filled) not in ends or not part.strip():
-            filled = filled.ljust(next((end for end in ends if end > len(filled)), 0))
-    return filled
+    first, *parts = line.split("\t")
+    fields = [first[:_NARROW]]
+    for part in [first[_NARROW:80], *parts] if len(first) > _NARROW else parts:
+        fields += [part[i : i + width] for i in range(0, max(len(part), 1), width)]
+    return [field.strip() for field in fields[: 2 + 64 // width]]
 
 
 Cards = Mapping[str, Sequence[Card]]

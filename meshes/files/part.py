@@ -1,24 +1,38 @@
-"""The elements of a mesh file that make a body."""
+"""The elements of a mesh file that make a body, and its mesh: nodes, elements and faces checked."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from cea.arrays import Floats, Ints
+from cea.arrays import Floats, Ints, chunks
 from cea.errors import InputError, require
-from cea.mesh import Cell
-from meshes.files.content import ElementBlock, FileContent, Sets, first_of_near, shown
-from meshes.files.elements import DIVIDED, FACES, side_nodes
+from cea.mesh import SIMPLICES, Cell, Mesh, facet_nodes, lattice, node_order, reference_nodes
+from meshes.files.content import (
+    ElementBlock,
+    FileContent,
+    Sets,
+    facets_on,
+    first_of_near,
+    node_marks,
+    shown,
+)
+from meshes.files.elements import DIVIDED, FACES, facet_sides, full_kind, side_nodes
+from meshes.files.tetrahedra import completed, tetrahedra
 
 _SAME = 1e-6
 """Distance below which nodes are one, relative to the shortest edge."""
 _FLAT = 1e-9
 """Size of a plane mesh across its plane, relative to its extent."""
+_INWARD = 0.775
+"""Where Jacobians are looked at: so far from the middle towards each node, as Gauss points lie."""
+_LEAST = 1e-10
+"""Smallest Jacobian of an element, relative to its largest, that is not called flat."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,20 +150,55 @@ def merged(content: FileContent, distance: float) -> FileContent:
     return replace(content, blocks=blocks, node_sets=moved)
 
 
-def check_nodes(content: FileContent, part: Part, name: str | None) -> None:
-    """Refuse parts that fall apart, nodes in one place, and plane meshes out of their plane."""
-    used, x, shortest = part.used, content.points, np.inf
-    for block in part.blocks:
-        corners = block.corners
-        edges = _edges(x, corners)
-        twice = (np.diff(np.sort(corners, axis=1), axis=1) == 0).any(axis=1)
-        if twice.any() or not edges.min() > 0:
-            worst = int(block.numbers[np.argmax(twice) if twice.any() else np.argmin(edges)])
-            raise InputError("file", f"element {worst}", "elements whose corners are apart")
-        shortest = min(shortest, float(edges.min()))
-    pairs = cKDTree(x[used]).query_pairs(_SAME * shortest, output_type="ndarray")
+def body_mesh(
+    content: FileContent, own: Part, faces: Mapping[str, NDArray[np.bool_]], name: str | None = None
+) -> Mesh:
+    """Mesh of a part of a file, in its unit, with surfaces of given faces of its elements."""
+    points = content.points[:, : own.dim]
+    if own.is_divided:
+        points, cells, elements, sides = tetrahedra(points, own.blocks)
+    else:
+        points, blocks = completed(points, own.blocks)
+        cells = np.concatenate(
+            [b.nodes[:, node_order(own.cell, own.order, b.reference)] for b in blocks]
+        )
+        elements = np.arange(len(cells))
+        sides = np.tile(facet_sides(own.cell), (len(cells), 1))
+    numbers = own.numbers[elements]
+    are_corners = (reference_nodes(own.cell, own.order) % 1 == 0).all(axis=1)
+    corners = cells[:, are_corners]
+    _check_nodes(content, own, points, corners, numbers, name)
+    check_elements(own.cell, own.order, points, cells, numbers)
+    marks = node_marks(len(points))
+    wrong = _middles_apart(own.cell, cells, marks) if own.order == 2 else None
+    if wrong is None and own.cell == "tetrahedron":
+        wrong = _crossing(corners, marks)
+    if wrong is not None:
+        allowed = "elements whose edges and faces match those of their neighbours"
+        raise InputError("file", f"element {int(numbers[wrong])}", allowed)
+    surfaces = {
+        surface: facets_on(own.cell, own.order, cells, on[elements[:, None], sides] & (sides >= 0))
+        for surface, on in faces.items()
+    }
+    return Mesh(own.cell, own.order, points, cells, surfaces).without_loose_points()
+
+
+def _check_nodes(
+    content: FileContent, part: Part, points: Floats, corners: Ints, numbers: Ints, name: str | None
+) -> None:
+    """Refuse a part that is not one body, has nodes in one place, or is not plane.
+
+    ``corners`` are those of each cell of its mesh, ``numbers`` the elements that these are of.
+    """
+    edges = _edges(points, corners)
+    twice = (np.diff(np.sort(corners, axis=1), axis=1) == 0).any(axis=1)
+    if (together := twice | ~(edges > 0)).any():
+        worst = int(numbers[np.argmax(together)])
+        raise InputError("file", f"element {worst}", "elements whose corners are apart")
+    x, used = content.points, part.used
+    pairs = cKDTree(x[used]).query_pairs(_SAME * edges.min(), output_type="ndarray")
     told = f"{len(pairs)} pairs of nodes lie in one place"
-    bodies = _bodies(part, len(x))
+    bodies = _bodies(corners, len(points))
     if bodies > 1:
         allowed = f"one body: these elements make {bodies} that share no nodes"
         sets = shown(content.element_sets)
@@ -172,13 +221,82 @@ def _edges(points: Floats, corners: Ints) -> Floats:
     return np.stack(lengths).min(axis=0)
 
 
-def _bodies(part: Part, n_points: int) -> int:
+def _bodies(corners: Ints, n_points: int) -> int:
     """Number of groups of cells that share no nodes."""
-    n = len(part.elements)
-    counts = np.concatenate([np.full(len(b), b.corners.shape[1]) for b in part.blocks])
-    rows = np.repeat(np.arange(n), counts)
-    columns = n + np.concatenate([block.corners.ravel() for block in part.blocks])
-    size = n + n_points
-    graph = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(size, size))
-    _, group = connected_components(graph, directed=False)
+    n, size = len(corners), len(corners) + n_points
+    rows = np.repeat(np.arange(n), corners.shape[1])
+    links = np.ones(len(rows), dtype=bool), (rows, n + corners.ravel())
+    _, group = connected_components(coo_array(links, shape=(size, size)), directed=False)
     return len(np.unique(group[:n]))
+
+
+def check_elements(cell: Cell, order: int, points: Floats, cells: Ints, numbers: Ints) -> None:
+    """Refuse elements whose Jacobian is not positive; in the plane, does not keep its sign."""
+    slopes = _slopes(cell, order)
+    least, most = np.empty(len(cells)), np.empty(len(cells))
+    for rows in chunks(len(cells), 8 * slopes.size):
+        x = points[cells[rows]]
+        jacobians = np.linalg.det(np.einsum("qnj,cni->cqij", slopes, x, optimize=True))
+        least[rows], most[rows] = jacobians.min(axis=1), jacobians.max(axis=1)
+    if points.shape[1] == 2 and (most < 0).sum() > len(cells) / 2:  # seen from behind
+        least, most = -most, -least
+    inverted = ~(least > _LEAST * most)
+    if inverted.any():
+        first = int(numbers[np.argmax(inverted)])
+        allowed = "elements whose Jacobian is positive: these are inverted, flat, or list their "
+        value = f"{inverted.sum()} of {len(cells)} elements, the first {first}"
+        raise InputError("file", value, f"{allowed}nodes in another order than the format has")
+
+
+def _slopes(cell: Cell, order: int) -> Floats:
+    """Slopes of the shape functions at points inside the reference cell, (points, nodes, dim)."""
+    nodes = reference_nodes(cell, order)
+    inside = np.vstack([nodes.mean(axis=0), nodes + (1 - _INWARD) * (nodes.mean(axis=0) - nodes)])
+    powers = lattice(nodes.shape[1], order, cell in SIMPLICES)
+    values = np.prod(nodes[:, None] ** powers, axis=2)
+    slopes = []
+    for axis in np.eye(nodes.shape[1], dtype=int):
+        lowered = np.maximum(powers - axis, 0)
+        slopes.append((powers @ axis) * np.prod(inside[:, None] ** lowered, axis=2))
+    return np.einsum("dqp,pn->qnd", slopes, np.linalg.inv(values))
+
+
+def _middles_apart(cell: Cell, cells: Ints, marks: NDArray[np.uint64]) -> int | None:
+    """First cell with an edge whose middle is not that of the same edge of others alone."""
+    kind = full_kind(cell, 2)
+    place = np.argsort(node_order(cell, 2, kind.reference))
+    found = [place[[*group, i]] for i, group in enumerate(kind.groups) if len(group) == 2]
+    ends = np.stack([marks[cells[:, a]] + marks[cells[:, b]] for a, b, _ in found], axis=1).ravel()
+    middles = cells[:, [column for *_, column in found]].ravel()
+    for keys, values in ((ends, middles), (middles, ends)):
+        _, first, same = np.unique(keys, return_index=True, return_inverse=True)
+        apart = values != values[first][same]
+        if apart.any():
+            return int(np.argmax(apart)) // len(found)
+    return None
+
+
+def _crossing(corners: Ints, marks: NDArray[np.uint64]) -> int | None:
+    """First tetrahedron at a free square that is cut along two diagonals."""
+    sides = facet_nodes("tetrahedron", 1)
+    triangles = np.concatenate([corners[:, side] for side in sides])
+    owners = np.tile(np.arange(len(corners)), len(sides))
+    sums = marks[triangles].sum(axis=1, dtype=np.uint64)
+    _, same, times = np.unique(sums, return_inverse=True, return_counts=True)
+    free = times[same] == 1
+    triangles, owners, sums = triangles[free], owners[free], sums[free]
+    ends = np.concatenate(
+        [marks[triangles[:, [a, b]]].sum(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
+    )
+    order = np.argsort(ends, kind="stable")
+    rows = np.tile(np.arange(len(triangles)), 3)[order]
+    pair = np.flatnonzero(np.diff(ends[order]) == 0)
+    first, second, edge = rows[pair], rows[pair + 1], ends[order[pair]]
+    squares = sums[first] + sums[second] - edge  # the marks of all four corners
+    order = np.argsort(squares, kind="stable")
+    again = np.flatnonzero(np.diff(squares[order]) == 0)
+    a, b = order[again], order[again + 1]
+    crosses = edge[a] + edge[b] == squares[a]  # edges without a common corner
+    apart = [owners[x[a]] != owners[y[b]] for x in (first, second) for y in (first, second)]
+    wrong = np.flatnonzero(crosses & np.all(apart, axis=0))
+    return int(owners[first[a[wrong[0]]]]) if len(wrong) else None

@@ -1,54 +1,55 @@
-"""Mesh files of every format read, once as long as they do not change."""
+"""Files of meshes and of patches read, once as long as they do not change."""
 
+from collections.abc import Mapping
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
-import numpy as np
-
-from cea.errors import InputError, require
+from cea.errors import InputError
 from meshes.files.content import FileContent
 from meshes.files.part import merged
 from meshes.files.sandbox import checked_state
 
-_READERS = {
-    ".msh": "gmsh.gmsh_content",
-    ".inp": "abaqus.abaqus_content",
-    ".cdb": "ansys.ansys_content",
-    ".bdf": "nastran.nastran_content",
-    ".nas": "nastran.nastran_content",
-    ".xdmf": "vtk.xdmf_content",
-    ".vtu": "vtk.vtu_content",
+_MESHES = {
+    ".msh": "meshes.files.gmsh.gmsh_content",
+    ".inp": "meshes.files.abaqus.abaqus_content",
+    ".cdb": "meshes.files.ansys.ansys_content",
+    ".bdf": "meshes.files.nastran.nastran_content",
+    ".nas": "meshes.files.nastran.nastran_content",
+    ".xdmf": "meshes.files.vtk.xdmf_content",
+    ".vtu": "meshes.files.vtk.vtu_content",
 }
-"""Module and function that read files, by their ending; imported when a file is read."""
 _KEPT = 4
 """Files whose content is kept, for the bodies of a scene."""
-_FARTHEST = 1e50
-"""Coordinates whose squares and cubes are numbers."""
-_WORDLESS = (TypeError, LookupError, AttributeError, AssertionError)
+_WORDLESS = (TypeError, LookupError, AttributeError, AssertionError, SyntaxError)
 """Errors of libraries that say nothing of the file."""
 
 
 def read_mesh_file(file: Path, merge: float | None = None) -> FileContent:
     """Content of a mesh file."""
-    content = _content(*checked_state(file, "a mesh file"))
+    content = read_once(file, "a mesh file", _MESHES)
     return content if merge is None else _merged(content, merge)
 
 
+def read_once(file: Path, what: str, readers: Mapping[str, str], **limits: int) -> Any:
+    """What the reader of a file, a function told by its ending and imported here, makes of it."""
+    reader = readers.get(file.suffix.lower())
+    state = checked_state(file, what, **limits)
+    if reader is None:
+        raise InputError("file", str(file), f"one that ends in {' or '.join(readers)}")
+    return _read(reader, *state)
+
+
 @lru_cache(_KEPT)
-def _content(file: Path, _changed: int, _size: int) -> FileContent:
-    known = _READERS.get(file.suffix.lower())
-    if known is None:
-        raise InputError("file", str(file), f"one that ends in {', '.join(_READERS)}")
-    module, _, function = known.partition(".")
-    reader = getattr(import_module(f"meshes.files.{module}"), function)
+def _read(reader: str, file: Path, _changed: int, _size: int) -> Any:
+    module, _, function = reader.rpartition(".")
+    read = getattr(import_module(module), function)
     try:
-        content: FileContent = reader(file)
-        fits = bool((np.abs(content.points) < _FARTHEST).all())
-        require(fits, "file", "nodes", f"finite coordinates, below {_FARTHEST:g}")
-        return content
+        return read(file)
     except InputError as error:
-        name = f"{file.name}: {error.value}" if error.value != str(file) else error.value
+        told = error.value if error.field == "file" else error.field
+        name = f"{file.name}: {told}" if told != str(file) else told
         raise InputError("file", name, error.allowed) from None
     except MemoryError:
         raise

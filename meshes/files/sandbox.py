@@ -6,6 +6,7 @@ A broken file may crash a library, or keep it for ever: it runs as a program of 
 import re
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path, PureWindowsPath
 from resource import RLIMIT_AS, RLIMIT_CPU, prlimit
 from subprocess import DEVNULL, PIPE, STDOUT, Popen
@@ -37,6 +38,16 @@ def checked_state(file: Path, what: str, largest: int = _LARGEST) -> tuple[Path,
     require(state.st_size > 0, "file", str(file), "a file that is not empty")
     require(state.st_size <= largest, "file", str(file), f"a file of at most {largest} bytes")
     return file.resolve(), state.st_mtime_ns, state.st_size
+
+
+def library(file: Path, module: str) -> Any:
+    """A module of a library that reads the file, where it is installed."""
+    try:
+        return import_module(module)
+    except ImportError:
+        library = module.partition(".")[0]
+        allowed = f"{library} to read it: python -m pip install 'friction-cea[meshes]'"
+        raise InputError("file", str(file), allowed) from None
 
 
 def arrays_of(program: Path, file: Path) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Ints
-from cea.errors import InputError
+from cea.errors import InputError, require
 from meshes.files.content import FileContent, node_marks, shown
 from meshes.files.part import Part
 
@@ -32,23 +32,20 @@ class Faces:
         for rows, i, corners, _ in part.faces():
             sums[rows, i] = self._marks[corners].sum(axis=1, dtype=np.uint64)
             self._there[rows, i] = True
-        _, same, times = np.unique(sums[self._there], return_inverse=True, return_counts=True)
-        self.free = np.zeros(sums.shape, dtype=bool)
-        self.free[self._there] = times[same] == 1
+        _, same, times = np.unique(sums, return_inverse=True, return_counts=True)
+        self.free = self._there & (times[same].reshape(sums.shape) == 1)
         self._sums = sums
 
     def of_set(self, text: str, field: str) -> tuple[Bools, Ints]:
         """Faces of a set, and its nodes where it is one of nodes."""
-        known = f"sets of the file: {shown(self.content.names)}"
-        kinds, name = _meaning(self.content, text)
-        if not kinds:
-            raise InputError(field, text, f"one of the {known}")
+        kinds, name = _meaning(self.content, text, field, text)
         kinds = ["faces"] if "faces" in kinds else kinds  # a surface is what was asked for
         found = {each: self._on(each, name) for each in kinds}
         inner = any((on & ~self.free).any() for on in found.values())
         free = {kind: on & self.free for kind, on in found.items() if (on & self.free).any()}
         if inner or not free:
             where = "between two elements" if inner else "nowhere on the boundary of this body"
+            known = f"sets of the file: {shown(self.content.names)}"
             allowed = f"a set of faces of the boundary: it lies {where}; {known}"
             raise InputError(field, text, allowed)
         first = next(iter(free.values()))
@@ -118,22 +115,19 @@ def surface_faces(
     return found
 
 
-def check_sets(content: FileContent, faces: Mapping[str, Sequence[str]]) -> None:
-    """Refuse surfaces of sets that the file does not have."""
-    for surface, sets in faces.items():
-        for text in sets:
-            allowed = f"one of the sets of the file: {shown(content.names)}"
-            if not _meaning(content, text)[0]:
-                raise InputError("faces", {surface: text}, allowed)
-
-
-def marks_of(content: FileContent, faces: Mapping[str, Sequence[str]]) -> list[str]:
-    """Sets of elements among those of surfaces."""
-    names = [_meaning(content, text)[1] for sets in faces.values() for text in sets]
+def marking_sets(content: FileContent, faces: Mapping[str, Sequence[str]]) -> list[str]:
+    """Sets of elements among those of surfaces; all sets must be there."""
+    names = [
+        _meaning(content, text, "faces", {surface: text})[1]
+        for surface, sets in faces.items()
+        for text in sets
+    ]
     return [name for name in names if name in content.element_sets]
 
 
-def _meaning(content: FileContent, text: str) -> tuple[list[str], str]:
+def _meaning(
+    content: FileContent, text: str, field: str, value: object
+) -> tuple[Sequence[str], str]:
     """Kinds of the sets that a text names, and their name; first all of it as a name.
 
     ``SET:S3`` are the third faces, as Abaqus counts them, of the elements of a set.
@@ -145,4 +139,6 @@ def _meaning(content: FileContent, text: str) -> tuple[list[str], str]:
             return there, name
     elements, _, label = text.rpartition(":")
     is_side = elements in content.element_sets and re.fullmatch("S[1-6]", label)
-    return (["sides"], text) if is_side else ([], "")
+    known = f"one of the sets of the file: {shown(content.names)}"
+    require(bool(is_side), field, value, known)
+    return ["sides"], text

@@ -5,7 +5,6 @@ Whole-number fields on cells or on nodes stand for sets: those with the value 3 
 """
 
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -17,6 +16,7 @@ from cea.errors import InputError, require
 from cea.files import regular
 from meshes.files.content import ElementBlock, FileContent, block, without_copies
 from meshes.files.elements import KINDS
+from meshes.files.sandbox import library
 
 _CELLS = {"quad": "quadrilateral", "tetra": "tetrahedron"}
 """Cells that meshio calls by other names than :data:`meshes.files.elements.KINDS`."""
@@ -28,7 +28,7 @@ _UNREAD = ("wedge15", "wedge18", "pyramid13", "pyramid14")
 
 def vtu_content(file: Path) -> FileContent:
     """Nodes, cells and sets of a VTU file."""
-    vtu = _library(file, "meshio.vtu")
+    vtu = library(file, "meshio.vtu")
     try:
         # What chooses among formats ends the program where a file cannot be read.
         return _content([vtu.read(file)])
@@ -45,8 +45,8 @@ def xdmf_content(file: Path) -> FileContent:
     All grids are read on the points of the first: tags that dolfinx writes are fields on grids of
     their own, whose cells are those of the mesh, or mark its faces.
     """
-    _library(file, "h5py")
-    reader = _library(file, "meshio.xdmf.main").XdmfReader
+    library(file, "h5py")
+    reader = library(file, "meshio.xdmf.main").XdmfReader
     root = ElementTree.parse(file).getroot()
     for item in root.iter("DataItem"):
         if item.get("Format", "XML").upper() != "XML":  # a reader would wait for a pipe
@@ -62,16 +62,6 @@ def xdmf_content(file: Path) -> FileContent:
             alone.extend([geometry, topology, *grid.findall("Attribute")])
             meshes.append(reader(file).read_xdmf3(whole))
     return without_copies(_content(meshes))
-
-
-def _library(file: Path, module: str) -> Any:
-    """A module of a library that reads the file, where it is installed."""
-    try:
-        return import_module(module)
-    except ImportError:
-        library = module.partition(".")[0]
-        allowed = f"{library} to read it: python -m pip install 'friction-cea[meshes]'"
-        raise InputError("file", str(file), allowed) from None
 
 
 def _content(meshes: Sequence[Any]) -> FileContent:

@@ -185,11 +185,6 @@ class _Half:
         (body_a, a), (body_b, b) = self.a.split("."), self.b.split(".")
         return bodies[body_a].surfaces[a], bodies[body_b].surfaces[b]
 
-    def is_joined_by(self, interface: Interface, bodies: Mapping[str, Body]) -> bool:
-        """Whether an interface is one between the sides of these bodies."""
-        a, b = self.surfaces(bodies)
-        return interface.a is a and interface.b is b
-
 
 def _halves(contacts: Mapping[str, ContactSpec]) -> Iterator[_Half]:
     """The one half of each half pass, both halves of each full pass."""
@@ -212,7 +207,11 @@ def build_interfaces(
     """
     halves = {half.name: half for half in _halves(scene.contacts)}
     wanted = {name: half.made_of for name, half in halves.items()}
-    alike = {n: i for n, i in _alike(given, wanted).items() if halves[n].is_joined_by(i, bodies)}
+    alike = {
+        name: interface
+        for name, interface in _alike(given, wanted).items()
+        if (interface.a, interface.b) == halves[name].surfaces(bodies)
+    }
     if alike and list(alike) == list(halves):
         return Built(alike, wanted)
     with timer("search"):

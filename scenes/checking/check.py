@@ -10,15 +10,11 @@ from cea.contact.contact import Contact
 from cea.errors import InputError, ResultWarning
 from cea.timing import StageTimer
 from scenes.building.build import below, build_bodies, build_contacts, build_interfaces
-from scenes.checking.doubts import doubtful_numbers, overlapping_bodies
-from scenes.checking.memory import check_memory, estimated_memory
+from scenes.checking.memory import check_memory, dofs_of
 from scenes.checking.skipped import skipped_by
-from scenes.checking.warnings import scene_warnings
+from scenes.checking.warnings import warnings_of
 from scenes.spec.problems import Faults
 from scenes.spec.reading import Scene
-
-_OF_STIFFNESS = ("point-rule", "over-constrained")
-"""Kinds of warnings that need a contact stiffness, which c_n gives only in steady sliding."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +48,7 @@ class Inspection:
     def dofs(self) -> int:
         """Unknowns: of the bodies as built, else estimated."""
         if not self.bodies:
-            return round(estimated_memory(self.scene).dofs)
+            return round(sum(map(dofs_of, self.scene.bodies.values())))
         return sum(int(body.expansion.getSize()[1]) for body in self.bodies.values())
 
 
@@ -85,13 +81,8 @@ def inspect_scene(scene: Scene) -> Inspection:
             halves |= {half.name: half for half in contacts}
         except InputError as error:
             faults.append(error)
-    warnings = [*doubtful_numbers(scene), *overlapping_bodies(scene, bodies)]
-    # of contacts, geometry and points are all that is needed here
-    for warning in () if faults else scene_warnings(scene, list(halves.values())):
-        of_stiffness = warning.kind in _OF_STIFFNESS
-        if not of_stiffness or scene.contacts[warning.data["contact"]].c_n is None:
-            warnings.append(warning)
-    return Inspection(scene, faults, skipped_by(scene), tuple(warnings), bodies, halves)
+    warnings = tuple(warnings_of(scene, bodies, [] if faults else list(halves.values())))
+    return Inspection(scene, faults, skipped_by(scene), warnings, bodies, halves)
 
 
 def gaps(half: Contact) -> np.ndarray:
@@ -112,6 +103,4 @@ def told(inspection: Inspection) -> Iterator[str]:
             f"contacts.{name}: {len(half.interface.points)} points ({statuses}), sides up to "
             f"{np.abs(gaps(half)).max(initial=0.0):.3g} m apart"
         )
-    memory = estimated_memory(inspection.scene).bytes / 1e9
-    about = "" if inspection.bodies else "about "
-    yield f"{about}{inspection.dofs} unknowns, about {memory:.2g} GB of memory"
+    yield f"{'' if inspection.bodies else 'about '}{inspection.dofs} unknowns"

@@ -1,48 +1,63 @@
-"""What the result of a scene must be read with, found in the scene, its contacts and its modes.
+"""What bodies and contacts must be read with, as far as they tell before anything is solved.
 
-A function for each kind of warning. Those of the modes themselves, of their errors and of the
-window, come from :mod:`cea.eigen.modes`.
+A function for each kind of warning, in one of two lists. Those of waves are in
+:mod:`scenes.checking.resolution`, those of equilibria in :mod:`scenes.checking.equilibrium`, those
+of modes, their errors and the window in :mod:`cea.eigen.modes`.
+
+What is probably not meant is told too: numbers of other units, bodies inside each other. Numbers
+are doubted as those of SI units. A scene with units = "other", or whose every E and rho is near one
+as in scenes without units, is left alone: its run says so once, among what it left out.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from math import factorial, inf, pi
+from itertools import combinations
+from math import inf
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.special import bernoulli
+from scipy.spatial import KDTree
 
-from cea.arrays import Complexes, Floats
+from cea.arrays import Floats
 from cea.body import Body
+from cea.body.space import StraightCells
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
 from cea.errors import ResultWarning
-from cea.expressions import Expression, evaluate
-from cea.surface import Surface
-from cea.surface_points import SurfaceCoordinates
+from cea.motion import Rotation
+from cea.ranks import agreed, made_on_first
 from meshes.mesh_file import MeshFile
-from meshes.shapes import Shape, VentilatedDisc
 from scenes.building.build import used_surfaces
-from scenes.spec.body import BodySpec
-from scenes.spec.contact import ContactSpec
+from scenes.checking.stiffness import limit_of, mean_stiffness, relative_stiffness
 from scenes.spec.reading import Scene
 
-_UNCOVERED = 1e-3
-"""Part of side a that quadrature may lose."""
-_CLOSED = 1e-2
-"""Distance of the sides, relative to the smaller mesh size, that curved meshes may leave."""
-_LOCKS = 500.0
-"""p h / E from which too many points lock: at 55 they did not, at 5500 errors were 20 %."""
-_SHORT = 0.02
-"""Relative error of frequency from which a mode is too short for its mesh."""
-_STILL = 0.1
-"""Amplitude of a side, relative to that of the other, below which its waves do not count."""
-_NYQUIST = 0.8
-"""Part of the shortest wave that has a function for each half up to which a wave is one at all."""
+Bodies = Mapping[str, Body]
+Warnings = Iterator[ResultWarning]
 
-Shapes = Callable[[SurfaceCoordinates], Complexes]
-"""Displacements of all modes at points of a surface, shape (n, dim, modes)."""
-
+_SOFTEST = 1e3
+"""E (N/m^2) below which a solid is softer than any that brakes, clutches or tyres are made of."""
+_HEAVIEST = 1e6
+"""rho (kg/m^3) beyond that of any matter on earth, fifty times that of platinum."""
+_SOUND = (50.0, 20e3)
+"""Speeds of sound sqrt(E / rho) (m/s) of solids: 52 of soft rubber (E 3e6 N/m^2, rho 1,100 kg/m^3),
+17,700 of diamond (1.1e12, 3,515)."""
+_LENGTHS = (1e-5, 100.0)
+"""Length (m) of the longest side: from parts of micromachines to rails."""
+_NEAR_ONE = (1e-3, 1e2)
+"""Range of E and rho in scenes without units."""
+_UNITS = "; a scene whose numbers are not in SI units says units = 'other'"
+_FLAT = 1e-12
+"""Volume of a simplex, relative to a cube about it, below which it is one of a collapsed cell."""
+_SIMPLICES = {
+    (2, 3): [[0, 1, 2]],
+    (2, 4): [[0, 1, 2], [0, 2, 3]],
+    (3, 4): [[0, 1, 2, 3]],
+    (3, 8): [[0, 6, i, j] for i, j in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1))],
+}
+"""Corners of the simplices of a cell by dimension and number of its points, in VTK order."""
+_SURFACE_WAVES = 0.8
+"""Speed relative to shear waves from which rims may outrun surface waves: those of Rayleigh travel
+at 0.87 (nu = 0) to 0.96 (nu = 0.5), short ones of a mesh a little slower."""
 _INCOMPRESSIBLE = {
     ("fe", 1): 0.45,
     ("fe", 2): 0.499,
@@ -56,281 +71,289 @@ From there on a cantilever of length 4 and height 1, with four elements through 
 errors of 2 % or more in its first three frequencies, and ten times those at nu = 0.3; of degree 1,
 where these are 3 %, three times. Lagrange elements of degree 3, and splines of degree 4, have not.
 """
+_UNCOVERED = 1e-3
+"""Part of side a that quadrature may lose."""
+_CLOSED = 1e-2
+"""Distance of the sides, relative to the smaller mesh size, that curved meshes may leave."""
+_ROUNDED = 1e-9
+"""Distance, relative to the mesh size, that is rounding of the numbers in a mesh file."""
+_LOCKS = 500.0
+"""p h / E from which too many points lock: at 55 they did not, at 5500 errors were 20 %."""
 
-_COLLOCATION: dict[tuple[str, int], float] = {
-    ("equal", 2): 600.0,  # abscissae of NURBS: 2 % at 60, 0.02 % at 6000
-    ("equal", 3): inf,
-    ("area", 3): inf,  # 3 to 90 % from 0.1 to 1100; in the plane about 1 %
-    ("nodes", 2): 30.0,  # nodes of equal weights: 10 % at 6, 0.9 % at 60
-    ("nodes", 3): 30.0,
-    ("grid", 2): 30.0,  # 9 % at 6, 0.5 % at 60
-    ("grid", 3): 600.0,  # 5 % at 11, 0.7 % at 1100
-}
-"""Relative stiffness of a contact below which points of a rule are too crude, by dimension."""
-_LUMPED: dict[tuple[str, int], float] = {
-    ("iga", 2): 0.0,  # 2 % at 0.6, 9 % at 6, 70 % at 60
-    ("iga", 3): 0.0,
-    ("fe", 2): 60.0,  # 0.5 % at 60, 11 % at 6000
-    ("fe", 3): 3.0,  # 0.8 % at 1, modes lost at 11
-}
-"""The same above which lumping is too crude, by backend of side a and dimension.
-
-Both are errors of growth rates in `uses.csv` of `cea study accuracy`, where p in units of each
-problem is a relative stiffness of 6 in blocks and drum, of 1 in ring.
-"""
+_PROJECTED = ("mortar", "bonded")
+"""Couplings that take no gaps at points."""
 
 
-def scene_warnings(scene: Scene, contacts: Sequence[Contact]) -> tuple[ResultWarning, ...]:
-    """Warnings of bodies and contacts, before anything is solved; collective."""
-    found = [*_volumetric_locking(scene), *_nodes_left_out(scene)]
-    if scene.analysis.kind == "cea" and scene.rotates:
-        from scenes.checking.rotation import rotation_warnings
+def warning(kind: str, sentence: str, **data: Any) -> ResultWarning:
+    """A warning whose sentence has its numbers filled in."""
+    return ResultWarning(kind, sentence.format(**data), data)
 
-        found += rotation_warnings(scene, contacts)
-    for name, spec in scene.contacts.items():
+
+def warnings_of(scene: Scene, bodies: Bodies, contacts: Sequence[Contact]) -> Warnings:
+    """Warnings of the bodies and contacts of a scene; collective."""
+    for of_body in OF_BODIES:
+        yield from of_body(scene, bodies)
+    for name in scene.contacts:
         halves = [contact for contact in contacts if contact.pair == name]
-        if spec.c_n is None:
-            found += _gap_closed(name, halves)
-        else:
-            from scenes.checking.steady import gaps_as_zero
-
-            found += [warning for contact in halves for warning in gaps_as_zero(contact)]
-        found += _partly_uncovered(name, spec, halves)
-        if halves[0].coupling not in ("mortar", "bonded"):
-            found += _sampled(name, scene, halves)
-            if scene.analysis.kind == "cea" and spec.mu:
-                found += point_rule(name, scene, halves)
-    return tuple(found)
+        for of_contact in OF_CONTACTS if halves else ():
+            yield from of_contact(scene, name, halves)
 
 
-def _nodes_left_out(scene: Scene) -> Iterator[ResultWarning]:
+def left_alone(scene: Scene) -> str:
+    """Why the numbers of a scene are none in SI units; "" where they are taken to be."""
+    if scene.units == "other":
+        return "units = 'other'"
+    low, high = _NEAR_ONE
+    materials = [body.material for body in scene.bodies.values()]
+    numbers = [n for each in materials for n in (each.means[0], each.rho) if n is not None]
+    near_one = all(low <= n <= high for n in numbers)
+    return "every E and rho is near one, as in scenes without units" if near_one else ""
+
+
+def doubtful_numbers(scene: Scene, _bodies: Bodies | None = None) -> Warnings:
+    """Materials that no solid has in SI units, and bodies that are too large or too small."""
+    doubt = "bodies.{body}.material.{field} = {value:g}: no solid has "
+    for name, body in scene.bodies.items() if not left_alone(scene) else ():
+        E, rho = body.material.means[0], body.material.rho
+        speed, (slow, fast), (low, high) = float(np.sqrt(E / (rho or inf))), _SOUND, _LENGTHS
+        doubts = []
+        if E < _SOFTEST:
+            doubts.append(("E", E, f"E below {_SOFTEST:g} N/m^2"))
+        if rho is not None and rho > _HEAVIEST:
+            doubts.append(("rho", rho, f"rho over {_HEAVIEST:g} kg/m^3"))
+        if rho is not None and not doubts and not slow <= speed <= fast:
+            bound = f"a speed of sound below {slow:g} or over {fast:g} m/s"
+            doubts.append(("sqrt(E/rho)", speed, bound))
+        for field, value, bound in doubts:
+            told = f"{doubt}{bound}{_UNITS}"
+            yield warning("doubtful-units", told, body=name, field=field, value=value)
+        length = max(body.lengths)
+        if not low <= length <= high:
+            told = f"bodies.{{body}} is {{length:.3g}} m long, not {low:g} to {high:g} m{_UNITS}"
+            yield warning("doubtful-size", told, body=name, length=length)
+
+
+def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
+    """Pairs of bodies without a contact, one with middles of cells in the other; collective."""
+    joined = [{side.split(".")[0] for side in (c.a, c.b)} for c in scene.contacts.values()]
+    pairs = [pair for pair in combinations(bodies, 2) if set(pair) not in joined]
+    names = dict.fromkeys(name for pair in pairs for name in pair)  # in one order on all ranks
+    samples = {name: bodies[name].space.volume_cells().straight() for name in names}
+    for one, other in pairs:
+        counted = partial(_middles_inside, samples[one], samples[other])
+        cells = bodies[one].comm.bcast(made_on_first(bodies[one].comm, counted))
+        if cells:
+            told = (
+                "bodies.{body} and bodies.{other} overlap by {elements} elements, and no contact "
+            )
+            told += "joins them"
+            yield warning("bodies-overlap", told, body=one, other=other, elements=cells)
+
+
+def _middles_inside(one: StraightCells, other: StraightCells) -> int:
+    return _inside(one, other) + _inside(other, one)
+
+
+def _inside(one: StraightCells, other: StraightCells) -> int:
+    """How many cells of one have their middle in straight cells of the other."""
+    middles = one.points[one.cells].mean(axis=1)
+    dim = middles.shape[1]
+    simplices = other.cells[:, _SIMPLICES[dim, other.cells.shape[1]]].reshape(-1, dim + 1)
+    corners = other.points[simplices]
+    centres = corners.mean(axis=1)
+    radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
+    edges = (corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
+    solid = np.abs(np.linalg.det(edges)) > _FLAT * radii**dim
+    near = KDTree(middles).query_ball_point(centres[solid], radii[solid])
+    point = np.array([i for some in near for i in some], dtype=np.int64)
+    simplex = np.flatnonzero(solid).repeat([len(some) for some in near])
+    away = (middles[point] - corners[simplex, 0])[:, :, None]
+    parts = np.linalg.solve(edges[simplex], away)[:, :, 0]
+    within = (parts > 0).all(axis=1) & (parts.sum(axis=1) < 1)
+    return len(np.unique(point[within]))
+
+
+def _volumetric_locking(scene: Scene, _bodies: Bodies) -> Warnings:
+    """Materials that keep their volume, in elements of a degree too low for them."""
+    told = "bodies.{body} is nearly incompressible (nu = {nu:g}); elements of degree {degree} are "
+    told += "too stiff from nu = {limit:g} on"
+    for name, body in scene.bodies.items():
+        kind, degree, nu = "iga" if body.smooth else "fe", body.degree, body.material.means[2]
+        limit = _INCOMPRESSIBLE.get((kind, degree), inf)
+        if nu >= limit:
+            about = {"body": name, "nu": nu, "degree": degree, "limit": limit}
+            yield warning("volumetric-locking", told, **about)
+
+
+def _nodes_left_out(scene: Scene, _bodies: Bodies) -> Warnings:
     """Sets of nodes that hold more of a body than the faces that they are used for."""
+    told = "{nodes} nodes of {body}.{surface} make no face of the set and are left out"
     for body, spec in scene.bodies.items():
         if isinstance(spec.geometry, MeshFile):
             counts = spec.geometry.nodes_left_out(used_surfaces(scene, body))
             for surface, count in counts.items():
-                told = f"{count} nodes of {body}.{surface} make no face of the set and are left out"
-                data = {"body": body, "surface": surface, "nodes": count}
-                yield ResultWarning("nodes-left-out", told, data)
+                yield warning("nodes-left-out", told, body=body, surface=surface, nodes=count)
 
 
-def _volumetric_locking(scene: Scene) -> Iterator[ResultWarning]:
-    """Materials that keep their volume, in elements of a degree too low for them."""
-    for name, body in scene.bodies.items():
-        degree, smooth = _degree(body)
-        limit = _INCOMPRESSIBLE.get(("iga" if smooth else "fe", degree), inf)
-        nu = body.material.means[2]
-        if nu >= limit:
-            told = (
-                f"bodies.{name} is nearly incompressible (nu = {nu:g}); elements of "
-                f"degree {degree} are too stiff from nu = {limit:g} on"
-            )
-            data = {"body": name, "nu": nu, "degree": degree, "limit": limit}
-            yield ResultWarning("volumetric-locking", told, data)
+def _centrifugal_stresses(scene: Scene, _bodies: Bodies) -> Warnings:
+    """Small motions that feel centrifugal forces, and not the stresses that hold these."""
+    told = "bodies.{body} has the convective stiffness of its rotation without the geometric "
+    told += "stiffness of its centrifugal stresses: lambda is uncertain by (rate / |lambda|)^2"
+    for name, body in scene.bodies.items() if scene.analysis.kind == "cea" else ():
+        rotation = body.rotation
+        if rotation is not None and rotation.convective_stiffness and rotation.coriolis:
+            yield warning("centrifugal-stresses", told, body=name, rate=rotation.rate)
 
 
-def _gap_closed(name: str, halves: Sequence[Contact]) -> Iterator[ResultWarning]:
+def _faster_than_waves(scene: Scene, bodies: Bodies) -> Warnings:
+    """Bodies with convective stiffness whose rim may outrun their surface waves; collective.
+
+    Beyond that speed K - Omega^2 Z of a mesh has short waves of negative energy, which grow with
+    its rounding and with the waves that it does not resolve, where the exact body is stable.
+    """
+    told = "bodies.{body} moves at up to {speed:.3g} m/s, near the speed of its surface waves or "
+    told += "above (shear waves {wave_speed:.3g} m/s): short waves of its mesh may grow"
+    for name, body in bodies.items():
+        rotation = scene.bodies[name].rotation
+        if rotation is None or not rotation.convective_stiffness or body.material.rho is None:
+            continue
+        velocities = _velocity(rotation, body.space.volume_cells().straight().points)
+        fastest = np.linalg.norm(velocities, axis=1).max(initial=0.0)
+        speed = float(max(body.comm.allgather(fastest)))
+        wave = float(np.sqrt(body.material.means[1] / body.material.rho))
+        if speed > _SURFACE_WAVES * wave:
+            yield warning("faster-than-waves", told, body=name, speed=speed, wave_speed=wave)
+
+
+def _velocity(rotation: Rotation | None, x: Floats) -> Floats:
+    if rotation is None:
+        return np.zeros_like(x)
+    dim = x.shape[1]
+    arm = x - np.asarray(rotation.origin[:dim])
+    return np.asarray(rotation.rate * arm @ rotation.spin(dim).T)
+
+
+OF_BODIES: list[Callable[[Scene, Bodies], Warnings]] = [
+    doubtful_numbers,
+    _overlapping,
+    _volumetric_locking,
+    _nodes_left_out,
+    _centrifugal_stresses,
+    _faster_than_waves,
+]
+"""Warnings of bodies; collective."""
+
+
+def _against_rotation(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
+    """Friction that pushes side a along its motion over side b, as bodies rotate."""
+    spec, half = scene.contacts[name], halves[0]
+    slides = spec.mu != 0 or spec.sliding is not None
+    if half.friction is None or not slides or scene.analysis.kind != "cea":
+        return
+    points = half.interface.points
+    on_a, on_b = (_velocity(scene.bodies[body].rotation, points.x) for body in (half.a, half.b))
+    k = half.friction.along(points.x, points.normal)
+    power = float(points.weight @ ((on_a - on_b) * k).sum(axis=1))
+    if power > 0:
+        told = "friction_direction_on_a of contacts.{contact} is along the velocity of side a "
+        told += "relative to side b as the bodies rotate; friction acts against it"
+        mean = power / float(points.weight.sum())
+        yield warning("against-rotation", told, contact=name, mean_velocity=mean)
+
+
+def _gap_closed(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     """Sides that do not touch and are taken to be in contact."""
     interfaces = [contact.interface for contact in halves]
     farthest = max(interface.largest_distance for interface in interfaces)
     size = min(min(i.a.mesh_size, i.b.mesh_size) for i in interfaces)
-    if farthest > _CLOSED * size:
-        told = (
-            f"the sides of contacts.{name} are up to {farthest:.3g} m apart, or as far inside each "
-            "other, and are taken to touch"
-        )
-        data = {"contact": name, "distance": farthest, "mesh_size": size}
-        yield ResultWarning("gap-closed", told, data)
+    if scene.contacts[name].c_n is None and farthest > _CLOSED * size:
+        told = "the sides of contacts.{contact} are up to {distance:.3g} m apart, or as far inside "
+        told += "each other, and are taken to touch"
+        yield warning("gap-closed", told, contact=name, distance=farthest, mesh_size=size)
 
 
-def _partly_uncovered(
-    name: str, spec: ContactSpec, halves: Sequence[Contact]
-) -> Iterator[ResultWarning]:
+def _gaps_as_zero(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
+    """Initial gaps that are not above the error of the geometry of mesh files; collective."""
+    told = (
+        "initial gaps up to {gap:.2g} m, on {fraction:.1%} of the area of contacts.{half}, count "
+    )
+    told += "as zero: its mesh has errors up to {geometry_error:.2g} m"
+    for half in halves if scene.contacts[name].c_n is not None else ():
+        interface = half.interface
+        with agreed(interface.comm):
+            distance = np.abs(interface.true_distance)
+            within = np.where(interface.initial_gap == 0, distance, 0.0)
+            area = interface.local_points.weight[within > 0].sum()
+            local = area, within.max(initial=0.0), interface.geometry_error.max(initial=0.0)
+        areas, gaps, errors = zip(*interface.comm.allgather(local), strict=True)
+        if max(gaps) > _ROUNDED * min(interface.a.mesh_size, interface.b.mesh_size):
+            about = {"contact": name, "half": half.name, "gap": float(max(gaps))}
+            about["geometry_error"] = float(max(errors))
+            about["fraction"] = float(sum(areas) / interface.points.weight.sum())
+            yield warning("gaps-as-zero", told, **about)
+
+
+def _partly_uncovered(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     """A part of side a that found nothing; the larger side of a full pass is meant to."""
     interface = halves[0].interface
-    if spec.full_pass:
+    if scene.contacts[name].full_pass:
         interface = min((c.interface for c in halves), key=lambda each: each.a.area)
     fraction = 1 - float(interface.points.weight.sum()) / interface.a.area
     if fraction > _UNCOVERED:
-        told = f"{100 * fraction:.2g} % of {interface.a.name} in contacts.{name} find no other side"
-        yield ResultWarning("partly-uncovered", told, {"contact": name, "fraction": fraction})
+        told = "{fraction:.2%} of {side} in contacts.{contact} find no other side"
+        side = interface.a.name
+        yield warning("partly-uncovered", told, contact=name, fraction=fraction, side=side)
 
 
-def _sampled(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[ResultWarning]:
+def _sampled(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     """Points too few for the traces of a side; or too many, at a stiffness at which they lock."""
+    half, spec = halves[0], scene.contacts[name]
+    if spec.formulation.coupling in _PROJECTED:
+        return
     counts = [sampling(contact.interface) for contact in halves]
-    points = sum(count.points for count in counts)
     functions = {
-        halves[0].a: max([counts[0].functions_a, *(c.functions_b for c in counts[1:])]),
-        halves[0].b: max([counts[0].functions_b, *(c.functions_a for c in counts[1:])]),
+        half.a: max([counts[0].functions_a, *(c.functions_b for c in counts[1:])]),
+        half.b: max([counts[0].functions_b, *(c.functions_a for c in counts[1:])]),
     }
-    most = max(functions.values())
-    data = {"contact": name, "points": points, "functions": functions}
+    points, most = sum(count.points for count in counts), max(functions.values())
+    about = {"contact": name, "points": points, "functions": functions}
     if points < most:
-        needed = " and ".join(f"{needed} of {body}" for body, needed in functions.items())
-        told = f"{points} points of contacts.{name} cannot resist all gaps of its traces: {needed}"
-        yield ResultWarning("under-sampled", told, data)
+        told = "{points} points of contacts.{contact} cannot resist all gaps of its traces, which "
+        told += "have as many functions by body: {functions}"
+        yield warning("under-sampled", told, **about)
+    if half.awaits_state:
+        return
     # P h / E with the mesh size h and E of the side for which h / E is larger
-    spec, interface = scene.contacts[name], halves[0].interface
-    sides = zip((spec.a, spec.b), (interface.a, interface.b), strict=True)
-    yields = (s.mesh_size / scene.bodies[side.split(".")[0]].material.means[0] for side, s in sides)
-    stiffness = _mean(spec, halves) * max(yields)
-    if points > most and stiffness > _LOCKS and not nested(interface):
-        told = (
-            f"{points} points of contacts.{name} lock its {most} trace functions; mortar does not"
-        )
-        yield ResultWarning("over-constrained", told, data | {"stiffness": stiffness})
+    sides = ((half.a, half.interface.a), (half.b, half.interface.b))
+    yields = (s.mesh_size / scene.bodies[body].material.means[0] for body, s in sides)
+    stiffness = mean_stiffness(spec, halves) * max(yields)
+    if points > most and stiffness > _LOCKS and not nested(half.interface):
+        told = "{points} points of contacts.{contact} lock its trace functions, by body "
+        told += "{functions}; mortar does not"
+        yield warning("over-constrained", told, **about, stiffness=stiffness)
 
 
-def point_rule(name: str, scene: Scene, halves: Sequence[Contact]) -> Iterator[ResultWarning]:
+def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     """A rule that the study of accuracy found too crude at such a stiffness of the contact."""
-    spec, dim = scene.contacts[name], halves[0].interface.a.dim
-    rule, backend = spec.formulation, scene.bodies[spec.a.split(".")[0]].backend
-    stiffness = _relative_stiffness(scene, spec, halves)
-    if rule.coupling == "lumped":
-        limit = _LUMPED[backend, dim]
-        crude, when = stiffness > limit, "above"
-    else:
-        weights = getattr(rule, "weights", "")
-        of_nodes = {"node_to_surface/equal": "nodes", "grid/": "grid"}
-        abscissae = weights if rule.method in ("greville", "botella") else ""
-        kind = of_nodes.get(f"{rule.method}/{weights}", abscissae)
-        limit = _COLLOCATION.get((kind, dim), 0.0)
-        crude, when = stiffness < limit, "below"
-    if crude:
-        where = f"{when} p L / E = {limit:g}, here {stiffness:.2g}"
-        if limit in (0.0, inf):
-            where = f"at any stiffness, here p L / E = {stiffness:.2g}"
-        told = f"{rule.label} in contacts.{name} is too crude for growth rates {where}"
-        data = {"contact": name, "rule": rule.label, "stiffness": stiffness, "limit": limit}
-        yield ResultWarning("point-rule", told, data)
+    half, spec = halves[0], scene.contacts[name]
+    coupling, of_modes = spec.formulation.coupling, scene.analysis.kind == "cea"
+    if coupling in _PROJECTED or half.awaits_state or not spec.mu or not of_modes:
+        return
+    stiffness, limit = relative_stiffness(scene, spec, halves), limit_of(scene, spec)
+    if (stiffness > limit) if coupling == "lumped" else (stiffness < limit):
+        fine = "below" if coupling == "lumped" else "above"
+        told = "{rule} in contacts.{contact} is too crude for growth rates at p L / E = "
+        told += f"{{stiffness:.2g}}: it is not {fine} {{limit:g}}"
+        about = {"contact": name, "rule": spec.formulation.label}
+        yield warning("point-rule", told, **about, stiffness=stiffness, limit=limit)
 
 
-def short_modes(
-    scene: Scene,
-    bodies: Mapping[str, Body],
-    shapes: Callable[[str, SurfaceCoordinates], Complexes],
-    count: int,
-) -> tuple[ResultWarning, ...]:
-    """Modes whose waves are too short for the elements of a contact; collective."""
-    short, worst = np.zeros(count, dtype=bool), 0.0
-    for spec in scene.contacts.values() if count else ():
-        sides = {}
-        for place in (spec.a, spec.b):
-            body, surface = place.split(".")
-            sides[body] = _waves(bodies[body].surfaces[surface], partial(shapes, place))
-        largest = np.max([amplitudes for _, amplitudes in sides.values()], axis=0)
-        for body, (phases, amplitudes) in sides.items():
-            degree, smooth = _degree(scene.bodies[body])
-            found = _unresolved(phases, degree, smooth=smooth, error=_SHORT)
-            found &= amplitudes > _STILL * largest
-            short |= found
-            worst = max(worst, float(phases[found].max(initial=0.0)))
-    if not short.any():
-        return ()
-    numbers, elements = (np.flatnonzero(short) + 1).tolist(), 2 * np.pi / worst
-    told = f"{len(numbers)} modes have waves of down to {elements:.2g} elements of their contact"
-    data = {"modes": numbers, "elements_per_wave": elements}
-    return (ResultWarning("short-modes", told, data),)
-
-
-def _waves(surface: Surface, shapes: Shapes) -> tuple[Floats, Floats]:
-    """Largest phase phi of each mode over the directions of the elements, and its amplitude.
-
-    Along the edges of the elements of a surface, phi^2 = int |du/dxi|^2 / int |u|^2 with xi from 0
-    to 1 in each is the square of the phase that a wave passes through in an element. The amplitude
-    is the root mean square of the displacements; collective where the shapes are.
-    """
-    cells = surface.cells()
-    steps, corners = max(2, cells.degree), cells.corners
-    edges = corners.shape[2]  # one along curves, two along surfaces
-    t = np.linspace(0.0, 1.0, steps + 1)[:, None]
-    points = np.stack(
-        [corners[:, i, None] * (1 - t) + corners[:, i + 1, None] * t for i in range(edges)], axis=1
-    )
-    element = np.repeat(cells.element, edges * (steps + 1))
-    u = shapes(SurfaceCoordinates(element, points.reshape(-1, edges)))
-    u = u.reshape(*points.shape[:3], *u.shape[1:])  # cells, edges, points, components, modes
-    change = steps**2 * _squares(np.diff(u, axis=2))
-    size = _squares(0.5 * (u[:, :, 1:] + u[:, :, :-1]))
-    phases = np.sqrt(change / np.maximum(size, np.finfo(float).tiny)).max(axis=0)
-    return phases, np.sqrt(size.sum(axis=0) / (len(element) or 1))
-
-
-def _squares(values: Complexes) -> Floats:
-    """Sums of squares for each edge of a cell and each mode."""
-    return (np.abs(values) ** 2).sum(axis=(0, 2, 3))
-
-
-def _unresolved(phases: Floats, degree: int, *, smooth: bool, error: float) -> NDArray[np.bool_]:
-    """Which waves are too short for elements of a degree.
-
-    The relative error of their frequency on uniform elements of degree p is, for small phi,
-
-        1/2 (p! / (2 p)!)^2 phi^(2p) / (2 p + 1)      Lagrange elements (Ainsworth 2004)
-        1/2 |B_2p| / (2 p)! phi^(2p)          smooth splines (Hughes, Reali & Sangalli 2008)
-
-    with the Bernoulli numbers B: phi^2 / 24 where p = 1, phi^4 / 1440 where p = 2, for both.
-    """
-    twice, shortest = 2 * degree, _NYQUIST * pi * (1 if smooth else degree)
-    if smooth:
-        factor = abs(bernoulli(twice)[twice]) / factorial(twice)
-    else:
-        factor = (factorial(degree) / factorial(twice)) ** 2 / (twice + 1)
-    return (0.5 * factor * phases**twice > error) | (phases > shortest)
-
-
-def _degree(body: BodySpec) -> tuple[int, bool]:
-    """Lowest degree of a body's elements, and whether they are smooth splines."""
-    iga = body.mesh.iga
-    if body.backend == "fe" or iga is None:
-        return body.fe_degree or 0, False
-    return min(iga.degree), min(iga.continuities) > 0
-
-
-_ENDS = {
-    "x": ("x_min", "x_max"),
-    "y": ("y_min", "y_max"),
-    "z": ("z_min", "z_max", "bottom", "top", "hub_bottom", "hub_top"),
-    "r": ("inner", "outer", "bore", "hub_side"),
-}
-"""Surfaces that end a body along each direction of its shape."""
-
-
-def _relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact]) -> float:
-    """P (L_a / E_a + L_b / E_b): how much more the bodies yield than the contact.
-
-    L is the depth of a body behind the contact, or the width of the contact where that is less or
-    the depth is not known; p the mean contact stiffness (N/m^3), of both halves of a full pass.
-    """
-    interface = halves[0].interface
-    width = float(interface.points.weight.sum()) ** (1 / (interface.a.dim - 1))
-    compliance = 0.0
-    for side in (spec.a, spec.b):
-        body, surface = side.split(".")
-        depth = _depth(scene.bodies[body].geometry, surface) or width
-        compliance += min(depth, width) / scene.bodies[body].material.means[0]
-    return _mean(spec, halves) * compliance
-
-
-def _mean(spec: ContactSpec, halves: Sequence[Contact]) -> float:
-    """Mean contact stiffness p (N/m^3), of steady sliding where a law makes it, open parts too."""
-    points = halves[0].interface.points
-    area = float(points.weight.sum())
-    if spec.c_n is not None:
-        return sum(half.P for half in halves) / area
-    if isinstance(spec.p, str):
-        return float(points.weight @ evaluate(Expression(spec.p), points.x)) / area
-    return spec.p if spec.p is not None else (spec.P or 0.0) / area
-
-
-def _depth(shape: Shape, surface: str) -> float | None:
-    """Extent (m) of a body across one of its surfaces; None where its shape does not say."""
-    if isinstance(shape, VentilatedDisc):
-        return shape.depth(surface)
-    if shape.shape in ("patches", "nurbs_file"):
-        return None
-    for direction, (low, high) in zip(shape.directions, shape.extent, strict=True):
-        if surface in _ENDS.get(direction, ()):
-            return high - low
-    return None
+OF_CONTACTS: list[Callable[[Scene, str, Sequence[Contact]], Warnings]] = [
+    _against_rotation,
+    _gap_closed,
+    _gaps_as_zero,
+    _partly_uncovered,
+    _sampled,
+    point_rule,
+]
+"""Warnings of each contact, by its name and half passes; collective."""

@@ -1,6 +1,6 @@
 """Modes, static displacements and load steps of a run as files for ParaView."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.parse import quote
@@ -15,7 +15,7 @@ from cea.contact.contact import Contact, approach_along, jump_operator
 from cea.eigen.blocks import times
 from cea.files import folder_whole, write_whole
 from cea.matrices import destroy
-from cea.system.steady_state import ContactState, StepState
+from cea.system.steady_state import ContactState
 from scenes.pictures.grids import cell_grid, in_space
 from scenes.results.result import Result
 from scenes.results.shapes import displacements
@@ -27,7 +27,10 @@ class _Frame(NamedTuple):
     time: float
     stem: str  # begin of the names of its files
     facts: Mapping[str, float]
-    grids: Mapping[str, Any]  # by the name of the body or contact; none but on rank 0
+
+
+type _Fields = Mapping[str, Any]
+"""Fields of one grid by name: an array of all frames, the last axis that of the frames."""
 
 
 def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
@@ -55,14 +58,36 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     list of Path
         The ``.pvd`` files.
     """
+    bodies = {name: body.space.volume_cells() for name, body in result.bodies.items()}
     if result.spectrum is None:
-        name, modes = "displacement", []
+        name, modes, frames = "displacement", [], [_Frame(0.0, "static", {})]
+        u: dict[str, Any] = {
+            body: result.displacements(body, cells.values, everywhere=False)[..., None]
+            for body, cells in bodies.items()
+        }
     else:
         every = [*result.most_unstable(count), *range(len(result.modes))]
         name, modes = "modes", sorted(list(dict.fromkeys(every))[:count])
-    files = [_write(_bodies(result, modes), out / f"{name}.pvd", result)]
-    if result.system.contacts:
-        files.append(_write(_contacts(result, modes), out / "contacts.pvd", result))
+        frames = [_mode_frame(result, mode) for mode in modes]
+        u = {
+            body: result.mode_shapes(body, cells.values, modes, everywhere=False)
+            for body, cells in bodies.items()
+        }
+    first = result.comm.rank == 0
+    grids = {
+        body: (cell_grid(cells) if first else None, {"displacement": u[body]})
+        for body, cells in bodies.items()
+    }
+    files = [_write(out / f"{name}.pvd", result, frames, grids)]
+    if contacts := result.system.contacts:
+        steady = result.steady.contacts if result.steady is not None else {}
+        grids = {}
+        for each in contacts:
+            grid, own = _points(each), steady.get(each.name)
+            grid.point_data.update({} if own is None else _carried(own))
+            gaps = {"gap": _gaps(result, each, modes)}
+            grids[each.name] = grid, gaps | _pressures(result, each, modes)
+        files.append(_write(out / "contacts.pvd", result, frames, grids))
     return files
 
 
@@ -75,81 +100,48 @@ def write_load_steps(result: Result, out: Path) -> list[Path]:
     """
     path = result.steady.path if result.steady is not None else ()
     steps = [(step.factor, step.state) for step in path if step.state is not None]
-    return [_write(_steps(result, steps), out / "load_steps.pvd", result)] if steps else []
+    if not steps:
+        return []
+    frames = [_Frame(f, f"step_{i}", {"load": f}) for i, (f, _) in enumerate(steps, start=1)]
+    grids: dict[str, tuple[Any, _Fields]] = {}
+    for name, body in result.bodies.items():
+        cells, shapes = body.space.volume_cells(), []
+        for factor, state in steps:
+            x = state.displacement.array_r[:, None].astype(complex)
+            where = result.system, name, cells.values, x
+            shapes.append(displacements(*where, prescribed=factor, everywhere=False).real)
+        grid = cell_grid(cells) if result.comm.rank == 0 else None
+        grids[name] = grid, {"displacement": np.concatenate(shapes, axis=-1)}
+    for contact in result.system.contacts:
+        carried = [
+            _carried(s.contacts[contact.name]) for _, s in steps if contact.name in s.contacts
+        ]
+        if carried:
+            fields = {n: np.stack([each[n] for each in carried], axis=-1) for n in carried[0]}
+            grids[contact.name] = _points(contact), fields
+    return [_write(out / "load_steps.pvd", result, frames, grids)]
 
 
-def _frames(result: Result, modes: list[int], grids: Mapping[str, Any]) -> Iterator[_Frame]:
-    """A frame for each mode, or for the static solution, of grids that change between them."""
-    if result.spectrum is None:
-        yield _Frame(0.0, "static", {}, grids)
-    for mode in modes:
-        facts = {"frequency": result.frequencies[mode], "growth rate": result.growth_rates[mode]}
-        yield _Frame(mode + 1, f"mode_{mode + 1}", {"mode": mode + 1, **facts}, grids)
+def _mode_frame(result: Result, mode: int) -> _Frame:
+    facts = {"frequency": result.frequencies[mode], "growth rate": result.growth_rates[mode]}
+    return _Frame(mode + 1, f"mode_{mode + 1}", {"mode": mode + 1, **facts})
 
 
-def _bodies(result: Result, modes: list[int]) -> Iterator[_Frame]:
-    """Bodies with displacements; collective."""
-    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
-    u: dict[str, Any] = {
-        name: result.displacements(name, each.values, everywhere=False)[..., None]
-        if result.spectrum is None
-        else result.mode_shapes(name, each.values, modes, everywhere=False)
-        for name, each in cells.items()
-    }
-    grids = {name: cell_grid(each) for name, each in cells.items() if result.comm.rank == 0}
-    for i, frame in enumerate(_frames(result, modes, grids)):
-        for name, grid in grids.items():
-            grid.point_data.update(_parts("displacement", in_space(u[name][..., i])))
-        yield frame
-
-
-def _contacts(result: Result, modes: list[int]) -> Iterator[_Frame]:
-    """Contact points with gaps and pressures; collective."""
-    contacts = result.system.contacts
-    steady = result.steady.contacts if result.steady is not None else {}
-    gaps = [_gaps(result, contact, modes) for contact in contacts]
-    grids = {each.name: _contact_grid(each, steady) for each in contacts if result.comm.rank == 0}
-    for i, frame in enumerate(_frames(result, modes, grids)):
-        for contact, gap in zip(contacts, gaps, strict=True):
-            pressure = _pressure(result, contact, modes[i] if modes else None)
-            if contact.name in grids:
-                grids[contact.name].point_data.update(_parts("gap", gap[:, i]) | pressure)
-        yield frame
-
-
-def _steps(result: Result, steps: Iterable[tuple[float, StepState]]) -> Iterator[_Frame]:
-    """Bodies and contact points in equilibrium under parts of the load; collective."""
-    cells = {name: body.space.volume_cells() for name, body in result.bodies.items()}
-    grids = {name: cell_grid(each) for name, each in cells.items() if result.comm.rank == 0}
-    for number, (factor, state) in enumerate(steps, start=1):
-        vectors = state.displacement.array_r[:, None].astype(complex)
-        for name, each in cells.items():
-            u = displacements(
-                result.system, name, each.values, vectors, prescribed=factor, everywhere=False
-            )
-            if name in grids:
-                grids[name].point_data["displacement"] = in_space(np.real(u[..., 0]))
-        points = {
-            contact.name: _contact_grid(contact, state.contacts)
-            for contact in result.system.contacts
-            if contact.name in state.contacts and result.comm.rank == 0
-        }
-        yield _Frame(factor, f"step_{number}", {"load": factor}, grids | points)
-
-
-def _write(frames: Iterable[_Frame], file: Path, result: Result) -> Path:
-    """Write a ``.pvd`` file, and beside it a folder of grids, on rank 0; collective."""
+def _write(
+    file: Path, result: Result, frames: list[_Frame], grids: Mapping[str, tuple[Any, _Fields]]
+) -> Path:
+    """Write a ``.pvd`` file, and beside it a folder of a grid a frame, on rank 0."""
     if result.comm.rank:
-        for _ in frames:
-            pass
         return file
     root = Element("VTKFile", type="Collection", version="1.0")
     collection = SubElement(root, "Collection")
     with folder_whole(file.with_suffix("")) as folder:
-        for frame in frames:
-            for part, (label, grid) in enumerate(frame.grids.items()):
+        for i, frame in enumerate(frames):
+            for part, (label, (grid, fields)) in enumerate(grids.items()):
                 for fact, value in frame.facts.items():
                     grid.field_data[fact] = [value]
+                for field, values in fields.items():
+                    grid.point_data.update(_parts(field, values[..., i]))
                 # Names of bodies and contacts are free text.
                 name = f"{frame.stem}_{quote(label, safe=' ,')}.vtu"
                 _write_grid(grid, folder / name)
@@ -157,6 +149,14 @@ def _write(frames: Iterable[_Frame], file: Path, result: Result) -> Path:
                 SubElement(collection, "DataSet", place | {"file": f"{file.stem}/{name}"})
     indent(root)
     return write_whole(tostring(root, encoding="utf-8", xml_declaration=True), file)
+
+
+def _parts(name: str, values: Any) -> dict[str, Floats]:
+    """Real data by name, vectors in space; of complex ones both parts."""
+    values = in_space(values) if values.ndim > 1 else values
+    if not np.iscomplexobj(values):
+        return {name: values}
+    return {f"{name}_real": values.real, f"{name}_imag": values.imag}
 
 
 def _write_grid(grid: Any, file: Path) -> None:
@@ -169,25 +169,19 @@ def _write_grid(grid: Any, file: Path) -> None:
     write_whole(writer.GetOutputString().encode(), file)
 
 
-def _parts(name: str, values: Any) -> dict[str, Floats]:
-    """Real data by name; of complex ones both parts."""
-    if not np.iscomplexobj(values):
-        return {name: values}
-    return {f"{name}_real": values.real, f"{name}_imag": values.imag}
-
-
-def _contact_grid(contact: Contact, states: Mapping[str, ContactState]) -> Any:
-    """Points of a contact with what it carries in steady sliding, if anything is known of that."""
+def _points(contact: Contact) -> Any:
+    """Points of a contact."""
     points = contact.interface.points
     grid = pyvista.PolyData(in_space(points.x)).cast_to_unstructured_grid()
     grid.point_data["normal"] = in_space(points.normal)
     grid.point_data["weight"] = points.weight
-    if contact.name in states:
-        state = states[contact.name]
-        grid.point_data["contact pressure"] = state.pressure
-        grid.point_data["closure"] = state.closure
-        grid.point_data["contact stiffness"] = state.stiffness
     return grid
+
+
+def _carried(state: ContactState) -> dict[str, Floats]:
+    """What a contact carries at its points in steady sliding."""
+    carried = {"contact pressure": state.pressure, "closure": state.closure}
+    return carried | {"contact stiffness": state.stiffness}
 
 
 def _gaps(result: Result, contact: Contact, modes: list[int]) -> Any:
@@ -203,24 +197,26 @@ def _gaps(result: Result, contact: Contact, modes: list[int]) -> Any:
     return np.concatenate(contact.interface.comm.allgather(gap))
 
 
-def _pressure(result: Result, contact: Contact, mode: int | None) -> dict[str, Floats]:
-    """Pressure (N/m^2) at all points of a contact that has one, on every rank."""
+def _pressures(result: Result, contact: Contact, modes: list[int]) -> dict[str, Any]:
+    """Pressures (N/m^2) at all points of a contact that has any, on every rank."""
     if not contact.has_pressure:
         return {}
-    if mode is None:
+    if result.spectrum is None:
         if not contact.law.linear:
             return {}  # the contact pressure of the state stands there
         pressure = contact.pressure(result.displacement)
         if contact.prescribed is not None:
             pressure = pressure + contact.slope * contact.prescribed
-        return {"pressure": pressure}
-    name, modes = f"contacts.{contact.pair}.P", result.modes
+        return {"pressure": pressure[:, None]}
+    name, of = f"contacts.{contact.pair}.P", result.modes
     # Where steady sliding makes P, and nothing changes it, it is no parameter.
-    solved = modes.values.get(name)
-    stiffness = 1.0 if solved is None else solved / modes.pencil.parameters[name].value
+    solved = of.values.get(name)
+    stiffness = 1.0 if solved is None else solved / of.pencil.parameters[name].value
     if not np.isfinite(stiffness):
         return {}
-    real, imaginary = result.modes.vector(mode)
-    pressure = contact.pressure(real) + 1j * contact.pressure(imaginary)
-    destroy(real, imaginary)
-    return _parts("pressure", stiffness * pressure)
+    pressures: Any = np.empty((len(contact.interface.points), len(modes)), dtype=complex)
+    for i, mode in enumerate(modes):
+        real, imaginary = of.vector(mode)
+        pressures[:, i] = contact.pressure(real) + 1j * contact.pressure(imaginary)
+        destroy(real, imaginary)
+    return {"pressure": stiffness * pressures}

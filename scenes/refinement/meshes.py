@@ -96,7 +96,7 @@ def _is_structured(body: BodySpec) -> bool:
     """Whether the mesh of a body follows coordinates of its shape."""
     if not hasattr(body.geometry, "extent"):
         return False
-    return body.backend == "iga" or (body.mesh.fe is not None and body.mesh.fe.size is None)
+    return body.division is not None and getattr(body.division, "size", None) is None
 
 
 def _layers_at_edges(body: BodySpec, edges: SingularEdges) -> bool:
@@ -105,8 +105,8 @@ def _layers_at_edges(body: BodySpec, edges: SingularEdges) -> bool:
     Lagrange cells need not lie on a lattice: where all edges run along one direction, or in the
     plane, those at the edges alone are divided (:mod:`meshes.edge_layers`).
     """
-    cell = body.mesh.fe.cell if body.backend == "fe" and body.mesh.fe is not None else None
-    boxes = cell is not None and cell not in SIMPLICES and _is_structured(body)
+    mesh = body.division
+    boxes = isinstance(mesh, FeMesh) and mesh.cell not in SIMPLICES and _is_structured(body)
     return boxes and len({frozenset(edge) for edge in edges.edges}) == 1
 
 
@@ -114,7 +114,7 @@ def _refined(scene: Scene, name: str, resolution: Resolution) -> BodySpec:
     body, density = scene.bodies[name], resolution.density
     if from_file(body):
         return replace(body, mesh=replace(body.mesh, degree=resolution.file_degree))
-    mesh = body.mesh.fe if body.backend == "fe" else body.mesh.iga
+    mesh = body.division
     if mesh is None:
         raise InputError(f"bodies.{name}.mesh.{body.backend}", None, f"needed for {body.backend!r}")
     finer: FeMesh | IgaMesh

@@ -14,7 +14,6 @@ from cea.errors import InputError, ResultWarning
 from scenes.spec.plain import as_data
 
 if TYPE_CHECKING:
-    from cea.system.contact_stresses import NormalStress
     from cea.system.steady_state import ContactState, LoadStep, SteadySliding
 
 
@@ -77,58 +76,49 @@ def checked_record[T: Record](kind: type[T], data: Mapping[str, Any]) -> T:
 def opened(record: RunRecord, kind: str) -> dict[str, Any]:
     """Eigenvalues or stresses from the record of a kind of analysis, as fields of a result."""
     if record.stresses is not None and kind == "static":
-        return {"stresses": {n: _opened_sides(sides) for n, sides in record.stresses.items()}}
-    if record.eigenvalues is None or record.window is None or kind == "static":
-        allowed = "'cea'" if record.eigenvalues is not None else "'static'"
+        from cea.system.contact_stresses import NormalStress
+
+        stresses: dict[str, dict[str, Any]] = {name: {} for name in record.stresses}
+        for name, sides in record.stresses.items():
+            for side, s in sides.items():
+                along = np.array(s.sigma_n_along, dtype=float)
+                stresses[name][side] = NormalStress(s.min, s.max, np.array(s.arc), along)
+        return {"stresses": stresses}
+    values, window = record.eigenvalues, record.window
+    if values is None or window is None or kind == "static":
+        allowed = "'cea'" if values is not None else "'static'"
         raise InputError("scene.analysis.kind", kind, f"{allowed}, as the data are")
-    columns = [
-        np.array([getattr(value, name) for value in record.eigenvalues], dtype=float)
-        for name in ("re", "im", "residual", "condition", "uncertainty")
-    ]
+    names = ("re", "im", "residual", "condition", "uncertainty")
+    columns = np.array([[getattr(value, name) for value in values] for name in names], dtype=float)
     re, im, residuals, conditions, uncertainties = columns
-    spectrum = Spectrum(
-        re + 1j * im,
-        residuals,
-        conditions,
-        uncertainties,
-        record.window,
-        bounded=np.array([value.bounded for value in record.eigenvalues], dtype=bool),
-        warnings=record.warnings,
-    )
-    return {"spectrum": spectrum}
-
-
-def _opened_sides(sides: Mapping[str, SideStress]) -> dict[str, "NormalStress"]:
-    """Contact stresses without those at the points of the surfaces."""
-    from cea.system.contact_stresses import NormalStress
-
-    return {
-        side: NormalStress(
-            stress.min,
-            stress.max,
-            np.array(stress.arc),
-            np.array(stress.sigma_n_along, dtype=float),
-        )
-        for side, stress in sides.items()
-    }
+    bounded, warnings = np.array([value.bounded for value in values], dtype=bool), record.warnings
+    errors = residuals, conditions, uncertainties
+    found = Spectrum(re + 1j * im, *errors, window, bounded=bounded, warnings=warnings)
+    return {"spectrum": found}
 
 
 def described(result: Any) -> dict[str, Any]:
     """What the record of a result holds; `docs/result_json.md` says what every field is."""
     if result.spectrum is None:
-        stresses = {name: _described_sides(sides) for name, sides in result.stresses.items()}
-        return _described_run(result) | {"stresses": stresses}
+        return _described_run(result) | {"stresses": _described_stresses(result.stresses)}
     found = _described_modes(result.modes, result.analysis.growth_threshold)
     return {"summary": result.summary} | found | _described_run(result)
 
 
-def _described_sides(sides: Mapping[str, "NormalStress"]) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = {}
-    for side, stress in sides.items():
-        numbers = {name: getattr(stress, name) for name in ("oscillation", "min", "max")}
-        along = [x if np.isfinite(x) else None for x in stress.sigma_n_along.tolist()]
-        found[side] = numbers | {"arc": stress.arc.tolist(), "sigma_n_along": along}
+def _described_stresses(stresses: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    found: dict[str, dict[str, Any]] = {name: {} for name in stresses}
+    for name, sides in stresses.items():
+        for side, stress in sides.items():
+            along = [x if np.isfinite(x) else None for x in stress.sigma_n_along.tolist()]
+            numbers = _picked(stress, "oscillation", "min", "max", "arc")
+            found[name][side] = numbers | {"sigma_n_along": along}
     return found
+
+
+def _picked(of: Any, *names: str) -> dict[str, Any]:
+    """Some attributes by name, arrays as lists."""
+    values = {name: getattr(of, name) for name in names}
+    return {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in values.items()}
 
 
 def _described_run(result: Any) -> dict[str, Any]:
@@ -145,39 +135,10 @@ def _described_run(result: Any) -> dict[str, Any]:
     data["dofs"]["bodies"] = {n: int(b.expansion.getSize()[1]) for n, b in result.bodies.items()}
     data["contacts"] = {name: _interface(each) for name, each in result.interfaces.items()}
     if result.system.steady is not None:
-        data["steady_sliding"] = steady_data(result.system.steady)
+        data["steady_sliding"] = _steady_data(result.system.steady)
     if result.reactions:
         data["reactions"] = {name: force.tolist() for name, force in result.reactions.items()}
     return data
-
-
-def _described_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str, Any]:
-    """Eigenvalues with their errors, the window searched, verdicts, the unstable modes.
-
-    ``mode`` is the number of a mode, from 1: entry ``mode - 1`` of the list ``eigenvalues``.
-    """
-    window, values = modes.window, []
-    bounded = np.zeros(len(modes), bool) if modes.bounded is None else modes.bounded
-    rows = zip(modes.table(growth_threshold), modes.eigenvalues, bounded, strict=True)
-    for row, eigenvalue, cannot in rows:
-        value = {name: row[name] for name in ("mode", "frequency", "damping_ratio")}
-        value |= {"re": row["growth_rate"], "im": float(eigenvalue.imag)}
-        same = ("residual", "condition", "uncertainty", "verdict", "rigid")
-        values.append(value | {name: row[name] for name in same} | {"bounded": bool(cannot)})
-    unstable = [
-        {"mode": each["mode"], "frequency": each["frequency"]}
-        | {"growth": each["re"], "damping_ratio": each["damping_ratio"]}
-        for each in values
-        if each["verdict"] == "unstable"
-    ]
-    return {
-        "unstable_count": len(unstable),
-        "unstable": unstable,
-        "verdict": modes.verdict(growth_threshold),
-        "hints": modes.hints,
-        "window": asdict(window) | {"complete": window.complete, "evidence": window.evidence},
-        "eigenvalues": values,
-    }
 
 
 def _interface(interface: Interface) -> dict[str, Any]:
@@ -190,42 +151,54 @@ def _interface(interface: Interface) -> dict[str, Any]:
     }
 
 
-def steady_data(steady: "SteadySliding") -> dict[str, Any]:
-    """A state of steady sliding, without fields over points."""
-    unique = steady.uniqueness
+def _described_modes(modes: Spectrum, growth_threshold: float | None) -> dict[str, Any]:
+    """Eigenvalues with their errors, the window searched, verdicts, the unstable modes.
+
+    ``mode`` is the number of a mode, from 1: entry ``mode - 1`` of the list ``eigenvalues``.
+    """
+    window, values = modes.window, []
+    bounded = np.zeros(len(modes), bool) if modes.bounded is None else modes.bounded
+    rows = zip(modes.table(growth_threshold), modes.eigenvalues.imag, bounded, strict=True)
+    same = ("residual", "condition", "uncertainty", "verdict", "rigid")
+    for row, im, cannot in rows:
+        value = {name: row[name] for name in ("mode", "frequency", "damping_ratio")}
+        value |= {"re": row["growth_rate"], "im": float(im)} | {name: row[name] for name in same}
+        values.append(value | {"bounded": bool(cannot)})
+    grow = [value for value in values if value["verdict"] == "unstable"]
+    names = {"mode": "mode", "frequency": "frequency", "growth": "re"}
+    names["damping_ratio"] = "damping_ratio"
     return {
-        "uncertainty": steady.uncertainty,
-        "residual": steady.residual,
-        "iterations": steady.iterations,
+        "unstable_count": len(grow),
+        "unstable": [{name: value[own] for name, own in names.items()} for value in grow],
+        "verdict": modes.verdict(growth_threshold),
+        "hints": modes.window.hints,
+        "window": asdict(window) | _picked(window, "complete", "evidence"),
+        "eigenvalues": values,
+    }
+
+
+def _steady_data(steady: "SteadySliding") -> dict[str, Any]:
+    """A state of steady sliding, without fields over points."""
+    return {
+        **_picked(steady, "uncertainty", "residual", "iterations"),
         "path": [_step_data(step) for step in steady.path],
         "contacts": {name: _contact_data(state) for name, state in steady.contacts.items()},
-        "uniqueness": unique and {"parity": unique.parity, "margin": unique.margin},
+        "uniqueness": steady.uniqueness and _picked(steady.uniqueness, "parity", "margin"),
     }
 
 
 def _step_data(step: "LoadStep") -> dict[str, Any]:
-    data: dict[str, Any] = {
-        "load": step.factor,
-        "residuals": list(step.residuals),
-        "closed": list(step.closed),
-        "parity": step.parity,
-    }
-    if step.state is not None:
-        data |= {
-            "iterations": len(step.lengths),
-            "contacts": {name: _contact_data(s) for name, s in step.state.contacts.items()},
-        }
-    return data
+    data = {"load": step.factor, **_picked(step, "residuals", "closed", "parity")}
+    if step.state is None:
+        return data
+    contacts = {name: _contact_data(state) for name, state in step.state.contacts.items()}
+    return data | {"iterations": len(step.lengths), "contacts": contacts}
 
 
 def _contact_data(state: "ContactState") -> dict[str, Any]:
-    numbers = ("normal_force", "friction_force", "area", "closed_area")
-    return {
-        **{name: getattr(state, name) for name in numbers},
-        "force_on_a": state.force_on_a.tolist(),
-        "largest_pressure": float(state.pressure.max()),
-        "largest_stiffness": float(state.stiffness.max()),
-    }
+    names = ("normal_force", "friction_force", "area", "closed_area", "force_on_a")
+    largest = {"pressure": state.pressure, "stiffness": state.stiffness}
+    return _picked(state, *names) | {f"largest_{n}": float(v.max()) for n, v in largest.items()}
 
 
 def steady_lines(data: Mapping[str, Any]) -> list[str]:
@@ -239,9 +212,9 @@ def steady_lines(data: Mapping[str, Any]) -> list[str]:
 
 
 def _line(name: str, contact: Mapping[str, Any]) -> str:
-    closed = 100 * contact["closed_area"] / contact["area"]
+    closed = contact["closed_area"] / contact["area"]
     return (
         f"steady sliding, {name}: normal force {contact['normal_force']:.6g} N, friction "
-        f"{contact['friction_force']:.6g} N, {closed:.3g} % of the area closed, pressure to "
+        f"{contact['friction_force']:.6g} N, {100 * closed:.3g} % of the area closed, pressure to "
         f"{contact['largest_pressure']:.6g} N/m^2"
     )

@@ -169,11 +169,6 @@ class Result:
         """How many modes have which word, the threshold and the verdict, in a line."""
         return f"{self.scene.name}: {self.modes.headline(self.analysis.growth_threshold)}"
 
-    @property
-    def first_lines(self) -> list[str]:
-        """The summary, and a hint where modes grow just above the window."""
-        return [self.summary, *self.modes.hints]
-
     def most_unstable(self, count: int) -> list[int]:
         """Indices, from 0, of the most unstable modes; of the first ones where none is."""
         unstable = np.flatnonzero(self.unstable)
@@ -206,21 +201,12 @@ class Result:
         Their rows are the free dofs of all ranks. K and M of the bodies, K_n and K_f of the
         contacts: K_f is zero without friction, M is left out of static analyses. C is there where
         something damps, Y where a body rotates; convective and geometric stiffness are part of K.
-        Modal damping would be full: W is there where modes of a body are damped, a column for
-        each, and the damping is C + W W^T. Damping that rotates with its body makes K_c of
-        displacements, and what would be full: with J, N and L, which are there, K_c + L N^-1 J
-        (:mod:`cea.motion`). A scene of matrices has M, C where there is one, and K.
+        With modal damping, which would be full, damping is C + W W^T. Damping that rotates with
+        its body makes K_c of displacements, or K_c + L N^-1 J (:mod:`cea.motion`). A scene of
+        matrices has M, C where there is one, and K.
 
-        Returns
-        -------
-        dict
-            scipy matrices (N/m, kg, N s/m) on rank 0; empty on other ranks.
-
-        Raises
-        ------
-        InputError
-            Where the sides of a contact are tied: K_n is infinite; and where the result was read
-            back.
+        They are scipy's (N/m, kg, N s/m) on rank 0; none are given on other ranks. An InputError
+        refuses tied sides of a contact, where K_n is infinite, and results that were read back.
         """
         if self.pieces:
             return given_matrices(self.modes.pencil, self.modes.values, self.modes.template)
@@ -273,22 +259,10 @@ class Result:
         return u[..., 0].real
 
     def plot(self, mode: int | None = None) -> "Image | None":
-        """Draw a mode at the phase of its largest deflection.
+        """Draw a mode at the phase of its largest deflection, by default the most unstable one.
 
-        Parameters
-        ----------
-        mode
-            Its number, from 1, as :meth:`table` has it; by default the most unstable one.
-
-        Returns
-        -------
-        PIL.Image.Image
-            On rank 0, None on other ranks. A notebook shows it; ``save`` writes it.
-
-        Raises
-        ------
-        InputError
-            When there is no such mode.
+        Modes have numbers, from 1, as in :meth:`table`; an InputError refuses others. The image is
+        one of PIL on rank 0, which a notebook shows and ``save`` writes; None on other ranks.
         """
         return next(self.images([self.index(mode)]), None)
 
@@ -355,28 +329,26 @@ class Result:
             made = self.provenance
             return f"{made['command']}, {made['commit']}: {', '.join(self.data)}"
         if self.spectrum is not None:
-            lines = [*self.first_lines, repr(self.table()), SIGNS, *self.notes()]
-        else:
-            lines = [f"{self.scene.name}: static analysis", *self.steady_lines()]
-            lines += [
-                f"{row['contact']}, side {row['side']}: sigma_n from {row['min']:.6g} to "
-                f"{row['max']:.6g}, oscillation {row['oscillation']:.6g} N/m^2"
-                for row in self.table()
-            ]
+            head, notes = self._around_table()
+            return "\n".join([*head, repr(self.table()), *notes])
+        lines = [f"{self.scene.name}: static analysis", *self.steady_lines()]
+        for row in self.table():
+            low, high, oscillation = (f"{row[n]:.6g}" for n in ("min", "max", "oscillation"))
+            of = f"{row['contact']}, side {row['side']}: sigma_n from {low} to {high}"
+            lines.append(f"{of}, oscillation {oscillation} N/m^2")
         return "\n".join(lines)
 
-    def notes(self) -> list[str]:
-        """What stands below a table of modes: dofs, evidence, steady sliding, warnings."""
+    def _around_table(self) -> tuple[list[str], list[str]]:
+        """What stands above a table of modes, and below: signs, dofs, evidence, state, warnings."""
         warnings = [f"warning ({warning.kind}): {warning.message}" for warning in self.warnings]
-        evidence = f"window: {self.modes.window.evidence}"
-        return [f"{self.dofs} dofs", evidence, *self.steady_lines(), *warnings]
+        facts = [SIGNS, f"{self.dofs} dofs", f"window: {self.modes.window.evidence}"]
+        return [self.summary, *self.modes.window.hints], [*facts, *self.steady_lines(), *warnings]
 
     def _repr_html_(self) -> str:
         if self.spectrum is None:
             return f"<pre>{escape(repr(self))}</pre>"
-        notes = "<br>".join(escape(line) for line in (SIGNS, *self.notes()))
-        first = "<br>".join(escape(line) for line in self.first_lines)
-        return f"<p><b>{first}</b></p>{html_table(self.table())}<p>{notes}</p>"
+        head, notes = ("<br>".join(map(escape, lines)) for lines in self._around_table())
+        return f"<p><b>{head}</b></p>{html_table(self.table())}<p>{notes}</p>"
 
 
 def _there[T](value: T | None, name: str, allowed: str) -> T:

@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.body import Body
 from cea.eigen.blocks import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Damping, Pencil, internal_forces, release
+from cea.eigen.pencil import Pencil, internal_forces, release
 from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.full_solves import (
     ConfirmedThreshold,
@@ -26,7 +25,6 @@ from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.swept import at_parameters, in_saddle_form, parameters_changed, parameters_meant
 from scenes.running.system import RunOptions, coupled, system_warnings
-from scenes.spec.problems import Faults
 from scenes.spec.reading import Scene
 
 _STEP = 1e-5
@@ -45,27 +43,18 @@ class AssembledScene:
     Parameters
     ----------
     scene
-        A scene whose analysis asks for modes.
+        A scene whose analysis asks for modes; another is refused with an InputError.
     listener
         Called with the name of each stage as it begins.
 
     Attributes
     ----------
-    scene
-        The scene.
-    bodies
-        Its bodies by name.
-    interfaces
-        Its contact points by name of the half pass.
+    bodies, interfaces
+        Its bodies by name, and its contact points by name of the half pass.
     driver
         What solves its pencil.
     timer
         Seconds that assembly took, by stage.
-
-    Raises
-    ------
-    InputError
-        When the analysis is another.
     """
 
     def __init__(self, scene: Scene, listener: Callable[[str], None] | None = None) -> None:
@@ -75,13 +64,10 @@ class AssembledScene:
         self._system, self.interfaces, self.timer = coupled(
             scene, leave_out=False, listener=listener
         )
+        self.bodies = self._system.bodies
+        self._built: RunOptions = {"bodies": self.bodies, "interfaces": self.interfaces}
         with self.timer("assembly"):
             self.driver = EigenSolver(self._system.pencil())
-
-    @property
-    def bodies(self) -> Mapping[str, Body]:
-        """Its bodies by name."""
-        return self._system.bodies
 
     @property
     def bonded(self) -> list[str]:
@@ -123,13 +109,11 @@ class AssembledScene:
             When the analysis is changed to another, or no contact can slide.
         """
         sliding = [name for name in self.scene.contacts if name not in self.bonded]
-        for field_, value in of_every_contact.items() if not sliding else ():
-            raise InputError(field_, value, "left out: the scene has no contact that can slide")
-        every = {
-            f"contacts.{name}.{field_}": value
-            for name in sliding
-            for field_, value in of_every_contact.items()
-        }
+        every: dict[str, Any] = {}
+        for field_, value in of_every_contact.items():
+            if not sliding:
+                raise InputError(field_, value, "left out: the scene has no contact that can slide")
+            every |= {f"contacts.{name}.{field_}": value for name in sliding}
         every |= changes or {}
         scene = self.scene.change(every)
         values = parameters_changed(self.driver.pencil, self.scene, scene, every)
@@ -142,22 +126,11 @@ class AssembledScene:
         left: bool = False,
         listener: Callable[[str], None] | None = None,
     ) -> Result:
-        """Modes of the scene at parameters of its pencil.
+        """Modes of the scene at parameters of its pencil, by name, as :meth:`threshold` takes them.
 
-        Parameters
-        ----------
-        values
-            By name, as :meth:`threshold` takes them: of a field that is an expression a factor on
-            it, where :meth:`modes` puts a number in its place.
-        left, listener
-            As of :meth:`modes`.
-
-        Raises
-        ------
-        SceneError
-            When a scene may not have a value.
-        InputError
-            When there is no such parameter.
+        Of a field that is an expression a parameter is a factor on it, where :meth:`modes` puts a
+        number in its place. A SceneError refuses values that a scene may not have, an InputError
+        what is no parameter.
         """
         scene = at_parameters(self.scene, self.driver.pencil, values)
         return self._modes(scene, values, left=left, listener=listener)
@@ -185,11 +158,6 @@ class AssembledScene:
         inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
         known = self._system, self.interfaces, StageTimer()
         return result_of_modes(scene, *known, inside).warnings
-
-    def warnings_at(self, values: Mapping[str, float]) -> tuple[ResultWarning, ...]:
-        """What bodies, contacts and the state must be read with at other parameters; collective."""
-        scene = at_parameters(self.scene, self.driver.pencil, values)
-        return system_warnings(scene, self._system, values)
 
     def threshold(
         self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
@@ -229,7 +197,9 @@ class AssembledScene:
             found = first_threshold(
                 other.driver, names, real, flutter, max_frequency=top, frequency=frequency
             )
-            told = other.warnings_at(dict.fromkeys(names, found.value))
+            at = dict.fromkeys(names, found.value)
+            changed = at_parameters(other.scene, other.driver.pencil, at)
+            told = system_warnings(changed, other._system, at)
         finally:
             if other is not self:
                 other.free()
@@ -254,21 +224,15 @@ class AssembledScene:
         parameter, spent = ", ".join(names), (state.solves, state.factorisations)
         return ConfirmedThreshold(parameter, found.value, found.eigenvalue, *spent, told)
 
-    @property
-    def _built(self) -> RunOptions:
-        """Bodies and contact points, to be used again as far as another scene has the same."""
-        return {"bodies": self.bodies, "interfaces": self.interfaces}
-
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
-        faults = Faults()
-        faults.of(self.driver.pencil.check, values)
+        try:
+            self.driver.pencil.check(values)
+        except InputError:
+            return False
         left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
-        return (
-            not faults
-            and not self.depends_on_state(list(values))
-            and all(self._system.keeps_form(name, values) for name in left_open)
-        )
+        same = all(self._system.keeps_form(name, values) for name in left_open)
+        return same and not self.depends_on_state(list(values))
 
     def free(self) -> None:
         """Free factors kept between solves."""
@@ -312,12 +276,10 @@ def _works(pencil: Pencil, modes: Modes) -> Complexes:
     contacts = matrices.multipliers
     if len(f) != (0 if contacts is None else contacts.closure.getLocalSize()[0]):
         raise ConvergenceError("the form of a contact changes with the parameter: fix it")
-    damping = Damping(matrices)
     force = internal_forces(matrices, x, f) + times(matrices.mass, x) * roots**2
-    works = np.diag(all_inner(y, force + damping.times(x) * roots, pencil.comm)).copy()
+    works = np.diag(all_inner(y, force + matrices.drag(x) * roots, pencil.comm)).copy()
     if contacts is not None:
         gap = times(contacts.closure, x) - times(contacts.compliance, f)
         works += np.diag(all_inner(g, gap, pencil.comm))
-    damping.free()
     release(matrices)
     return works

@@ -4,9 +4,8 @@ from dataclasses import replace
 from typing import Literal, get_args
 
 from cea.errors import InputError
-from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-from scenes.spec.body import BodySpec, MeshSpec
+from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene
 
 Enrichment = Literal["degree", "bisection", "smooth"]
@@ -49,46 +48,44 @@ def richer_scene(scene: Scene, by: Enrichment | None = "degree") -> Scene:
 
 
 def _way(body: BodySpec) -> Enrichment:
-    mesh = body.mesh.iga if body.backend == "iga" else body.mesh.fe
-    if (
-        mesh is not None
-        and mesh.elements
-        and (body.dim == 2 or _degree(body) >= _HIGHEST[body.backend])
-    ):
+    highest = _degree(body) >= _HIGHEST[body.backend]
+    if body.division is not None and body.division.elements and (body.dim == 2 or highest):
         return "bisection"
     return "smooth" if body.backend == "iga" else "degree"
 
 
 def _degree(body: BodySpec) -> int:
-    iga = body.mesh.iga
-    return (body.fe_degree or 0) if body.backend == "fe" or iga is None else max(iga.degree)
+    mesh = body.division
+    return max(mesh.degree) if isinstance(mesh, IgaMesh) else body.fe_degree or 0
 
 
 def _mesh(field: str, body: BodySpec, by: Enrichment) -> MeshSpec:
-    mesh, fe, iga, degree = body.mesh, body.mesh.fe, body.mesh.iga, _degree(body)
+    mesh, degree, highest = body.division, _degree(body), _HIGHEST[body.backend]
     if by == "smooth" and body.backend == "fe":
         raise InputError("by", by, "'degree' or 'bisection' for Lagrange elements")
-    if by != "bisection" and degree >= _HIGHEST[body.backend]:
-        allowed = f"below {_HIGHEST[body.backend]} to be raised, or elements bisected"
+    if by != "bisection" and degree >= highest:
+        allowed = f"below {highest} to be raised, or elements bisected"
         raise InputError(f"{field}.degree", degree, allowed)
-    if isinstance(body.geometry, MeshFile):
+    if mesh is None:
         if by != "degree":
             raise InputError(field, by, "'degree': cells of a file stay as they are")
-        return replace(mesh, degree=degree + 1)
-    if body.backend == "iga" and iga is not None:
-        if by == "bisection":
-            return replace(mesh, iga=replace(iga, elements=tuple(2 * n for n in iga.elements)))
-        continuity = iga.continuities if by == "degree" else iga.continuity
+        return replace(body.mesh, degree=degree + 1)
+    if by == "bisection":
+        if mesh.elements is None:
+            allowed = "left out: elements that can be bisected"
+            raise InputError(f"{field}.fe.size", getattr(mesh, "size", None), allowed)
+        finer: FeMesh | IgaMesh = replace(mesh, elements=tuple(2 * n for n in mesh.elements))
+    elif isinstance(mesh, IgaMesh):
+        continuity = mesh.continuities if by == "degree" else mesh.continuity
         if by == "smooth" and continuity is not None:
             continuity = tuple(c + 1 for c in continuity)
-        raised = tuple(q + 1 for q in iga.degree)
-        return replace(mesh, iga=replace(iga, degree=raised, continuity=continuity))
-    assert fe is not None
-    if by == "bisection":
-        if fe.elements is None:
-            raise InputError(f"{field}.fe.size", fe.size, "left out: elements that can be bisected")
-        return replace(mesh, fe=replace(fe, elements=tuple(2 * n for n in fe.elements)))
-    geometry = None if fe.geometry_degree is None else min(fe.geometry_degree + 1, _HIGHEST["fe"])
-    if isinstance(body.geometry, VentilatedDisc):
-        geometry = min(geometry or degree + 1, MAX_CURVED)
-    return replace(mesh, fe=replace(fe, degree=degree + 1, geometry_degree=geometry))
+        finer = replace(mesh, degree=tuple(q + 1 for q in mesh.degree), continuity=continuity)
+    else:
+        own = mesh.geometry_degree
+        geometry = None if own is None else min(own + 1, highest)
+        if isinstance(body.geometry, VentilatedDisc):
+            geometry = min(geometry or degree + 1, MAX_CURVED)
+        finer = replace(mesh, degree=degree + 1, geometry_degree=geometry)
+    return (
+        replace(body.mesh, fe=finer) if isinstance(finer, FeMesh) else replace(body.mesh, iga=finer)
+    )

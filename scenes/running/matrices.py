@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from cea.eigen.driver import EigenSolver, run_window
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ResultWarning, require
 from cea.petsc import MPI
@@ -25,28 +25,9 @@ from scenes.spec.matrices import ROLES, MatrixScene
 class AssembledMatrices:
     """A scene of matrices read once and solved many times, at other parameters.
 
-    Parameters
-    ----------
-    scene
-        The scene.
-    listener
-        Called with the name of each stage as it begins.
-
-    Attributes
-    ----------
-    scene
-        The scene.
-    pieces
-        Its matrices by name.
-    driver
-        What solves its pencil.
-    timer
-        Seconds that reading took.
-
-    Raises
-    ------
-    InputError
-        When a file holds no such matrix, their sizes differ, or the mass is not symmetric.
+    It has its matrices by name, ``pieces``, and a ``driver`` that solves its pencil; ``listener``
+    is called with the name of each stage as it begins. An InputError refuses a file that holds no
+    such matrix, other sizes, and a mass that is not symmetric.
     """
 
     def __init__(self, scene: MatrixScene, listener: Callable[[str], None] | None = None) -> None:
@@ -76,7 +57,8 @@ class AssembledMatrices:
         timer, window = StageTimer(listener), scene.window
         self._check_mass(scene.values, timer)
         top, low = window.max_frequency, window.min_growth
-        modes = run_window(self.driver, top, scene.values, min_growth=low, left=left, timer=timer)
+        options: Any = {"min_growth": low, "left": left, "timer": timer}
+        modes = self.driver.solve(top, scene.values, hints=True, **options)
         known = scene, timer, skipped_by(scene, self.pieces)
         return Result(*known, self.warnings(modes), spectrum=modes, pieces=self.pieces)
 

@@ -5,14 +5,14 @@ from dataclasses import replace
 from typing import Unpack
 
 from cea.contact.interface import Interface
-from cea.eigen.driver import EigenSolver, run_window
+from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ResultWarning
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from scenes.checking.memory import room_for_factors
+from scenes.checking.memory import in_memory_or_on_disk
+from scenes.checking.resolution import short_modes
 from scenes.checking.skipped import skipped_by
-from scenes.checking.warnings import short_modes
 from scenes.results.result import Result
 from scenes.running.system import RunOptions, coupled, system_warnings
 from scenes.spec.reading import Scene
@@ -58,12 +58,11 @@ def solved(
 ) -> Result:
     """Modes of a scene whose system is assembled; collective."""
     top, low = scene.window.max_frequency, scene.window.min_growth
-    with room_for_factors(scene) as on_disk:
-        try:
-            modes = run_window(driver, top, values, min_growth=low, left=left, timer=timer)
-        finally:
-            if on_disk:
-                driver.free()
+
+    def solve() -> Modes:
+        return driver.solve(top, values, min_growth=low, left=left, hints=True, timer=timer)
+
+    modes, on_disk = in_memory_or_on_disk(scene, driver, solve)
     modes = replace(modes, warnings=(*modes.warnings, *on_disk))
     return result_of_modes(scene, system, interfaces, timer, modes)
 

@@ -10,7 +10,7 @@ from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import Prolongation, of_body, of_system
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, made_of
-from scenes.checking.memory import check_memory
+from scenes.checking.memory import factors_of
 from scenes.results.result import Result
 from scenes.running.enrich import richer_scene
 from scenes.running.modes import run_modes
@@ -69,7 +69,7 @@ def estimate_errors(
         matrices = system.pencil().at()
         step = prolongation(result.bodies, system.bodies)
     try:
-        with timer("krylov"):
+        with timer("krylov"), factors_of(scene):
             found = error_estimate(result.modes, matrices, step, steps=steps)
             return replace(found, growth_threshold=result.analysis.growth_threshold)
     finally:
@@ -81,7 +81,6 @@ def _with_those_of(
     result: Result, scene: Scene, listener: Callable[[str], None] | None
 ) -> dict[str, Body]:
     """Bodies of a scene; those of a result that are the same, with their matrices."""
-    check_memory(scene, on_disk=False)
     own = result.scene
     same = {n for n in own.bodies if n in scene.bodies and made_of(scene, n) == made_of(own, n)}
     others = {name: body for name, body in scene.bodies.items() if name not in same}

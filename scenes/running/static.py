@@ -6,7 +6,8 @@ from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.system.contact_stresses import contact_stresses
 from cea.system.support_forces import support_reactions
-from scenes.checking.doubts import doubtful_motions
+from scenes.checking.equilibrium import motion_warnings
+from scenes.checking.memory import factors_of
 from scenes.checking.skipped import skipped_by
 from scenes.results.result import Result
 from scenes.running.system import RunOptions, coupled, system_warnings
@@ -29,7 +30,8 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
     else:
         with timer("assembly"):
             pencil = system.pencil(leave_out=options.get("leave_out", True))
-        equilibrium = solve_static(pencil, system.load, timer)
+        with factors_of(scene):
+            equilibrium = solve_static(pencil, system.load, timer)
         x = equilibrium.displacement
         with timer("post-processing"):
             reactions = support_reactions(system, x, equilibrium.forces)
@@ -40,7 +42,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
         }
         warnings = system_warnings(scene, system)
         if system.steady is None:
-            warnings = (*warnings, *doubtful_motions(scene, system, x))
+            warnings = (*warnings, *motion_warnings(scene, system, x))
     return Result(
         scene,
         timer,

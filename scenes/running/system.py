@@ -10,9 +10,8 @@ from cea.errors import ResultWarning
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies, build_interfaces, build_system
-from scenes.checking.doubts import doubtful_motions, doubtful_numbers, overlapping_bodies
-from scenes.checking.memory import check_memory
-from scenes.checking.warnings import scene_warnings
+from scenes.checking.memory import check_memory, factors_of
+from scenes.checking.warnings import warnings_of
 from scenes.spec.reading import Scene
 
 
@@ -58,7 +57,8 @@ def coupled(
         from cea.system.support_forces import support_reactions
 
         steps = scene.analysis.load_steps
-        steady = steady_sliding(system, timer, steps=steps or 1, history=steps is not None)
+        with factors_of(scene):
+            steady = steady_sliding(system, timer, steps=steps or 1, history=steps is not None)
         with timer("assembly"):
             system = system.linearised(steady, geometric_stiffness=scene.stiffened_by_stress)
         with timer("post-processing"):
@@ -71,16 +71,9 @@ def system_warnings(
     scene: Scene, system: CoupledSystem, values: Mapping[str, float] | None = None
 ) -> tuple[ResultWarning, ...]:
     """What bodies, contacts, their forms and steady sliding must be read with; collective."""
-    found = [*doubtful_numbers(scene), *overlapping_bodies(scene, system.bodies)]
-    if scene.rotates:
-        from scenes.checking.rotation import faster_than_waves
-
-        found += faster_than_waves(scene, system.bodies)
-    found += scene_warnings(scene, system.contacts)
-    found += system.warnings_at(values or {})
+    found = [*warnings_of(scene, system.bodies, system.contacts), *system.warnings_at(values or {})]
     if system.steady is not None:
-        from scenes.checking.steady import steady_warnings
+        from scenes.checking.equilibrium import steady_warnings
 
         found += steady_warnings(scene, system, system.steady)
-        found += doubtful_motions(scene, system, system.steady.displacement)
     return tuple(found)

@@ -352,6 +352,23 @@ class BodySpec:
         return found
 
     @property
+    def division(self) -> FeMesh | IgaMesh | None:
+        """Its mesh on its backend; None of a mesh file."""
+        return self.mesh.fe if self.backend == "fe" else self.mesh.iga
+
+    @property
+    def degree(self) -> int:
+        """Lowest degree of its elements."""
+        mesh = self.division
+        return min(mesh.degree) if isinstance(mesh, IgaMesh) else self.fe_degree or 0
+
+    @property
+    def smooth(self) -> bool:
+        """Whether its elements are splines of some continuity."""
+        mesh = self.division
+        return isinstance(mesh, IgaMesh) and min(mesh.continuities) > 0
+
+    @property
     def fe_degree(self) -> int | None:
         """Degree of its Lagrange elements; None where it has none."""
         if isinstance(self.geometry, MeshFile):

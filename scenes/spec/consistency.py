@@ -1,14 +1,18 @@
 """What is wrong with a scene between its fields, each of which is right by itself."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict
 from math import inf
 from typing import Any
 
+import numpy as np
+
+from cea.arrays import Floats, of_size_one
 from cea.contact.formulations import registered
 from cea.errors import InputError, did_you_mean
 from cea.expressions import Expression
-from cea.supports.boundary import check_surface
+from cea.motion import Rotation
+from cea.supports.boundary import Support, check_surface
 from meshes.breaks import breaks_of
 from meshes.edge_layers import check_room, run_along
 from meshes.mesh_file import MeshFile
@@ -33,20 +37,8 @@ _LONGEST = 100
 _PARTING = set(".,[] ")
 """Characters that part the names of a path, which no name may hold."""
 _SCALES = (
-    "E",
-    "rho",
-    "P",
-    "p",
-    "c_n",
-    "max_frequency",
-    "size",
-    "inner_radius",
-    "outer_radius",
-    "bore",
-    "hub_radius",
-    "reach",
-    "speed",
-    "frequencies",
+    *("E", "rho", "P", "p", "c_n", "max_frequency", "speed", "frequencies"),
+    *("size", "inner_radius", "outer_radius", "bore", "hub_radius", "reach"),
 )
 """Fields that set scales, and may not be next to nothing; coordinates and the like may."""
 _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
@@ -54,14 +46,23 @@ _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
 _THIN = 1e-12
 """Smallest range of a coordinate, relative to the coordinate."""
 _CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
+_AXISYMMETRIC = ("annulus", "hub", "disc", "ring")
+"""Shapes that a rotation about their own axis leaves as they are, and all of their surfaces."""
+_ASIDE = 1e-9
+"""Distance of an axis from that of a shape, relative to its radius, and sine of their angle."""
+_ALIKE = "alike all round the axis of the rotation where a body that rotates is damped"
+
+_Tensor = Callable[[Floats, Floats, Floats], Floats]
+"""A matrix at a point and a normal (1, dim) of a body that is turned by a rotation (dim, dim)."""
 _NEEDS = "left out where no contact has c_n: no state of steady sliding is sought"
 
 
 def cross_checks(scene: Scene) -> Faults:
     """Faults between fields, each of which is right by itself."""
     faults = Faults()
+    need = faults.require
     _limit_checks(faults, scene)
-    faults.require(bool(scene.bodies), "bodies", {}, "at least one body")
+    need(bool(scene.bodies), "bodies", {}, "at least one body")
     for name, body in scene.bodies.items():
         _body_checks(faults, f"bodies.{name}", body)
         if scene.analysis.kind == "cea" or body.rotates_in_equilibrium:
@@ -72,15 +73,14 @@ def cross_checks(scene: Scene) -> Faults:
         _contact_checks(faults, scene, f"contacts.{name}", contact, known)
         first = pairs.setdefault(frozenset((contact.a, contact.b)), name)
         allowed = f"other sides than contacts.{first}, which joins the same surfaces"
-        sides = f"{contact.a} on {contact.b}"
-        faults.require(first == name, f"contacts.{name}.a", sides, allowed)
+        need(first == name, f"contacts.{name}.a", f"{contact.a} on {contact.b}", allowed)
     for i, load in enumerate(scene.loads):
         place = f"loads.{i}"
         if load.surface is not None:
             faults.of(check_surface, load.surface, known, f"{place}.surface")
         else:
             allowed = f"one of {', '.join(scene.bodies)}{did_you_mean(load.body, scene.bodies)}"
-            faults.require(load.body in scene.bodies, f"{place}.body", load.body, allowed)
+            need(load.body in scene.bodies, f"{place}.body", load.body, allowed)
         if load.on in scene.bodies:
             lists = {f"{place}.force": load.force, f"{place}.body_force": load.body_force}
             _length_checks(faults, lists, scene.bodies[load.on].dim, "the components")
@@ -91,6 +91,7 @@ def cross_checks(scene: Scene) -> Faults:
 
 def _limit_checks(faults: Faults, scene: Scene) -> None:
     """Names that no path holds, more items than anybody has, and extreme numbers."""
+    need = faults.require
     check_scene_name(faults, scene.name)
     counts = {name: len(getattr(scene, name)) for name in ("bodies", "contacts", "loads")}
     names = [(kind, name) for kind in ("bodies", "contacts") for name in getattr(scene, kind)]
@@ -99,18 +100,18 @@ def _limit_checks(faults: Faults, scene: Scene) -> None:
         counts[f"bodies.{name}.springs"] = len(body.springs)
         names += [(f"bodies.{name}.geometry.faces", each) for each in body.geometry.surfaces]
     for place, count in counts.items():
-        faults.require(count <= MAX_ITEMS, place, f"{count} of them", f"at most {MAX_ITEMS}")
+        need(count <= MAX_ITEMS, place, f"{count} of them", f"at most {MAX_ITEMS}")
+    allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
     for place, name in names:
         fits = 0 < len(name) <= _LONGEST and name.isprintable() and not set(name) & _PARTING
-        allowed = f"1 to {_LONGEST} printable characters, no dot, comma, bracket or blank"
-        faults.require(fits, place, name, allowed)
-    numbers = [each for each in leaves(asdict(scene)) if isinstance(each[1], int | float)]
-    for place, number in numbers:
-        field = next(part for part in reversed(place.split(".")) if not part.isdecimal())
-        largest, tied = _LARGEST_OF.get(field, LARGEST), field in ("P", "p") and number == inf
-        faults.require(abs(number) <= largest or tied, place, number, f"at most {largest:g}")
-        vanishes = field in _SCALES and 0 < abs(number) < SMALLEST
-        faults.require(not vanishes, place, number, f"at least {SMALLEST:g}")
+        need(fits, place, name, allowed)
+    for place, number in leaves(asdict(scene)):
+        if isinstance(number, int | float):
+            field = next(part for part in reversed(place.split(".")) if not part.isdecimal())
+            largest, tied = _LARGEST_OF.get(field, LARGEST), field in ("P", "p") and number == inf
+            need(abs(number) <= largest or tied, place, number, f"at most {largest:g}")
+            vanishes = field in _SCALES and 0 < abs(number) < SMALLEST
+            need(not vanishes, place, number, f"at least {SMALLEST:g}")
 
 
 def check_scene_name(faults: Faults, name: str) -> None:
@@ -131,10 +132,10 @@ def _length_checks(
 def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
     """Meshes, places, supports and springs that do not suit a shape."""
     shape, known, mesh, dim = body.geometry, body.geometry.surfaces, body.mesh, body.dim
-    before = len(faults)
+    before, need = len(faults), faults.require
     for name, (low, high) in zip(shape.directions, shape.extent, strict=True):
-        wide, allowed = high - low > _THIN * max(abs(low), abs(high)), "a range beyond rounding"
-        faults.require(wide, f"{place}.geometry", f"{name} from {low} to {high}", allowed)
+        wide, span = high - low > _THIN * max(abs(low), abs(high)), f"{name} from {low} to {high}"
+        need(wide, f"{place}.geometry", span, "a range beyond rounding")
     if len(faults) == before:
         _mesh_checks(faults, f"{place}.mesh", body)
     faults.of(body.placement.check, dim, f"{place}.placement")
@@ -147,35 +148,96 @@ def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
         _length_checks(faults, lists, dim, "the components")
         faults.of(check_surface, spring.surface, known, f"{place}.springs.{i}.surface")
     if body.rotation is not None:
-        from scenes.spec.rotation_checks import rotation_checks
-
-        rotation_checks(faults, place, body, body.rotation)
+        _rotation_checks(faults, place, body, body.rotation)
     suited = ("iga",) if shape.shape in ("patches", "nurbs_file") else ("fe", "iga")
     suited = ("fe",) if isinstance(shape, MeshFile | VentilatedDisc) else suited
     allowed = f"{suited[0]!r} for shape = {shape.shape!r}"
-    faults.require(body.backend in suited, f"{place}.backend", body.backend, allowed)
-    if mesh == MeshSpec() and not isinstance(shape, MeshFile):
-        faults.append(InputError(f"{place}.mesh", None, "field required, but for a mesh file"))
-    elif not isinstance(shape, MeshFile):
-        given, allowed = getattr(mesh, body.backend) is not None, f"needed for {body.backend!r}"
-        faults.require(given, f"{place}.mesh.{body.backend}", None, allowed)
+    need(body.backend in suited, f"{place}.backend", body.backend, allowed)
+    if isinstance(shape, MeshFile):
+        return
+    given, some = body.division is not None, mesh != MeshSpec()
+    need(some, f"{place}.mesh", None, "field required, but for a mesh file")
+    allowed = f"needed for {body.backend!r}"
+    need(given or not some, f"{place}.mesh.{body.backend}", None, allowed)
+
+
+def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotation) -> None:
+    """Rotations that do not leave a body as it is, and what does not suit them."""
+    shape, dim, damping = body.geometry.shape, body.dim, body.damping
+    faults.of(rotation.check, dim, f"{place}.rotation")
+    allowed = f"{', '.join(_AXISYMMETRIC)} to rotate"
+    faults.require(shape in _AXISYMMETRIC, f"{place}.geometry.shape", shape, allowed)
+    if faults:
+        return
+    axis, here = body.placement.rotation[:, 2], body.placement.translation
+    parallel, on_axis = _are_parallel(axis, rotation.axis), _is_on_axis(body, rotation.origin)
+    faults.require(parallel, f"{place}.rotation.axis", rotation.axis, f"along {axis.tolist()}")
+    allowed = f"a point of the axis of the body, as {list(here)}"
+    faults.require(on_axis, f"{place}.rotation.origin", rotation.origin, allowed)
+    law, strains = body.material.elasticity, np.square(np.arange(1.0, dim**2 + 1))
+
+    def stress(x: Floats, _: Floats, turn: Floats) -> Floats:
+        gradient = turn @ strains.reshape(dim, dim) @ turn.T
+        return law.stress(gradient[..., None], x.T)[..., 0]
+
+    alike, allowed = _turns(stress, rotation, dim), "the same all round the rotation"
+    faults.require(alike, f"{place}.material", body.material.kind, allowed)
+    for i, spec in enumerate(body.supports):
+        support = spec.support()
+        at_rest = not (body.rotates_in_equilibrium and support.prescribes)
+        allowed = "zero where a body rotates with damping or convective stiffness"
+        faults.require(at_rest, f"{place}.supports.{i}.value", spec.value, allowed)
+
+        def held(x: Floats, normal: Floats, _: Floats, support: Support = support) -> Floats:
+            directions = support.directions(x, normal)[:, 0]
+            return directions.T @ directions
+
+        alike = damping is None or _turns(held, rotation, dim)
+        faults.require(alike, f"{place}.supports.{i}", list(spec.components), _ALIKE)
+    for i, spring in enumerate(body.springs if damping is not None and damping.modal else ()):
+        stiffness = spring.stiffness
+        alike = _turns(lambda *_, k=stiffness: np.diag(k), rotation, dim)
+        allowed = f"{_ALIKE} mode by mode"
+        faults.require(alike, f"{place}.springs.{i}.stiffness", stiffness, allowed)
+
+
+def _turns(tensor: _Tensor, rotation: Rotation, dim: int) -> bool:
+    """Whether a tensor turns with the point it is at, by a radian about the axis."""
+    spin, origin = rotation.spin(dim), np.asarray(rotation.origin[:dim], dtype=float)
+    turn = np.eye(dim) + np.sin(1.0) * spin + (1 - np.cos(1.0)) * spin @ spin
+    arm, normal = np.sqrt([[2.0, 3.0, 5.0], [0.5, 0.3, 0.2]])[:, None, :dim]  # along no axis
+    here = turn @ tensor(origin + arm, normal, np.eye(dim)) @ turn.T
+    there = tensor(origin + arm @ turn.T, normal @ turn.T, turn)
+    return bool(np.abs(here - there).max() <= _ASIDE * np.abs(here).max())
+
+
+def _are_parallel(one: Iterable[float], other: Iterable[float]) -> bool:
+    first, second = (of_size_one(tuple(each)) for each in (one, other))
+    sine = np.linalg.norm(np.cross(first, second)) / np.linalg.norm(first) / np.linalg.norm(second)
+    return bool(sine <= _ASIDE)
+
+
+def _is_on_axis(body: BodySpec, point: Iterable[float]) -> bool:
+    x = np.array([*point, 0.0])[:3]
+    arm = np.cross(body.placement.rotation[:, 2], x - body.placement.translation)
+    return bool(np.linalg.norm(arm) <= _ASIDE * body.geometry.extent[0][1])
 
 
 def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
     """Cells, numbers and sizes of elements that do not suit a shape."""
     shape, fe, iga, degree = body.geometry, body.mesh.fe, body.mesh.iga, body.mesh.degree
+    need = faults.require
     if isinstance(shape, MeshFile):
-        for name, given in (("fe", fe), ("iga", iga)):
-            allowed = "left out: cells are those of the file; mesh.degree may be given"
-            faults.require(given is None, f"{place}.{name}", given, allowed)
+        allowed = "left out: cells are those of the file; mesh.degree may be given"
+        need(fe is None, f"{place}.fe", fe, allowed)
+        need(iga is None, f"{place}.iga", iga, allowed)
         return
     allowed = "left out but of a mesh file: fe.degree or iga.degree says it"
-    faults.require(degree is None, f"{place}.degree", degree, allowed)
+    need(degree is None, f"{place}.degree", degree, allowed)
     if fe is not None and fe.size is not None and body.backend == "fe":
-        length = max(body.lengths)
-        allowed = f"{length / MAX_ELEMENTS:.3g} to {length:.3g} (m), the length of the body"
-        fits = length / MAX_ELEMENTS <= fe.size <= length
-        faults.require(fits, f"{place}.fe.size", fe.size, allowed)
+        most = max(body.lengths)
+        allowed = f"{most / MAX_ELEMENTS:.3g} to {most:.3g} (m), the length of the body"
+        need(most / MAX_ELEMENTS <= fe.size <= most, f"{place}.fe.size", fe.size, allowed)
     if isinstance(shape, VentilatedDisc):
         if fe is not None:
             _unstructured_checks(faults, f"{place}.fe", fe)
@@ -183,7 +245,7 @@ def _mesh_checks(faults: Faults, place: str, body: BodySpec) -> None:
     lists: dict[str, tuple[int, ...] | None] = {}
     if fe is not None:
         cells = _CELLS[body.dim]
-        faults.require(fe.cell in cells, f"{place}.fe.cell", fe.cell, " or ".join(cells))
+        need(fe.cell in cells, f"{place}.fe.cell", fe.cell, " or ".join(cells))
         lists[f"{place}.fe.elements"] = fe.elements
     if iga is not None:
         lists[f"{place}.iga.degree"] = iga.degree

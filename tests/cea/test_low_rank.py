@@ -5,10 +5,9 @@ import pytest
 from blocks import assemble, two_blocks
 from covering import covering
 from eigen_numbers import damped
-from petsc_matrices import dense_pencil, quadratic_eigenvalues, to_petsc
+from petsc_matrices import dense_pencil, to_petsc
 
 from cea.eigen.coefficients import Coefficient, Parameter
-from cea.eigen.driver import solve_modes
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil, Term
 from cea.eigen.shifted import Shifted, UpdatedFactors
@@ -24,20 +23,6 @@ def with_piece(pencil, piece):
     term = UnformedTerm(piece, Coefficient.of({"d": (1.0, 1.0)}))
     parameters = [*pencil.parameters.values(), Parameter("d", 1.0)]
     return Pencil(pencil.terms, parameters, pencil.forces, [term])
-
-
-@pytest.fixture(scope="module")
-def pencil():
-    """An unsymmetric pencil of 8 unknowns, damped by a piece of low rank alone."""
-    rng = np.random.default_rng(8)
-    turn = rng.standard_normal((8, 8))
-    terms = [
-        Term("mass", to_petsc(np.diag(np.linspace(1.0, 2.0, 8)))),
-        Term("stiffness", to_petsc(np.diag(np.linspace(1.0, 20.0, 8)))),
-        Term("stiffness", to_petsc(0.3 * turn), symmetric=False),
-    ]
-    piece = LowRank(rng.standard_normal((8, 2)), np.array([0.02, 0.1]))
-    return with_piece(Pencil(terms), piece)
 
 
 @pytest.mark.parametrize(
@@ -62,7 +47,7 @@ def test_systems_are_those_of_the_full_matrix(backend, form, shift):
     factors.free()
 
 
-def test_signs_of_determinants_know_the_piece(pencil):
+def test_signs_of_determinants_know_the_piece():
     """Negative stiffness: some shifts have an odd number of real eigenvalues beyond them."""
     stiffness = np.diag([-2.0, -1.0, 3.0, 4.0])
     terms = [
@@ -109,21 +94,3 @@ def test_singular_sums_are_refused():
         update(A, root, -1.0)
     with pytest.raises(ConvergenceError, match="singular"):
         update(np.diag([1.0, 2.0, 1e-320]), np.eye(3)[:, 2:], 1.0)
-
-
-def test_modes_are_those_of_the_full_matrix(pencil):
-    modes = solve_modes(pencil, 0.6, left=True)
-    values, x, y = modes.eigenvalues, modes.vectors, modes.left.vectors
-    M, C, K = dense_pencil(pencil.at())
-    every = quadratic_eigenvalues(M, C, K)
-    inside = (every.imag >= 0) & (every.imag <= 1.2 * np.pi)
-    inside &= every.real >= modes.window.min_growth
-    assert np.sort_complex(values) == pytest.approx(np.sort_complex(every[inside]), rel=1e-11)
-    assert len(values) > 3
-    assert modes.window.complete
-    for i, value in enumerate(values):
-        P = value**2 * M + value * C + K
-        scale = 1e-12 * np.linalg.norm(K)
-        assert np.linalg.norm(P @ x[:, i]) < scale
-        assert np.linalg.norm(y[:, i].conj() @ P) < scale * np.linalg.norm(y[:, i])
-        assert y[:, i].conj() @ (2 * value * M + C) @ x[:, i] == pytest.approx(2 * value)

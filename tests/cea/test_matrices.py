@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
-from cea.eigen.blocks import image_of
+from cea.eigen.blocks import times
 
 
 @pytest.mark.parametrize("order", ["F", "C"])
@@ -15,8 +15,8 @@ def test_products_with_many_columns_are_those_column_by_column(order, monkeypatc
     matrix = PETSc.Mat().createDense((30, 30), array=entries.T.ravel()).convert("aij")
     columns = np.array(rng.standard_normal((30, 19)), order=order)
     before = columns.copy()
-    image = image_of(matrix, columns)
+    image = times(matrix, columns)
     assert image.flags.f_contiguous
     assert image == pytest.approx(entries @ columns, abs=1e-13)
     assert np.array_equal(columns, before)
-    assert np.array_equal(image_of(matrix, columns[:, 8:9])[:, 0], image[:, 8])
+    assert np.array_equal(times(matrix, columns[:, 8:9])[:, 0], image[:, 8])

@@ -112,9 +112,8 @@ def test_with_coriolis_forces_decay_is_that_in_the_frame_of_the_material(backend
 
 
 @pytest.mark.parametrize("kind", ["beta", "modal", "all"])
-@pytest.mark.parametrize(("rate", "larger"), [(1e-3, False), (2.0, True)])
-def test_systems_are_solved_by_factors_without_it_or_with_it(kind, rate, larger):
-    """Where it is small a series of solves without it does, else factors of more unknowns."""
+@pytest.mark.parametrize("rate", [1e-3, 2.0])
+def test_systems_with_it_are_solved(kind, rate):
     made = system("fe", kind)
     M, D, K = sums(made, **{RATE: rate})
     matrices = made.pencil().at({RATE: rate})
@@ -122,7 +121,6 @@ def test_systems_are_solved_by_factors_without_it_or_with_it(kind, rate, larger)
     x = rng.normal(size=(len(M), 3)) + 1j * rng.normal(size=(len(M), 3))
     for shift in (0.2, 0.3):
         factors = Shifted.quadratic(matrices, shift)
-        assert (factors._factors.matrix.getSize()[0] > len(M)) == larger
         P = shift**2 * M + shift * D + K
         for transposed, matrix in ((False, P), (True, P.T)):
             b = np.asfortranarray(matrix @ x)

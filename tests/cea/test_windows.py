@@ -12,7 +12,7 @@ from petsc_matrices import dense_pencil
 from random_pencils import pencil_of
 
 from cea.eigen import window
-from cea.eigen.driver import EigenSolver, run_window, solve_modes
+from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.field_of_values import field_of_values
 from cea.eigen.krylov_schur import KrylovOptions, krylov_schur
 from cea.eigen.regions import distance_of_cone, distance_within, touching_disc
@@ -278,11 +278,11 @@ def test_a_mode_that_rounding_moved_out_of_an_empty_window_is_told(options):
     """Rounding of 1e12 moves kappa = 1e-8 by 1e-4: it may lie anywhere about the window."""
     pencil = pencil_with([np.diag([1e-8, *np.logspace(6, 12, 29)])])
     with EigenSolver(pencil, options) as driver, pytest.raises(ConvergenceError, match="rounding"):
-        run_window(driver, 1e-4 * HERTZ * 2)
+        driver.solve(1e-4 * HERTZ * 2, hints=True)
 
 
 def test_an_empty_window_names_the_lowest_mode_above():
     with EigenSolver(pencil_with([np.diag([4.0, 9.0, 16.0])])) as driver:
-        modes = run_window(driver, 1.0 * HERTZ)
+        modes = driver.solve(1.0 * HERTZ, hints=True)
     assert len(modes) == 0
     assert modes.window.lowest == pytest.approx(2.0 * HERTZ, rel=1e-9)

@@ -1,25 +1,26 @@
-"""Studies of formulations: locking, patch tests, momentum."""
+"""Studies of formulations: locking, patch tests between meshes of any kind, momentum, pairings."""
 
+from dataclasses import replace
 from functools import cache
+from itertools import product
 from pathlib import Path
 from tempfile import mkdtemp
 
 import numpy as np
 import pytest
 
+from cea.contact.formulations import Mortar, Segments
+from cea.timing import StageTimer
+from comparisons import agreement
 from comparisons.formulations import locking, patch_tests
 from comparisons.formulations.patch_tests import PRESSURE, PROBLEMS
 from comparisons.formulations.study import STUDY, Options
 from comparisons.study.run import run
-from scenes import run_scene
+from scenes import run_modes, run_scene
+from scenes.building.build import build_bodies
+from scenes.spec.reading import with_contact
 
 YARDSTICKS = ("segments", "mortar")
-QUICK = {
-    "P": (1e2, 1e6, 1e14),
-    "gauss": (5,),
-    "samples": 9,
-    "meshes": ("hexahedra", "quadrilaterals", "NURBS"),
-}
 
 
 def part(name, **options):
@@ -37,13 +38,15 @@ def few_locking():
 def patch_test(interface):
     """Flat interfaces with every formulation; curved ones with a few."""
     few = ("GPTS 5", "GPTS 5, lumped", *YARDSTICKS) if interface == "curved" else ()
-    return part("patch_tests", interfaces=(interface,), formulations=few, **QUICK)
+    options = {"P": (1e2, 1e6, 1e14), "gauss": (5,), "samples": 9, "formulations": few}
+    options |= {"meshes": ("hexahedra", "quadrilaterals", "NURBS"), "interfaces": (interface,)}
+    return part("patch_tests", **options)
 
 
-def errors(frame, **labels):
-    for name, value in labels.items():
-        frame = frame[frame[name] == value]
-    return frame["error"].to_numpy(dtype=float)
+def errors(backend, formulation):
+    """Errors of locking at finite stiffness."""
+    rows = few_locking().frame("locking").query("p < inf and backend == @backend")
+    return rows.loc[rows["formulation"] == formulation, "error"].to_numpy(dtype=float)
 
 
 @pytest.mark.grid(quick=1)
@@ -52,20 +55,15 @@ def errors(frame, **labels):
 )
 def test_segments_lock_and_mortar_does_not(backend, expected):
     """Of NURBS the eigenvalue nearest to the sixth at p = 1e6 is the fifth, 3e-2 away."""
-    finite = few_locking().frame("locking").query("p < inf")
-    segments, mortar = (errors(finite, backend=backend, formulation=f) for f in YARDSTICKS)
+    segments, mortar = (errors(backend, each) for each in YARDSTICKS)
     np.testing.assert_allclose(segments, expected, rtol=0.03)
     np.testing.assert_allclose(mortar, expected[0], rtol=0.02)
 
 
-def test_what_locks_is_told():
-    """Of both backends segments, and no formulation with as many points as traces."""
+def test_what_locks_is_told_and_as_many_points_as_traces_do_not():
     assert locking.locked(few_locking()) == {"fe": ["segments"], "iga": ["segments"]}
-
-
-def test_as_many_points_as_traces_do_not_lock():
-    greville = few_locking().frame("locking").query("formulation == 'Greville' and p < inf")
-    np.testing.assert_allclose(greville["error"], [7.9e-5, 9.4e-5, 9.4e-5], rtol=0.03)
+    np.testing.assert_allclose(errors("iga", "Greville"), [7.9e-5, 9.4e-5, 9.4e-5], rtol=0.03)
+    greville = few_locking().frame("locking").query("formulation == 'Greville'")
     assert set(greville["points"]) == set(greville["traces"]) == {14}
 
 
@@ -84,10 +82,9 @@ def test_yardsticks_pass_and_points_do_not():
 @pytest.mark.slow
 def test_curved_interfaces_need_the_same_geometry_on_both_sides():
     """NURBS pass within their own quadrature; chords and arcs of Lagrange meshes leave gaps."""
-    frame = patch_tests.runs(patch_test("curved"))
+    frame = patch_tests.runs(patch_test("curved")).query("formulation == 'mortar'")
     nurbs, lagrange = (
-        frame[(frame["meshes"] == f"{m} on {m}") & (frame["formulation"] == "mortar")]
-        for m in ("NURBS", "quadrilaterals")
+        frame[frame["meshes"] == f"{kind} on {kind}"] for kind in ("NURBS", "quadrilaterals")
     )
     assert lagrange["own_error"].max() < 1e-12
     assert nurbs["error"].max() < 4 * nurbs["own_error"].max() < 5e-5
@@ -95,24 +92,28 @@ def test_curved_interfaces_need_the_same_geometry_on_both_sides():
     assert lagrange["error"].max() < 1e-3
 
 
+FLAT, ROTATED, CURVED = (
+    next(problem for problem in PROBLEMS if problem.name == name)
+    for name in ("flat", "rotated", "curved")
+)
+
+
 @pytest.mark.convergence
 @pytest.mark.parametrize(
-    ("meshes", "backend", "order"), [("quadrilaterals", "fe", 3.0), ("NURBS", "iga", 3.9)]
+    ("meshes", "backend", "order", "bound"),
+    [("quadrilaterals", "fe", 3.0, 7e-4), ("NURBS", "iga", 3.9, 4e-5)],
 )
-def test_error_on_curved_interfaces_falls_with_the_mesh(meshes, backend, order):
+def test_error_on_curved_interfaces_falls_with_the_mesh(meshes, backend, order, bound):
     """As the gap between arcs of degree 2, of order 3; or as the quadrature of NURBS."""
-    (curved,) = [problem for problem in PROBLEMS if problem.name == "curved"]
     worst = []
     for k in (1, 2, 4):
-        refined = [
-            f"bodies.upper.mesh.{backend}.elements=[{k}, {3 * k}]",
-            f"bodies.lower.mesh.{backend}.elements=[{k}, {5 * k}]",
-        ]
-        result = run_scene(curved.scene((meshes, meshes), 1e6, refined))
+        around = {"upper": 3 * k, "lower": 5 * k}
+        refined = [f"bodies.{b}.mesh.{backend}.elements=[{k}, {n}]" for b, n in around.items()]
+        result = run_scene(CURVED.scene((meshes, meshes), 1e6, refined))
         sides = result.stresses["interface"].values()
         worst.append(max(np.abs(side.sigma_n / PRESSURE + 1).max() for side in sides))
     assert np.polyfit([0, 1, 2], -np.log2(worst), 1)[0] == pytest.approx(order, abs=0.1)
-    assert worst[0] < {"fe": 7e-4, "iga": 4e-5}[backend]
+    assert worst[0] < bound
 
 
 @pytest.mark.grid(quick=1)
@@ -127,3 +128,108 @@ def test_momentum(interface):
         assert row["angular_normal"] < 1e-9
         gaps = interface == "curved" and row["meshes"] != "NURBS on NURBS"
         assert row["angular_friction"] < (1e-4 if gaps else 1e-13)
+
+
+KINDS = ("hexahedra", "tetrahedra", "NURBS")
+APART = "bodies.upper.placement={translation=[0.0, 0.0, 0.05]}", "contacts.interface.reach=0.06"
+WHERE = {
+    "flat": (FLAT, ()),
+    "rotated": (ROTATED, ()),
+    "offset": (FLAT, APART),
+    "matching": (FLAT, [f"bodies.upper.mesh.{kind}.elements=[5, 5, 1]" for kind in ("fe", "iga")]),
+}
+CASES = [
+    *product(product(KINDS, KINDS), ("flat", "rotated", "offset")),
+    *(((kind, kind), "matching") for kind in ("hexahedra", "NURBS")),
+]
+
+
+def worst_error(pair, where, P, formulations, form="penalty"):
+    """Largest relative error of the normal stress of some formulations; bodies are built once."""
+    problem, more = WHERE[where]
+    scene = problem.scene(pair, P, [*more, f"contacts.interface.form='{form}'"])
+    bodies = build_bodies(scene, StageTimer())
+    results = [
+        run_scene(with_contact(scene, formulation=each), bodies=bodies) for each in formulations
+    ]
+    sides = [side for result in results for side in result.stresses["interface"].values()]
+    return max(np.abs(side.sigma_n / -PRESSURE - 1).max() for side in sides)
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize(("pair", "where"), CASES, ids=str)
+def test_exact_integration_passes(pair, where):
+    assert worst_error(pair, where, 1e6, (Segments(), Mortar())) < 1e-10
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize("P", [1e2, 1e20, float("inf")])
+@pytest.mark.parametrize("pair", [("tetrahedra", "NURBS"), ("NURBS", "hexahedra")])
+def test_in_the_saddle_form_at_any_stiffness(pair, P):
+    assert worst_error(pair, "rotated", P, (Mortar(),), "saddle") < 1e-8
+
+
+# Both backends beside each other: pairs of unstable modes.
+MIXED = "NURBS on finite elements"
+"""Pad on disc."""
+
+
+@pytest.fixture(scope="module")
+def beside(tmp_path_factory):
+    """Two formulations of the study on its quick options."""
+    some = [{"formulation": each} for each in ("GPTS", "mortar")]
+    study = replace(agreement.STUDY, cases=lambda options: some)
+    return run(study, study.options(**study.quick), tmp_path_factory.mktemp("agreement") / "out")
+
+
+def test_unstable_modes_of_both_backends_are_paired_and_their_shapes_kept(beside):
+    frame = beside.frame("agreement")
+    (gpts,) = frame[frame["formulation"] == "GPTS"].to_dict("records")
+    assert gpts["modal_assurance"] > 0.99
+    assert abs(gpts["frequency_change"]) < 0.02
+    unstable = agreement.unstable(beside)
+    assert unstable["run"].nunique() == 5
+    assert (unstable["growth"] > 0).all()
+    modes = [case["shapes"]["modes"].items() for case in beside.cases]
+    assert set(unstable["shape"]) <= {
+        f"{k}/{m}" for each in modes for k, found in each for m in found
+    }
+
+
+def test_pairings_find_the_same_unstable_mode(beside):
+    runs = beside.frame()
+    assert runs["complete"].all()
+    assert (runs["found"] > 20).all()
+    assert runs["dofs"].iloc[-1] > runs["dofs"].iloc[-2]
+    pairs = beside.frame("agreement").query("formulation == 'mortar'")
+    assert len(pairs) == 4
+    assert (pairs["modal_assurance"][:3] > 0.99).all()
+    # The disc decides: these meshes of it are coarse, and of both backends far apart.
+    bounds = [2e-2 if "on NURBS," in c else 1e-3 for c in pairs["compared"]]
+    assert (pairs["frequency_change"].abs()[:3] < bounds[:3]).all()
+
+
+@pytest.mark.slow
+def test_a_pairing_is_the_scene_with_mortar_and_the_backends_of_its_name(beside):
+    options = agreement.Options(**agreement.STUDY.quick)
+    scene = agreement.scene({"formulation": "mortar"}, options)[MIXED]
+    assert [scene.bodies[name].backend for name in ("pad", "disc")] == ["iga", "fe"]
+    modes = run_modes(scene).modes
+    (mode,) = agreement.unstable(beside).query("run == @MIXED").to_dict("records")
+    (i,) = modes.unstable(10.0).nonzero()[0]
+    assert mode["frequency"] == pytest.approx(modes.frequencies[i], rel=1e-9)
+    assert mode["growth"] == pytest.approx(modes.growth_rates[i], rel=1e-7)
+
+
+@pytest.mark.slow
+def test_pairings_on_the_meshes_of_the_scene(tmp_path):
+    """Six modes agree; the growth of that near a coalescence is another with a higher degree."""
+    only = {"formulation": "mortar"}
+    result = run(agreement.STUDY, agreement.Options(), tmp_path / "out", only=only)
+    pairs = result.frame("agreement")
+    finer = pairs["compared"].str.contains("degree")
+    assert (pairs[~finer].groupby("compared").size() == 6).all()
+    assert pairs[~finer]["within"].all()
+    (changed,) = pairs[finer & (pairs["growth_change"].abs() > 0.15)]["frequency_first"]
+    assert changed == pytest.approx(7986, abs=5)
+    assert "7 986 Hz" in agreement.headline(result).replace("\u202f", " ")

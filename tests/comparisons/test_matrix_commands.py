@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from external_data import external
-from matrix_files import companion, dense, inside, pieces, scene, write
-from mpi import command
+from matrix_files import dense, inside, pieces, read_here, scene, write
+from petsc_matrices import quadratic_eigenvalues
 from scipy.io import mmwrite
 from scipy.sparse import csr_array
 
@@ -31,14 +31,15 @@ PUBLISHED = """
     119.2 74.83 5.474 0.5738 9.587e-5 -0.04333 -1.122 -1.433 -1.834 -1.913 -2.367 -3.983 -6.571
 """
 """Growth rates of the brake at 2 turns a second."""
+
+
+@pytest.fixture(autouse=True)
+def _read_here(monkeypatch):
+    """Files are read in this process, but by processes that a test starts."""
+    monkeypatch.setattr("scenes.matrices.reading.arrays_of", read_here)
+
+
 SPEEDS = [1.0, 1.5, 2.0, 2.5, 3.0]
-
-
-def solved(folder, *arguments):
-    """What ``cea solve`` stored, and what it printed."""
-    done = command(*map(str, ("solve", *arguments, "--out", folder)))
-    assert done["code"] == 0, done["err"]
-    return json.loads((folder / "result.json").read_text()), done["out"]
 
 
 @pytest.fixture(scope="module")
@@ -62,68 +63,78 @@ def at(swept, i):
     return spectra.growth[i][there] + 2j * np.pi * spectra.frequency[i][there]
 
 
-@pytest.fixture(scope="module")
-def swept(folder):
-    toml = folder / "elsewhere" / "speed.toml"
-    return in_full(toml, "parameters.v=1:3:5", str(folder))
+def write_here(**files):
+    """Write matrices to the working directory; options that name them."""
+    options = {"M": "--mass", "K": "--stiffness", "C": "--damping"}
+    for name, matrix in files.items():
+        mmwrite(f"{name}.mtx", csr_array(matrix), precision=17, symmetry="general")
+    return [word for name in files for word in (options[name], f"{name}.mtx")]
 
 
-def test_solve_takes_matrices_and_writes_a_result(folder, tmp_path):
+def test_solve_takes_matrices_and_writes_a_result(cea, tmp_path):
     made = pieces()
-    for name, matrix in {"C": made["D"] + made["G"], "K": made["K"] + made["F"]}.items():
-        mmwrite(tmp_path / f"{name}.mtx", csr_array(matrix), precision=17)
-    files = ["--mass", folder / "M.mtx", "--stiffness", tmp_path / "K.mtx"]
-    files += ["--damping", tmp_path / "C.mtx"]
+    M, C, K = made["M"], made["D"] + made["G"], made["K"] + made["F"]
     window = ["--max-frequency", 0.6, "--min-growth", -1.0, "--growth-threshold", 0.01]
-    stored, printed = solved(tmp_path, *files, *window)
+    code, printed, told = cea("solve", *write_here(M=M, K=K, C=C), *window, "--out", "out")
+    assert not code, told
     assert "pictures" in printed.partition("left out, not needed: ")[2].splitlines()[0]
     assert printed.startswith("▲ solve: ")
+    stored = json.loads((tmp_path / "out" / "result.json").read_text())
     found = np.array([v["re"] + 1j * v["im"] for v in stored["eigenvalues"]])
-    true = companion(made["M"], made["D"] + made["G"], made["K"] + made["F"])
-    np.testing.assert_allclose(found, inside(true), rtol=1e-9)
+    np.testing.assert_allclose(found, inside(quadratic_eigenvalues(M, C, K)), rtol=1e-9)
     assert stored["inputs"]["min_growth"] == -1.0
     assert stored["verdict"] == "unstable"
 
 
-@pytest.mark.parametrize(
-    ("arguments", "field", "told"),
-    [
-        (["run", "tu_berlin"], "data", "do not come with it"),
-        (["run", "tu_berlin", "--data", "nowhere"], "files.M", "a file that is there"),
-        (["run", "tu_berlin", "--data", "x", "--set", "parameters.Omega=0"], "damping.DR",
-         "finite value"),
-        (["run", "tu_berlin", "--data", "x", "--backend", "fe"], "backend", "no bodies"),
-    ],
-)  # fmt: skip
-def test_faults_are_told_in_a_line(arguments, field, told, tmp_path):
-    done = command(*arguments, "--out", str(tmp_path))
-    assert done["code"] == 1
-    first = done["err"].splitlines()[0]
-    assert first.startswith(f"error: {field} = ")
-    assert told in first
-    assert not (tmp_path / "result.json").exists()
+@pytest.mark.parametrize("option", ["--symmetric", "--no-symmetric"])
+def test_solve_is_told_what_a_triangle_is(cea, tmp_path, option):
+    """Eigenvalues of [[2, 1], [., 1]]: (3 +- sqrt(5)) / 2 of both triangles, 2 and 1 of one."""
+    asked = ["solve", *write_here(M=np.eye(2), K=[[2.0, 1.0], [0.0, 1.0]]), "--max-frequency", 1]
+    code, _, told = cea(*asked)
+    assert code == 1
+    assert "--symmetric" in told
+    assert not cea(*asked, option, "--out", "out")[0]
+    stored = json.loads((tmp_path / "out" / "result.json").read_text())["eigenvalues"]
+    expected = [(3 - 5**0.5) / 2, (3 + 5**0.5) / 2] if option == "--symmetric" else [1, 2]
+    assert sorted(value["im"] ** 2 for value in stored) == pytest.approx(expected, rel=1e-9)
 
 
-def test_a_sweep_finds_at_each_value_what_lapack_finds(swept):
-    assert swept.points.values[:, 0].tolist() == SPEEDS
-    for i, speed in enumerate(SPEEDS):
-        np.testing.assert_allclose(at(swept, i), inside(dense(pieces(), speed)), rtol=1e-9)
-    assert swept.record["failed"] == []
-    assert swept.record["command"] == "sweep"
-
-
-def test_terminals_without_letters_for_marks_end_no_run(tmp_path):
-    for name, matrix in {"M": np.eye(2), "K": np.array([[4.0, 1.0], [-1.0, 4.0]])}.items():
-        mmwrite(tmp_path / f"{name}.mtx", csr_array(matrix))
-    files = ["--mass", tmp_path / "M.mtx", "--stiffness", tmp_path / "K.mtx"]
-    arguments = ["solve", *files, "--max-frequency", "1", "--out", tmp_path]
+def test_terminals_without_letters_for_marks_end_no_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    files = write_here(M=np.eye(2), K=[[4.0, 1.0], [-1.0, 4.0]])
     done = subprocess.run(
-        [Path(sys.executable).with_name("cea"), *map(str, arguments)],
+        [Path(sys.executable).with_name("cea"), "solve", *files, "--max-frequency", "1"],
         capture_output=True,
         env=os.environ | {"PYTHONIOENCODING": "ascii"},
     )
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(b"? solve: 2 modes up to 1 Hz: 1 unstable")
+
+
+@pytest.mark.parametrize(
+    ("line", "field", "told"),
+    [
+        ("run tu_berlin", "data", "do not come with it"),
+        ("run tu_berlin --data nowhere", "files.M", "a file that is there"),
+        ("run tu_berlin --data x --set parameters.Omega=0", "damping.DR", "finite value"),
+        ("run tu_berlin --data x --backend fe", "backend", "no bodies"),
+    ],
+)
+def test_faults_are_told_in_a_line(line, field, told, cea, tmp_path):
+    code, _, fault = cea(*line.split(), "--out", "out")
+    assert code == 1
+    assert fault.startswith(f"error: {field} = ")
+    assert told in fault.splitlines()[0]
+    assert not (tmp_path / "out" / "result.json").exists()
+
+
+def test_a_sweep_finds_at_each_value_what_lapack_finds(folder):
+    swept = in_full(folder / "elsewhere" / "speed.toml", "parameters.v=1:3:5", str(folder))
+    assert swept.points.values[:, 0].tolist() == SPEEDS
+    for i, speed in enumerate(SPEEDS):
+        np.testing.assert_allclose(at(swept, i), inside(dense(pieces(), speed)), rtol=1e-9)
+    assert swept.record["failed"] == []
+    assert swept.record["command"] == "sweep"
 
 
 def test_a_race_is_one_of_the_same_eigenvalues(folder):
@@ -161,18 +172,3 @@ def test_the_stored_sweep_of_the_brake_is_what_is_computed():
     made, stored = in_full("tu_berlin", f"parameters.Omega={ends}:4", data), read_sweep(STORED)
     for i in range(4):
         np.testing.assert_allclose(at(made, i), at(stored, 8 * i), rtol=1e-11)
-
-
-@pytest.mark.parametrize("option", ["--symmetric", "--no-symmetric"])
-def test_solve_is_told_what_a_triangle_is(tmp_path, option):
-    """Eigenvalues of [[2, 1], [., 1]]: (3 +- sqrt(5)) / 2 of both triangles, 2 and 1 of one."""
-    mmwrite(tmp_path / "M.mtx", csr_array(np.eye(2)))
-    mmwrite(tmp_path / "K.mtx", csr_array([[2.0, 1.0], [0.0, 1.0]]), symmetry="general")
-    files = ["--mass", tmp_path / "M.mtx", "--stiffness", tmp_path / "K.mtx"]
-    refused = command(*map(str, ("solve", *files, "--max-frequency", 1)))
-    assert refused["code"] == 1
-    assert "--symmetric" in refused["err"]
-    stored, _ = solved(tmp_path, *files, "--max-frequency", 1, option)
-    values = np.array([value["im"] for value in stored["eigenvalues"]])
-    expected = [(3 - 5**0.5) / 2, (3 + 5**0.5) / 2] if option == "--symmetric" else [1, 2]
-    np.testing.assert_allclose(np.sort(values**2), expected, rtol=1e-9)

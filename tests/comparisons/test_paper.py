@@ -1,41 +1,44 @@
-"""The paper as a study: what comes with the project, verdicts on claims, names of figures."""
+"""The paper as a study: figures and their measures, what comes with the project, claims."""
 
 from dataclasses import replace
-from pathlib import Path
+from functools import cache
+from math import tau
 
 import numpy as np
 import pandas as pd
 import pytest
-from paper_figures import made
 
+from cea.contact.formulations import GaussPointToSurface, Greville, Segments
+from cea.eigen.matching import ModeSet
 from cea.errors import InputError
-from comparisons.cli.app import main
+from cea.system.contact_stresses import stress_map
+from cea.timing import StageTimer
+from comparisons.paper import crowned_pad
 from comparisons.paper.claims import CLAIMS, Evidence, judged
-from comparisons.paper.crowned_pad import COLLOCATION, QUADRATURE
+from comparisons.paper.crowned_pad import COLLOCATION, CONTACT, PAD, QUADRATURE, crowned_scene
+from comparisons.paper.disc_pad import GPTS, LUMPED, DiscPad
+from comparisons.paper.figure import midpoints
 from comparisons.paper.figures import FIGURES, chosen
-from comparisons.paper.patch_test import PatchTests
-from comparisons.paper.spectra import Diagram, Spectrum, case_row, run_tables
-from comparisons.paper.study import STUDY, Options, cases
+from comparisons.paper.lumping import EDGE, SHAPES, false_shifts, rotation_ratio
+from comparisons.paper.normal_compliance import NORMAL_COMPLIANCE
+from comparisons.paper.patch_test import PatchTest, PatchTests
+from comparisons.paper.spectra import (
+    Diagram,
+    Spectrum,
+    case_row,
+    means_of,
+    measures,
+    paired,
+    run_tables,
+)
+from comparisons.paper.study import STUDY
 from comparisons.study.result import StudyResult, read
-from comparisons.study.run import run
-from comparisons.study.session import Progress
-from scenes import run_modes
+from comparisons.study.session import Session
+from scenes import run_modes, run_scene
+from scenes.building.build import build_bodies
 
 SHIPPED = read("paper", STUDY.shipped)
 CASES = [case["labels"] for case in SHIPPED.cases]
-ROUNDING = ("residual", "condition", "seconds", "search_over")
-"""Rounding errors and times differ from run to run."""
-
-
-def test_every_figure_comes_with_the_project(tmp_path):
-    """Equal inputs, so that nothing is computed, whichever figures are asked for."""
-    started = []
-    progress = Progress(step=started.append, stage=lambda stage: None)
-    for options in (Options(), Options(("6", "5", "6"))):
-        result = run(STUDY, options, tmp_path / "out", progress=progress)
-        assert [case["labels"] for case in result.cases] == list(cases(options))
-    assert started == []
-    assert sum(file.stat().st_size for file in Path(STUDY.shipped).iterdir()) < 3e6
 
 
 def test_figures_go_by_name():
@@ -65,7 +68,8 @@ def evidence(figure, **tables):
 
 def verdict(name, found):
     """Verdict and number of a claim."""
-    return next(claim for claim in CLAIMS if claim.name == name).judged(found)
+    (claim,) = (claim for claim in CLAIMS if claim.name == name)
+    return claim.judged(found)
 
 
 @pytest.mark.parametrize(
@@ -78,22 +82,23 @@ def test_verdict_on_lumped_spectra_follows_the_data(frequency, both, expected):
 
 
 def test_verdicts_on_equilibrium_follow_the_data():
-    far = {"pressure_off": (0.1, 0.04), "P_off": (0.0, 0.1), "growth_off": (0.0, 4.0)}
-    near = {"pressure_off": (0.01, 0.02), "P_off": (0.0, 0.005), "growth_off": (0.0, -2.0)}
+    columns = "pressure_off", "P_off", "growth_off"
+    far, near = ((0.1, 0.0, 0.0), (0.04, 0.1, 4.0)), ((0.01, 0.0, 0.0), (0.02, 0.005, -2.0))
 
-    def crowned(**by_label):
+    def crowned(collocation, quadrature):
+        """Rows of both formulations, one for each load."""
         rows = [
-            {"formulation": label, **{name: pair[load] for name, pair in columns.items()}}
-            for label, columns in by_label.items()
-            for load in (0, 1)
+            {"formulation": label} | dict(zip(columns, row, strict=True))
+            for label, rows in ((COLLOCATION, collocation), (QUADRATURE, quadrature))
+            for row in rows
         ]
         return evidence("crowned", crowned=rows)
 
-    found = crowned(**{COLLOCATION: far, QUADRATURE: near})
+    found = crowned(far, near)
     assert verdict("equilibrium", found) == ("holds", 2.0)
     assert verdict("p of the scheme", found) == ("depends", 0.1)
     assert verdict("growth of the scheme", found) == ("holds", 2.0)
-    swapped = crowned(**{COLLOCATION: near, QUADRATURE: far})
+    swapped = crowned(near, far)
     assert verdict("equilibrium", swapped)[0] == "does not"
     assert verdict("growth of the scheme", swapped)[0] == "does not"
 
@@ -117,10 +122,10 @@ def test_stored_numbers_are_as_the_paper_says():
 
 
 def assert_same_rows(found, expected):
-    """Equal words; numbers to 1e-8 of the largest of their column."""
+    """Equal words; numbers to 1e-8 of the largest of their column, but rounding and times."""
     found, expected = pd.DataFrame(found), pd.DataFrame(expected)
     assert list(found) == list(expected)
-    for name in set(expected) - set(ROUNDING):
+    for name in set(expected) - {"residual", "condition", "seconds", "search_over"}:
         if expected[name].dtype.kind == "f" or name in ("disc", "pad"):
             same = (frame[name].to_numpy(dtype=float) for frame in (found, expected))
             scale = np.nanmax(np.abs(expected[name].to_numpy(dtype=float)))
@@ -139,8 +144,8 @@ def test_stored_numbers_are_those_of_the_program(labels):
         fastest = min(stored["runs"], key=lambda row: row["seconds"])
         P, number = fastest["P"], fastest["number"]
         case = figure.panels(mesh)[P][number]
-        run, modes = run_tables(case_row(P, number, case), Spectrum.of(run_modes(case.scene(mesh))))
-        for name, found in (("runs", [run]), ("modes", modes)):
+        row, modes = run_tables(case_row(P, number, case), Spectrum.of(run_modes(case.scene(mesh))))
+        for name, found in (("runs", [row]), ("modes", modes)):
             own = [row for row in stored[name] if (row["P"], row["number"]) == (P, number)]
             assert_same_rows(found, own)
         return
@@ -158,14 +163,245 @@ def test_stored_numbers_are_those_of_the_program(labels):
         np.testing.assert_allclose(array, expected, rtol=0, atol=atol, err_msg=name)
 
 
-def test_claims_and_figures_are_commands(tmp_path, monkeypatch, capsys):
-    for command, out in (("paper claims", tmp_path / "claims"), ("paper 1", tmp_path / "figures")):
-        monkeypatch.setattr("sys.argv", ["cea", *command.split(), "--out", str(out)])
-        with pytest.raises(SystemExit) as end:
-            main()
-        assert end.value.code in (0, None)
-    assert "8 of 20 claims hold on every kind of mesh" in capsys.readouterr().out
-    found = pd.read_csv(tmp_path / "claims" / "claims.csv")
+def test_claims_and_figures_are_commands(cea, tmp_path):
+    told = [cea(*command.split()) for command in ("paper claims --out c", "paper 1 --out f")]
+    assert [code for code, *_ in told] == [0, 0]
+    assert "8 of 20 claims hold on every kind of mesh" in told[0][1]
+    found = pd.read_csv(tmp_path / "c" / "claims.csv")
     pd.testing.assert_frame_equal(found, judged(SHIPPED), check_dtype=False, rtol=1e-14)
-    made = {file.name for file in (tmp_path / "figures").glob("*.png")}
-    assert made == {"figure_1.png"}
+    assert [file.name for file in (tmp_path / "f").glob("*.png")] == ["figure_1.png"]
+
+
+COARSE = {
+    "pad": {"fe": [3, 4, 1], "iga": [3, 5, 1], "size": 0.02},
+    "disc": {"fe": [6, 16, 1], "iga": [5, 20, 1], "size": 0.03},
+}
+
+
+def coarse(scene):
+    """Disc and pad on meshes that run in a second, up to 5 kHz."""
+    changes = {"analysis.max_frequency": 5e3}
+    for name, body in scene.bodies.items():
+        mesh, own = f"bodies.{name}.mesh.{body.backend}", COARSE[name]
+        if getattr(body.mesh, body.backend).elements is None:
+            changes[f"{mesh}.size"] = own["size"]
+        else:
+            changes[f"{mesh}.elements"] = own[body.backend]
+    return scene.change(changes)
+
+
+def made(figure, mesh, change=lambda scene: scene):
+    """Tables and arrays of a figure by itself, on a kind of mesh; scenes may be changed."""
+    session = Session(None)
+    session.begin({name: change(part) for name, part in figure.inputs(mesh).items()})
+    return figure.evaluate(mesh, session), session.arrays
+
+
+@cache
+def solved(case, mesh):
+    """A case on these meshes."""
+    return run_modes(coarse(case.scene(mesh)))
+
+
+def spectrum(*modes, motion=None):
+    """A run of modes (number of its shape, growth, Hz): unstable above 10 1/s."""
+    number, growth, hertz = np.array(modes, dtype=float).reshape(-1, 3).T
+    kept = ModeSet(growth + 1j * tau * hertz, np.eye(9, dtype=complex)[:, number.astype(int)])
+    motion = np.ones(len(modes)) if motion is None else np.array(motion)
+    rest = (motion, motion, np.zeros(len(modes)), np.ones(len(modes)), {"search": 2.0, "points": 8})
+    return Spectrum(kept, np.flatnonzero(growth > 10), *rest)
+
+
+ALONE = spectrum((0, 100, 5000), (1, 30, 9000))
+FASTER = spectrum((0, 110, 5000))
+FOUR = [(i, 0, 1e3 * (i + 1)) for i in range(4)]
+MEASURED = {
+    "coinciding modes are counted with those alone": (
+        spectrum((0, 100, 5000), (1, 50, 9000), (2, 19, 1000), (3, 30, 12000)),
+        spectrum((0, 100.5, 5040), (1, 80, 9010), (2, 19, 1020)),
+        {"share_frequency": 2 / 4, "share_both": 1 / 4, "alone": 1},
+    ),
+    "growth without a partner is lost": (ALONE, FASTER, {"growth_difference": 30}),
+    "on either side": (FASTER, ALONE, {"growth_difference": 30}),
+    "growth of a pair": (
+        spectrum((0, 100, 5000)),
+        FASTER,
+        {"growth_difference": 10, "growth_part": 1 / 11},
+    ),
+    "sums and shifts keep to their band": (
+        spectrum((0, 0, 1010), (1, 0, 14100), (2, 30, 2000), (3, 28, 12000)),
+        spectrum((0, 0, 1000), (1, 0, 14000), (2, 20, 2000), (3, 20, 12000)),
+        {"growth_over": 58 / 40, "growth_below_10k": 30 / 20, "distance": 0.01, "shift": 0.01}
+        | {"shift_below_13k": 0.01, "shift_above_13k": 1 / 140},
+    ),
+    "motions by their median where there are some": (
+        spectrum(*FOUR, motion=(1.0, 6.0, 3.0, np.nan)),
+        spectrum(*FOUR, motion=(1.0, 2.0, 1.5, 2.0)),
+        {"contact_motion": 2.0},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_measures(name):
+    own, reference, expected = MEASURED[name]
+    found = measures(own, reference, paired(own, reference))
+    assert {key: found[key] for key in expected} == pytest.approx(expected)
+    nowhere = replace(own, motion=np.full(len(own.motion), np.nan))
+    assert measures(nowhere, reference, paired(own, reference))["contact_motion"] is None
+
+
+def test_error_of_the_linearised_law_in_closed_form():
+    """With m = 2 the change is 2 e + e^2 of which 2 e is linear: the tangent at steady sliding."""
+    for part in (0.01, 0.1, 1.0):
+        assert NORMAL_COMPLIANCE.error(part) == pytest.approx(part / (2 + part))
+    rows = made(NORMAL_COMPLIANCE, "none")[0]["law"]
+    law, tangent = (
+        np.array([row["pressure"] for row in rows if row["curve"] == name])
+        for name in ("law", "linearised")
+    )
+    assert (tangent <= law + 1e-9 * law.max()).all()  # a parabola is above its tangents
+    assert np.min(np.abs(law - tangent)) < 1e-9 * law.max()
+
+
+def test_divided_hexahedra_trace_the_pad_and_pads_have_the_papers_points():
+    divided = replace(GPTS, divided=True)
+    assert divided.on("hexahedra") == GPTS.on("hexahedra")
+    assert [c.on("tetrahedra").boundary for c in (divided, GPTS)] == ["traced", "ignored"]
+    bodies = [
+        build_bodies(coarse(divided.scene(m)), StageTimer()) for m in ("hexahedra", "tetrahedra")
+    ]
+    for name, whole in bodies[0].items():
+        for surface, side in bodies[1][name].surfaces.items():
+            assert side.num_elements == 2 * whole.surfaces[surface].num_elements
+    scene = DiscPad(Greville()).scene("NURBS")
+    pad = build_bodies(
+        replace(scene, bodies={"pad": scene.bodies["pad"]}, contacts={}), StageTimer()
+    )
+    assert len(pad["pad"].surfaces["bottom"].abscissae("greville")) == 104
+
+
+@pytest.mark.parametrize("mesh", ["NURBS", "hexahedra"])
+def test_lumping_gives_a_rotation_false_stiffness_on_nurbs_only(mesh):
+    """On traced quadratic hexahedra lumping is Simpson's rule, exact for squares of rotations."""
+    assert abs(rotation_ratio(solved(GPTS, mesh))) < 1e-12
+    lumped = rotation_ratio(solved(LUMPED, mesh))
+    assert lumped > 0.05 if mesh == "NURBS" else abs(lumped) < 1e-3
+
+
+def test_false_stiffness_shifts_modes_as_lumping_does_at_low_stiffness():
+    plain, lumped = (solved(replace(case, P=1e6), "NURBS") for case in (GPTS, LUMPED))
+    expected, match = false_shifts(plain, lumped), paired(Spectrum.of(lumped), Spectrum.of(plain))
+    assert len(match.groups) > 4
+    first, second = means_of(match)
+    false = [expected[group.second].mean() for group in match.groups]
+    assert max(false) > 1e-5
+    assert first.imag / second.imag - 1 == pytest.approx(false, rel=0.05, abs=0.02 * max(false))
+
+
+def test_a_diagram_measures_its_cases_beside_the_first():
+    """Spectra are those of the cases; equal cases on a kind of mesh are one."""
+    figure = Diagram("small", "small", (GPTS, LUMPED, replace(GPTS, divided=True)), (1e9, 1e12))
+    tables, _ = made(figure, "hexahedra", coarse)
+    expected = [(1e9, 0), (1e9, 1), (1e12, 0), (1e12, 1)]
+    assert [(row["P"], row["number"]) for row in tables["runs"]] == expected
+    for measured in tables["measures"]:
+        own = [row for row in tables["matches"] if row["P"] == measured["P"]]
+        shifts = [abs(row["frequency"] / row["reference_frequency"] - 1) for row in own]
+        assert measured["shift"] == pytest.approx(max(shifts), rel=1e-9)
+    for row in tables["runs"]:
+        modes = [m for m in tables["modes"] if (m["P"], m["number"]) == (row["P"], row["number"])]
+        assert row["unstable"] == sum(mode["unstable"] for mode in modes)
+
+
+def test_shapes_and_lines_of_a_mode():
+    tables, arrays = made(SHAPES, "NURBS", coarse)
+    plain = [row for row in tables["lines"] if row["run"] == "plain"]
+    arc, disc, pad = (np.array([row[n] for row in plain], float) for n in ("arc", "disc", "pad"))
+    assert np.abs(disc).max() == pytest.approx(1)
+    # The line is a chord: the pad's radial ends cut it at 0.115 tan 20 degrees.
+    assert (np.isfinite(pad) == (np.abs(arc) < EDGE + 1e-9)).all()
+    for body in ("plain/disc", "plain/pad"):
+        points = arrays[f"{body}/points"]
+        assert points.shape == arrays[f"{body}/displacement"].shape
+        assert arrays[f"{body}/cells"].max() == len(points) - 1
+
+
+OSCILLATIONS = {
+    "12": {
+        "Greville, P = 10⁶": 2594.0,
+        "GPTS 15 × 15, P = 10⁶": 0.0748,
+        "Greville, P = 10¹⁴": 58.4,
+    },
+    "3": {"GPTS 25 × 25, P = 10⁶": 0.116, "GPTS 25 × 25, lumped, P = 10⁶": 0.0982},
+}
+"""Oscillation (N/m^2) by figure and case, from an independent prototype."""
+
+
+@pytest.mark.grid(quick=1)
+@pytest.mark.parametrize("name", OSCILLATIONS)
+def test_numbers_of_the_patch_test(name):
+    tables, arrays = made(FIGURES[name], "NURBS")
+    found = {row["case"]: row["oscillation"] for row in tables["patch_tests"]}
+    for case, expected in OSCILLATIONS[name].items():
+        assert found[f"D2C1, {case}"] == pytest.approx(expected, rel=0.01)
+    # The map is coarser than the samples of the oscillation.
+    first = tables["patch_tests"][0]
+    for side, plane in zip("ab", arrays["maps"][0], strict=True):
+        assert np.ptp(plane) == pytest.approx(first[f"oscillation_{side}"], rel=0.02)
+
+
+def test_stress_map_of_a_turned_contact_has_nothing_beside_it():
+    """Exact integration leaves the exact stress; a square on its corner fills half the square."""
+    turn = {"axis": [0.0, 0.0, 1.0], "angle": 45.0}
+    changes = {f"bodies.{body}.placement": turn for body in ("upper", "lower")}
+    result = run_scene(PatchTest(Segments()).scene("NURBS").change(changes))
+    plane = stress_map(result.system, "interface", result.displacement, 41)
+    assert np.ptp(plane.u) == pytest.approx(9 * np.sqrt(2))
+    for stress in plane.sigma_n.values():
+        inside = np.isfinite(stress)
+        assert inside.mean() == pytest.approx(0.5, abs=0.03)
+        assert stress[inside] == pytest.approx(np.full(inside.sum(), -1000.0), rel=1e-9)
+
+
+@pytest.mark.parametrize(("name", "elements", "points"), [("2", (9, 25), 25), ("11", (25, 9), 49)])
+def test_settings_have_the_numbers_of_the_paper(name, elements, points):
+    ours = {row["what"]: row["ours"] for row in made(FIGURES[name], "NURBS")[0]["numbers"]}
+    assert (ours["elements of a"], ours["elements of b"]) == elements
+    assert ours["height of a"] == pytest.approx(4.5)
+    assert ours["Greville points of a"] == points
+
+
+@pytest.fixture(scope="module", params=["NURBS", "hexahedra"])
+def crowned(request):
+    """A coarse run of the crowned pad on each backend, with 4 x 4 Gauss points."""
+    scene = crowned_scene(request.param, GaussPointToSurface(4), 1e6)
+    pad, disc, backend = {
+        "NURBS": ([3, 7, 1], [5, 16, 1], "iga"),
+        "hexahedra": ([2, 6, 1], [4, 12, 1], "fe"),
+    }[request.param]
+    changes = {f"bodies.{n}.mesh.{backend}.elements": e for n, e in (("pad", pad), ("disc", disc))}
+    return run_modes(scene.change(changes | {"analysis.max_frequency": 1500.0}))
+
+
+def test_pressures_of_a_crowned_pad_bear_its_load(crowned):
+    """Closures are those that the contact met, and midpoints sum the pressure nearly."""
+    contact = crowned.steady.contacts[CONTACT]
+    found = crowned_pad.closures(crowned, crowned.interfaces[CONTACT].points.x)
+    np.testing.assert_allclose(found, contact.closure, rtol=0, atol=1e-8 * np.abs(found).max())
+    kept, pressure = crowned_pad.state(crowned)
+    r = midpoints(0.09, 0.14, crowned_pad.RADII)
+    assert (pressure.mean(axis=1) * r).sum() / r.sum() == pytest.approx(1e6, rel=0.02)
+    assert kept["force"] == pytest.approx(1e6 * crowned.bodies[PAD].surfaces["top"].area, rel=1e-3)
+    assert 0.5 < kept["closed"] < 0.9
+
+
+def test_common_points_lie_on_the_crowned_face_and_distances_are_relative():
+    pad = crowned_scene("NURBS", Greville(), 1e6).bodies[PAD].geometry
+    r, theta = midpoints(0.09, 0.14, crowned_pad.RADII), midpoints(25.0, 65.0, crowned_pad.ANGLES)
+    x = crowned_pad.common_points(pad).reshape(len(r), len(theta), 3)
+    chord = 2 * r[:, None] * np.sin(np.deg2rad(theta - 45.0) / 2)
+    np.testing.assert_allclose(x[..., 2] - 0.012, chord**2 / (2 * 20.0), atol=1e-16)
+    exact, its = {"P": 2.0, "growth": 50.0}, np.array([3.0, 4.0])
+    found = crowned_pad.off({"P": 2.2, "growth": 54.0}, its + np.array([0.0, 0.5]), exact, its)
+    assert found == pytest.approx({"pressure_off": 0.1, "P_off": 0.1, "growth_off": 4.0})

@@ -12,43 +12,35 @@ from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import mapped
 from comparisons.sweep.study import Asked, run
 from comparisons.sweep.tables import values
-from scenes import load_scene, run_modes
+from scenes import load_scene, read_scene, run_modes
 from scenes.spec.plain import scene_text
-from scenes.spec.reading import read_scene
 
 NU, STIFFNESS = "bodies.pad.material.nu", "contacts.sliding.p"
 
 
-def overhang(backend, **contact):
-    """A pad that reaches beyond the bar it slides on."""
+@pytest.fixture
+def file(backend, tmp_path):
+    """A pad that reaches beyond the bar it slides on; points are too crude where p is small."""
     material = {"E": 1e10, "nu": 0.3, "rho": 2500.0}
     pad = rectangle(backend, [0.04, 0.01], [3, 1], origin=[0.0, 0.01], material=material)
     bar = rectangle(backend, [0.125, 0.01], [3, 1], origin=[-0.1, 0.0], material=material)
     sliding = {
         "a": "pad.y_min",
         "b": "bar.y_max",
-        "formulation": {"method": "gpts", "points": 5},
+        "formulation": {"method": {"fe": "node_to_surface", "iga": "greville"}[backend]},
         "p": 1e12,
         "mu": 0.4,
         "friction_direction_on_a": {"vector": [1.0, 0.0]},
         "max_missed": 0.5,
     }
-    return read_scene(
-        {
-            "name": "overhang",
-            "bodies": {"pad": pad, "bar": bar | {"supports": [{"surface": "y_min"}]}},
-            "contacts": {"sliding": sliding | contact},
-            "analysis": {"kind": "cea", "max_frequency": 20000.0},
-        }
-    )
-
-
-@pytest.fixture
-def file(backend, tmp_path):
-    """The scene with points that are too crude where the contact is soft."""
-    method = {"fe": "node_to_surface", "iga": "greville"}[backend]
+    scene = {
+        "name": "overhang",
+        "bodies": {"pad": pad, "bar": bar | {"supports": [{"surface": "y_min"}]}},
+        "contacts": {"sliding": sliding},
+        "analysis": {"kind": "cea", "max_frequency": 20000.0},
+    }
     path = tmp_path / "overhang.toml"
-    path.write_text(scene_text(overhang(backend, formulation={"method": method})))
+    path.write_text(scene_text(read_scene(scene)))
     return path
 
 
@@ -56,15 +48,10 @@ def kinds(warnings):
     return [warning.kind for warning in warnings]
 
 
-def in_full(file, axis):
-    """The record of a sweep that is solved in full at each value."""
-    return run(Asked(file, (read_axis(axis),), why_in_full="--full"), file).record
-
-
 def test_a_sweep_warns_of_what_its_runs_warn_of(file):
     """Of a rule too crude where the contact is soft, of what is uncovered everywhere."""
-    data = in_full(file, f"{STIFFNESS}=1e11:1e15:2")
-    scene = load_scene(file)
+    axis = read_axis(f"{STIFFNESS}=1e11:1e15:2")
+    data, scene = run(Asked(file, (axis,), why_in_full="--full"), file).record, load_scene(file)
     fresh = {v: run_modes(scene.change(STIFFNESS, v)).warnings for v in (1e11, 1e15)}
     assert set(kinds(fresh[1e11])) != set(kinds(fresh[1e15]))
     for value, warnings in fresh.items():
@@ -80,15 +67,14 @@ def test_a_sweep_warns_of_what_its_runs_warn_of(file):
 
 
 def test_record_table_and_screen_have_them(file, tmp_path, cea):
-    out = tmp_path / "out"
-    code, told, _ = cea("sweep", file, f"{NU}=0.2:0.3:2", "--out", out)
+    code, told, _ = cea("sweep", file, f"{NU}=0.2:0.3:2", "--out", "out")
     assert not code
-    screen = " ".join(told.split())
-    data = json.loads((out / "result.json").read_text())
-    assert {"partly-uncovered", "point-rule"} <= {each["kind"] for each in data["warnings"]}
-    for warning in data["warnings"]:
+    out, screen = tmp_path / "out", " ".join(told.split())
+    warnings = json.loads((out / "result.json").read_text())["warnings"]
+    assert {"partly-uncovered", "point-rule"} <= {each["kind"] for each in warnings}
+    for warning in warnings:
         assert screen.count(f"warning ({warning['kind']}): {warning['message']}") == 1
-    kinds_told = ", ".join(each["kind"] for each in data["warnings"])
+    kinds_told = ", ".join(each["kind"] for each in warnings)
     assert set(values(read_sweep(out))["warnings"]) == {kinds_told}
     assert "partly-uncovered" in (out / "sweep.csv").read_text()
 
@@ -118,14 +104,13 @@ def test_many_warnings_are_few_lines():
 
 def test_full_solves_of_a_map_warn_as_runs_do(file):
     """At the stiffness there, also where p varies over the contact."""
-    p, P = "contacts.sliding.p='1e11*(1 + x)'", "contacts.sliding.P"
+    p, P = f"{STIFFNESS}='1e11*(1 + x)'", "contacts.sliding.P"
     scene = mapped(file, [read_axis(f"{P}=3e9:6e9:2")], [p], None)
     own = scene.pencil.parameters[P].value
     for value in (3e9, 6e9):
         modes = scene.driver.solve(scene.max_frequency, {P: value})
         warnings = scene.warnings(modes, {P: value})
-        factor = value / own
-        fresh = run_modes(load_scene(file).change(STIFFNESS, f"{factor}*1e11*(1 + x)"))
+        fresh = run_modes(load_scene(file).change(STIFFNESS, f"{value / own}*1e11*(1 + x)"))
         assert kinds(warnings) == kinds(fresh.warnings)
         for found, expected in zip(warnings, fresh.warnings, strict=True):
             for name, number in expected.data.items():

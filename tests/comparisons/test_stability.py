@@ -1,7 +1,8 @@
-"""The catalogue of stability: every case says what it expects; its report; loads are borne."""
+"""The catalogue of stability: what runs expect, its references, its report; loads are borne."""
 
 import json
 from copy import deepcopy
+from dataclasses import replace
 from html import unescape
 
 import numpy as np
@@ -10,14 +11,17 @@ import pytest
 from cea.errors import ConvergenceError, InputError
 from cea.matrices import destroy
 from comparisons.stability import study
-from comparisons.stability.verdicts import judged
-from comparisons.stability.ways import ALONE, OPEN, WAYS
+from comparisons.stability.dense import dense_eigenvalues, dense_kappas, lambdas
+from comparisons.stability.scenes import in_units, layers, moved, sprag
+from comparisons.stability.verdicts import judged, window_end
+from comparisons.stability.ways import ALONE, OPEN, WAYS, chosen
 from comparisons.study.page import write_study
 from comparisons.study.result import StudyResult
 from comparisons.study.run import run
-from scenes import read_scene
-from scenes.running.static import run_static
+from scenes import read_scene, run_modes, run_static
 from scenes.running.system import coupled
+
+EVERY_WAY = (*WAYS, *OPEN, *ALONE)
 
 
 @pytest.mark.parametrize("name", study.catalogue())
@@ -29,7 +33,7 @@ def test_every_run_says_what_it_expects(name):
         assert "WRONG" not in each.expected
         assert (each.reference is None) == (each.expected == ("refused",))
         assert 0 < each.tolerance < 0.1
-        assert each.way in (*WAYS, *OPEN, *ALONE)
+        assert each.way in EVERY_WAY
     assert len({(run.row, run.way.backend, run.way.name) for run in found}) == len(found)
     assert 0 < len(study.numbers_of(name, quick=True)) <= len(found)
 
@@ -37,10 +41,9 @@ def test_every_run_says_what_it_expects(name):
 def test_the_catalogue_covers_every_way_and_quick_takes_both_backends_in_turn():
     every = [run for name in study.catalogue() for run in study.runs_of(name)]
     assert len(every) >= 3750
-    assert [way for way in (*WAYS, *OPEN, *ALONE) if way not in [run.way for run in every]] == []
-    assert (
-        sum(len(study.numbers_of(name, quick=True)) for name in study.catalogue()) < len(every) / 4
-    )
+    assert [way for way in EVERY_WAY if way not in [run.way for run in every]] == []
+    quick = sum(len(study.numbers_of(name, quick=True)) for name in study.catalogue())
+    assert quick < len(every) / 4
     assert not any(run.warnings for run in study.runs_of("everyday"))
     units = study.runs_of("units")
     taken = [units[i].way for i in study.numbers_of("units", quick=True)[:4]]
@@ -48,6 +51,60 @@ def test_the_catalogue_covers_every_way_and_quick_takes_both_backends_in_turn():
     assert [way.name.split(",")[0] for way in taken] == ["GPTS", "mortar", "mortar", "GPTS"]
     with pytest.raises(InputError, match="no_such_case"):
         study.runs_of("no_such_case")
+
+
+# References: windows, dense eigenvalues, limits and other units.
+
+
+def test_a_window_ends_in_a_gap_and_never_cuts_copies():
+    true = np.array([1j, 1j, 1j, 1.01j, 5j, 5j])
+    assert 1.01 < 2 * np.pi * window_end(true, 3) < 5
+    assert all(2 * np.pi * window_end(true, lowest) > 5 for lowest in (6, 100))
+
+
+def test_dense_kappas_are_those_of_given_matrices_from_the_lowest_to_the_farthest():
+    """The far ones too: stiff contact may diverge where its points are lumped."""
+    K = np.array([[2.0, -1.5], [1.5, 2.0]])
+    assert np.allclose(np.sort_complex(dense_kappas(K, np.eye(2), [])), [2 - 1.5j, 2 + 1.5j])
+    constraint = (np.array([[1.0, -1.0]]), np.array([[1.0, -1.0]]), np.zeros((1, 1)))
+    assert np.allclose(dense_kappas(np.diag([1.0, 3.0]), np.eye(2), [constraint]), [2.0])
+    values = lambdas(np.array([4.0, -9.0, 1 + 1j]))  # growing where kappa is negative
+    assert (values.imag >= 0).all()
+    assert np.allclose(values[0], 3)
+    true = np.sort([1.9, 3.3, 7.6e3, -2.3e3, -4.2e9, -1.1e15, -4.7e15, *range(4, 34)])
+    upper = np.diag(true) + np.diag(np.full(len(true) - 1, 1e-3), 1)  # unsymmetric, nothing rounded
+    kappa = np.sort(dense_kappas(upper, np.eye(len(true)), []).real)
+    assert kappa == pytest.approx(true, rel=1e-7)
+
+
+@pytest.mark.parametrize("way", WAYS, ids=lambda way: f"{way.backend} {way.name}")
+def test_dense_eigenvalues_are_those_of_the_scene(way):
+    data = way.of(layers(p=10.0)) | {"analysis": {"kind": "cea", "max_frequency": 0.4}}
+    found = run_modes(read_scene(data)).modes.eigenvalues
+    true = dense_eigenvalues(data)
+    assert np.abs(found - true[: len(found)]).max() < 1e-9 * np.abs(true[len(found)])
+
+
+@pytest.mark.parametrize("way", chosen(WAYS, "GPTS, saddle", "mortar, saddle"))
+def test_a_tie_is_the_limit_of_stiff_contact(way):
+    stiff, tied = (dense_eigenvalues(way.of(layers(P=P)))[:8] for P in (1e11, np.inf))
+    assert np.abs(stiff - tied).max() < 1e-8
+
+
+def test_other_units_and_places_have_the_same_eigenvalues():
+    scene = WAYS[0].of(layers())
+    true = dense_eigenvalues(scene)[:8]
+    for other in (in_units(scene, metre=1e3, kilogram=1e-3), moved(scene, (10.0, -3.0))):
+        assert np.abs(dense_eigenvalues(other)[:8] - true).max() < 1e-9
+
+
+def test_a_sprag_diverges_above_the_cotangent_of_its_angle(backend):
+    (way,) = chosen(WAYS, "mortar, penalty", backend=backend)
+    values = [dense_eigenvalues(way.of(sprag(60.0, mu))) for mu in (0.3, 1.5)]
+    assert [np.sum((v.imag < 1e-9) & (v.real > 1e-3)) for v in values] == [0, 1]
+
+
+# Runs and the report.
 
 
 def test_an_easy_scene_comes_out_accurate():
@@ -71,14 +128,15 @@ def test_a_stiff_run_of_each_kind_of_problem_comes_out_as_expected(name):
     assert found["met"], found["reason"]
 
 
-@pytest.fixture(scope="module")
-def result(tmp_path_factory):
-    """A quick study of a case."""
-    options = study.Options(("exceptional_point",), every=False)
-    return run(study.STUDY, options, tmp_path_factory.mktemp("stability") / "out")
+def quick_study(out, *cases, count=None):
+    """A quick study of some cases, or of the first of its runs."""
+    chosen = replace(study.STUDY, cases=lambda o: list(study.STUDY.cases(o))[:count])
+    return run(chosen, study.Options(cases, every=False), out)
 
 
-def test_runs_without_an_answer_or_not_as_expected_are_told(result, tmp_path):
+@pytest.mark.parametrize("count", [4, pytest.param(None, marks=pytest.mark.slow)])
+def test_runs_without_an_answer_or_not_as_expected_are_told(count, tmp_path):
+    result = quick_study(tmp_path / "out", "exceptional_point", count=count)
     page = write_study(study.STUDY, result, tmp_path).read_text(encoding="utf-8")
     assert study.title_of("exceptional_point") in unescape(page)
     assert set(study.runs(result)["verdict"]) <= {"accurate", "warned"}
@@ -95,8 +153,7 @@ def test_runs_without_an_answer_or_not_as_expected_are_told(result, tmp_path):
 
 @pytest.mark.slow
 def test_a_representative_part_comes_out_as_expected(tmp_path):
-    options = study.Options(("inverted", "units", "overhang"), every=False)
-    found = study.runs(run(study.STUDY, options, tmp_path / "out"))
+    found = study.runs(quick_study(tmp_path / "out", "inverted", "units", "overhang"))
     assert list(found.loc[~found["met"].astype(bool), "reason"]) == []
     assert set(found["verdict"]) == {"accurate", "refused"}
 
@@ -130,10 +187,8 @@ def outside(scene):
 LOADED = ("load_steps", "patch_test", "prescribed", "prestress", "steady_sliding", "unsupported")
 
 
-@pytest.mark.parametrize(
-    ("name", "quick"),
-    [(n, True) for n in LOADED] + [pytest.param(n, False, marks=pytest.mark.slow) for n in LOADED],
-)
+@pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", LOADED)
 def test_what_is_outside_holds_the_bodies(name, quick):
     for number in study.numbers_of(name, quick=quick):
         each = study.runs_of(name)[number]

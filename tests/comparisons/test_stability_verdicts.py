@@ -1,6 +1,7 @@
 """Verdicts of stability on planted answers: right, wrong, warned, refused."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,39 +21,39 @@ OPEN = {"complete": False, "verdict": "undecided"}
 
 def answer(values=TRUE[:4], verdicts=SAID, **fields):
     """A claim of modes in a window of 4 rad/s."""
-    values = np.asarray(values, dtype=complex)
-    told = {
-        "verdict": "unstable" if "unstable" in verdicts else "stable",
-        "thresholds": np.full(len(values), 1e-3),
-        "uncertainties": np.zeros(len(values)),
-        "complete": True,
-        "max_frequency": 4 / (2 * np.pi),
-        "residual": 1e-12,
-        "condition": 1.0,
-        "warnings": (),
-        "dofs": 10,
-    }
-    return Answer(values, tuple(verdicts), **{**told, **fields})
+    values, verdicts = np.asarray(values, dtype=complex), tuple(verdicts)
+    return replace(
+        Answer(
+            values,
+            verdicts,
+            verdict="unstable" if "unstable" in verdicts else "stable",
+            thresholds=np.full(len(values), 1e-3),
+            uncertainties=np.zeros(len(values)),
+            complete=True,
+            max_frequency=4 / (2 * np.pi),
+            residual=1e-12,
+            condition=1.0,
+            warnings=(),
+            dofs=10,
+        ),
+        **fields,
+    )
 
 
-class Planted:
-    """A problem that answers, or fails, as it is told."""
+def planted(outcome, reference, expected="accurate", **fields):
+    """Verdict on a problem that answers, or fails, as it is told."""
 
-    def __init__(self, outcome):
-        self.outcome = outcome
+    def solve(max_frequency):
+        if isinstance(outcome, Exception):
+            raise outcome
+        return outcome
 
-    def solve(self, max_frequency):
-        """Answer or raise."""
-        if isinstance(self.outcome, Exception):
-            raise self.outcome
-        return self.outcome
+    problem, may = SimpleNamespace(solve=solve), EXPECTED[expected]
+    return judged(Run("planted", ALONE[0], problem, reference, may, 1e-6, **fields))
 
 
 def verdict_of(outcome, expected="accurate", true=TRUE, **fields):
-    reference = None if true is None else formula(list(true))
-    may = EXPECTED[expected]
-    run = Run("planted", ALONE[0], Planted(outcome), reference, may, 1e-6, **fields)
-    return judged(run)
+    return planted(outcome, None if true is None else formula(list(true)), expected, **fields)
 
 
 OFF = answer(TRUE[:4] * (1 + 1e-4))
@@ -147,5 +148,4 @@ def test_a_reference_that_fails_is_a_fault_and_one_that_is_refused_has_no_answer
             """Fail."""
             raise error
 
-        run = Run("planted", ALONE[0], Planted(answer()), Reference("dense", values))
-        assert reason in judged(run)["reason"]
+        assert reason in planted(answer(), Reference("dense", values))["reason"]

@@ -6,11 +6,15 @@ from types import ModuleType
 
 import pytest
 
+from cea.errors import InputError
 from comparisons.cli.study import BENCHMARKS, STUDIES, study_in
+from comparisons.damping import MODULUS, Options, dampings, evaluate, exact, scene
+from comparisons.damping import STUDY as DAMPING
 from comparisons.study.page import write_study
 from comparisons.study.result import read
 from comparisons.study.run import run
 from comparisons.study.sections import rows
+from comparisons.study.session import Session
 
 # `make stability ARGS=--quick` is a step of its own; test_stability.py runs one of its cases.
 LONG = ("stability", "accuracy", "agreement")
@@ -19,8 +23,11 @@ QUICK = [
         pytest.param(name, place, marks=pytest.mark.slow if name in LONG else ())
         for name, (place, _) in STUDIES.items()
     ),
-    *((f"bench {name}", BENCHMARKS[name][0]) for name in ("solve", "scaling")),
-    pytest.param("bench assembly", BENCHMARKS["assembly"][0], marks=pytest.mark.slow),
+    ("bench scaling", BENCHMARKS["scaling"][0]),
+    *(
+        pytest.param(f"bench {name}", BENCHMARKS[name][0], marks=pytest.mark.slow)
+        for name in ("solve", "assembly")  # test_benchmarks.py runs part of each
+    ),
 ]
 
 
@@ -39,6 +46,25 @@ def test_quick_options_run_and_show(name, place, tmp_path):
             assert section.headline(stored) == section.headline(result)
 
 
+@pytest.mark.parametrize(
+    ("study", "change"),
+    [
+        *(("accuracy", {name: ("violin",)}) for name in ("problems", "parts")),
+        *(("brake", {"sizes": sizes}) for sizes in ((), (0.01, 0.02), (0.01, 0.01), (-0.01,))),
+        ("assembly", {"repeats": 0}),
+        ("assembly", {"boxes": (0, 1, 1)}),
+        ("solve", {"size": "huge"}),
+        ("scaling", {"ranks": ()}),
+        ("matrices", {"repeats": 0}),
+    ],
+)
+def test_wrong_options_are_refused(study, change):
+    place, _ = (STUDIES | BENCHMARKS)[study]
+    with pytest.raises(InputError) as caught:
+        study_in(place).options(**change)
+    assert [caught.value.field] == list(change)
+
+
 def test_the_study_of_the_guide_runs(tmp_path):
     """Cut out of docs/how_to_add_a_study.md, at most 60 lines."""
     text = (Path(__file__).parents[2] / "docs" / "how_to_add_a_study.md").read_text()
@@ -54,3 +80,31 @@ def test_the_study_of_the_guide_runs(tmp_path):
     assert fe == pytest.approx(iga, rel=0.05)
     assert fe > 0
     assert "Growth over friction" in write_study(study, result, tmp_path).read_text()
+
+
+# Thresholds of flutter against damping: elastic bodies over the exact lumped system.
+
+
+def test_dampings_have_their_mean_and_their_share():
+    c1, c2 = dampings(3.0, 0.02)
+    first, second = c1 / 2, c2 / 2 / 1.2
+    assert second / first == pytest.approx(3.0)
+    assert (first + second) / 2 == pytest.approx(0.02)
+
+
+@pytest.mark.grid(quick=1)
+def test_elastic_bodies_flutter_where_the_lumped_system_does(backend):
+    """Up to terms of the order k / E; damped so unlike that half of the friction suffices."""
+    session, case = Session(Options()), {"backend": backend, "share": 10.0, "ratio": 0.01}
+    session.begin(scene(case, Options()))
+    found = evaluate(case, session)["threshold"]
+    assert found == pytest.approx(exact(10.0, 0.01), rel=1 / MODULUS)
+    assert found == pytest.approx(0.098287, abs=1e-6)
+    assert found < 0.6 * exact(1.0, 0.0)
+
+
+def test_damping_moves_thresholds_both_ways():
+    undamped = exact(1.0, 0.0)
+    assert undamped == pytest.approx(0.44 / 2.4)
+    assert exact(1.0, 0.1) > undamped > exact(10.0, 0.1)
+    assert len(list(DAMPING.cases(Options()))) == 48

@@ -1,9 +1,25 @@
-"""Wrong command lines and files: refused in a line that names what is wrong, with code 1 or 2."""
+"""Commands that are wrong as people get them wrong: refused in a line that names what is wrong."""
 
+import json
+import os
 import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
 
 import pytest
 from bad_inputs import TABLE
+from blocks import two_blocks
+
+from cea.errors import InputError, printable
+from cea.files import check_writable, regular
+from comparisons.cli import options as extras
+from comparisons.sweep.points import read_axis
+from meshes.files.reading import read_mesh_file
+from scenes import SceneError, load_scene, read_scene
+from scenes.results.record import read_record
+from scenes.spec.plain import scene_text
 
 
 @pytest.mark.parametrize(
@@ -35,3 +51,194 @@ def test_a_wrong_file_names_what_is_wrong(text, field, word, cea, tmp_path):
     lines = [each for each in told.splitlines() if each.startswith(f"error: {field} = ")]
     assert any(word in each for each in lines), told
     assert len(told.splitlines()) <= 8
+
+
+@pytest.mark.parametrize(
+    ("line", "field"),
+    [
+        ("run blocks --out ''", "out"),
+        ("run blocks --out=", "out"),
+        ("run ''", "argument"),
+        ("run blocks --set ''", "set"),
+        ("sweep blocks mu=0:1:3 --data ''", "data"),
+        ("scene check blocks --out ''", "out"),
+        ("exact drum --json ''", "json"),
+    ],
+)
+def test_empty_arguments_are_refused(line, field, cea, tmp_path):
+    code, _, told = cea(*shlex.split(line))
+    assert (code, told) == (1, f"error: {field} = '': something that is not empty\n")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "module", "extra"),
+    [
+        ("exact drum --m 2", "flint", "exact"),
+        ("study agreement --out .", "pyvista", "pictures"),
+        ("paper 3 --out .", "matplotlib", "pictures"),
+        ("study accuracy --out .", "flint", "exact"),
+        ("run disc --set output.pictures=1 --out .", "pyvista", "pictures"),
+    ],
+)
+def test_a_missing_extra_is_told_in_one_line(line, module, extra, monkeypatch, cea, tmp_path):
+    found = extras.find_spec
+    monkeypatch.setattr(extras, "find_spec", lambda name: None if name == module else found(name))
+    code, _, told = cea(*line.split())
+    assert code == 1
+    (line,) = told.splitlines()
+    assert line.startswith("error: ")
+    assert module in line
+    assert f"friction-cea[{extra}]" in line
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_extras_are_those_of_the_project_file():
+    root = Path(__file__).parents[2]
+    project = tomllib.loads((root / "pyproject.toml").read_text())["project"]
+    assert set(extras._MODULES) < set(project["optional-dependencies"])
+    for extra, modules in extras._MODULES.items():
+        assert len(project["optional-dependencies"][extra]) == len(modules)
+
+
+@pytest.fixture
+def scene_file(tmp_path):
+    """Writes a small scene of the name "same" to a file of its own."""
+
+    def write(file):
+        data = two_blocks("iga", {"method": "gpts", "points": 3}, held=True) | {"name": "same"}
+        (tmp_path / file).write_text(scene_text(read_scene(data)))
+        return file
+
+    return write
+
+
+def test_results_of_another_scene_or_command_stay(cea, scene_file, tmp_path):
+    one, other = scene_file("one.toml"), scene_file("other.toml")
+    out = tmp_path / "results" / "same"
+
+    def stored():
+        return json.loads((out / "result.json").read_text())["inputs"]["scene"]
+
+    assert cea("run", one)[0] == 0
+    assert cea("run", one, "--set", "contacts.interface.mu=0.1")[0] == 0
+    for given in ((), ("--out", out)):
+        code, _, told = cea("run", other, *given)
+        assert code == 1
+        assert "result of another scene, 'one.toml'; --overwrite" in told
+        assert stored() == "one.toml"
+    assert cea("run", other, "--overwrite")[0] == 0
+    assert stored() == "other.toml"
+    swept = "sweep", one, "bodies.upper.material.nu=0.1:0.2:2", "--full", "--out", "swept"
+    assert cea(*swept)[0] == 0
+    code, _, told = cea("run", one, "--out", "swept")
+    assert code == 1
+    assert "result of another command, 'sweep'" in told
+
+
+@pytest.fixture
+def pipe(tmp_path):
+    """A pipe, which stands for every file that is none: reading it would wait for ever."""
+    os.mkfifo(tmp_path / "pipe")
+    return tmp_path / "pipe"
+
+
+def test_only_regular_files_are_read(pipe, tmp_path):
+    with pytest.raises(OSError, match="not a regular file"):
+        regular(pipe)
+    assert regular(tmp_path / "none") == tmp_path / "none"
+    for read, link in ((read_mesh_file, "a.inp"), (load_scene, "a.toml"), (read_record, "b.toml")):
+        (tmp_path / link).symlink_to(pipe)
+        with pytest.raises((InputError, SceneError), match="not a regular file"):
+            read(tmp_path / link)
+
+
+XDMF = """<Xdmf Version="3.0"><Domain><Grid><Topology TopologyType="Tetrahedron">
+<DataItem Dimensions="1 4">0 1 2 3</DataItem></Topology><Geometry>
+<DataItem Dimensions="4 3" Format="{}">pipe{}</DataItem></Geometry></Grid></Domain></Xdmf>"""
+
+
+READ = """
+import sys
+from pathlib import Path
+from cea.errors import InputError
+from meshes.files.reading import read_mesh_file
+for file in sys.argv[1:]:
+    try:
+        read_mesh_file(Path(file))
+    except InputError as error:
+        print(error)
+"""
+
+
+def test_files_that_name_a_device_end(pipe, tmp_path):
+    """In a program of its own: a reader that waits for a pipe hears of no alarm."""
+    files = {
+        "deck.inp": "*NODE\n1, 0.0, 0.0, 0.0\n*INCLUDE, INPUT=pipe\n",
+        "hdf.xdmf": XDMF.format("HDF", ":/points"),
+        "binary.xdmf": XDMF.format("Binary", ""),
+    }
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    command = [sys.executable, "-c", READ, *(str(tmp_path / name) for name in files)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=True)
+    told = done.stdout.splitlines()
+    assert len(told) == len(files)
+    for line in told:
+        assert line.startswith("file = ")
+        assert "not a regular file" in line or "no device or folder" in line
+
+
+def test_what_is_no_file_is_not_written_over(cea, pipe):
+    with pytest.raises(InputError, match="not a regular file"):
+        check_writable(pipe, "out")
+    for command in ("schema", "reference"):
+        code, _, told = cea("scene", command, "--out", pipe)
+        assert (code, told) == (1, f"error: out = '{pipe}': a file to write (not a regular file)\n")
+    assert pipe.exists()
+    assert not pipe.is_file()
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="a device that is full")
+def test_a_full_standard_output_ends_in_a_line():
+    ends = "import sys; sys.argv[0] = 'cea'\nfrom comparisons.cli.app import main\nmain()"
+    command = [sys.executable, "-c", ends, "scene", "list"]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60)
+    assert done.returncode == 1
+    assert done.stderr == "error: output cannot be written: No space left on device\n"
+
+
+@pytest.mark.slow
+def test_a_full_disk_ends_in_one_line(tmp_path):
+    full = """
+import resource, sys
+import cea.petsc  # MPI has files of its own
+resource.setrlimit(resource.RLIMIT_FSIZE, (200, 200))
+from comparisons.cli.app import main
+sys.argv[0] = "cea"
+main()
+"""
+    coarse = "bodies.disc.mesh.iga={degree=[2,2,2],elements=[3,8,1]}"
+    for paraview in (0, 1):
+        settings = ["--set", coarse, "--set", f"output.paraview={paraview}"]
+        program = [sys.executable, "-c", full, "run", "disc", *settings, "--out", str(tmp_path)]
+        done = subprocess.run(program, capture_output=True, text=True)
+        assert done.returncode == 1
+        assert len(done.stderr.splitlines()) == 1, done.stderr
+        assert "cannot be written: File too large" in done.stderr
+        assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "axis",
+    ["mu=1e-320:1e308:log:5", "mu=0:1e308:3", "mu=-1e308:0:3", "P=1e-31:1.0:log:3", "mu=0:nan:3"],
+)
+def test_ends_of_axes_are_numbers_that_fields_may_have(axis):
+    with pytest.raises(InputError, match=r"1e[+-]30"):
+        read_axis(axis)
+
+
+def test_signs_that_terminals_obey_are_written_out():
+    assert printable("a\x1b[2J\r\x9bb\n") == "a\\x1b[2J\\r\\x9bb\n"
+    assert printable("µ = 0.3 → ±") == "µ = 0.3 → ±"

@@ -17,15 +17,8 @@ _THRESHOLD = re.compile(r"mu_c=(\S+) .*omega=(\S+)")
 
 BY_GALERKIN = ("ring", "blocks --mu ")
 """Commands whose lists have ten digits."""
-
-
 QUICK = ("drum", "hoffmann", "hulten", "blocks --count")
 """Commands that take a second or two."""
-
-
-def case(command, rows):
-    marks = [] if command.startswith(QUICK) else [pytest.mark.slow]
-    return pytest.param(command, rows, id=command, marks=marks)
 
 
 def told(rows):
@@ -39,7 +32,12 @@ def digits(text):
 
 
 @pytest.mark.grid(quick=4)
-@pytest.mark.parametrize(("command", "rows"), [case(*each) for each in LISTS])
+@pytest.mark.parametrize(
+    ("command", "rows"),
+    [pytest.param(*row, marks=() if row[0].startswith(QUICK) else pytest.mark.slow)
+     for row in LISTS],
+    ids=[command for command, _ in LISTS],
+)  # fmt: skip
 def test_eigenvalues_are_those_of_the_command(command, rows):
     done = CliRunner().invoke(app, command.split(), catch_exceptions=False)
     form = _THRESHOLD if "--thresholds" in command else _ROW
@@ -58,13 +56,10 @@ def test_eigenvalues_are_those_of_the_command(command, rows):
             assert abs(float(text) - float(value)) <= 0.51 * unit
 
 
-def test_every_problem_has_its_lists():
+def test_every_problem_has_its_lists_with_twelve_digits_but_where_fewer_are_held():
     problems = [command.split()[0] for command, _ in LISTS]
     assert set(problems) == {"drum", "blocks", "ring", "hoffmann", "hulten"}
     assert len(LISTS) >= 18
-
-
-def test_twelve_digits_are_given_but_where_fewer_are_held():
     for command, rows in LISTS:
         longest = max(digits(text) for row in told(rows) for text in row)
         assert longest == (10 if command.startswith(BY_GALERKIN) else 12)

@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[2]
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 ROOMS = ("cea", "fe_cea", "iga_cea", "exact_cea", "meshes", "scenes", "comparisons")
 PLACES = (*ROOMS, "docs", "examples", "tests")
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 
 
 def named_files(text):
@@ -70,23 +71,16 @@ def test_the_site_is_built_without_warnings(tmp_path):
 
 def test_version_and_license_are_the_same_everywhere():
     citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert f"version: {cea.__version__}\n" in citation
-    assert f"license: {project['license']}\n" in citation
+    assert f"license: {PROJECT['project']['license']}\n" in citation
     assert "BSD 3-Clause" in (ROOT / "LICENSE").read_text(encoding="utf-8")
 
 
-def test_every_package_offers_its_types():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    found = project["tool"]["setuptools"]["packages"]["find"]["include"]
-    assert {name.rstrip("*") for name in found} == set(ROOMS)
+def test_every_file_of_a_package_is_in_its_wheel_and_its_types_are_offered():
+    packing, packed = PROJECT["tool"]["setuptools"], set()
+    assert {name.rstrip("*") for name in packing["packages"]["find"]["include"]} == set(ROOMS)
     assert all((ROOT / name / "py.typed").is_file() for name in ROOMS)
-
-
-def test_every_file_of_a_package_is_in_its_wheel():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
-    packed = set()
-    for package, patterns in project["tool"]["setuptools"]["package-data"].items():
+    for package, patterns in packing["package-data"].items():
         for room in ROOMS if package == "*" else [package]:
             packed |= {path for pattern in patterns for path in (ROOT / room).glob(pattern)}
     listed = subprocess.run(

@@ -29,65 +29,22 @@ NAMES = sorted(file.stem for file in SCENES.glob("*.toml"))
 BY_SIZE = {"ventilated_brake"}
 """Scenes whose meshes have sizes, not numbers of elements: none is coarse."""
 POSITIVE = [
-    "E",
-    "rho",
-    "P",
-    "p",
-    "c_n",
-    "m_n",
-    "max_frequency",
-    "inner_radius",
-    "outer_radius",
-    "size",
-    "frequencies",
-    "degree",
-    "elements",
-    "points",
-    "samples",
-]
+    "E", "rho", "P", "p", "c_n", "m_n", "max_frequency", "inner_radius", "outer_radius", "size",
+    "frequencies", "degree", "elements", "points", "samples",
+]  # fmt: skip
 """Fields whose numbers are greater than zero."""
 NOT_NEGATIVE = ["mu", "growth_threshold", "pictures", "paraview", "alpha", "beta", "rate", "ratios"]
 WHOLE = ("elements", "degree", "points", "samples")
 REQUIRED = [
-    "name",
-    "bodies",
-    "analysis",
-    "kind",
-    "max_frequency",
-    "backend",
-    "geometry",
-    "material",
-    "mesh",
-    "E",
-    "nu",
-    "shape",
-    "a",
-    "b",
-    "formulation",
-    "method",
-    "surface",
-    "pressure",
-    "inner_radius",
-    "outer_radius",
-    "bottom",
-    "top",
-    "start",
-    "end",
-    "vector",
+    "name", "bodies", "analysis", "kind", "max_frequency", "backend", "geometry", "material",
+    "mesh", "E", "nu", "shape", "a", "b", "formulation", "method", "surface", "pressure",
+    "inner_radius", "outer_radius", "bottom", "top", "start", "end", "vector",
     "circumferential_about",
-]
+]  # fmt: skip
 MAY_BE_NONE = [
-    "P",
-    "p",
-    "m_n",
-    "growth_threshold",
-    "min_growth",
-    "rho",
-    "alpha",
-    "beta",
-    "mu_slope",
+    "P", "p", "m_n", "growth_threshold", "min_growth", "rho", "alpha", "beta", "mu_slope",
     "reach",
-]
+]  # fmt: skip
 """Numbers that may be left out, beside others."""
 FREE_TEXT = ("name", "description")
 EXPRESSIONS = ("mu", "p", "added_gap", "field", "speed", "pressure", "mu_slope")

@@ -24,7 +24,7 @@ def scene_body(backend, geometry, elements, degree=2, **sections):
         "geometry": geometry,
         "material": {"E": 2.0, "nu": 0.3, "rho": 1.5},
         "mesh": {
-            "fe": {"cell": cell, "degree": degree, "elements": elements},
+            "fe": {"cell": cell, "degree": min(degree, 4), "elements": elements},
             "iga": {"degree": [degree] * dim, "elements": elements},
         },
     } | sections
@@ -46,15 +46,8 @@ def block(backend, size, origin, elements, *, placement=None, **fields):
 
 def rectangle(backend, size, elements, *, origin=(0.0, 0.0), degree=2, **fields):
     """Body section of a rectangle with the same elements on both backends, and other fields."""
-    return {
-        "backend": backend,
-        "geometry": {"shape": "rectangle", "size": list(size), "origin": list(origin)},
-        "mesh": {
-            "fe": {"cell": "quadrilateral", "degree": min(degree, 4), "elements": elements},
-            "iga": {"degree": [degree, degree], "elements": elements},
-        },
-        **fields,
-    }
+    geometry = {"shape": "rectangle", "size": list(size), "origin": list(origin)}
+    return scene_body(backend, geometry, elements, degree, **fields)
 
 
 def two_blocks(backend, formulation, placement=None, *, mu=0.4, held=False, P=3.0):

@@ -1,8 +1,9 @@
 """An annulus of one patch that closes on itself, or of four, with the same functions."""
 
 import numpy as np
+from pydantic import TypeAdapter
 
-from meshes.patches import GivenPatch, Patches
+from meshes.patches import Patches
 
 LINE = [0.0, 0.0, 1.0, 1.0]
 ARC = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0]
@@ -32,16 +33,5 @@ def annulus(inner, outer, *, quarters=False, gap=0.0):
     return {"shape": "patches", "patches": patches, "faces": faces}
 
 
-def as_shape(geometry):
-    """The same as a shape."""
-    patches = tuple(
-        GivenPatch(
-            tuple(p["degrees"]),
-            tuple(map(tuple, p["knots"])),
-            tuple(p["control_points"]),
-            tuple(p["weights"]),
-        )
-        for p in geometry["patches"]
-    )
-    faces = {name: tuple(map(tuple, ends)) for name, ends in geometry["faces"].items()}
-    return Patches(patches, faces)
+as_shape = TypeAdapter(Patches).validate_python
+"""The same as a shape."""

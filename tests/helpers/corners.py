@@ -26,7 +26,7 @@ from cea.contact.interface import default_reach, pair
 from cea.contact.laws import LinearLaw
 from cea.eigen.driver import solve_modes
 from cea.material import IsotropicMaterial
-from cea.mesh import Mesh, facet_nodes
+from cea.mesh import Mesh
 from cea.supports.boundary import Support
 from cea.system.coupled import couple
 from meshes.nurbs_shapes import NurbsPatch
@@ -41,8 +41,6 @@ KINDS = {
 }
 """Bodies of each dimension of space."""
 BOXES = {"triangle": "quadrilateral", "tetrahedron": "hexahedron"}
-BACKS = {"block": {}, "seat": {"back": (0, -0.5)}}
-"""Planes behind the parts that are held: axis and coordinate."""
 MU, STIFFNESS = 0.3, 7.0
 
 
@@ -75,21 +73,29 @@ def part(name, kind, dim, elements, *, together=True, **conditions):
     lines = [np.linspace(0.0, 1.0, elements + 1)]
     if name == "seat":
         lines = [np.linspace(-0.5, 0.0, 2), np.linspace(0.0, 1.5, elements + 1)]
-    planes = {f"face {k}": (k, 0.0) for k in range(dim)} | BACKS[name]
+    boxes = list(product(lines, repeat=dim))[: -1 if name == "seat" else None]  # no corner
+    faces = {f"face {k}": _ends(boxes, k, 0.0) for k in range(dim)}
+    if together:
+        faces = {"corner": [*chain(*faces.values())]}
+    if name == "seat":
+        faces["back"] = _ends(boxes, 0, -0.5)
     conditions |= {"degree": 2, "material": MATERIAL}
     if kind == "nurbs":
-        breaks = [each for each in product(lines, repeat=dim) if not _is_corner(name, each)]
-        faces = _joined({n: _faces(breaks, *plane) for n, plane in planes.items()}, together)
         conditions["degree"] = (2,) * dim
-        return nurbs_body(name, [_patch(each) for each in breaks], faces, **conditions)
-    boxes = BOXES.get(kind, kind)
-    mesh = _boxes(name, boxes, [np.unique(np.concatenate(lines))] * dim, planes, together)
+        return nurbs_body(name, [_patch(each) for each in boxes], faces, **conditions)
+    mesh = _mesh(BOXES.get(kind, kind), boxes, faces)
     return lagrange_body(name, divided(mesh) if kind in BOXES else mesh, **conditions)
 
 
-def _is_corner(name, breaks):
-    """Whether a part of the box of the seat is that of the block."""
-    return name == "seat" and all(each[0] == 0 for each in breaks)
+def _ends(boxes, axis, value):
+    """Ends of boxes in a plane: number of the box, axis, end; at zero, beside the block alone."""
+    return [
+        (number, axis, end)
+        for number, along in enumerate(boxes)
+        for end in (0, 1)
+        if along[axis][-end] == value
+        and (value != 0 or all(each[-1] > 0 for k, each in enumerate(along) if k != axis))
+    ]
 
 
 def _patch(breaks):
@@ -99,48 +105,24 @@ def _patch(breaks):
     return NurbsPatch((1,) * len(breaks), knots, corners, weights, tuple(breaks))
 
 
-def _faces(breaks, axis, value):
-    """Faces of patches in a plane: number of the patch, axis, end."""
-    return [
-        (number, axis, end)
-        for number, along in enumerate(breaks)
-        for end in (0, 1)
-        if along[axis][-end] == value
-        and (value != 0 or all(each[-1] > 0 for k, each in enumerate(along) if k != axis))
-    ]
-
-
-def _boxes(name, cell, breaks, planes, together):
-    """Mesh of boxes, without those in the positive corner of a seat."""
-    low, high = ([each[end] for each in breaks] for end in (0, -1))
-    shape = {2: Rectangle, 3: Box}[len(breaks)](tuple(np.subtract(high, low)), tuple(low))
-    whole = shape_mesh(shape, cell, 1, breaks=tuple(breaks))
-    cells = whole.cells
-    if name == "seat":
-        cells = cells[~(whole.points[cells].mean(axis=1) > 0).all(axis=1)]
-    facets = np.concatenate([cells[:, nodes] for nodes in facet_nodes(cell, 1)])
-    _, index, count = np.unique(
-        np.sort(facets, axis=1), axis=0, return_index=True, return_counts=True
-    )
-    facets = facets[index[count == 1]]
-    x = whole.points[facets]
-    surfaces = {}
-    for surface, (axis, value) in planes.items():
-        on = (x[:, :, axis] == value).all(axis=1)
-        if value == 0:
-            on &= (np.delete(x.mean(axis=1), axis, axis=1) > 0).all(axis=1)
-        surfaces[surface] = facets[on]
-    surfaces = {n: np.asarray(each) for n, each in _joined(surfaces, together).items()}
-    return Mesh(cell, 1, whole.points, cells, surfaces).without_loose_points()
-
-
-def _joined(surfaces, together):
-    """Surfaces by name, the faces as one if together."""
-    if not together:
-        return surfaces
-    faces = [name for name in surfaces if name.startswith("face")]
-    rest = {name: surface for name, surface in surfaces.items() if name not in faces}
-    return {"corner": list(chain(*(surfaces[name] for name in faces)))} | rest
+def _mesh(cell, boxes, faces):
+    """Mesh of boxes that share their nodes."""
+    parts = []
+    for breaks in boxes:
+        low, high = ([each[end] for each in breaks] for end in (0, -1))
+        shape = {2: Rectangle, 3: Box}[len(breaks)](tuple(np.subtract(high, low)), tuple(low))
+        parts.append(shape_mesh(shape, cell, 1, breaks=breaks))
+    every = np.concatenate([mesh.points for mesh in parts])
+    points, number = np.unique(every, axis=0, return_inverse=True)
+    starts = np.cumsum([0, *(len(mesh.points) for mesh in parts)])
+    surfaces = {
+        name: np.concatenate(
+            [number[starts[i] + [*parts[i].surfaces.values()][2 * k + end]] for i, k, end in ends]
+        )
+        for name, ends in faces.items()
+    }
+    cells = [number[start + mesh.cells] for start, mesh in zip(starts, parts, strict=False)]
+    return Mesh(cell, 1, points, np.concatenate(cells), surfaces)
 
 
 def system(

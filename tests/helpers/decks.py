@@ -1,12 +1,13 @@
 """Scenes small enough for a deck to be read in a test, and decks read back by their keywords."""
 
 import shutil
-from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
+from meshes.files.abaqus_deck import keywords_of
 from scenes import load_scene, read_scene
 
 P2 = {"cell": "tetrahedron", "degree": 2, "geometry_degree": 1}
@@ -54,32 +55,20 @@ def with_calculix():
         pytest.skip("ccx is not installed (Debian package calculix-ccx): decks are not run")
 
 
-@dataclass
-class Card:
+class Card(NamedTuple):
     """A keyword with its parameters and data lines, numbers and names as they stand there."""
 
     keyword: str
     parameters: dict
-    rows: list = field(default_factory=list)
+    rows: list
 
 
 def cards(file):
     """Cards of a deck, with those of the files that it includes in their place."""
-    found = []
-    for line in Path(file).read_text(encoding="utf-8").splitlines():
-        if line.startswith("**") or not line.strip():
-            continue
-        words = [word.strip() for word in line.split(",")]
-        if not line.startswith("*"):
-            found[-1].rows.append([word for word in words if word])
-            continue
-        pairs = [word.partition("=") for word in words[1:]]
-        parameters = {name.strip().upper(): value.strip() for name, _, value in pairs}
-        if words[0] == "*INCLUDE":
-            found += cards(Path(file).parent / parameters["INPUT"])
-        else:
-            found.append(Card(words[0][1:].upper(), parameters))
-    return found
+    return [
+        Card(each.name, each.parameters, [[word for word in row if word] for row in each.lines])
+        for each in keywords_of(Path(file))
+    ]
 
 
 def of(deck, keyword, **parameters):

@@ -17,8 +17,6 @@ from scipy.linalg import (
     cholesky,
     eig,
     eigh,
-    lu_factor,
-    lu_solve,
     null_space,
     solve_triangular,
     svd,
@@ -181,90 +179,67 @@ def _independent(J, L):
 
 def _inverted(problem: _Problem, top: float):
     """Eigenvalues from the inverse at a shift, their errors, and how near the shift they reach."""
-    best = None
+    n, best, chosen = len(problem.K), np.inf, None
     for part in _SHIFTS:
-        solver = _Bordered(problem, part * top)
-        norm = np.linalg.norm(solver.inverse @ problem.M, 2)
-        if np.isfinite(norm) and (best is None or norm * abs(part) < best[0]):
-            best = norm * abs(part), solver
-    if best is None:
+        matrix, scale = _bordered(problem, part * top)
+        try:
+            rough = np.linalg.inv(matrix.astype(float))
+            size = np.linalg.norm(rough[:n, :n] @ problem.M, 2) * abs(part)
+        except LinAlgError:
+            continue
+        if size < best:
+            best, chosen = size, (part * top, matrix, scale, rough)
+    if chosen is None:
         raise UnsureError("every shift is an eigenvalue")
-    solver = best[1]
-    x, f, left_x, g = solver.refined()
+    shift, matrix, scale, rough = chosen
+    inverse, change = _refined(matrix, rough)
+    x, f, g = inverse[:n, :n], scale * inverse[n:, :n], scale * inverse[:n, n:].T
     T = problem.root.T @ x @ problem.root
     norm = np.linalg.norm(T, 2)
     theta, left, right = eig(T, left=True, right=True)
     kept = np.abs(theta) > _noise(len(T)) * norm
     theta, left, right = theta[kept], left[:, kept], right[:, kept]
-    kappa = solver.shift + 1 / theta
+    kappa = shift + 1 / theta
     overlap = np.maximum(np.abs(np.sum(left.conj() * right, axis=0)), _EPS)
-    to_load, size = problem.root, np.abs(theta)
-    sum_right, sum_left = to_load @ right, to_load @ left
-    inverse_error = solver.error(np.abs(sum_left), np.abs(sum_right)) / size**2
-    own = 4 * np.sqrt(len(T)) * _EPS * norm / size**2
-    entries = solver.entries(
-        np.abs(left_x @ sum_left / size),
-        np.abs(g @ sum_left / size),
-        np.abs(x @ sum_right / size),
-        np.abs(f @ sum_right / size),
-        np.abs(kappa),
-    )
-    return kappa, (own + inverse_error + 4 * _EPS * entries) / overlap, 1 / norm
+    right, left, size = problem.root @ right, problem.root @ left, np.abs(theta)
+    own = change[:n, :n] + _EPS * np.abs(rough[:n, :n])
+    error = 4 * np.sqrt(n) * _EPS * norm
+    error = error + np.einsum("in,ij,jn->n", np.abs(left), own, np.abs(right), optimize=True)
+    displacements = np.abs(x.T @ left / size), np.abs(x @ right / size)
+    forces = np.abs(g @ left / size), np.abs(f @ right / size)
+    entries = _entries(problem, *displacements, *forces, np.abs(kappa))
+    return kappa, (error / size**2 + 4 * _EPS * entries) / overlap, 1 / norm
 
 
-class _Bordered:
-    """[K - s M, L^T; J, -C] at a shift s, factorised in double precision."""
+def _bordered(problem: _Problem, shift: float):
+    """[K - s M, L^T; J, -C] at a shift s, rows and columns of forces scaled, and their scales."""
+    rows = np.abs(problem.J).max(axis=1, initial=0.0)
+    size = float(np.abs(problem.K).max())
+    scale = 2.0 ** np.round(np.log2(size / np.where(rows > 0, rows, 1.0)))[:, None]
+    stiffness = problem.K - np.longdouble(shift) * problem.M
+    low = np.hstack([problem.J * scale, -problem.C * (scale * scale.T)])
+    return np.vstack([np.hstack([stiffness, (problem.L * scale).T]), low]), scale
 
-    def __init__(self, problem: _Problem, shift: float) -> None:
-        self.problem, self.shift = problem, shift
-        n = self.n = len(problem.K)
-        self.m = len(problem.C)
-        rows = np.abs(problem.J).max(axis=1, initial=0.0)
-        size = float(np.abs(problem.K).max())
-        self.scale = 2.0 ** np.round(np.log2(size / np.where(rows > 0, rows, 1.0)))
-        self.matrix = np.zeros((n + self.m, n + self.m), dtype=np.longdouble)
-        self.matrix[:n, :n] = problem.K - np.longdouble(shift) * problem.M
-        self.matrix[:n, n:] = problem.L.T * self.scale
-        self.matrix[n:, :n] = problem.J * self.scale[:, None]
-        self.matrix[n:, n:] = -problem.C * np.outer(self.scale, self.scale)
-        self.factors = lu_factor(self.matrix.astype(float), check_finite=False)
-        self.inverse = lu_solve(self.factors, np.eye(n + self.m, n))[:n]
 
-    def refined(self):
-        """Displacements and forces for unit loads, of the problem and of its transposed."""
-        n = self.n
-        whole, self._change = self._solve(self.matrix, 0)
-        dual, _ = self._solve(self.matrix.T, 1)
-        scale = self.scale[:, None]
-        return whole[:n], scale * whole[n:], dual[:n], scale * dual[n:]
+def _refined(matrix, rough):
+    """The inverse of a matrix of extended precision, and the last correction of it."""
+    inverse, before = rough.astype(np.longdouble), np.inf
+    for _ in range(_STEPS):
+        change = rough @ (np.eye(len(matrix)) - matrix @ inverse).astype(float)
+        size = np.abs(change).max()
+        if not size < 0.5 * before:
+            break
+        inverse, before = inverse + change, size
+        if size < _EPS * np.abs(inverse).max():
+            break
+    return inverse.astype(float), np.abs(change)
 
-    def _solve(self, matrix, transposed):
-        """Solution for unit loads, and the last correction of it."""
-        load = np.eye(self.n + self.m, self.n)
-        whole = lu_solve(self.factors, load, trans=transposed).astype(np.longdouble)
-        before = np.inf
-        for _ in range(_STEPS):
-            defect = (load - matrix @ whole).astype(float)
-            change = lu_solve(self.factors, defect, trans=transposed)
-            size = np.abs(change).max()
-            if not size < 0.5 * before:
-                break
-            whole, before = whole + change, size
-            if size < _EPS * np.abs(whole).max():
-                break
-        return whole.astype(float), np.abs(change)
 
-    def error(self, left, right):
-        """|left^T error right| for the error of the inverse, column by column."""
-        own = self._change[: self.n] + _EPS * np.abs(self.inverse)
-        return np.einsum("in,ij,jn->n", left, own, right, optimize=True)
-
-    def entries(self, y, g, x, f, kappa):
-        """|(y, g)^T matrix (x, f)| with absolute values throughout, column by column."""
-        p = self.problem
-        total = np.sum(y * (np.abs(p.K).astype(float) @ x + kappa * (np.abs(p.M) @ x)), axis=0)
-        total += np.sum((np.abs(p.L) @ y) * f + (np.abs(p.J) @ x) * g, axis=0)
-        return total + np.sum(g * (np.abs(p.C) @ f), axis=0)
+def _entries(p: _Problem, y, x, g, f, kappa):
+    """|(y, g)^T matrix (x, f)| with absolute values throughout, column by column."""
+    total = np.sum(y * (np.abs(p.K).astype(float) @ x + kappa * (np.abs(p.M) @ x)), axis=0)
+    total += np.sum((np.abs(p.L) @ y) * f + (np.abs(p.J) @ x) * g, axis=0)
+    return total + np.sum(g * (np.abs(p.C) @ f), axis=0)
 
 
 def _as_it_stands(problem: _Problem):

@@ -5,7 +5,6 @@ from blocks import assemble, coarse, two_blocks
 from random_pencils import random_graded
 
 from cea.eigen.coefficients import Coefficient
-from cea.eigen.corrected_tests import CorrectedTests
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.pencil import Pencil, Term
 from cea.matrices import distributed, local_part
@@ -68,20 +67,3 @@ def graded(seed, damped):
         "im": modes.eigenvalues.imag.tolist(),
         "verdicts": modes.verdicts(),
     }
-
-
-def wedges(backend):
-    """Sizes of corrected test functions, and what holds at which X, of penalties and of ties."""
-    result = {}
-    for name, method, P, form in (
-        ("penalty", {"method": "gpts", "points": 3}, 1e5, "penalty"),
-        ("tied", {"method": "mortar"}, float("inf"), None),
-    ):
-        data = two_blocks(backend, method, held=True, mu=0.7, P=P)
-        if form is not None:
-            data["contacts"]["interface"]["form"] = form
-        tests = CorrectedTests.of(assemble(data).pencil().at())
-        result[name] = [tests.inner.getSize()[0], *(tests.holds(X) for X in (-50.0, 10.0))]
-        result[f"{name} norm"] = tests.normals.norm()
-        tests.free()
-    return result

@@ -73,16 +73,10 @@ def abaqus_deck(points, solids, node_sets):
 
 
 def vtk_grid(points, solids, node_sets):
-    """A grid of VTK with a number from 1 for each set of elements, and its node sets."""
-    cells, groups = {}, {}
-    for i, (kind, nodes) in enumerate(solids.values(), 1):
-        cells.setdefault(VTK[kind], []).append(nodes)
-        groups.setdefault(VTK[kind], []).append(np.full(len(nodes), i))
-    grid = pyvista.UnstructuredGrid({k: np.concatenate(v) for k, v in cells.items()}, points)
-    grid.cell_data["group"] = np.concatenate([np.concatenate(groups[k]) for k in cells])
+    """A grid of VTK with its node sets; each set of elements is of another kind."""
+    grid = pyvista.UnstructuredGrid({VTK[kind]: nodes for kind, nodes in solids.values()}, points)
     for name, nodes in node_sets.items():
-        on = np.isin(np.arange(len(points)), nodes)
-        grid.point_data[name.upper()] = on.astype(np.uint8)
+        grid.point_data[name.upper()] = np.isin(np.arange(len(points)), nodes).astype(np.uint8)
     return grid
 
 
@@ -117,26 +111,14 @@ def _component(name, kind, numbers):
 
 
 def write_sets(file, points, solids, node_sets, element=None):
-    """A deck; or an archive, whose materials and a component of elements are the sets.
-
-    With a type of elements the archive is written out, without it the library does so.
-    """
+    """A deck, or an archive of a type of elements, whose components are the sets."""
     if file.suffix == ".inp":
         every = [(name, *of_kind) for name, of_kind in solids.items()]
         file.write_text(abaqus_deck(points, every, node_sets))
         return
-    if element is not None:
-        file.write_text(ansys_archive(points, solids, node_sets, element))
-        return
-    from mapdl_archive import save_as_archive
-
-    grid = vtk_grid(points, solids, node_sets)
-    grid.cell_data["mtype"] = grid.cell_data["group"]
-    save_as_archive(file, grid)
-    for i, name in enumerate(solids, 1):
-        members = np.flatnonzero(grid.cell_data["group"] == i) + 1
-        with file.open("a") as stream:
-            stream.write("\n".join([*_component(name, "ELEM", members), ""]))
+    own = {"tetrahedron4": 285, "tetrahedron10": 187, "hexahedron20": 186}
+    kind, _ = next(iter(solids.values()))
+    file.write_text(ansys_archive(points, solids, node_sets, element or own.get(kind, 185)))
 
 
 def of_meshio(kind):

@@ -319,21 +319,11 @@ def sheared(seed: int) -> tuple[np.ndarray, np.ndarray]:
     low = np.tril(rng.integers(-size, size + 1, (n, n)), -1) + np.eye(n, dtype=int)
     high = np.triu(rng.integers(-size, size + 1, (n, n)), 1) + np.eye(n, dtype=int)
     kappa = rng.permutation(np.arange(1, 2 * n + 1))[:n]
-    there = (low @ high).astype(object)
-    back = _inverse(high.astype(object)) @ _inverse(low.astype(object))
-    whole = there @ np.diag(kappa).astype(object) @ back
-    assert max(abs(entry) for entry in whole.flat) < 2**53
+    # triangular with ones on the diagonal: inverses are whole too
+    of_low, of_high = (np.rint(np.linalg.inv(each)).astype(int) for each in (low, high))
+    whole = low @ high @ np.diag(kappa) @ of_high @ of_low
+    assert np.abs(whole).max() < 2**53
     return whole.astype(float), kappa.astype(float)
-
-
-def _inverse(unit: np.ndarray) -> np.ndarray:
-    """Of a triangular matrix with ones on the diagonal: 1 - N + N^2 and so on."""
-    nilpotent = unit - np.eye(len(unit), dtype=object)
-    total, power = np.eye(len(unit), dtype=object), np.eye(len(unit), dtype=object)
-    for _ in range(len(unit) - 1):
-        power = -power @ nilpotent
-        total = total + power
-    return total
 
 
 def _symmetric(matrix) -> np.ndarray:

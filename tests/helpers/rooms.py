@@ -3,6 +3,7 @@
 import ast
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 
@@ -102,23 +103,10 @@ def imports_between_folders(modules: Mapping[str, Path]) -> dict[str, set[str]]:
     return folders
 
 
-def circles(graph: Mapping[str, set[str]]) -> list[list[str]]:
-    """Groups whose members reach each other: strongly connected components of two or more."""
-
-    def reached(start: str) -> set[str]:
-        seen: set[str] = set()
-        todo = [start]
-        while todo:
-            for name in graph.get(todo.pop(), ()):
-                if name not in seen:
-                    seen.add(name)
-                    todo.append(name)
-        return seen
-
-    reach = {name: reached(name) for name in graph}
-    groups = {
-        tuple(sorted(other for other in reach[name] if name in reach.get(other, ())))
-        for name in graph
-        if name in reach[name]
-    }
-    return [list(group) for group in sorted(groups)]
+def circles(graph: Mapping[str, set[str]]) -> list[str]:
+    """Names along a circle of a graph, the first one again at the end; none where there is none."""
+    try:
+        TopologicalSorter(graph).prepare()
+    except CycleError as error:
+        return list(error.args[1])
+    return []

@@ -25,7 +25,7 @@ WRITTEN_OUT = [
     *((("tetrahedron", 2), element) for element in (187, 186)),
     *((("hexahedron", order), element) for order, element in ((1, 185), (2, 186))),
 ]
-"""Types of elements in archives of Ansys that no library writes: SOLID185 and 186 are bricks."""
+"""Types of elements in archives of Ansys: SOLID185 and 186 are bricks, of tetrahedra too."""
 
 
 @pytest.mark.parametrize(

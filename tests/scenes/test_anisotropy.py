@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from blocks import alone, scene_body
 
 from cea.material import AnisotropicMaterial, Axes, OrthotropicMaterial
 from scenes import SceneError, assemble, load_scene, read_scene, run_modes
@@ -17,25 +18,16 @@ FIVE = {
     **{"E_1": 1e10, "E_3": 3e9, "nu_12": 0.3, "nu_13": 0.2, "G_13": 1.5e9, "rho": 2500.0},
 }
 OBLIQUE = {"first": [1.0, 2.0, 0.5], "second": [0.0, 1.0, 1.0]}
+ROUND = {"cylindrical_about": [0.0, 0.0, 1.0]}
 SIZE = (0.05, 0.03, 0.02)
+ENDS = ({"surface": "x_min"},)
 
 
-def block(backend, material, *, elements=(3, 2, 2), supports=None, **options):
+def block(backend, material, elements=(3, 2, 2), supports=ENDS, top=40000.0, **sections):
     """A box of one material, held at one end unless told otherwise."""
-    mesh = {
-        "fe": {"cell": "hexahedron", "degree": 2, "elements": list(elements)},
-        "iga": {"degree": [2, 2, 2], "elements": list(elements)},
-    }
-    body = {
-        "backend": backend,
-        "geometry": {"shape": "box", "size": SIZE},
-        "material": material,
-        "supports": [{"surface": "x_min"}] if supports is None else supports,
-        "mesh": mesh,
-        **options,
-    }
-    analysis = {"kind": "cea", "max_frequency": 40000.0}
-    return read_scene({"name": "block", "bodies": {"block": body}, "analysis": analysis})
+    geometry = {"shape": "box", "size": SIZE}
+    sections |= {"material": material, "supports": list(supports)}
+    return read_scene(alone(scene_body(backend, geometry, list(elements), **sections), top))
 
 
 def lowest(scene, count=6):
@@ -43,21 +35,18 @@ def lowest(scene, count=6):
 
 
 def isotropic(E, nu, rho):
-    G = E / (2 * (1 + nu))
-    nine = {f"E_{i}": E for i in (1, 2, 3)} | {f"nu_{ij}": nu for ij in ("12", "13", "23")}
-    return {
-        "kind": "orthotropic",
-        **nine,
-        **{f"G_{ij}": G for ij in ("12", "13", "23")},
-        "rho": rho,
-    }
+    constants = {f"E_{i}": E for i in "123"} | {"rho": rho}
+    for ij in ("12", "13", "23"):
+        constants |= {f"nu_{ij}": nu, f"G_{ij}": E / (2 * (1 + nu))}
+    return {"kind": "orthotropic"} | constants
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("axes", [None, {"cylindrical_about": [0, 0, 1], "origin": [-3, -2, 0]}])
 def test_isotropic_constants_give_the_isotropic_eigenvalues(backend, axes):
     """In the plane, with contact, and in space."""
-    solid = block(backend, {"E": 1e10, "nu": 0.3, "rho": 2500.0}, elements=(2, 2, 1))
-    for scene, name in ((load_scene("blocks", backend=backend), "upper"), (solid, "block")):
+    solid = block(backend, {"E": 1e10, "nu": 0.3, "rho": 2500.0}, (2, 2, 1))
+    for scene, name in ((load_scene("blocks", backend=backend), "upper"), (solid, "part")):
         own = scene.bodies[name].material
         other = isotropic(own.E, own.nu, own.rho) | {"axes": axes}
         found = run_modes(scene.change(f"bodies.{name}.material", other)).eigenvalues
@@ -69,143 +58,104 @@ def rotated(material):
     """The same solid by its constants in the axes of space."""
     solid = OrthotropicMaterial(**{k: v for k, v in material.items() if k != "axes"})
     R = Axes(**material["axes"]).at(np.zeros((3, 1)))[:, :, 0]
-    pairs = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-    place = {pair: n for n, pair in enumerate(pairs)} | {
-        (j, i): n for n, (i, j) in enumerate(pairs)
-    }
-    own = np.array(
-        [
-            [
-                [
-                    [solid.elasticity.matrix[place[i, j], place[k, m]] for m in range(3)]
-                    for k in range(3)
-                ]
-                for j in range(3)
-            ]
-            for i in range(3)
-        ]
-    )
-    c = np.einsum("ip,jq,kr,ms,pqrs->ijkm", R, R, R, R, own)
-    entries = {
-        f"C_{a + 1}{b + 1}": float(c[pairs[a] + pairs[b]]) for a in range(6) for b in range(a, 6)
-    }
+    place = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+    tensor = solid.elasticity.matrix[place][..., place]
+    tensor = np.einsum("ip,jq,kr,ms,pqrs->ijkm", R, R, R, R, tensor)
+    i, j = [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]
+    matrix = tensor[i, j][:, i, j]
+    entries = {f"C_{a + 1}{b + 1}": float(matrix[a, b]) for a in range(6) for b in range(a, 6)}
     return {"kind": "anisotropic", "C": entries, "rho": material["rho"]}
 
 
-def test_turned_axes_are_the_turned_tensor(backend):
-    turned = WOOD | {"axes": OBLIQUE}
-    found, right = lowest(block(backend, turned)), lowest(block(backend, rotated(turned)))
-    assert found == pytest.approx(right, rel=1e-12)
-
-
-def test_a_turned_block_with_its_axes_is_the_same_block(backend):
+def test_turned_axes_are_the_turned_tensor_and_a_turned_block_is_the_same(backend):
     """Change of frame: nothing tells the block from one that lies elsewhere in space."""
-    angle = {"axis": [1.0, 2.0, 3.0], "angle": 40.0}
-    scene = block(backend, WOOD | {"axes": OBLIQUE}, placement=angle)
-    turn = scene.bodies["block"].placement.rotation
+    turned = WOOD | {"axes": OBLIQUE}
+    found = lowest(block(backend, turned))
+    assert found == pytest.approx(lowest(block(backend, rotated(turned))), rel=1e-12)
+    scene = block(backend, turned, placement={"axis": [1.0, 2.0, 3.0], "angle": 40.0})
+    turn = scene.bodies["part"].placement.rotation
     axes = {name: (turn @ vector).tolist() for name, vector in OBLIQUE.items()}
-    there = lowest(scene.change("bodies.block.material.axes", axes))
-    assert there == pytest.approx(lowest(block(backend, WOOD | {"axes": OBLIQUE})), rel=1e-10)
+    there = lowest(scene.change("bodies.part.material.axes", axes))
+    assert there == pytest.approx(found, rel=1e-10)
 
 
-HELD = {
-    "z": {"x": ["x"], "y": ["y"]},
-    "x": {"x": ["z"], "y": ["y", "z"]},
-    "y": {"x": ["x", "z"], "y": ["z"]},
+PLANE_WAVES = {
+    "z": ((2, 2), {"x": ["x"], "y": ["y"]}),
+    "x": ((4, 4), {"x": ["z"], "y": ["y", "z"]}),
+    "y": ((3, 3), {"x": ["x", "z"], "y": ["z"]}),
 }
-"""What the sides of a block hold so that a plane wave along z is exact, by its displacement."""
+"""By displacement: the constant, and what sides hold so that a plane wave along z is exact."""
 
 
-def waves(backend, moving, elements):
-    """Frequencies of standing waves along z whose displacement is along one axis."""
+@pytest.mark.parametrize("moving", PLANE_WAVES)
+def test_plane_waves_have_the_speeds_of_the_closed_form(backend, moving):
+    constant, held = PLANE_WAVES[moving]
     supports = [
         {"surface": f"{side}_{end}", "components": components}
-        for side, components in HELD[moving].items()
+        for side, components in held.items()
         for end in ("min", "max")
     ]
-    scene = block(backend, WOOD, elements=(1, 1, elements), supports=supports)
-    return run_modes(scene.change("analysis.max_frequency", 250000.0)).frequencies
-
-
-@pytest.mark.parametrize(("moving", "constant"), [("z", (2, 2)), ("x", (4, 4)), ("y", (3, 3))])
-def test_plane_waves_have_the_speeds_of_the_closed_form(backend, moving, constant):
-    solid = OrthotropicMaterial(**WOOD)
-    right = np.sqrt(solid.elasticity.matrix[constant] / WOOD["rho"]) / (2 * SIZE[2])
+    C = OrthotropicMaterial(**WOOD).elasticity.matrix
+    right = np.sqrt(C[constant] / WOOD["rho"]) / (2 * SIZE[2])
     errors = []
     for elements in (4, 8):
-        errors.append(np.abs(waves(backend, moving, elements) / right - 1).min())
+        found = run_modes(block(backend, WOOD, (1, 1, elements), supports, 250000.0)).frequencies
+        errors.append(np.abs(found / right - 1).min())
     assert errors[1] < 3e-5
     assert np.log2(errors[0] / errors[1]) == pytest.approx(4, abs=0.1)
 
 
-ROUND = {"cylindrical_about": [0.0, 0.0, 1.0]}
-
-
 @pytest.mark.slow
 def test_both_backends_converge_to_the_same_disc_with_cylindrical_axes():
-    found = {}
-    for backend, meshes in {
-        "fe": ([3, 24, 1], [6, 48, 2]),
-        "iga": ([3, 12, 1], [6, 24, 2]),
-    }.items():
-        for elements in meshes:
-            mesh = {
-                "fe": {"cell": "hexahedron", "degree": 2, "elements": elements},
-                "iga": {"degree": [2, 2, 2], "elements": elements},
-            }
-            geometry = {"shape": "annulus", "inner_radius": 0.1, "outer_radius": 0.2, "top": 0.03}
-            body = {"backend": backend, "geometry": geometry | {"bottom": 0.0}, "mesh": mesh}
-            body |= {"material": WOOD | {"axes": ROUND}, "supports": []}
-            analysis = {"kind": "cea", "max_frequency": 3000.0}
-            scene = {"name": "disc", "bodies": {"disc": body}, "analysis": analysis}
-            found[backend, elements[0]] = lowest(read_scene(scene), 12)[6:]  # rigid
-    coarse = np.abs(found["fe", 3] / found["iga", 3] - 1).max()
-    fine = np.abs(found["fe", 6] / found["iga", 6] - 1).max()
-    assert fine < 3e-3
-    assert fine < coarse / 12
+    geometry = {"shape": "annulus", "inner_radius": 0.1, "outer_radius": 0.2}
+    geometry |= {"bottom": 0.0, "top": 0.03}
+    material, apart = WOOD | {"axes": ROUND}, []
+    for n in (1, 2):
+        found = {}
+        for backend, around in (("fe", 24), ("iga", 12)):
+            disc = scene_body(backend, geometry, [3 * n, around * n, n], material=material)
+            found[backend] = lowest(read_scene(alone(disc, 3000.0)), 12)[6:]  # others are rigid
+        apart.append(np.abs(found["fe"] / found["iga"] - 1).max())
+    assert apart[1] < 3e-3
+    assert apart[1] < apart[0] / 12
 
 
+@pytest.mark.grid
 @pytest.mark.parametrize("material", [WOOD | {"axes": OBLIQUE}, FIVE], ids=["nine", "five"])
 def test_modes_and_derivatives_in_each_constant_are_those_of_other_scenes(backend, material):
     """The pencil at other constants against a fresh scene; derivatives against differences."""
-    scene = block(backend, material, elements=(2, 1, 1), damping={"alpha": 5.0, "beta": 1e-8})
+    scene = block(backend, material, (2, 1, 1), damping={"alpha": 5.0, "beta": 1e-8})
     assembled = assemble(scene)
-    names = [name for name in material if name[0] in "EnG"]
     modes = assembled.modes(left=True).modes
-    for name in names:
-        path, step = f"bodies.block.material.{name}", 1e-4 * material[name]
-        fresh = [
+    for name in (name for name in material if name[0] in "EnG"):
+        path, step = f"bodies.part.material.{name}", 1e-4 * material[name]
+        above, below = (
             run_modes(scene.change(path, material[name] + sign * step)).eigenvalues[0]
             for sign in (1, -1)
-        ]
+        )
         there = assembled.modes({path: material[name] + step}).eigenvalues[0]
-        assert abs(there - fresh[0]) <= 1e-11 * abs(there)
-        slope = (fresh[0] - fresh[1]) / (2 * step)
+        assert abs(there - above) <= 1e-11 * abs(there)
+        slope = (above - below) / (2 * step)
         assert modes.sensitivity(path)[0] == pytest.approx(slope, rel=1e-4)
 
 
 def test_energy_of_a_uniform_strain_and_its_stresses(backend):
     """u^T K u = V eps : C : eps, and v^T K_g v = V sigma : (grad v)^T grad v, for linear u, v."""
-    scene = block(backend, WOOD | {"axes": OBLIQUE}, elements=(1, 1, 1), supports=[])
-    body = build_body("block", scene.bodies["block"])
-    x = body.space.dof_positions
+    scene = block(backend, WOOD | {"axes": OBLIQUE}, (1, 1, 1), supports=[])
+    body = build_body("part", scene.bodies["part"])
+    space, elasticity = body.space, body.material.elasticity
+    x = space.dof_positions
     u, v = (np.random.default_rng(seed).normal(size=(3, 3)) for seed in (1, 2))
-    stress = body.material.elasticity.stress(u[..., None], np.zeros((3, 1)))[..., 0]
-    volume = np.prod(SIZE)
-    displacement = (x @ u.T).ravel()
-    energies = (
-        (body.space.stiffness(body.material.elasticity), displacement, np.sum(stress * u)),
-        (
-            body.space.geometric_stiffness(body.material.elasticity, displacement),
-            (x @ v.T).ravel(),
-            np.sum(stress * (v.T @ v)),
-        ),
-    )
-    for matrix, vector, right in energies:
+    stress = elasticity.stress(u[..., None], np.zeros((3, 1)))[..., 0]
+    moved = (x @ u.T).ravel()
+    for matrix, vector, right in (
+        (space.stiffness(elasticity), moved, stress * u),
+        (space.geometric_stiffness(elasticity, moved), (x @ v.T).ravel(), stress * (v.T @ v)),
+    ):
         left, product = matrix.createVecs()
         left.setArray(vector)
         matrix.mult(left, product)
-        assert left.dot(product) == pytest.approx(volume * right, rel=1e-11)
+        assert left.dot(product) == pytest.approx(np.prod(SIZE) * np.sum(right), rel=1e-11)
 
 
 REFUSED = {
@@ -231,19 +181,16 @@ def test_in_the_plane_and_in_rotation_symmetry_is_asked_for():
     plane = load_scene("blocks").change("bodies.upper.material", WOOD)
     with pytest.raises(SceneError, match="plane strain"):
         plane.change("bodies.upper.material.axes", OBLIQUE)
-    round_disc = {"material": FIVE, "rotation": {"rate": 10.0}}
-    scene = load_scene("disc_pad").change({f"bodies.disc.{k}": v for k, v in round_disc.items()})
+    round_disc = {"bodies.disc.material": FIVE, "bodies.disc.rotation": {"rate": 10.0}}
+    scene = load_scene("disc_pad").change(round_disc)
     with pytest.raises(SceneError, match="all round"):
         scene.change("bodies.disc.material", WOOD)
     scene.change("bodies.disc.material", WOOD | {"axes": ROUND})
 
 
-def test_cylindrical_axes_may_lie_anywhere(backend):
+def test_cylindrical_axes_may_lie_anywhere_and_are_those_of_expressions():
     for origin in ([0.5, 0.5, 0.0], [-1.0, 2.0, 0.0]):
-        block(backend, WOOD | {"axes": ROUND | {"origin": origin}})
-
-
-def test_axes_by_expressions_are_those_of_the_cylinder():
+        block("fe", WOOD | {"axes": ROUND | {"origin": origin}})
     x = np.random.default_rng(3).normal(size=(3, 20))
     given = Axes(("x/r", "y/r", 0.0), ("-y/r", "x/r", 0.0)).at(x)
     assert given == pytest.approx(Axes(cylindrical_about=(0.0, 0.0, 2.0)).at(x), abs=1e-15)

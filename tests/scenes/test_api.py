@@ -1,4 +1,4 @@
-"""What a notebook imports: scenes by name or path, changed with checks, and quick to import."""
+"""What a notebook imports, and what is written of the fields: whole, current, quick to import."""
 
 import json
 import subprocess
@@ -8,14 +8,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from catalogue import MESHED
 
 import scenes
 from cea.contact.formulations import Greville
 from scenes import SceneError, load_scene, read_scene
-from scenes.spec.plain import plain_data
+from scenes.spec.plain import plain_data, scene_names, tables_of
+from scenes.spec.schema import scene_schema
 
 MU = "contacts.pad_disc.mu"
+MESHED = [
+    (name, backend)
+    for name in scene_names()
+    for backend in ("fe", "iga")
+    if all(backend in body["mesh"] for body in tables_of(name)["bodies"].values())
+]
+"""Scenes that come with the project, with the backends that all their bodies have meshes for."""
 
 
 def test_every_exported_name_is_there():
@@ -45,11 +52,16 @@ def test_what_lies_in_the_working_directory_never_shadows_a_scene(make, tmp_path
     monkeypatch.chdir(tmp_path)
     (tmp_path / "disc_pad").mkdir()
     (tmp_path / "disc").write_text("name = 'mine'")
-    assert load_scene(make("disc_pad")).name == "disc_pad"
-    assert load_scene(make("disc")).name == "disc"
+    for name in ("disc_pad", "disc"):
+        assert load_scene(make(name)).name == name
     for name in ("mine", "./disc_pad", "disc.toml"):
         with pytest.raises(SceneError, match="disc_pad"):
             load_scene(name)
+
+
+def test_all_scenes_but_one_have_meshes_of_both_backends():
+    assert {name for name in scene_names() if (name, "iga") not in MESHED} == {"ventilated_brake"}
+    assert {name for name, backend in MESHED if backend == "fe"} == set(scene_names())
 
 
 @pytest.mark.parametrize(("name", "backend"), MESHED)
@@ -80,3 +92,56 @@ def test_fields_are_changed_by_their_paths():
     rest = {"name", "description", "loads", "output"}
     assert all(asdict(changed)[field] == asdict(scene)[field] for field in rest)
     assert scene.change(MU, 0.3) == load_scene("disc_pad", [f"{MU}=0.3"])
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [(object(), "plain data, or a section of a scene"), ("\ud800", MU)],
+)
+def test_values_without_a_plain_form_are_refused_where_they_stand(value, told):
+    scene = load_scene("disc_pad")
+    assert scene.change("name", Path("a") / "b").name == str(Path("a") / "b")
+    with pytest.raises(SceneError, match=told):
+        scene.change(MU, value)
+
+
+WRITTEN = {
+    "scene_reference.md": ["reference"],
+    "scene.schema.json": ["schema"],
+    "matrix_scene.schema.json": ["schema", "--matrices"],
+}
+"""Arguments of `cea scene` by the file of the documentation that they write."""
+PROGRAM = """
+import json, sys
+from comparisons.cli.app import app
+
+for arguments in json.loads(sys.argv[1]):
+    app(arguments, standalone_mode=False)
+"""
+
+
+def test_what_is_committed_is_what_the_commands_write(tmp_path):
+    """In a process of its own: formulations that other tests register are none of the project."""
+    lines = [["scene", *some, "--out", str(tmp_path / file)] for file, some in WRITTEN.items()]
+    command = [sys.executable, "-c", PROGRAM, json.dumps(lines)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == [line[-1] for line in lines]
+    for file, some in WRITTEN.items():
+        committed = Path(__file__).parents[2] / "docs" / file
+        command = " ".join(["cea scene", *some, f"--out docs/{file}"])
+        assert (tmp_path / file).read_text() == committed.read_text(), command
+
+
+@pytest.mark.parametrize("kind", ["bodies", "matrices"])
+def test_every_field_is_explained(kind):
+    schema = scene_schema(kind)
+    sections = {"scene": schema, **schema["$defs"]}
+    silent = [
+        f"{name}.{field}"
+        for name, section in sections.items()
+        for field, spec in section.get("properties", {}).items()
+        if not spec.get("description")
+    ]
+    assert silent == []
+    assert '"null"' not in json.dumps(schema)  # TOML has no such value: fields are left out
+    assert all(section.get("description") for section in sections.values())

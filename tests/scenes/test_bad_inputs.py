@@ -1,5 +1,9 @@
 """Bad input is refused: by name, in bounded time and memory, and by nothing but a refusal."""
 
+import gzip
+import json
+from math import inf
+
 import numpy as np
 import pytest
 from bad_inputs import (
@@ -8,20 +12,21 @@ from bad_inputs import (
     Bad,
     coarse,
     complaint,
+    complaint_of_row,
     faults_of,
     mutations,
     patience,
     random_mutation,
+    rows,
     valid,
 )
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from cea.errors import InputError
-from cea.expressions import Formula
-from scenes import open_result, run_scene, save_result
-from scenes.spec.problems import SceneError
-from scenes.spec.reading import read_scene
+from cea.expressions import Expression, Formula
+from scenes import SceneError, load_scene, open_result, read_scene, run_scene, save_result
+from scenes.results.record import read_record, write_record
 
 SEED = 12
 RUNS = 200
@@ -42,11 +47,33 @@ plain = st.recursive(
 )
 
 
+def met_badly(found):
+    return [told for told in found if told]
+
+
+@pytest.mark.parametrize("base", sorted({base for base, *_ in rows("read")}))
+def test_what_reading_refuses(base):
+    """Inputs that are wrong as people get them wrong, each refused by its field."""
+    assert met_badly(complaint_of_row("read", *row) for row in rows("read") if row[0] == base) == []
+
+
+@pytest.mark.parametrize(
+    "base",
+    [
+        pytest.param(base, marks=pytest.mark.slow if base == "disc_pad" else ())
+        for base in sorted({base for base, *_ in rows("built")})
+    ],
+)
+def test_what_building_refuses(base):
+    found = (complaint_of_row("built", *row) for row in rows("built") if row[0] == base)
+    assert met_badly(found) == []
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_every_mutation_of_a_scene(name, backend):
     told = [complaint(bad, read_scene) for bad in mutations(valid(name, backend))]
-    assert [one for one in told if one] == []
+    assert met_badly(told) == []
     assert len(told) > 500
 
 
@@ -57,14 +84,13 @@ def test_what_is_read_runs_or_is_refused(tmp_path):
     def run(scene):
         open_result(save_result(run_scene(scene), tmp_path / "r.json"))
 
-    rng, told, count = np.random.default_rng(SEED), [], 0
-    while count < RUNS:
+    rng, told = np.random.default_rng(SEED), []
+    while len(told) < RUNS:
         bad = random_mutation(rng, coarse)
         scene = refused_or_read(read_scene, bad.value)
         if scene not in (None, NAMELESS):
-            count += 1
             told.append(complaint(Bad(bad.words, scene, None), run))
-    assert [one for one in told if one] == []
+    assert met_badly(told) == []
 
 
 NAMELESS = "refused without a name"
@@ -83,12 +109,10 @@ def refused_or_read(read, value):
 @quickly
 @given(st.sampled_from(NAMES), st.data())
 def test_random_values_in_random_places(name, data):
-    scene = valid(name)
-    table = scene
+    scene = table = valid(name)
     while True:
-        key = data.draw(
-            st.sampled_from(sorted(table) if isinstance(table, dict) else range(len(table)))
-        )
+        keys = sorted(table) if isinstance(table, dict) else range(len(table))
+        key = data.draw(st.sampled_from(keys))
         if not isinstance(table[key], dict | list) or not table[key] or data.draw(st.booleans()):
             break
         table = table[key]
@@ -96,24 +120,140 @@ def test_random_values_in_random_places(name, data):
     assert refused_or_read(read_scene, scene) != NAMELESS
 
 
+def values(text):
+    """A formula and its derivative at a point."""
+    formula = Formula(text, {"x": "parameters.x", "y": "parameters.y"})
+    at = {"parameters.x": 0.3, "parameters.y": -2.0}
+    return [formula.at(at), formula.derivative("parameters.x", at)]
+
+
 @quickly
 @given(st.text(alphabet="xy0123456789.+-*/()<>=&|^, sincoexplgqrtb", max_size=50))
 def test_random_formulas_give_a_finite_number_or_a_refusal(text):
-    names = {"x": "parameters.x", "y": "parameters.y"}
-
-    def values(text):
-        formula, at = Formula(text, names), {"parameters.x": 0.3, "parameters.y": -2.0}
-        return [formula.at(at), formula.derivative("parameters.x", at)]
-
     found = refused_or_read(values, text)
     assert found is None or np.isfinite(found).all()
 
 
 @pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:20])
-def test_hostile_formulas_are_refused(text):
-    def read(text):
-        return Formula(text, {"x": "parameters.x", "y": "parameters.y"}).at(
-            {"parameters.x": 0.3, "parameters.y": -2.0}
-        )
+def test_hostile_expressions_run_nothing_and_ask_for_nothing(text, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    x = np.random.default_rng(1).normal(size=(1000, 3))
+    before = x.copy()
+    with patience(5), pytest.raises(InputError, match="expression = "):
+        Expression(text)(x)
+    assert np.array_equal(x, before)
+    assert refused_or_read(values, text) is None
+    assert not any(tmp_path.iterdir())
 
-    assert refused_or_read(read, text) is None
+
+@pytest.mark.parametrize("name", ["n" * 101, "\x1b[31mred", "two\nlines", " ", ""])
+def test_names_of_scenes_fit_files_and_terminals(name):
+    with pytest.raises(SceneError, match="printable"):
+        read_scene(valid("disc") | {"name": name})
+
+
+@pytest.mark.parametrize("name", ["a.b", "", " a", "a,b", "a\nb", "x" * 200, "\0"])
+@pytest.mark.parametrize("kind", ["bodies", "contacts"])
+def test_names_part_no_paths(name, kind):
+    data = valid("disc_pad")
+    data[kind][name] = data[kind].pop(next(iter(data[kind])))
+    if kind == "bodies":
+        data["contacts"]["pad_disc"]["a"] = f"{name}.bottom"
+    with pytest.raises(SceneError) as caught:
+        read_scene(data)
+    assert caught.value.faults[0].field == kind
+
+
+SINGLE = {
+    "bodies.pad.material={E=-1.0,nu=0.7,rho=-3.0}": "bodies.pad.material.E",
+    "analysis.max_frequency=-3": "analysis.max_frequency",
+    "loads=[{surface='pad.top',pressure='x'},{surface='pad.side',pressure=1.0}]": (
+        "loads.0.pressure"
+    ),
+}
+BETWEEN = {
+    "bodies.disc.mesh.iga.elements=[1,1]": "bodies.disc.mesh.iga.elements",
+    "bodies.disc.supports=[{surface='innr'}]": "bodies.disc.supports.0.surface",
+    "contacts.pad_disc.b='disc.to'": "contacts.pad_disc.b",
+    "contacts.pad_disc.a='pad.top'": "contacts.pad_disc.a",
+}
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"), [([*SINGLE, *BETWEEN], SINGLE), (BETWEEN, BETWEEN)], ids=len
+)
+def test_faults_are_told_together_those_of_single_fields_first(settings, told):
+    with pytest.raises(SceneError) as caught:
+        load_scene("disc_pad", list(settings))
+    assert [fault.field for fault in caught.value.faults] == list(told.values())
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"\xff\xfe\x00name",
+        b"\x00" * 1000,
+        b"name = 'a",
+        b"a." * 100_000 + b"b = 1",
+        b"a = " + b"[" * 100_000,
+        b"a = " + b"9" * 5000,
+        b"name = 1979-05-27",
+        "name = 'é'".encode("latin-1"),
+    ],
+)
+def test_files_that_are_no_scene(content, tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_bytes(content)
+    with patience(10), pytest.raises(SceneError) as caught:
+        load_scene(file)
+    assert all(len(line) < 2000 for line in str(caught.value).splitlines())
+
+
+def test_a_small_file_does_not_unpack_to_gigabytes(tmp_path, monkeypatch):
+    monkeypatch.setattr("scenes.results.record._LARGEST", 10**6)
+    file = tmp_path / "r.json.gz"
+    file.write_bytes(gzip.compress(b"[" + b"0," * 10**6 + b"0]"))
+    with pytest.raises(InputError, match="more than"):
+        read_record(file)
+
+
+@pytest.fixture(scope="module")
+def stored(tmp_path_factory):
+    """A stored result as text."""
+    file = tmp_path_factory.mktemp("stored") / "r.json"
+    save_result(run_scene(read_scene(coarse("disc"))), file)
+    return file.read_text()
+
+
+@pytest.mark.parametrize(
+    ("place", "value"),
+    [
+        (("warnings",), 3),
+        (("seconds",), "1.0"),
+        (("window", "radius"), "wide"),
+        (("window", "found"), None),
+        (("eigenvalues",), {}),
+        (("eigenvalues", 0, "re"), "0.0"),
+        (("eigenvalues", 0), 3),
+        (("dofs",), []),
+        (("scene", "name"), 3),
+        (("scene", "analysis"), {"kind": "static"}),
+    ],
+)
+def test_stored_results_with_a_part_wrong(place, value, stored, tmp_path):
+    file, data = tmp_path / "wrong.json", json.loads(stored)
+    part = data
+    for key in place[:-1]:
+        part = part[key]
+    part[place[-1]] = value
+    file.write_text(json.dumps(data))
+    with pytest.raises((InputError, SceneError)):
+        open_result(file)
+
+
+def test_texts_that_read_as_infinity_come_back_as_texts(tmp_path):
+    texts = ["inf", "-inf", "\\inf", "\\\\-inf", "nan", "infinite", "\\", inf, -inf, 1.0]
+    file = write_record({"texts": texts, "inf": "inf"}, tmp_path / "r.json")
+    assert read_record(file) == {"texts": texts, "inf": "inf"}
+    with pytest.raises(InputError, match=r"data.a.1 = nan"):
+        write_record({"a": [0.0, float("nan")]}, file)

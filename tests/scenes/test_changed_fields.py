@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, field
 from math import inf
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 from changed_scenes import SCENES, scene_of
 
 from cea.errors import InputError
-from scenes import assemble, load_scene, run_modes
+from scenes import assemble, run_modes
 from scenes.spec.plain import as_data
 from scenes.spec.problems import SceneError
 
@@ -21,27 +20,13 @@ PAD, DISC = "bodies.pad", "bodies.disc"
 
 @dataclass(frozen=True)
 class Row:
-    """A change of an assembled scene.
-
-    Parameters
-    ----------
-    scene
-        The scene.
-    changes
-        What is changed after it was assembled.
-    before
-        What is changed before.
-    backend
-        Of all bodies; left out, rows have them by turns.
-    refused
-        Whether a fresh run is refused too.
-    """
+    """A change of an assembled scene, and what was changed before it was assembled."""
 
     scene: str
     changes: dict[str, Any]
     before: dict[str, Any] = field(default_factory=dict)
-    backend: str | None = None
-    refused: bool = False
+    backend: str | None = None  # of all bodies; left out, rows have them by turns
+    refused: bool = False  # by a fresh run too
 
 
 def of(section, **values):
@@ -196,14 +181,3 @@ def test_a_changed_field_gives_the_result_of_a_fresh_run(row):
     changed = before.change(row.changes)
     assert as_data(changed) != as_data(before)
     assert_the_same(assembled.modes(row.changes), run_modes(changed))
-
-
-def test_values_without_a_plain_form_are_refused_where_they_stand():
-    scene = load_scene("blocks")
-    assert scene.change("name", Path("a") / "b").name == str(Path("a") / "b")
-    for value, told in (
-        (object(), "plain data, or a section of a scene"),
-        ("\ud800", "contacts.interface.mu"),
-    ):
-        with pytest.raises(SceneError, match=told):
-            scene.change("contacts.interface.mu", value)

@@ -2,13 +2,12 @@
 
 import json
 import sys
-from itertools import product
 from time import monotonic
 
 import numpy as np
 import pytest
 from mpi import cea_on_ranks, mpiexec, on_ranks
-from parallel_cases import CASES, FORMULATIONS
+from parallel_cases import CASES
 from same_numbers import assert_same
 from scipy.optimize import linear_sum_assignment
 
@@ -17,21 +16,19 @@ pytestmark = pytest.mark.mpi
 
 QUICK = {
     2: (
-        "fe node_to_surface", "fe gpts static", "iga gpts", "iga greville static",
+        "fe collocation", "fe static gpts", "fe static full pass", "fe static mortar",
+        "iga gpts", "iga static collocation", "iga static grid", "iga static lumped",
+        "iga static segments", "iga static tied mortar",
         "fe without friction", "fe static without friction",
         "iga without friction", "iga static without friction",
-        "fe overhanging", "fe single point", "fe column",
-        "iga overhanging", "iga single point", "iga column",
+        "fe overhanging", "fe single point", "fe column", "fe disc_pad",
+        "iga overhanging", "iga single point", "iga column", "iga disc_pad",
         "several discs", "fe on iga", "iga on fe",
     ),
-    3: ("fe static without friction", "iga gpts static"),
+    3: ("fe static without friction", "iga static gpts"),
 }  # fmt: skip
 """Cases of the quick tests by number of ranks: every kind on each backend, and the cheapest."""
 slow = pytest.mark.slow
-
-
-def case(ranks, name):
-    return on_ranks(ranks, "parallel_cases.case", name)
 
 
 def assert_same_eigenvalues(found, expected):
@@ -63,16 +60,18 @@ def assert_same_eigenvalues(found, expected):
     ],
 )
 def test_answers_do_not_depend_on_the_number_of_ranks(ranks, name):
-    found, expected = dict(case(ranks, name)), dict(case(1, name))
+    found, expected = (dict(on_ranks(n, "parallel_cases.case", name)) for n in (ranks, 1))
     asymmetry = found.pop("asymmetry")
     assert asymmetry == expected.pop("asymmetry") == [0.0] * len(asymmetry)
     if "im" in expected:
         assert len(expected["im"]) >= 3
-        assert found.pop("worst_residual") < 1e-7 > expected.pop("worst_residual")
+        worst = 1e-9 if "disc_pad" in name else 1e-7
+        assert found.pop("worst_residual") < worst > expected.pop("worst_residual")
         assert_same_eigenvalues(found, expected)
         shapes, expected_shapes = found.pop("shapes"), expected.pop("shapes")
         if name.split()[-1] != "column":  # copies of one frequency have no shape of their own
-            np.testing.assert_allclose(shapes, expected_shapes, atol=1e-6 * np.max(shapes))
+            largest = np.max(shapes, initial=0.0)
+            np.testing.assert_allclose(shapes, expected_shapes, atol=1e-6 * largest)
         for part in ("re", "im"):
             found.pop(part)
             expected.pop(part)
@@ -87,42 +86,8 @@ def test_forces_on_ranks_without_displacements(ranks):
         assert sorted(found[name]) == pytest.approx(sorted(values), rel=1e-9, abs=1e-12)
 
 
-def with_formulation(ranks, scene, backend, name):
-    return on_ranks(ranks, "parallel_cases.formulation", scene, backend, name)
-
-
-COARSE = {
-    ("patch_test", "fe"): {"collocation", "gpts", "full pass", "mortar"},
-    ("patch_test", "iga"): {"grid", "lumped", "segments", "tied mortar"},
-    ("disc_pad", "fe"): {"full pass"},
-    ("disc_pad", "iga"): {"segments"},
-}
-"""Formulations of the quick tests, on 2 ranks."""
-
-
-@pytest.mark.parametrize(
-    ("ranks", "scene", "backend", "name"),
-    [
-        pytest.param(*row, marks=() if row[0] == 2 and row[3] in COARSE[row[1:3]] else slow)
-        for row in product((2, 3), ("patch_test", "disc_pad"), ("fe", "iga"), FORMULATIONS)
-    ],
-)
-def test_every_formulation(ranks, scene, backend, name):
-    """Displacements of the patch test or eigenvalues of the disc and pad, on coarse meshes."""
-    found, expected = (with_formulation(n, scene, backend, name) for n in (ranks, 1))
-    if scene == "patch_test":
-        assert_same(found, expected)
-    else:
-        assert len(expected["im"]) >= 5
-        assert found["worst_residual"] < 1e-9 > expected["worst_residual"]
-        assert_same_eigenvalues(found, expected)
-
-
-@pytest.mark.parametrize(
-    ("backend", "name"), [("fe", "grid"), ("iga", "segments"), ("iga", "mortar")]
-)
-def test_the_disc_and_pad_flutters_on_coarse_meshes(backend, name):
-    assert max(with_formulation(1, "disc_pad", backend, name)["re"]) > 100
+def test_the_disc_and_pad_flutters_on_coarse_meshes(backend):
+    assert max(on_ranks(1, "parallel_cases.case", f"{backend} disc_pad")["re"]) > 100
 
 
 def test_command_line_prints_and_writes_once(tmp_path):

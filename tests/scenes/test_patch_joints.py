@@ -2,41 +2,29 @@
 
 import numpy as np
 import pytest
+from blocks import alone
 from closed_patches import LINE, annulus
 
 from cea.errors import InputError
-from scenes import run_modes, run_scene
-from scenes.spec.problems import SceneError
-from scenes.spec.reading import read_scene
+from scenes import SceneError, read_scene, run_modes, run_scene
 
 STEEL = {"E": 2e11, "nu": 0.3, "rho": 7800.0}
-HELD = {"supports": [{"surface": "inner"}]}
 RING = [14043.66, 16600.17, 16600.17, 22245.71, 22245.71]
 """Frequencies (Hz) of an annulus held inside, by finite elements of another program."""
 
 
-def body(geometry, degree, elements, **fields):
-    mesh = {"iga": {"degree": degree, "elements": elements}}
-    return {"backend": "iga", "geometry": geometry, "material": STEEL, "mesh": mesh} | fields
+def scene(geometry, degree, elements, max_frequency=30000.0, held="inner"):
+    body = {"backend": "iga", "geometry": geometry, "material": STEEL}
+    body |= {"mesh": {"iga": {"degree": [degree] * 2, "elements": elements}}}
+    return alone(body | {"supports": [{"surface": held}]}, max_frequency)
 
 
-def scene(geometry, degree, elements, max_frequency=30000.0, **fields):
-    analysis = {"kind": "cea", "max_frequency": max_frequency}
-    bodies = {"b": body(geometry, degree, elements, **fields)}
-    return {"name": "patches", "bodies": bodies, "analysis": analysis}
-
-
-def eigenvalues(data):
-    values = run_modes(read_scene(data)).modes.eigenvalues
-    return values[np.lexsort((values.real, np.round(values.imag, 2)))]
-
-
-def frequencies(data):
-    return np.sort(eigenvalues(data).imag) / (2 * np.pi)
+def frequencies(*arguments):
+    return np.sort(run_modes(read_scene(scene(*arguments))).eigenvalues.imag) / (2 * np.pi)
 
 
 def test_a_patch_that_closes_on_itself_is_a_ring():
-    found = frequencies(scene(annulus(0.06, 0.1), [3, 3], [16, 3], **HELD))
+    found = frequencies(annulus(0.06, 0.1), 3, [16, 3])
     np.testing.assert_allclose(found[:5], RING, rtol=2e-5)
 
 
@@ -44,107 +32,100 @@ def test_a_patch_that_closes_on_itself_is_a_ring():
 def test_a_ring_under_pressure_is_that_of_lame(quarters):
     """Inner pressure, held outside: u = c (b^2 / r - r) with the traction -p at r = a."""
     a, b, pressure = 0.06, 0.1, 1e6
-    data = scene(annulus(a, b, quarters=quarters), [3, 3], [4 if quarters else 16, 3])
-    data["bodies"]["b"]["supports"] = [{"surface": "outer"}]
-    data["loads"] = [{"surface": "b.inner", "pressure": pressure}]
-    data["analysis"] = {"kind": "static"}
+    geometry, elements = annulus(a, b, quarters=quarters), [4 if quarters else 16, 3]
+    data = scene(geometry, 3, elements, None, held="outer")
+    data["loads"] = [{"surface": "part.inner", "pressure": pressure}]
     lam = STEEL["E"] * STEEL["nu"] / ((1 + STEEL["nu"]) * (1 - 2 * STEEL["nu"]))
     mu = STEEL["E"] / (2 * (1 + STEEL["nu"]))
     expected = pressure / (2 * (mu * (b * b / a / a + 1) + lam)) * (b * b / a - a)
     result = run_scene(read_scene(data))
-    points = result.system.bodies["b"].surfaces["inner"].gauss_points(2)
-    found = result.displacements("b.inner", points.at)
+    points = result.system.bodies["part"].surfaces["inner"].gauss_points(2)
+    found = result.displacements("part.inner", points.at)
     np.testing.assert_allclose(np.linalg.norm(found, axis=1), expected, rtol=1e-4)
 
 
-def square(low, high, **fields):
+def square(low, high):
     """A patch of degree 1 between two corners."""
     (a, b), (c, d) = low, high
     net = [[[a, b], [a, d]], [[c, b], [c, d]]]
-    return {"degrees": [1, 1], "knots": [LINE, LINE], "control_points": net} | fields
+    return {"degrees": [1, 1], "knots": [LINE, LINE], "control_points": net}
+
+
+def patches(*every, **fields):
+    """A bar of patches; the left end of the first is named."""
+    return {"shape": "patches", "patches": list(every), "faces": {"inner": [[0, 0, 0]]}} | fields
 
 
 def halves(gap=0.0, **fields):
-    """A bar of two patches, a gap (m) between them; one held end."""
-    patches = [square([0, 0], [0.05, 0.03]), square([0.05 + gap, 0], [0.1, 0.03])]
-    return {"shape": "patches", "patches": patches, "faces": {"inner": [[0, 0, 0]]}} | fields
-
-
-def bar():
-    """The same of one patch with a knot that leaves the middle no more than continuous."""
-    net = [[[x, y] for y in (0.0, 0.03)] for x in (0.0, 0.05, 0.1)]
-    patch = {"degrees": [1, 1], "knots": [[0, 0, 0.5, 1, 1], LINE], "control_points": net}
-    return {"shape": "patches", "patches": [patch], "faces": {"inner": [[0, 0, 0]]}}
-
-
-def refused(geometry, words, elements=(4, 2), degree=(2, 2)):
-    with pytest.raises((InputError, SceneError), match=words):
-        run_modes(read_scene(scene(geometry, list(degree), list(elements), **HELD)))
+    """A bar of two patches, a gap (m) between them."""
+    return patches(square([0, 0], [0.05, 0.03]), square([0.05 + gap, 0], [0.1, 0.03]), **fields)
 
 
 def test_a_gap_is_refused_in_metres_and_closed_by_a_tolerance():
-    refused(halves(1e-8), "are 1e-08 m apart: merge_nodes joins them")
-    whole = frequencies(scene(bar(), [2, 2], [8, 2], **HELD))
+    """The same bar of one patch has a knot that leaves its middle no more than continuous."""
+    with pytest.raises(InputError, match="are 1e-08 m apart: merge_nodes joins them"):
+        frequencies(halves(1e-8), 2, [4, 2])
+    net = [[[x, y] for y in (0.0, 0.03)] for x in (0.0, 0.05, 0.1)]
+    bar = {"degrees": [1, 1], "knots": [[0, 0, 0.5, 1, 1], LINE], "control_points": net}
+    whole = frequencies(patches(bar), 2, [8, 2])
     for gap in (0.0, 1e-8, -1e-8):
-        merged = halves(gap, merge_nodes=1e-7)
-        found = frequencies(scene(merged, [2, 2], [4, 2], **HELD))
+        found = frequencies(halves(gap, merge_nodes=1e-7), 2, [4, 2])
         np.testing.assert_allclose(found, whole, rtol=1e-6)
 
 
-def test_tolerances_that_are_not_small_are_refused():
-    for distance in (0.0, -1.0, 0.02):
-        with pytest.raises(SceneError, match=r"merge_nodes.*less than half the shortest"):
-            read_scene(scene(halves(merge_nodes=distance), [2, 2], [4, 2], **HELD))
-
-
-def test_a_patch_given_twice_is_refused():
-    twice = {"shape": "patches", "faces": {"inner": [[0, 0, 0]]}}
-    refused(twice | {"patches": [square([0, 0], [0.1, 0.03])] * 2}, "none given twice")
-    mirrored = square([0, 0], [0.1, 0.03])
-    mirrored["control_points"] = mirrored["control_points"][::-1]
-    refused(twice | {"patches": [square([0, 0], [0.1, 0.03]), mirrored]}, "none given twice")
-    quarters = annulus(0.06, 0.1, quarters=True)
-    quarters["patches"].append(quarters["patches"][2])
-    refused(quarters, "none given twice")
-
-
-TURNED = halves() | {
-    "patches": [
-        square([0, 0], [0.05, 0.03]),
-        {  # the right half, its parameters swapped and one reversed
-            "degrees": [1, 1],
-            "knots": [[0, 0, 2, 2], LINE],
-            "control_points": [[[0.1, 0.03], [0.05, 0.03]], [[0.1, 0.0], [0.05, 0.0]]],
-        },
-    ]
-}
-
-
 def test_patches_whose_parameters_run_otherwise_are_joined():
-    found = frequencies(scene(TURNED, [2, 2], [4, 4], **HELD))
-    whole = frequencies(scene(halves(), [2, 2], [4, 4], **HELD))
+    found, whole = (frequencies(each, 2, [4, 4]) for each in (TURNED, halves()))
     np.testing.assert_allclose(found, whole, rtol=1e-9)
 
 
-def test_given_patches_are_not_meshed():
-    data = scene(TURNED, [2, 2], [4, 2], **HELD)
-    data["bodies"]["b"]["backend"] = "fe"
-    data["bodies"]["b"]["mesh"]["fe"] = {"cell": "quadrilateral", "elements": [2, 2]}
-    with pytest.raises(SceneError, match=r"bodies.b.backend = 'fe': 'iga'"):
-        read_scene(data)
+TURNED = patches(
+    square([0, 0], [0.05, 0.03]),
+    {  # the right half, its parameters swapped and one reversed
+        "degrees": [1, 1],
+        "knots": [[0, 0, 2, 2], LINE],
+        "control_points": [[[0.1, 0.03], [0.05, 0.03]], [[0.1, 0.0], [0.05, 0.0]]],
+    },
+)
+WHOLE = square([0, 0], [0.1, 0.03])
+MIRRORED = WHOLE | {"control_points": WHOLE["control_points"][::-1]}
+QUARTERS = annulus(0.06, 0.1, quarters=True)
+TWICE = {
+    "twice": patches(WHOLE, WHOLE),
+    "mirrored": patches(WHOLE, MIRRORED),
+    "quarters": QUARTERS | {"patches": [*QUARTERS["patches"], QUARTERS["patches"][2]]},
+}
+
+
+@pytest.mark.parametrize("name", TWICE)
+def test_a_patch_given_twice_is_refused(name):
+    with pytest.raises((InputError, SceneError), match="none given twice"):
+        frequencies(TWICE[name], 2, [4, 2])
+
+
+def faulty(**fields):
+    first, second = TURNED["patches"]
+    return patches(first | fields, second)
 
 
 @pytest.mark.parametrize(
-    ("part", "value", "allowed"),
+    ("geometry", "field", "allowed"),
     [
-        ("knots", [[0, 0, 1, 1], [0, 1, 0, 1]], "do not fall"),
-        ("weights", [[1.0, 1.0], [1.0, -1.0]], "positive"),
-        ("control_points", [[[0.0, 0.0]], [[0.5, 0.0]]], "shape"),
+        *((halves(merge_nodes=d), "merge_nodes", "less than half the shortest")
+          for d in (0.0, -1.0, 0.02)),
+        (faulty(knots=[[0, 0, 1, 1], [0, 1, 0, 1]]), "patches.0.knots", "do not fall"),
+        (faulty(weights=[[1.0, 1.0], [1.0, -1.0]]), "patches.0.weights", "positive"),
+        (faulty(control_points=[[[0.0, 0.0]], [[0.5, 0.0]]]), "patches.0.control_points", "shape"),
     ],
-)
-def test_faulty_patches_are_refused_by_name(part, value, allowed):
-    first, second = TURNED["patches"]
-    data = scene(TURNED | {"patches": [first | {part: value}, second]}, [2, 2], [4, 2], **HELD)
+)  # fmt: skip
+def test_faulty_patches_are_refused_by_name(geometry, field, allowed):
     with pytest.raises(SceneError, match=allowed) as caught:
+        read_scene(scene(geometry, 2, [4, 2]))
+    assert f"bodies.part.geometry.{field}" in str(caught.value)
+
+
+def test_given_patches_are_not_meshed():
+    data = scene(TURNED, 2, [4, 2])
+    data["bodies"]["part"]["backend"] = "fe"
+    data["bodies"]["part"]["mesh"]["fe"] = {"cell": "quadrilateral", "elements": [2, 2]}
+    with pytest.raises(SceneError, match=r"bodies.part.backend = 'fe': 'iga'"):
         read_scene(data)
-    assert f"bodies.b.geometry.patches.0.{part}" in str(caught.value)

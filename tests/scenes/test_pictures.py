@@ -1,20 +1,24 @@
-"""Pictures of modes, and outsides of bodies: closed, of their area, with their displacements."""
+"""Pictures and files of shapes: what is drawn, outsides of bodies, VTK cells of both backends."""
 
 from dataclasses import replace
+from itertools import product
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 import pyvista
 from blocks import two_blocks
 from matplotlib.image import imread
+from motions import mode_displacement
 
 from cea.timing import StageTimer
-from scenes import load_scene, run_scene
+from scenes import SceneError, load_scene, read_scene, run_scene
 from scenes.building.build import build_bodies
+from scenes.export.paraview import write_paraview
 from scenes.pictures.drawing import draw_mode, largest_deflection
 from scenes.pictures.grids import merged, outside, sharp_edges
-from scenes.spec.problems import SceneError
-from scenes.spec.reading import read_scene
+
+GPTS = {"method": "gpts", "points": 3}
 
 
 def test_largest_deflection_beats_every_phase():
@@ -31,10 +35,9 @@ def test_largest_deflection_beats_every_phase():
     np.testing.assert_allclose(turned.real, real, atol=1e-12)
 
 
-@pytest.fixture
-def result(backend):
-    scene = two_blocks(backend, {"method": "gpts", "points": 3}, held=True)
-    return run_scene(read_scene(scene))
+@pytest.fixture(scope="module", params=["fe", "iga"])
+def result(request):
+    return run_scene(read_scene(two_blocks(request.param, GPTS, held=True)))
 
 
 def with_growth(result, growth):
@@ -47,25 +50,17 @@ def with_growth(result, growth):
     return replace(result, spectrum=modes, scene=replace(result.scene, analysis=analysis))
 
 
-def test_most_unstable_modes_are_drawn_first(result):
-    assert len(result.modes.eigenvalues) >= 3
-    assert with_growth(result, [0.5, -0.5, 0.9]).most_unstable(5) == [2, 0]
-    assert with_growth(result, [0.5, -0.5, 0.9]).most_unstable(1) == [2]
-    assert with_growth(result, [0.0]).most_unstable(2) == [0, 1]
-
-
-@pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
-def test_modes_are_drawn(result, backend, tmp_path):
+@pytest.mark.grid(quick=1)
+def test_most_unstable_modes_are_drawn_first(result, tmp_path):
+    for growth, count, chosen in (([0.5, -0.5, 0.9], 5, [2, 0]), ([0.5, -0.5, 0.9], 1, [2]),
+                                  ([0.0], 2, [0, 1])):  # fmt: skip
+        assert with_growth(result, growth).most_unstable(count) == chosen
     (file,) = with_growth(result, [0.0, 0.7]).draw(1, tmp_path)
-    assert file.name == f"mode_{backend}_2.png"
-    image = imread(file)[..., :3]
-    drawn = np.ptp(image, axis=2) > 0.05
-    rows, columns = (np.flatnonzero(drawn[:780].any(axis=axis)) for axis in (1, 0))
-    assert np.ptp(rows) > 0.6 * len(image)
+    assert file.name == f"mode_{result.scene.backends}_2.png"
+    drawn = np.ptp(imread(file)[..., :3], axis=2) > 0.05
     assert drawn.mean() > 0.1
-    assert rows.min() > 0
-    assert columns.min() > 0
-    assert columns.max() < image.shape[1] - 1
+    for edge in (drawn[0], drawn[:780, 0], drawn[:780, -1]):
+        assert not edge.any()
 
 
 def test_what_is_drawn_is_displaced_and_has_the_colour_of_its_deflection():
@@ -104,34 +99,82 @@ MESHES = {
 }
 
 
-@pytest.fixture
-def cells(backend):
-    scene = load_scene("disc").on(backend).change(f"bodies.disc.mesh.{backend}", MESHES[backend])
-    return merged(build_bodies(scene, StageTimer())["disc"].space.volume_cells())
-
-
-def test_an_outside_is_closed_and_has_the_volume_of_the_body(cells):
+def test_an_outside_is_closed_has_the_volume_of_the_body_its_fields_and_its_rims(backend):
     """Finely divided it is that of curved elements: an error of triangles remains."""
-    coarse, fine = (outside(cells, {}, n) for n in (0, 3))
+    scene = load_scene("disc").on(backend).change(f"bodies.disc.mesh.{backend}", MESHES[backend])
+    cells = merged(build_bodies(scene, StageTimer())["disc"].space.volume_cells())
+    coarse, middle, fine = (outside(cells, {"x": cells.points}, n) for n in (0, 2, 3))
     for surface in (coarse, fine):
         assert surface.is_manifold
         assert surface.n_open_edges == 0
     assert abs(fine.volume / VOLUME - 1) < 1e-3
     assert abs(fine.area / AREA - 1) < 1e-3
     assert abs(fine.volume / VOLUME - 1) < abs(coarse.volume / VOLUME - 1) / 20
-
-
-def test_fields_are_those_of_the_points_between_nodes(cells):
-    """A linear field is exact where curved cells are divided."""
-    surface = outside(cells, {"x": cells.points}, 2)
-    assert surface.n_points > len(cells.points) / 2
-    np.testing.assert_allclose(surface.point_data["x"], surface.points, atol=1e-7)
-
-
-def test_sharp_edges_are_the_four_rims(cells):
-    edges = sharp_edges(outside(cells, {}, 2))
+    # A linear field is exact where curved cells are divided.
+    assert middle.n_points > len(cells.points) / 2
+    np.testing.assert_allclose(middle.point_data["x"], middle.points, atol=1e-7)
+    edges = sharp_edges(middle)
     radii = np.hypot(edges.points[:, 0], edges.points[:, 1])
     assert np.all(np.isclose(radii, INNER, rtol=1e-5) | np.isclose(radii, OUTER, rtol=1e-5))
-    assert edges.length > 0
     lengths = edges.compute_cell_sizes(area=False, volume=False)["Length"]
     assert lengths.sum() == pytest.approx(4 * np.pi * (INNER + OUTER), rel=5e-3)
+
+
+def listed(file):
+    """Time, part and grid of each file of a collection."""
+    datasets = ElementTree.parse(file).getroot().iter("DataSet")
+    return [
+        (float(d.get("timestep")), int(d.get("part")), pyvista.read(file.parent / d.get("file")))
+        for d in datasets
+    ]
+
+
+def test_collections_list_every_mode_of_every_body(result, tmp_path):
+    modes, contacts = write_paraview(result, 3, tmp_path)
+    bodies = list(result.system.bodies.items())
+    kind = {"iga": "BEZIER_HEXAHEDRON", "fe": "LAGRANGE_HEXAHEDRON"}[result.scene.backends]
+    grids = listed(modes)
+    assert [entry[:2] for entry in grids] == list(product((1, 2, 3), (0, 1)))
+    for time, part, grid in grids:
+        name, body = bodies[part]
+        number = int(time) - 1
+        assert grid.field_data["frequency"][0] == result.modes.frequencies[number]
+        u = mode_displacement(result, name, number)
+        found = grid.point_data["displacement_real"] + 1j * grid.point_data["displacement_imag"]
+        np.testing.assert_allclose(found, body.space.volume_cells().values @ u, atol=1e-14)
+        assert set(grid.celltypes) == {pyvista.CellType[kind]}
+    points = result.interfaces["interface"].points
+    entries = listed(contacts)
+    assert [entry[:2] for entry in entries] == [(1, 0), (2, 0), (3, 0)]
+    for _, _, grid in entries:
+        np.testing.assert_array_equal(grid.points, points.x)
+        np.testing.assert_array_equal(grid.point_data["normal"], points.normal)
+        assert grid.point_data["weight"].sum() == pytest.approx(0.5 * 0.6)
+        p = 3.0 / (0.5 * 0.6)
+        for end in ("_real", "_imag"):
+            gap, pressure = (grid.point_data[name + end] for name in ("gap", "pressure"))
+            np.testing.assert_allclose(pressure, p * gap, rtol=1e-9, atol=1e-13 * p)
+        assert np.abs(grid.point_data["gap_real"]).max() > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("contact", "has_pressure"),
+    [({}, True), ({"form": "saddle", "P": float("inf")}, False)],
+)
+def test_static_displacement_balances_the_load(backend, contact, has_pressure, tmp_path):
+    data = two_blocks(backend, GPTS, held=True, mu=0.0)
+    data["bodies"]["upper"]["supports"] = [{"surface": "x_min"}]
+    data["analysis"] = {"kind": "static", "samples": 3}
+    data["loads"] = [{"surface": "upper.z_max", "pressure": 0.1}]
+    data["contacts"]["interface"] |= contact
+    displacement, contacts = write_paraview(run_scene(read_scene(data)), 1, tmp_path)
+    assert displacement.name == "displacement.pvd"
+    (upper, lower), ((_, _, points),) = [g for _, _, g in listed(displacement)], listed(contacts)
+    assert upper.point_data["displacement"][:, 2].min() < -1e-3
+    assert np.abs(lower.point_data["displacement"]).max() > 1e-4
+    assert ("pressure" in points.point_data) == has_pressure
+    if has_pressure:
+        force = points.point_data["weight"] @ points.point_data["pressure"]
+        assert 0 < force < 0.1 * 0.5 * 0.6
+    else:
+        assert np.abs(points.point_data["gap"]).max() < 1e-9

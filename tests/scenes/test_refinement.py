@@ -9,12 +9,13 @@ from cea.errors import InputError
 from meshes.breaks import breaks_of
 from meshes.edge_layers import RATIO
 from meshes.shapes import Hub
+from scenes import SceneError, load_scene, scene_names
 from scenes.refinement.meshes import Resolution, has_singular_edges, moved_to_mortar, refined
 from scenes.refinement.singular_edges import singular_edges
 from scenes.spec.body import SupportSpec
-from scenes.spec.plain import scene_names, scene_text
-from scenes.spec.problems import SceneError
-from scenes.spec.reading import load_scene
+from scenes.spec.plain import scene_text
+
+DISC_PAD = load_scene("disc_pad")
 
 
 def mesh(scene, name):
@@ -38,7 +39,7 @@ def test_elements_and_degrees_are_as_asked(backend, degree, density):
 
 
 def test_closed_bodies_and_asked_boundaries_keep_the_elements_they_need(backend):
-    coarse = refined(load_scene("disc_pad"), backend, Resolution(2, 0.01))
+    coarse = refined(DISC_PAD, backend, Resolution(2, 0.01))
     assert elements(coarse, "disc") == (3, 6, 1)  # r through 2, theta through 2 and 3 quarters
     assert elements(coarse, "pad") == (1, 1, 1)
 
@@ -52,21 +53,20 @@ def test_sizes_of_tetrahedra_are_divided():
 
 
 def test_contacts_become_mortar_and_that_is_told():
-    scene = load_scene("disc_pad")
-    assert moved_to_mortar(scene) == {"pad_disc": "gpts"}
-    (contact,) = refined(scene, "iga", Resolution(2, 0.5)).contacts.values()
-    assert contact == replace(scene.contacts["pad_disc"], formulation=contact.formulation)
+    assert moved_to_mortar(DISC_PAD) == {"pad_disc": "gpts"}
+    (contact,) = refined(DISC_PAD, "iga", Resolution(2, 0.5)).contacts.values()
+    assert contact == replace(DISC_PAD.contacts["pad_disc"], formulation=contact.formulation)
     assert contact.formulation.method == "mortar"
     assert moved_to_mortar(load_scene("blocks")) == {}
 
 
 def test_singular_edges_are_clamped_edges_and_boundaries_of_stiff_contacts():
-    disc, pad = (singular_edges(load_scene("disc_pad"), name) for name in ("disc", "pad"))
+    disc, pad = (singular_edges(DISC_PAD, name) for name in ("disc", "pad"))
     sides = {"r": (0.09, 0.14), "theta": (25.0, 65.0)}
     assert disc.towards == {"r": (0.06,), "z": (0.0, 0.012)}
     assert pad.towards == {"z": (0.027,)} | sides
     assert disc.through == sides
-    stiff = load_scene("disc_pad", ["contacts.pad_disc.P=1e13"])
+    stiff = DISC_PAD.change("contacts.pad_disc.P", 1e13)
     assert singular_edges(stiff, "disc").towards["r"] == (0.06, 0.09, 0.14)
     assert singular_edges(stiff, "pad").towards["z"] == (0.012, 0.027)
 
@@ -88,20 +88,19 @@ def test_the_edge_of_a_hub_is_re_entrant():
 
 
 def test_layers_of_splines_lie_towards_singular_edges():
-    scene = refined(load_scene("disc_pad"), "iga", Resolution(2, 0.5, 2))
+    plain, scene = (refined(DISC_PAD, "iga", Resolution(2, 0.5, n)) for n in (0, 2))
     through = mesh(scene, "disc").through
     r, _, z = breaks_of(scene.bodies["disc"].geometry, elements(scene, "disc"), through)
     sizes = np.diff(r)
-    assert sizes[0] / (sizes[:3].sum()) == pytest.approx(RATIO**2)
-    assert sizes[1] / (sizes[:3].sum()) == pytest.approx(RATIO - RATIO**2)
-    assert sizes[3] == pytest.approx(sizes[:3].sum(), rel=0.5)  # as even as before
+    first = sizes[:3].sum()
+    assert sizes[:2] / first == pytest.approx([RATIO**2, RATIO - RATIO**2])
+    assert sizes[3] == pytest.approx(first, rel=0.5)  # as even as before
     assert np.allclose(np.diff(z), np.diff(z)[::-1])  # towards both faces alike
-    plain = refined(load_scene("disc_pad"), "iga", Resolution(2, 0.5, 0))
     assert elements(scene, "disc")[0] == elements(plain, "disc")[0] + 2
 
 
 def test_layers_of_lagrange_cells_lie_at_the_edges_alone():
-    plain, scene = (refined(load_scene("disc_pad"), "fe", Resolution(2, 0.5, n)) for n in (0, 2))
+    plain, scene = (refined(DISC_PAD, "fe", Resolution(2, 0.5, n)) for n in (0, 2))
     assert elements(scene, "disc") == elements(plain, "disc")
     disc = scene.bodies["disc"].geometry
     ends = [{"r": disc.inner_radius, "z": z} for z in (disc.bottom, disc.top)]
@@ -122,7 +121,7 @@ def test_what_cannot_be_refined_is_refused():
 INFINITE = {"contacts.interface.p": float("inf"), "contacts.interface.form": "saddle"}
 ODD = {"description": 'back\\slash, "quotes", ü and\na line'}
 TEXTS = {name: load_scene(name) for name in scene_names()} | {
-    "layers": refined(load_scene("disc_pad"), "fe", Resolution(2, 0.5, 2)),
+    "layers": refined(DISC_PAD, "fe", Resolution(2, 0.5, 2)),
     "infinity and odd signs": load_scene("blocks").change(INFINITE | ODD),
 }
 

@@ -1,4 +1,4 @@
-"""What a state of steady sliding must be read with.
+"""What equilibria must be read with: states of steady sliding, and static displacements.
 
 Facets of a curved surface are tilted against it: an approach u of the sides that slides along the
 true surface seems to close (n - n_true).u at a point, of either sign in a facet; projected on the
@@ -18,36 +18,81 @@ With laws as stiff as p W / E = 1e7, 20 functions across left 1 % with mortar.
 """
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from cea.arrays import Floats
+from cea.body.space import StraightCells
 from cea.contact.contact import Contact, approach_along
 from cea.contact.laws import NormalCompliance
 from cea.errors import ResultWarning
-from cea.ranks import agreed
+from cea.ranks import agreed, made_on_first
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
+from scenes.checking.warnings import left_alone, warning
+from scenes.spec.body import IgaMesh
 from scenes.spec.reading import Scene
 
+Warnings = Iterator[ResultWarning]
+
+_STRAIN = 0.1
+"""Strain of which the quadratic terms that linear elasticity leaves out, e^2 / 2 of the
+Green-Lagrange strain e + e^2 / 2 (Wriggers, Nonlinear Finite Element Methods, 2008), are 5 %."""
 _NOISE = 4.0
 """Closures, in parts of what rounding makes of displacements, that are neither open nor closed."""
+_ALLOWED = 0.01
+"""Relative error of pressures in the mean square that is told; peaks err by two or three times it.
+
+With rings that are shrunk into each other the estimate is right to a few per cent up to 0.1, at
+degrees 1 to 3.
+"""
+_FEWEST = {2: 0.6, 3: 1.0}
+"""Trace functions across a closed zone that it needs, relative to (p W / E)^(1/3), by dimension."""
+_ENOUGH = 20.0
+"""Trace functions across that are enough however stiff the law is."""
 
 
-def steady_warnings(
-    scene: Scene, system: CoupledSystem, steady: SteadySliding
-) -> Iterator[ResultWarning]:
+def motion_warnings(scene: Scene, system: CoupledSystem, x: Any) -> Warnings:
+    """Displacements larger than their body and strains that linear elasticity has no right to."""
+    for name, body in system.bodies.items() if not left_alone(scene) else ():
+        full = system.displacement(x, name, everywhere=False)
+        cells = body.space.volume_cells().straight()
+        found = made_on_first(body.comm, partial(_motion, cells, full))
+        motion, length, strain = body.comm.bcast(found)
+        if motion > length:
+            told = "bodies.{body} is displaced by {displacement:.3g} m, more than its length "
+            told += "{length:.3g} m"
+            about = {"displacement": motion, "length": length}
+            yield warning("large-displacement", told, body=name, **about)
+        if strain > _STRAIN:
+            told = "bodies.{body} is strained by up to {strain:.3g}: only small strains are right"
+            yield warning("large-strain", told, body=name, strain=strain)
+
+
+def _motion(sample: StraightCells, full: Floats) -> tuple[float, float, float]:
+    """Largest displacement (m), length of the body (m), largest mean principal strain of a cell."""
+    u = sample.values @ full.reshape(-1, sample.points.shape[1])
+    x, moved = sample.points[sample.cells], u[sample.cells]
+    gradient = np.linalg.pinv(x - x.mean(axis=1, keepdims=True)) @ moved
+    strains = np.linalg.eigvalsh(0.5 * (gradient + gradient.transpose(0, 2, 1)))
+    lengths = np.ptp(sample.points, axis=0)
+    motion = np.linalg.norm(u, axis=1).max()
+    return float(motion), float(lengths.max()), float(np.abs(strains).max())
+
+
+def steady_warnings(scene: Scene, system: CoupledSystem, steady: SteadySliding) -> Warnings:
     """What a state of steady sliding must be read with; collective."""
     if steady.uniqueness is not None:
         yield from steady.uniqueness.warnings()
     if steady.residual > LEFT_OVER:
-        told = f"rounding leaves {steady.residual:.1e} of the load of steady sliding over"
-        yield ResultWarning("equilibrium-rounding", told, {"residual": steady.residual})
+        told = "rounding leaves {residual:.1e} of the load of steady sliding over"
+        yield warning("equilibrium-rounding", told, residual=steady.residual)
     largest = max(-steady.displacement.min()[1], steady.displacement.max()[1])
     for contact in system.contacts:
         if contact.name in steady.contacts:
@@ -56,62 +101,26 @@ def steady_warnings(
             yield from _geometry_error(system, steady, contact, state)
             halves = sum(each.pair == contact.pair for each in system.contacts)
             yield from _coarse_closed_zone(scene, contact, state, halves)
+    yield from motion_warnings(scene, system, steady.displacement)
 
 
-def _undecided(contact: Contact, state: ContactState, noise: float) -> Iterator[ResultWarning]:
+def _undecided(contact: Contact, state: ContactState, noise: float) -> Warnings:
     """A contact that is open, or of which rounding decides where it is, as its stiffness jumps."""
     about, law = {"contact": contact.pair, "half": contact.name}, contact.law
     if not state.closed_area:
-        told = f"contacts.{contact.name} is open in steady sliding: it carries nothing"
-        yield ResultWarning("contact-open", told, about)
+        told = "contacts.{half} is open in steady sliding: it carries nothing"
+        yield warning("contact-open", told, **about)
     points = np.abs(state.closure) <= noise
     fraction = float(contact.interface.points.weight[points].sum()) / state.area
     if fraction and isinstance(law, NormalCompliance) and law.m == 1:
-        told = (
-            f"rounding decides whether {fraction:.2g} of the area of contacts.{contact.name} is "
-            "open; with m_n = 1 its stiffness jumps there"
-        )
-        yield ResultWarning("closure-undecided", told, about | {"fraction": fraction})
-
-
-_ALLOWED = 0.01
-"""Relative error of pressures in the mean square that is told; peaks err by two or three times it.
-
-With rings that are shrunk into each other the estimate is right to a few per cent up to 0.1, at
-degrees 1 to 3.
-"""
-_ROUNDED = 1e-9
-"""Distance, relative to the mesh size, that is rounding of the numbers in a mesh file."""
-
-
-def gaps_as_zero(contact: Contact) -> Iterator[ResultWarning]:
-    """Initial gaps that are not above the error of the geometry of mesh files; collective."""
-    interface = contact.interface
-    with agreed(interface.comm):
-        distance = np.abs(interface.true_distance)
-        within = np.where(interface.initial_gap == 0, distance, 0.0)
-        local = interface.local_points.weight[within > 0].sum(), within, interface.geometry_error
-    areas, gaps, errors = zip(*interface.comm.allgather(local), strict=True)
-    largest, error = (float(np.concatenate(parts).max(initial=0.0)) for parts in (gaps, errors))
-    if largest > _ROUNDED * min(interface.a.mesh_size, interface.b.mesh_size):
-        fraction = float(sum(areas) / interface.points.weight.sum())
-        told = (
-            f"initial gaps up to {largest:.2g} m, on {100 * fraction:.3g} % of the area of "
-            f"contacts.{contact.name}, count as zero: its mesh has errors up to {error:.2g} m"
-        )
-        data = {
-            "contact": contact.pair,
-            "half": contact.name,
-            "gap": largest,
-            "geometry_error": error,
-            "fraction": fraction,
-        }
-        yield ResultWarning("gaps-as-zero", told, data)
+        told = "rounding decides whether {fraction:.2g} of the area of contacts.{half} is open; "
+        told += "with m_n = 1 its stiffness jumps there"
+        yield warning("closure-undecided", told, **about, fraction=fraction)
 
 
 def _geometry_error(
     system: CoupledSystem, steady: SteadySliding, contact: Contact, state: ContactState
-) -> Iterator[ResultWarning]:
+) -> Warnings:
     """Closures that do not stand out from the errors of curved facets; collective."""
     interface, law = contact.interface, contact.law
     assert isinstance(law, NormalCompliance)
@@ -128,24 +137,10 @@ def _geometry_error(
     of_gaps = float(np.sqrt(force @ error**2 / force.sum()))
     relative = law.m * of_gaps / closure
     if relative > _ALLOWED:
-        told = (
-            f"curved facets leave {of_gaps:.2g} m of the closures of contacts.{contact.name} "
-            f"undecided, {closure:.2g} m in the mean: pressures are off by {100 * relative:.2g} %"
-        )
-        data = {
-            "contact": contact.pair,
-            "half": contact.name,
-            "closure": closure,
-            "geometry_error": of_gaps,
-            "relative": relative,
-        }
-        yield ResultWarning("geometry-error", told, data)
-
-
-_FEWEST = {2: 0.6, 3: 1.0}
-"""Trace functions across a closed zone that it needs, relative to (p W / E)^(1/3), by dimension."""
-_ENOUGH = 20.0
-"""Trace functions across that are enough however stiff the law is."""
+        told = "curved facets leave {geometry_error:.2g} m of the closures of contacts.{half} "
+        told += "undecided, {closure:.2g} m in the mean: pressures are off by {relative:.2%}"
+        about = {"contact": contact.pair, "half": contact.name, "closure": closure}
+        yield warning("geometry-error", told, **about, geometry_error=of_gaps, relative=relative)
 
 
 class ClosedZone(NamedTuple):
@@ -187,7 +182,7 @@ def closed_zone(x: Floats, closure: Floats) -> ClosedZone | None:
 
 def _coarse_closed_zone(
     scene: Scene, contact: Contact, state: ContactState, halves: int
-) -> Iterator[ResultWarning]:
+) -> Warnings:
     """A closed zone that ends inside a contact and has too few elements across for its law."""
     interface = contact.interface
     zone = closed_zone(interface.points.x, state.closure)
@@ -199,24 +194,16 @@ def _coarse_closed_zone(
     for name, surface in ((contact.a, interface.a), (contact.b, interface.b)):
         body = scene.bodies[name]
         relative = stiffness * zone.width / body.material.means[0]
-        functions, iga = body.fe_degree, body.mesh.iga
-        if body.backend == "iga" and iga is not None:
-            functions = min(p - c for p, c in zip(iga.degree, iga.continuities, strict=True))
+        functions, mesh = body.fe_degree, body.division
+        if isinstance(mesh, IgaMesh):
+            functions = min(p - c for p, c in zip(mesh.degree, mesh.continuities, strict=True))
         needed = min(_FEWEST[surface.dim] * relative ** (1 / 3), _ENOUGH) / (functions or 1)
-        sides.append((zone.elements(surface), needed, relative, f"{name}.{surface.name}"))
-    elements, needed, relative, place = min(sides, key=lambda side: side[0] / side[1])
-    if elements < needed:
-        told = (
-            f"the closed zone of contacts.{contact.name} is {elements:.2g} elements of {place} "
-            f"wide; its law, p W / E = {relative:.2g}, needs {needed:.2g} for right pressures"
-        )
-        data = {
-            "contact": contact.pair,
-            "half": contact.name,
-            "side": place,
-            "width": zone.width,
-            "elements": elements,
-            "needed": needed,
-            "stiffness": relative,
-        }
-        yield ResultWarning("coarse-closed-zone", told, data)
+        side: dict[str, Any] = {"side": f"{name}.{surface.name}", "width": zone.width}
+        side["elements"] = zone.elements(surface)
+        sides.append(side | {"needed": needed, "stiffness": relative})
+    worst = min(sides, key=lambda side: side["elements"] / side["needed"])
+    if worst["elements"] < worst["needed"]:
+        told = "the closed zone of contacts.{half} is {elements:.2g} elements of {side} wide; its "
+        told += "law, p W / E = {stiffness:.2g}, needs {needed:.2g} for right pressures"
+        about = {"contact": contact.pair, "half": contact.name}
+        yield warning("coarse-closed-zone", told, **about, **worst)

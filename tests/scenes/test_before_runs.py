@@ -1,0 +1,281 @@
+"""What is known of a run before it: faults, what it leaves out, the memory that it takes."""
+
+import subprocess
+import sys
+
+import mixed_brake
+import numpy as np
+import pytest
+from bad_inputs import BUILT, changed, coarse
+from blocks import two_blocks
+from PIL import Image
+
+import cea.eigen.driver
+from cea.eigen import mumps
+from cea.errors import InputError
+from comparisons.cli.output import print_skipped
+from scenes import assemble, inspect_scene, load_scene, read_scene, run_modes, run_scene, run_static
+from scenes.checking import check as inspection
+from scenes.checking import memory
+from scenes.checking.check import told
+from scenes.checking.memory import dofs_of
+from scenes.checking.skipped import GIVEN, skipped_by
+from scenes.pictures.scene import draw_scene
+
+
+def scene_of(base, backend, *changes):
+    return read_scene(changed(coarse(base, backend, BUILT), changes))
+
+
+def fail(*arguments, **options):
+    raise AssertionError("something was solved or meshed")
+
+
+def test_what_is_seen_before_is_what_a_run_has(backend):
+    scene = scene_of("blocks", backend, "contacts.interface.full_pass=true")
+    looked, result = inspect_scene(scene), run_modes(scene)
+    assert not looked.faults
+    assert looked.dofs == result.system.size
+    assert looked.halves.keys() == result.interfaces.keys()
+    for name, half in looked.halves.items():
+        assert len(half.interface.points) == len(result.interfaces[name].points)
+    assert looked.skipped == result.skipped
+    assert {w.kind for w in looked.warnings} <= {w.kind for w in result.warnings}
+
+
+def test_nothing_is_solved(backend, monkeypatch):
+    monkeypatch.setattr("cea.eigen.mumps.Mumps.__init__", fail)
+    looked = inspect_scene(scene_of("blocks", backend))
+    assert not looked.faults
+    with pytest.raises(AssertionError, match="something was solved"):
+        run_modes(looked.scene)
+
+
+def test_every_contact_with_a_fault_is_told(backend):
+    mortar = {"P": 1e9, "formulation": {"method": "mortar"}}
+    scene = load_scene("disc_pad", backend=backend).change(
+        {
+            "contacts.second": mortar | {"a": "pad.outer", "b": "disc.bottom"},
+            "contacts.third": mortar | {"a": "pad.inner", "b": "disc.outer"},
+        }
+    )
+    looked = inspect_scene(scene)
+    assert [fault.field for fault in looked.faults] == ["contacts.second", "contacts.third"]
+    assert list(looked.halves) == ["pad_disc"]
+
+
+def test_a_scene_too_large_is_not_meshed(monkeypatch):
+    monkeypatch.setattr(inspection, "build_bodies", fail)
+    looked = inspect_scene(load_scene("disc", ["bodies.disc.mesh.iga.elements=[2000,80000,300]"]))
+    assert [fault.field for fault in looked.faults] == ["bodies.disc.mesh.iga.elements"]
+    assert not looked.bodies
+    assert any(line.startswith("about ") for line in told(looked))
+
+
+@pytest.mark.parametrize(
+    ("backend", "base"),
+    [("fe", "disc_pad"), pytest.param("iga", "blocks", marks=pytest.mark.slow)],
+)
+def test_the_picture_shows_bodies_supports_and_contacts(backend, base, tmp_path):
+    file = draw_scene(inspect_scene(scene_of(base, backend)), tmp_path / "scene.png")
+    image = np.asarray(Image.open(file).convert("RGB")).astype(int)
+    left, right = np.array_split(image, 2, axis=1)
+    dark_blue = (left[..., 2] - left[..., 0] > 15) & (left[..., 0] < 110)
+    red = (right[..., 0] > 120) & (right[..., 1] < 90) & (right[..., 2] < 90)
+    assert (left < 240).any(axis=2).mean() > 0.1
+    assert dark_blue.sum() > 300
+    assert red.sum() > 300
+
+
+# What a scene does not need is neither computed nor imported, and the result says so.
+GPTS = {"method": "gpts", "points": 3}
+LOAD = {"surface": "upper.x_min", "pressure": 1.0}
+
+
+def test_without_friction_no_slip_operator_and_the_symmetric_path(backend, monkeypatch):
+    symmetric, search = [], cea.eigen.driver.Search
+
+    def recorded(matrices, *arguments, **options):
+        symmetric.append(matrices.symmetric)
+        return search(matrices, *arguments, **options)
+
+    monkeypatch.setattr(cea.eigen.driver, "Search", recorded)
+    for mu in (0.0, 0.4):
+        result = run_scene(read_scene(two_blocks(backend, GPTS, held=True, mu=mu)))
+        (contact,) = result.system.contacts
+        assert (contact.slip is None) == (contact.K_f is None) == (mu == 0.0)
+        assert ("friction" in result.skipped) == (mu == 0.0)
+    assert symmetric == [True, False]
+
+
+EVERY_RUN = {"newton", "damping", "gyroscopic", "loads", "pictures", "paraview", "gmsh"}
+EVERY_RUN.add("doubts of units")
+STATIC = EVERY_RUN - {"damping", "gyroscopic", "loads"} | {"mass", "eigenvalues"}
+DIRECTION = "contacts.interface.friction_direction_on_a"
+SLIDING = {"speed": 2.0, "pressure": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("changes", "skipped", "unused"),
+    [
+        ({}, EVERY_RUN, set()),
+        (
+            {"bodies.upper.mesh.fe": {"cell": "tetrahedron", "size": 0.2}},
+            {"fe": EVERY_RUN - {"gmsh"}, "iga": EVERY_RUN},
+            set(),
+        ),
+        ({"contacts": {}}, EVERY_RUN | {"friction", "search"}, set()),
+        ({"output": {"pictures": 1, "paraview": 1}}, EVERY_RUN - {"pictures", "paraview"}, set()),
+        ({"loads": [LOAD], "analysis": {"kind": "static"}}, STATIC, set()),
+        ({"loads": [LOAD]}, None, {"loads"}),
+        ({"analysis.min_growth": -1.0}, None, {"analysis.min_growth"}),
+        ({"analysis.min_growth": -1.0, "bodies.upper.damping": {"alpha": 0.1}}, None, set()),
+        ({"contacts.interface.mu": 0.0}, None, {DIRECTION}),
+        (
+            {"contacts.interface.mu": 0.0, "contacts.interface.sliding": SLIDING},
+            None,
+            {"contacts.interface.sliding.speed"},
+        ),
+    ],
+)
+def test_a_scene_tells_exactly_what_it_does_not_need(backend, changes, skipped, unused):
+    """And what is given without use, with its path."""
+    found = skipped_by(read_scene(two_blocks(backend, GPTS)).change(changes))
+    given = {name for name, reason in found.items() if reason.startswith(GIVEN)}
+    other = {"fe": "iga", "iga": "fe"}[backend]
+    assert given == unused | {f"bodies.*.mesh.{other}"}
+    if skipped is not None:
+        expected = skipped[backend] if isinstance(skipped, dict) else skipped
+        assert set(found) - given == expected
+
+
+def test_elements_that_are_changed_on_reading_are_not_called_left_out(tmp_path, capsys):
+    file = tmp_path / "brake.inp"
+    file.write_text(mixed_brake.brake(0.03))
+    skipped = skipped_by(read_scene(mixed_brake.scene(file, friction=0.5)))
+    for explain in (False, True):
+        print_skipped(skipped, explain=explain)
+        lines = [line for line in capsys.readouterr().out.splitlines() if "mixed elements" in line]
+        assert len(lines) == 1
+        assert "changed on reading: " in lines[0]
+        assert "left out" not in lines[0]
+
+
+UNUSED = (
+    *("meshes.files.reading", "meshes.files.part", "scenes.matrices", "scenes.spec.matrices"),
+    *("cea.eigen.static", "cea.system.steady_path", "cea.system.steady_newton"),
+    *("cea.system.modal_damping", "scenes.running.static", "scenes.checking.equilibrium"),
+    *("scenes.export", "scenes.pictures", "scenes.refinement", "gmsh", "pyvista"),
+)
+"""What modes of a disc and a pad at a given stiffness have no use for."""
+MOST = {"fe": 144, "iga": 150}
+"""Modules of this program that they load, at most."""
+PROGRAM = """
+import sys; sys.argv = ['cea', 'run', 'disc_pad', *sys.argv[1:]]
+from comparisons.cli.app import app
+app(standalone_mode=False)
+print('imported', *sys.modules)
+"""
+
+
+@pytest.mark.parametrize("backend", ["iga", pytest.param("fe", marks=pytest.mark.slow)])
+def test_a_run_loads_what_it_needs(backend, tmp_path):
+    settings = []
+    for body, elements in (("disc", [3, 12, 1]), ("pad", [2, 3, 1])):
+        settings += ["--set", f"bodies.{body}.mesh.{backend}.elements={elements}"]
+    arguments = ["--backend", backend, "--out", str(tmp_path), *settings]
+    command = [sys.executable, "-c", PROGRAM, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    imported = set(done.stdout.split("imported", 1)[1].split())
+    packages = ("cea", "fe_cea", "iga_cea", "meshes", "scenes", "comparisons", "exact_cea")
+    own = [name for name in imported if name.partition(".")[0] in packages]
+    assert not set(UNUSED) & imported
+    assert ("fe_cea" in imported) == (backend == "fe")
+    assert ("iga_cea" in imported) == (backend == "iga")
+    assert len(own) <= MOST[backend]
+
+
+# Scenes that cannot fit into memory are refused, or go to disk.
+DISC = "bodies.disc.mesh"
+
+
+@pytest.mark.parametrize(
+    ("name", "setting"),
+    [
+        ("blocks", "bodies.upper.mesh.iga.elements=[100000,100000]"),
+        ("disc_pad", f"{DISC}.fe.elements=[400,400,400]"),
+        ("disc_pad", f"{DISC}.fe={{cell='tetrahedron',size=1e-5}}"),
+    ],
+)
+def test_huge_meshes_are_refused_at_once(name, setting):
+    scene = load_scene(name, [setting], "fe" if "fe" in setting else "iga")
+    with pytest.raises(InputError, match=r"dofs take .* GB or more of the .* GB") as caught:
+        run_modes(scene)
+    assert caught.value.field.startswith(setting.partition("=")[0])
+
+
+def dofs(scene):
+    """Estimate of the unknowns of a scene."""
+    return sum(map(dofs_of, scene.bodies.values()))
+
+
+def test_dofs_are_those_of_the_run(backend):
+    """Supported dofs are counted too: at most a few per cent on such a mesh."""
+    scene = load_scene("drum", backend=backend)
+    size = run_modes(scene).system.size
+    assert size < dofs(scene) < 1.15 * size
+
+
+@pytest.mark.parametrize("degree", [2, 3])
+def test_dofs_of_mixed_elements(tmp_path, degree):
+    """They are divided into tetrahedra, which have a sixth of the nodes of hexahedra."""
+    file = tmp_path / "brake.inp"
+    file.write_text(mixed_brake.brake(0.02))
+    given = mixed_brake.scene(file, friction=0.5)
+    for body in given["bodies"].values():
+        body["mesh"] = {"degree": degree}
+    scene = read_scene(given)
+    assert dofs(scene) == pytest.approx(run_modes(scene).system.size, rel=0.3)
+
+
+FINE = {
+    f"bodies.{body}.mesh": {
+        "fe": {"cell": "quadrilateral", "elements": [48, 24]},
+        "iga": {"degree": [2, 2], "elements": [96, 48]},
+    }
+    for body in ("upper", "lower")
+}
+
+
+@pytest.mark.grid(quick=1)
+def test_factors_go_to_disk_where_memory_would_not_do(backend, monkeypatch):
+    """Of a fresh run, and at every value of a scene that is assembled once."""
+    scene = load_scene("blocks", backend=backend).change(FINE | {"analysis.max_frequency": 0.5})
+    plain = run_modes(scene)
+    assert "factors-on-disk" not in [warning.kind for warning in plain.warnings]
+    monkeypatch.setattr(mumps, "free_memory", lambda comm: 1e6)
+    with pytest.raises(InputError, match=r"take .* of memory, .* with those on disk") as caught:
+        run_modes(scene)
+    assert caught.value.field == f"bodies.upper.mesh.{backend}.elements"
+    lack = caught.value.__cause__
+    assert lack.with_files < lack.memory
+    monkeypatch.setattr(mumps, "free_memory", lambda comm: 0.5 * (lack.memory + lack.with_files))
+    assembled = assemble(scene)
+    for result in (run_modes(scene), assembled.modes(), assembled.modes()):
+        (disk,) = [warning for warning in result.warnings if warning.kind == "factors-on-disk"]
+        assert disk.data["memory_with_files"] < disk.data["available"] < disk.data["memory"]
+        np.testing.assert_allclose(result.eigenvalues, plain.eigenvalues, rtol=1e-9, atol=1e-9)
+    assembled.free()
+    monkeypatch.setattr(memory, "free_disk", lambda: 0.5 * lack.files)
+    with pytest.raises(InputError, match=r"GB of factors on disk, where .* GB are free"):
+        run_modes(scene)
+
+
+def test_a_static_analysis_without_room_for_factors_is_refused_by_its_mesh(backend, monkeypatch):
+    """Its factors are in memory, whatever room there is on disk."""
+    scene = load_scene("patch_test", backend=backend)
+    monkeypatch.setattr(mumps, "free_memory", lambda comm: 1e6)
+    with pytest.raises(InputError, match="a mesh that fits into memory") as caught:
+        run_static(scene)
+    assert caught.value.field.endswith(f"mesh.{backend}.elements")

@@ -1,0 +1,158 @@
+"""Small scenes with contacts, loads and fields: what must hold on both backends."""
+
+import numpy as np
+import pytest
+from blocks import FORMULATIONS, ROTATED, alone, block, rectangle
+from covering import covering
+from motions import resultant
+
+from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
+from cea.timing import StageTimer
+from scenes import load_scene, read_scene, run_modes, run_scene
+from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.spec.reading import on_backend, with_contact
+
+
+def system_of(scene):
+    """The system of a scene, before steady sliding is sought, and its interfaces."""
+    timer = StageTimer()
+    bodies = build_bodies(scene, timer)
+    interfaces = build_interfaces(scene, bodies, timer)
+    return build_system(scene, bodies, interfaces, timer), interfaces
+
+
+@pytest.mark.parametrize(
+    ("backend", "form"), covering(("fe", "iga"), ("penalty", "saddle"), strength=1)
+)
+def test_a_run_repeats_itself_to_the_last_bit(backend, form):
+    """On one rank."""
+    fields = {"contacts.interface.form": form, "contacts.interface.p": 1e3}
+    scene = load_scene("blocks", [], backend).change(fields)
+    first, second = (run_modes(scene).modes for _ in range(2))
+    assert len(first) > 5
+    for name in ("eigenvalues", "growth_uncertainties", "conditions"):
+        assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
+
+
+FORCE = [0.3, -0.7, 1.1]
+
+
+@pytest.mark.parametrize(
+    ("load", "volume", "placement"),
+    [
+        ({"surface": "part.x_max", "force": FORCE}, 1.0, {}),
+        ({"surface": "part.x_max", "force": FORCE}, 1.0, ROTATED),
+        ({"body": "part", "body_force": FORCE}, 0.5 * 0.6 * 0.3, {}),
+    ],
+)
+def test_a_force_is_the_sum_of_its_nodal_forces(backend, load, volume, placement):
+    """On a surface, or on every part of a body."""
+    body = block(backend, [0.5, 0.6, 0.3], [0.0, 0.0, 0.0], [3, 2, 1], placement=placement)
+    system, _ = system_of(read_scene(alone(body, None) | {"loads": [load]}))
+    found = resultant(system, system.load, "part")[0]
+    assert found == pytest.approx(volume * np.array(FORCE), rel=1e-12)
+
+
+def test_rounding_where_friction_vanishes_is_not_negative_friction(backend):
+    """At x = 2 the sine is -2e-16."""
+    method = {"fe": "node_to_surface", "iga": "greville"}[backend]
+    changes = {"mu": "0.3*sin(pi*x/2)", "formulation": {"method": method}}
+    changes = {f"contacts.interface.{name}": value for name, value in changes.items()}
+    system, interfaces = system_of(load_scene("blocks_3d", backend=backend).change(changes))
+    mu, x = system.contacts[0].friction.mu, interfaces["interface"].points.x[:, 0]
+    assert x.max() == pytest.approx(2)
+    assert mu == pytest.approx(0.3 * np.sin(np.pi * x / 2), abs=1e-15)
+    assert mu.min() == 0
+
+
+def test_a_direction_by_expressions_is_the_circumferential_one():
+    changes = {
+        "bodies.disc.mesh.fe.elements": [4, 16, 1],
+        "bodies.pad.mesh.fe.elements": [2, 3, 1],
+    }
+    both = []
+    for direction in (
+        {"circumferential_about": [0.0, 0.0, 1.0]},
+        {"field": ["-y", "x", "0"]},
+    ):
+        changes["contacts.pad_disc.friction_direction_on_a"] = direction
+        system, interfaces = system_of(load_scene("disc_pad", backend="fe").change(changes))
+        points = interfaces["pad_disc"].points
+        both.append(system.contacts[0].friction.along(points.x, points.normal))
+    assert both[1] == pytest.approx(both[0], abs=1e-14)
+    assert np.ptp(both[0][:, 0]) > 0.3
+
+
+def layer(backend, low, fixed):
+    """One of two layers that mirror each other in y = 0."""
+    sides = [{"surface": name, "components": ["x"]} for name in ("x_min", "x_max")]
+    soft = {"E": 0.1, "nu": 0.25, "rho": 0.35}
+    body = rectangle(backend, [2.0, 0.5], [9, 3], origin=[0.0, low], material=soft)
+    body["mesh"]["iga"] = {"degree": [3, 3], "elements": [11, 3]}
+    return body | {"supports": [{"surface": fixed}, *sides]}
+
+
+@pytest.mark.parametrize(
+    ("full_pass", "backend", "formulation"),
+    covering((False, True), ("fe", "iga"), FORMULATIONS, strength=1),
+    indirect=["formulation"],
+)
+def test_layers_that_mirror_each_other_do_not_flutter(backend, formulation, full_pass):
+    """Even modes load the contact, odd ones slide: friction couples them one way only.
+
+    The spectrum is that without friction, though the matrices are not symmetric: what grows there
+    is rounding, and the results say so.
+    """
+    contact = {"a": "upper.y_min", "b": "lower.y_max", "formulation": formulation, "p": 1.0}
+    contact |= {"friction_direction_on_a": {"vector": [1.0, 0.0]}, "full_pass": full_pass}
+    modes, without = (
+        run_scene(
+            read_scene(
+                {
+                    "name": "mirrored layers",
+                    "bodies": {
+                        "upper": layer(backend, 0.0, "y_max"),
+                        "lower": layer(backend, -0.5, "y_min"),
+                    },
+                    "contacts": {"interface": contact | {"mu": mu}},
+                    "analysis": {"kind": "cea", "max_frequency": 0.6},
+                }
+            )
+        ).modes
+        for mu in ("0.9*sin(pi*x/2)", 0.0)
+    )
+    assert len(modes.eigenvalues) > 15
+    assert not modes.unstable(0.0).any()
+    assert np.all(np.abs(modes.growth_rates) <= modes.growth_uncertainties)
+    assert modes.eigenvalues.imag == pytest.approx(without.eigenvalues.imag, rel=1e-6)
+
+
+def patch_test_stresses(backend, formulation, P):
+    scene = on_backend(load_scene("patch_test"), backend)
+    return run_scene(with_contact(scene, formulation=formulation, P=P)).stresses["interface"]
+
+
+@pytest.mark.parametrize(
+    ("formulation", "P", "side", "expected"),
+    [
+        (Greville(), 1e14, "ab", 1722.0),
+        (Greville(), 1e6, "ab", 3233.0),
+        (Grid(9), 1e6, "ab", 1678.0),
+        (GaussPointToSurface(15), 1e6, "b", 0.446),
+        (GaussPointToSurface(15), 1e6, "a", 0.0339),
+        (GaussPointToSurface(25), 1e6, "ab", 0.116),
+    ],
+)
+def test_nurbs_oscillation_matches_the_prototype(formulation, P, side, expected):
+    """The larger of the sides."""
+    sides = patch_test_stresses("iga", formulation, P)
+    assert max(sides[each].oscillation for each in side) == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize(("backend", "collocation"), [("fe", NodeToSurface()), ("iga", Greville())])
+def test_mean_stress_balances_the_load(backend, collocation):
+    """Whatever the oscillation, the pressure arrives."""
+    for side in patch_test_stresses(backend, GaussPointToSurface(15), 1e6).values():
+        assert side.sigma_n.mean() == pytest.approx(-1000.0, rel=1e-3)
+    sides = patch_test_stresses(backend, collocation, 1e6)
+    assert max(side.oscillation for side in sides.values()) > 100

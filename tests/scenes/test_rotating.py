@@ -1,0 +1,262 @@
+"""Scenes with damping, rotation and sliding: dense eigenvalues, exact equilibria, refusals."""
+
+import numpy as np
+import pytest
+from blocks import alone, scene_body
+from damped_numbers import damped_disc, modally_damped_disc
+from pressed import pressed_blocks
+from scipy.integrate import solve_bvp
+from scipy.special import jv, jvp, yv, yvp
+
+from comparisons.stability.dense import dense_eigenvalues
+from scenes import SceneError, assemble, read_scene, run_modes, run_static
+
+DISCS = {"Rayleigh": damped_disc, "modal": modally_damped_disc}
+
+
+@pytest.mark.parametrize("damping", DISCS)
+@pytest.mark.parametrize(
+    ("backend", "form"), [("iga", "saddle"), pytest.param("fe", "penalty", marks=pytest.mark.slow)]
+)
+def test_modes_are_those_of_dense_matrices(backend, form, damping):
+    data = DISCS[damping](backend, form=form)
+    modes, dense = run_modes(read_scene(data)).modes, dense_eigenvalues(data)
+    window = modes.window
+    inside = (dense.imag <= 2 * np.pi * window.max_frequency) & (dense.real >= window.min_growth)
+    assert inside.sum() > 5
+    found, expected = np.sort_complex(modes.eigenvalues), np.sort_complex(dense[inside])
+    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+
+
+CHANGES = {
+    "Rayleigh": {
+        "bodies.disc.damping.alpha": 0.02,
+        "bodies.disc.damping.beta": 0.001,
+        "bodies.disc.rotation.rate": 0.1,
+        "bodies.disc.material.rho": 1.3,
+        "contacts.interface.sliding.pressure": 0.04,
+        "contacts.interface.sliding.mu_slope": 0.2,
+    },
+    "modal": {"bodies.disc.damping.modal.ratio": 0.1, "bodies.pad.material.E": 1.3},
+}
+
+
+@pytest.mark.parametrize("damping", DISCS)
+def test_changes_need_no_assembly(damping):
+    assembled = assemble(read_scene(DISCS[damping]("iga")))
+    expected = run_modes(assembled.scene.change(CHANGES[damping]))
+    found = assembled.modes(CHANGES[damping])
+    assert all(found.bodies[name] is body for name, body in assembled.bodies.items())
+    assembled.free()
+    np.testing.assert_allclose(found.eigenvalues, expected.eigenvalues, rtol=1e-9, atol=1e-9)
+
+
+def test_matrices_are_named():
+    matrices = run_modes(read_scene(damped_disc("iga"))).matrices()
+    assert list(matrices) == ["K", "M", "K_n", "K_f", "C", "Y", "K_c", "L", "N", "J"]
+    C, Y, K_c = (matrices[name].toarray() for name in ("C", "Y", "K_c"))
+    assert (C == C.T).all()
+    assert (Y == -Y.T).all()
+    assert (K_c == -K_c.T).all()
+
+
+def test_the_pressure_is_that_of_steady_sliding(backend):
+    """Of a translation: along k it has the power N mu', across it N mu / v, N the normal force."""
+    sliding = {"speed": 0.5, "mu_slope": -0.2}
+    gpts = {"method": "gpts", "points": 3}
+    data = pressed_blocks(backend, gpts, c_n=10.0, m_n=2.0, sliding=sliding)
+    result = run_modes(read_scene(data))
+    upper, shift = result.bodies["upper"], np.zeros((result.system.size, 3))
+    translation, free = upper.expansion.createVecLeft(), upper.expansion.createVecRight()
+    for axis in range(2):  # supports hold the back along x and y: tiny blocks of the rest move
+        translation.array[:] = np.tile(np.eye(3)[axis], upper.num_scalar_dofs)
+        upper.expansion.multTranspose(translation, free)
+        shift[: free.getSize(), axis] = free.array
+    k = np.array([1.0, 0.5, 0.0]) / np.hypot(1.0, 0.5)
+    t = np.array([-k[1], k[0], 0.0])
+    force = result.steady.contacts["interface"].normal_force
+    expected = force * (-0.2 * np.outer(k, k) + 0.1 / 0.5 * np.outer(t, t))
+    C = result.matrices()["C"].toarray()
+    assert shift.T @ C @ shift == pytest.approx(expected, rel=1e-10, abs=1e-12 * force)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"bodies.pad.rotation": {"rate": 1.0}}, "bodies.pad.geometry.shape"),
+        ({"bodies.disc.rotation.axis": [0.0, 1.0, 0.0]}, "bodies.disc.rotation.axis"),
+        ({"bodies.disc.rotation.origin": [0.1, 0.0, 0.0]}, "bodies.disc.rotation.origin"),
+        ({"bodies.disc.rotation.rate": -1.0}, "bodies.disc.rotation.rate"),
+        ({"bodies.disc.placement.translation": [1.0, 0.0, 0.0]}, "rotation.origin"),
+        ({"bodies.disc.damping.alpha": -1.0}, "bodies.disc.damping.alpha"),
+        ({"bodies.disc.damping.ratios": [0.1, 0.1]}, "bodies.disc.damping.ratios"),
+        ({"bodies.pad.damping.ratios": [0.1, 9.0]}, "bodies.pad.damping.ratios"),
+        ({"bodies.pad.damping.frequencies": [0.1, 0.1]}, "bodies.pad.damping.frequencies"),
+        ({"bodies.pad.damping": {"ratios": [0.1, 0.1]}}, "bodies.pad.damping.frequencies"),
+        ({"bodies.disc.damping": {}}, "bodies.disc.damping.ratios"),
+        ({"contacts.interface.p": None, "contacts.interface.c_n": 1.0}, "sliding.pressure"),
+        ({"analysis.min_growth": 1.0}, "analysis.min_growth"),
+    ],
+)
+def test_what_cannot_be_is_refused(change, named):
+    with pytest.raises(SceneError) as refused:
+        read_scene(damped_disc("iga")).change(change)
+    assert named in str(refused.value)
+
+
+E, NU, RHO, INNER, OUTER, PRESSURE, FORCE, RATE = 1.0, 0.3, 1.5, 0.6, 1.0, 1e-3, 1e-3, 0.9
+LAMBDA, MU = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
+MATERIAL = {"E": E, "nu": NU, "rho": RHO}
+
+
+def ring(backend, radii, elements, material=MATERIAL, max_frequency=None, **sections):
+    """A scene of a ring of degree 3 in plane strain."""
+    geometry = {"shape": "ring", "inner_radius": radii[0], "outer_radius": radii[1]}
+    return alone(
+        scene_body(backend, geometry, elements, degree=3, material=material, **sections),
+        max_frequency,
+    )
+
+
+@pytest.mark.parametrize(("part", "told"), [(0.75, False), (1.2, True)])
+def test_a_rim_that_outruns_surface_waves_is_warned_of(backend, part, told):
+    """Waves of the mesh that the exact ring does not have grow beyond it; below none does."""
+    steel = {"E": 2e11, "nu": 0.3, "rho": 7800.0}
+    rate = part * np.sqrt(2e11 / 2.6 / 7800.0) / 0.1
+    rotation = {"rate": rate, "convective_stiffness": True, "coriolis": False}
+    data = ring(backend, (0.09, 0.1), [1, 24], steel, 2500.0, rotation=rotation)
+    data["analysis"]["min_growth"] = -20000.0
+    result = run_modes(read_scene(data))
+    found = [each for each in result.warnings if each.kind == "faster-than-waves"]
+    assert bool(found) == told
+    assert (result.eigenvalues.real.max() > 1e3) == told
+    if told:
+        assert found[0].data["speed"] == pytest.approx(part * found[0].data["wave_speed"], rel=0.01)
+
+
+def widened_ring(rate):
+    """Largest displacement of a ring under pressure that rotates, in plane strain: exact waves.
+
+    (lambda + 2 mu) (u'' + u'/r - u/r^2) + rho Omega^2 u = 0, the pressure on the inside.
+    """
+    k = rate * np.sqrt(RHO / (LAMBDA + 2 * MU))
+
+    def stress(f, df, r):
+        return (LAMBDA + 2 * MU) * k * df(1, k * r) + LAMBDA * f(1, k * r) / r
+
+    rows = [[stress(jv, jvp, r), stress(yv, yvp, r)] for r in (INNER, OUTER)]
+    A, B = np.linalg.solve(rows, [-PRESSURE, 0.0])
+    return A * jv(1, k * INNER) + B * yv(1, k * INNER)
+
+
+def test_static_displacement_under_pressure_is_exact(backend):
+    """Of a ring that widens as it rotates: centrifugal forces grow with its radius."""
+    sizes = []
+    for rate in (0.3, 0.6):
+        data = ring(
+            backend,
+            (INNER, OUTER),
+            [2, 20],
+            supports=[{"surface": "inner", "components": ["circumferential"]}],
+            rotation={"rate": rate, "convective_stiffness": True},
+        )
+        data["loads"] = [{"surface": "part.inner", "pressure": PRESSURE}]
+        result = run_static(read_scene(data))
+        points = result.bodies["part"].surfaces["inner"].gauss_points(3)
+        sizes.append(np.linalg.norm(result.displacements("part.inner", points.at), axis=1))
+        np.testing.assert_allclose(sizes[-1], widened_ring(rate), rtol=2e-5)
+    assert sizes[1].mean() > 1.1 * sizes[0].mean()
+
+
+CASES = [
+    {"convective_stiffness": True},
+    {"convective_stiffness": True, "coriolis": False},
+    {"alpha": 0.4},
+    {"beta": 0.5},
+    {"convective_stiffness": True, "alpha": 0.4, "beta": 0.5},
+    {"convective_stiffness": True, "coriolis": False, "alpha": 0.4, "beta": 0.5},
+]
+"""Fields of rotation, and of damping."""
+
+
+def borne(case):
+    """What inner and outer rim bear: exact, from an equation along the radius.
+
+    With u_x + i u_y = conj(h) + g exp(2 i theta), R of the material multiplies conj(h) by -i and
+    g exp(2 i theta) by i, and d / d theta by 0 and 2 i. With D = h' + g' + 2 g / r and
+    c = 1 + i beta Omega the equilibrium of h and g is
+
+        c (mu (h'' + h' / r) + (lambda + mu) / 2 (D' + D / r)) + rho s h + force = 0
+        c (mu (g'' + g' / r - 4 g / r^2) + (lambda + mu) / 2 (D' - D / r)) + rho t g = 0
+
+    and the mean traction on a rim is the conjugate of c (mu h' + (lambda + mu) / 2 D).
+    """
+    half = (LAMBDA + MU) / 2
+    c = 1 + 1j * case.get("beta", 0.0) * RATE
+    damped = -1j * case.get("alpha", 0.0) * RATE
+    convective = RATE**2 if case.get("convective_stiffness") else 0.0
+    h_turns, g_turns = (0.0, 4.0) if case.get("coriolis", True) else (1.0, 1.0)
+    s, t = damped + h_turns * convective, damped + g_turns * convective
+
+    def derivatives(r, y):
+        h, g, dh, dg = y
+        D = dh + dg + 2 * g / r
+        rest = 2 * dg / r - 2 * g / r**2  # D' without h'' and g''
+        right = np.array(
+            [
+                -MU * dh / r - half * (rest + D / r) - (RHO * s * h + FORCE) / c,
+                -MU * (dg / r - 4 * g / r**2) - half * (rest - D / r) - RHO * t * g / c,
+            ]
+        )
+        return np.vstack([dh, dg, np.linalg.solve([[MU + half, half], [half, MU + half]], right)])
+
+    def ends(a, b):
+        return np.array([a[0], a[1], b[0], b[1]])
+
+    r = np.linspace(INNER, OUTER, 41)
+    found = solve_bvp(derivatives, ends, r, np.zeros((4, len(r)), dtype=complex), tol=1e-9)
+    assert found.success, found.message
+    forces = []
+    for sign, at in ((-1, INNER), (1, OUTER)):
+        _, g, dh, dg = found.sol(at)
+        traction = np.conj(c * (MU * dh + half * (dh + dg + 2 * g / at)))
+        forces.append(sign * 2 * np.pi * at * np.array([traction.real, traction.imag]))
+    return np.array(forces)
+
+
+@pytest.mark.grid
+@pytest.mark.parametrize("case", CASES, ids=" ".join)
+def test_rims_bear_what_the_exact_solution_says(backend, case):
+    """Of the forces of a rotation, too, that held dofs meet: up to a third of all."""
+    damping = {name: case[name] for name in ("alpha", "beta") if name in case}
+    fields = {name: value for name, value in case.items() if name not in damping}
+    data = ring(
+        backend,
+        (INNER, OUTER),
+        [4, 24],
+        supports=[{"surface": "inner"}, {"surface": "outer"}],
+        rotation={"rate": RATE} | fields,
+        **({"damping": damping} if damping else {}),
+    )
+    data["loads"] = [{"body": "part", "body_force": [FORCE, 0.0]}]
+    found = run_static(read_scene(data)).reactions["part"]
+    expected = borne(case)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=2e-4 * np.abs(expected).max())
+
+
+HALF = {"surface": "inner", "components": ["x"]}
+ASIDE = HALF | {"components": ["radial"], "axis": [0.0, 0.0, 1.0], "origin": [0.1, 0.0, 0.0]}
+UNEQUAL = {"surface": "bottom", "stiffness": [0.1, 0.2, 0.0]}
+
+
+@pytest.mark.parametrize(
+    ("section", "value", "named"),
+    [("supports", HALF, "0"), ("supports", ASIDE, "0"), ("springs", UNEQUAL, r"0\.stiffness")],
+)
+def test_damping_that_cannot_rotate_is_refused(section, value, named):
+    """Supports that differ round the axis do not rotate with the body; without damping they may."""
+    scene, change = read_scene(modally_damped_disc("iga")), {f"bodies.disc.{section}": [value]}
+    with pytest.raises(SceneError, match=rf"disc\.{section}\.{named} = .*all round the axis"):
+        scene.change(change)
+    scene.change(change | {"bodies.disc.damping": None})
+    scene.change(change | {"bodies.disc.rotation": None})
