@@ -41,7 +41,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.eigen.blocks import all_inner, combined, times, transposed_times
-from cea.eigen.multipliers import Multipliers, with_circulatory
+from cea.eigen.multipliers import Multipliers, with_unformed
 from cea.eigen.mumps import Mumps, inertia
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, count_below
@@ -120,9 +120,9 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
         parts.append((-end, _skew_row_sums(matrices.gyroscopic)))
     hermitian = _hermitian_part(matrices, growth**2 - end**2, parts)
     destroy(*(matrix for _, matrix in parts))
-    forces = matrices.multipliers
-    if matrices.circulatory is not None:
-        forces = with_circulatory(forces, matrices.circulatory)
+    circulatory = matrices.circulatory
+    unknowns = [] if circulatory is None else circulatory.unknowns()
+    forces = with_unformed(matrices.multipliers, unknowns)
     factors = _definite(hermitian, forces)
     if forces is not None and forces is not matrices.multipliers:
         forces.free()

@@ -128,11 +128,7 @@ class KrylovSpace:
     def _take(self, start: int, stop: int) -> Floats:
         """Columns where they are: they must not be held while more are put behind."""
         self._basis.setActiveColumns(0, self._basis.getSizes()[1])
-        return self._rows(self._basis)[:, start:stop]
-
-    def _rows(self, vectors: Any) -> Floats:
-        """The rows of this rank of a BV, whose array bears the shape of all ranks together."""
-        return np.asarray(vectors.getArray())[: self._op.local]
+        return np.asarray(self._basis.getArray())[: self._op.local, start:stop]
 
     def _put(self, start: int, block: Floats) -> None:
         """Write columns from a place on; behind the last there is room for more."""
@@ -149,7 +145,7 @@ class KrylovSpace:
         """Coefficients of a block on the first vectors, given its image; they are subtracted."""
         self._basis.setActiveColumns(0, stop)
         vectors = self._vectors(block.shape[1])
-        values = self._rows(vectors)
+        values = np.asarray(vectors.getArray())[: self._op.local]
         values[:] = image
         coefficients = vectors.dot(self._basis)
         values[:] = block

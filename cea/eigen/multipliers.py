@@ -8,18 +8,18 @@ with J the closures that forces work on, R what friction adds to their reactions
 to mu and c_c = 1/P. Multipliers carry no mass. Where closures depend on each other, Z tells forces
 from those that only their friction would feel (:mod:`cea.eigen.dependence`); e is then zero.
 
-Circulatory pieces of the stiffness, c L N^-1 J, may follow as unknowns of the same form,
-w = N^-1 J x (:mod:`cea.eigen.unformed`).
+Pieces that are never formed, c L N^-1 J, may follow as unknowns of the same form, w = N^-1 J x
+(:mod:`cea.eigen.unformed`).
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, sqrt
+from math import inf
 from typing import Any
 
 from cea.eigen.coefficients import Coefficient
 from cea.eigen.dependence import Dependence
-from cea.eigen.unformed import CirculatorySum
+from cea.eigen.unformed import Unknowns
 from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total, zeros
 from cea.petsc import Mat, PETSc
 
@@ -130,31 +130,27 @@ class AllForces:
         return Multipliers(closure, reaction, compliance, border, tied)
 
 
-def with_circulatory(contacts: Multipliers | None, circulatory: CirculatorySum) -> Multipliers:
-    """Contact forces and below them, as new matrices, the unknowns of circulatory pieces.
+def with_unformed(contacts: Multipliers | None, unknowns: Sequence[Unknowns]) -> Multipliers | None:
+    """Contact forces and below them, as new matrices, the unknowns of pieces, which are freed.
 
-    L and J of a piece share its factor so that both are of one size.
+    Without pieces they are the contact forces themselves.
     """
-    closures, reactions, compliances, own = [], [], [], []
+    if not unknowns:
+        return contacts
+    closures, reactions, compliances = (list(each) for each in zip(*unknowns, strict=True))
+    made = [*closures, *reactions, *compliances]
+    rows = sum(each.getLocalSize()[0] for each in closures)
+    border = None
     if contacts is not None:
-        closures, reactions = [contacts.closure], [contacts.reaction]
-        compliances = [contacts.compliance]
-    for factor, piece in circulatory.parts:
-        of_right = sqrt(factor * piece.balance)
-        closures.append(scaled_total([(of_right, piece.right)]))
-        reactions.append(piece.left.transpose(PETSc.Mat()))
-        reactions[-1].scale(factor / of_right)
-        compliances.append(piece.middle)
-        own += [closures[-1], reactions[-1]]
+        closures.insert(0, contacts.closure)
+        reactions.insert(0, contacts.reaction)
+        compliances.insert(0, contacts.compliance)
+        if contacts.border is not None:
+            columns: Any = contacts.border.getSizes()[1]
+            below = zeros((rows, PETSc.DETERMINE), columns, contacts.closure.comm)
+            border = one_below_the_other([contacts.border, below])
+            destroy(below)
     closure, reaction = one_below_the_other(closures), one_below_the_other(reactions)
     compliance = block_diagonal(compliances).convert("aij")
-    destroy(*own)
-    border = None
-    if contacts is not None and contacts.border is not None:
-        rows = sum(piece.middle.getLocalSize()[0] for _, piece in circulatory.parts)
-        columns: Any = contacts.border.getSizes()[1]
-        below = zeros((rows, PETSc.DETERMINE), columns, closure.comm)
-        border = one_below_the_other([contacts.border, below])
-        destroy(below)
-    tied = 0 if contacts is None else contacts.tied
-    return Multipliers(closure, reaction, compliance, border, tied)
+    destroy(*made)
+    return Multipliers(closure, reaction, compliance, border, contacts.tied if contacts else 0)

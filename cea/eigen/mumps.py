@@ -82,7 +82,7 @@ class Mumps:
                 break
             destroy(self._pc)
         if self._pc.getFailedReason() != PETSc.PC.FailedReason.NOERROR:
-            self._fail(_MEGABYTE * limit * matrix.comm.getSize())
+            self._fail()
 
     def _limit(self) -> int:
         """Memory (MB) that factors may take on each rank; 0 where there surely is enough.
@@ -99,8 +99,9 @@ class Mumps:
     def _infog(self, number: int) -> int:
         return int(self._pc.getFactorMatrix().getMumpsInfog(number))
 
-    def _fail(self, free: float) -> None:
+    def _fail(self) -> None:
         """Free what there is, and raise what ended the factorisation."""
+        free = self.matrix.comm.getSize() * free_memory(self.matrix.comm.tompi4py())
         rows, code, entries = matrix_size(self.matrix), self._infog(1), self._infog(3)
         memory, with_files = (_MEGABYTE * self._infog(number) for number in (17, 27))
         files = 8.0 * (entries if entries >= 0 else -1e6 * entries)

@@ -12,13 +12,17 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.eigen.blocks import by_parts, times, transposed_times
 from cea.eigen.coefficients import CONSTANT, Dependence
 from cea.eigen.mumps import Mumps
-from cea.matrices import absolute, destroy
-from cea.petsc import Mat
+from cea.matrices import absolute, destroy, distributed, identity, scaled_total
+from cea.petsc import Mat, PETSc
+
+type Unknowns = tuple[Mat, Mat, Mat]
+"""J, L^T and N of a piece L N^-1 J, new matrices: its unknowns are w = N^-1 J x."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,15 @@ class LowRank:
     def sizes(self, x: Floats, comm: Any) -> Floats:
         """abs(W) diag(d) abs(W)^T x: what rounding the entries of W is relative to."""
         return LowRank(np.abs(self.vectors), self.weights, self.first).times(x, comm)
+
+    def unknowns(self, factor: float, comm: Any) -> Unknowns:
+        """Those of a factor times it, a symmetric piece whose vectors are all displacements."""
+        columns: Any = (PETSc.DECIDE, self.vectors.shape[1])
+        root = self.vectors * np.sqrt(factor * self.weights)
+        left = distributed(csr_array(root), columns, comm)
+        right = left.transpose(PETSc.Mat())
+        destroy(left)
+        return right, right.copy(), identity(right.getLocalSize()[0], comm)
 
 
 def low_rank_sum(parts: Sequence[tuple[float, LowRank]], rows: int) -> LowRank | None:
@@ -101,11 +114,13 @@ class Circulatory:
         destroy(left)
         return size
 
-    @cached_property
-    def balance(self) -> float:
-        """Factor on J that makes it as large as L."""
+    def unknowns(self, factor: float) -> Unknowns:
+        """Those of a factor times it: L and J share the factor so that both are of one size."""
         left, right = (float(np.max(matrix.norm())) for matrix in (self.left, self.right))
-        return left / right if left and right else 1.0
+        of_right = np.sqrt(factor * (left / right if left and right else 1.0))
+        reaction = self.left.transpose(PETSc.Mat())
+        reaction.scale(factor / of_right)
+        return scaled_total([(of_right, self.right)]), reaction, self.middle.copy()
 
     @cached_property
     def _factors(self) -> Mumps:
@@ -122,6 +137,10 @@ class CirculatorySum:
         """It, or its transpose, times a block of vectors, the rows of this rank."""
         images = [factor * piece.times(x, transposed=transposed) for factor, piece in self.parts]
         return np.asfortranarray(sum(images[1:], images[0]))
+
+    def unknowns(self) -> list[Unknowns]:
+        """Unknowns of every piece."""
+        return [piece.unknowns(factor) for factor, piece in self.parts]
 
     def sizes(self, x: NDArray[Any]) -> Floats:
         """What the parts of its product with a block come to."""

@@ -3,9 +3,9 @@
     X = S(t0) + s M(t0)
 
 with every parameter at its least value: K(t) is no softer in any direction while friction is left
-aside. The shift s, a hundredth of omega^2 of the window, keeps X definite where bodies float. Bases
-are orthonormal in X for displacements and in C^ for forces. A residual of forces v and gaps q is
-measured by
+aside. The shift s, a hundredth of omega^2 of the window, keeps X definite where bodies float; it is
+larger where the stiffness is not positive. Bases are orthonormal in X for displacements and in C^
+for forces. A residual of forces v and gaps q is measured by
 
     v^T X^-1 v + q^T (c_c C^ + J X^-1 J^T)^-1 q,
 
@@ -33,6 +33,8 @@ from cea.reduced.pieces import Pieces, Product
 _FELT = 1e-10
 """Least compliance of contacts in the norm, relative to that of the bodies: closures that depend on
 each other, or nearly, are told apart by rounding alone."""
+_SHIFTS = 60
+"""Shifts that are tried, each four times the one before."""
 _RESOLVED = 1e-6
 """Part of the largest direction down to which a Gram matrix tells directions apart."""
 _PASSES = 6
@@ -63,30 +65,16 @@ class Norms:
     """Both norms with X and the saddle problem factorised, at some values of all parameters.
 
     ``states`` is that of bases, ``residuals`` that of what residuals cause (:meth:`caused`);
-    ``solve`` gives X^-1 v, the static displacements under forces. Raises InputError when X is not
-    positive definite.
+    ``solve`` gives X^-1 v, the static displacements under forces.
     """
 
     def __init__(
         self, pencil: Pencil, pieces: Pieces, values: Mapping[str, float], max_frequency: float
     ) -> None:
-        self.shift = (SLOW * 2 * np.pi * max_frequency) ** 2
-        parts = []
-        for term in pencil.terms:
-            if term.symmetric and term.role in ("stiffness", "mass"):
-                weight = term.coefficient.at(values) * (self.shift if term.role == "mass" else 1.0)
-                parts.append((weight, term.matrix))
-        matrix = scaled_total([part for part in parts if part[0]])
-        matrix.setOption(matrix.Option.SYMMETRIC, True)
-        self._made: list[Any] = [matrix]
+        matrix, factors, self.shift = _definite(pencil, values, max_frequency)
+        self._made: list[Any] = [matrix, factors]
         own = slice(0, pieces.displacements)
         self._stiffness = pieces.acting(partial(times, matrix), own, own)
-        factors = Mumps(matrix.copy(), symmetric=True, inertia=True)
-        self._made.append(factors)
-        if negative := factors.inertia()[0]:
-            self.free()
-            told = f"{negative} negative eigenvalues of its symmetric part"
-            raise InputError("stiffness", told, "none, for a map, where parameters are least")
         self.solve = pieces.acting(factors.solve_block, own, own)
         self._softness = [
             max(each.inverse_stiffness.at(values), _FELT / each.body_stiffness[0])
@@ -145,6 +133,28 @@ class Norms:
         for each in self._made:
             each.free() if hasattr(each, "free") else destroy(each)
         self._made.clear()
+
+
+def _definite(
+    pencil: Pencil, values: Mapping[str, float], max_frequency: float
+) -> tuple[Any, Mumps, float]:
+    """X with its factors and the shift s, enlarged until X is positive definite."""
+    first = (SLOW * 2 * np.pi * max_frequency) ** 2
+    for shift in (first * 4.0 ** np.arange(_SHIFTS)).tolist():
+        parts = []
+        for term in pencil.terms:
+            if term.symmetric and term.role in ("stiffness", "mass"):
+                weight = term.coefficient.at(values) * (shift if term.role == "mass" else 1.0)
+                parts.append((weight, term.matrix))
+        matrix = scaled_total([part for part in parts if part[0]])
+        matrix.setOption(matrix.Option.SYMMETRIC, True)
+        factors = Mumps(matrix.copy(), symmetric=True, inertia=True)
+        negative = factors.inertia()[0]
+        if not negative:
+            return matrix, factors, shift
+        factors.free()
+        destroy(matrix)
+    raise InputError("mass", f"{negative} negative eigenvalues", "none")
 
 
 class Span:

@@ -28,8 +28,9 @@ c by c sqrt(k) |y|^T E |x| (componentwise backward error; N. J. Higham,
 T. Mary, SIAM J. Sci. Comput. 41 (2019)).
 """
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,14 @@ class Term:
     left: Floats
     lost: float
     rounding: Floats
+
+    @classmethod
+    def summed(cls, parts: Sequence[tuple[float, "Term"]]) -> "Term":
+        """The sum of terms of one power with coefficients."""
+        first = parts[0][1]
+        arrays = [sum(c * getattr(t, n) for c, t in parts) for n in ("square", "right", "left")]
+        errors = [sum(abs(c) * getattr(t, n) for c, t in parts) for n in ("lost", "rounding")]
+        return cls(first.factor, first.power, *arrays, *errors)
 
 
 @dataclass(frozen=True)
@@ -129,26 +138,16 @@ class Polynomial:
         """Bounds of eigenpairs, with the factor g of each, shape (n,)."""
         values, overlaps = pairs.values, self._overlaps(pairs)
         slopes = 1 / np.maximum(np.abs(overlaps), _TINY)
-        r, s = self._residuals(
-            pairs.right, pairs.left, lambda image: image * values, lambda y: y * values.conj()
-        )
-        sizes = [
-            np.linalg.norm(defect, axis=0)
-            + self._lost(np.abs(values)) * np.linalg.norm(vectors, axis=0)
-            for defect, vectors in ((r, pairs.right), (s, pairs.left))
-        ]
-        reduction = slopes * outside * sizes[0] * sizes[1]
-        y, x = np.abs(pairs.left), np.abs(pairs.right)
-        errors = reduction.copy()
-        for each in self.terms:
-            works = np.einsum("ij,ij->j", y, each.rounding @ x)
-            errors += slopes * np.sqrt(len(y)) * np.abs(values) ** each.power * works
+        residuals, rounding = self._defects(pairs.right, pairs.left, values)
+        reduction = slopes * outside * residuals
+        errors = reduction + slopes * rounding
         means, clusters = errors.copy(), np.arange(len(values))
         near = np.abs(values[:, None] - values) <= _TOUCH * np.minimum(errors[:, None], errors)
         for number, members in enumerate(connected(near)):
             clusters[members] = number
             if len(members) > 1:
-                own, doubt, spread = self._together(pairs[members], float(outside[members].max()))
+                residual, doubt, spread = self._together(pairs[members])
+                own = float(outside[members].max()) * residual
                 e, p = own + doubt, len(members)
                 reduction[members], means[members] = own, e
                 errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
@@ -166,31 +165,31 @@ class Polynomial:
                 total += speeds * np.einsum("ij,ij->j", pairs.left.conj(), projected)
         return total
 
-    def _residuals(
-        self,
-        x: Complexes,
-        y: Complexes,
-        times: Callable[[Complexes], Complexes],
-        back: Callable[[Complexes], Complexes],
-    ) -> list[Complexes]:
-        """Coordinates of the residuals of right and left vectors, which z multiplies."""
-        found = []
-        for side, vectors, z in (("right", x, times), ("left", y, back)):
-            parts = []
+    def _defects(self, x: Complexes, y: Complexes, z: Complexes) -> tuple[Any, Any]:
+        """Products of the norms of residuals of right and left vectors, and rounding.
+
+        Of each vector, or of all together where z is a block that multiplies them.
+        """
+        single = z.ndim == 1
+        norm = partial(np.linalg.norm, axis=0) if single else partial(np.linalg.norm, ord=2)
+        size = np.abs(z) if single else norm(z)
+        lost = sum(each.lost * size**each.power for each in self.terms)
+        residuals: Any = 1.0
+        entries: Any = 0.0
+        for side, vectors, block in (("right", x, z), ("left", y, z.conj().T)):
+            defect: Any = 0.0
             for each in self.terms:
-                image = real_times(getattr(each, side), vectors)
-                for _ in range(each.power):
-                    image = z(image)
-                parts.append(each.factor * image)
-            found.append(np.sum(parts, axis=0))
-        return found
+                image = each.factor * real_times(getattr(each, side), vectors)
+                power = block**each.power if single else np.linalg.matrix_power(block, each.power)
+                defect = defect + (image * power if single else image @ power)
+            residuals = residuals * (norm(defect) + lost * norm(vectors))
+        for each in self.terms:
+            moved = size**each.power * (each.rounding @ np.abs(x))
+            entries = entries + ((np.abs(y) * moved).sum(axis=0) if single else np.abs(y).T @ moved)
+        return residuals, np.sqrt(len(y)) * (entries if single else norm(entries))
 
-    def _lost(self, size: Any) -> Any:
-        """Norm of what coordinates of residuals leave out at |z|."""
-        return sum(each.lost * size**each.power for each in self.terms)
-
-    def _together(self, pairs: Pairs, outside: float) -> tuple[float, float, float]:
-        """Error of the block of a cluster, rounding of it, distance from a multiple of one."""
+    def _together(self, pairs: Pairs) -> tuple[float, float, float]:
+        """Residuals and rounding of the block of a cluster, distance from a multiple of one."""
         q, q_sizes, q_axes = np.linalg.svd(pairs.states, full_matrices=False)
         d, d_sizes, d_axes = np.linalg.svd(pairs.duals, full_matrices=False)
         x, y = pairs.right @ q_axes.conj().T / q_sizes, pairs.left @ d_axes.conj().T / d_sizes
@@ -200,17 +199,6 @@ class Polynomial:
             block = np.linalg.inv(inverse) + pairs.shift * np.eye(len(inverse))
         except np.linalg.LinAlgError:
             return np.inf, np.inf, np.inf
-        y = y @ turned
-        r, s = self._residuals(x, y, lambda v: v @ block, lambda v: v @ block.conj().T)
-        size = float(np.linalg.norm(block, 2))
-        lengths = [
-            float(np.linalg.norm(defect, 2) + self._lost(size) * np.linalg.norm(vectors, 2))
-            for defect, vectors in ((r, x), (s, y))
-        ]
-        mean = np.trace(block) / len(block)
-        spread = float(np.linalg.norm(block - mean * np.eye(len(block)), 2))
-        entries = sum(
-            size**each.power * (np.abs(y).T @ each.rounding @ np.abs(x)) for each in self.terms
-        )
-        doubt = float(np.sqrt(len(y)) * np.linalg.norm(entries, 2))
-        return outside * lengths[0] * lengths[1], doubt, spread
+        spread = np.linalg.norm(block - np.trace(block) / len(block) * np.eye(len(block)), 2)
+        residuals, rounding = self._defects(x, y @ turned, block)
+        return float(residuals), float(rounding), float(spread)

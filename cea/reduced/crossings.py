@@ -1,8 +1,8 @@
 """Where a mode or a pair begins or ceases to grow between three samples.
 
-A function is positive where modes grow: -kappa of an undamped mode, -s of an undamped pair, growth
-above a level otherwise (:mod:`cea.reduced.following`). Its roots are found on its interpolant, and
-then by Newton's method on the pencil itself.
+What passes zero is positive where modes grow: -kappa of an undamped mode, -s of an undamped pair,
+growth above a level otherwise (:mod:`cea.reduced.following`). Its roots are found on the
+interpolant, and then by Newton's method on the pencil itself.
 """
 
 from collections.abc import Callable, Iterator
@@ -40,7 +40,7 @@ _TINY = float(np.finfo(float).tiny)
 Function = Callable[[Any], Any]
 """Of one place or of several."""
 Quantity = Literal["growth", "coalescence", "zero", "end"]
-"""What passes zero: growth above the level, s of a pair, kappa, frequency less the window's end."""
+"""What passes zero (:func:`passing`)."""
 _KINDS: dict[Quantity, tuple[str, int]] = {
     "growth": ("flutter", 2),
     "coalescence": ("flutter", 2),
@@ -54,12 +54,11 @@ _KINDS: dict[Quantity, tuple[str, int]] = {
 class Threshold:
     """A value at which the number of growing modes changes, with a bound on its error.
 
-    lambda there (1/s), Im lambda >= 0. The derivative of what passes zero: growth rate (1/s), s of
-    an undamped pair (1/s^4), kappa of an undamped mode (1/s^2), frequency (rad/s) at the window's
-    end; zero where only the numbers of growing modes on both sides are known. The change of the
-    number of growing eigenvalues of the window, of both half planes, as the parameter rises. The
-    kind is "flutter", "divergence", "window" where a growing mode passes the window's end, or
-    "count" where only the numbers on both sides are known.
+    lambda there (1/s), Im lambda >= 0. The derivative of what passes zero (:func:`passing`); zero
+    where only the numbers of growing modes on both sides are known. The change of the number of
+    growing eigenvalues of the window, of both half planes, as the parameter rises. The kind is
+    "flutter", "divergence", "window" where a growing mode passes the window's end, or "count" where
+    only the numbers on both sides are known.
     """
 
     value: float
@@ -68,6 +67,28 @@ class Threshold:
     slope: float
     change: int
     kind: str
+
+
+def passing(window: Window, of: Quantity, z: Any) -> Any:
+    """What passes zero, positive where modes grow in the window, shape (modes, ...).
+
+    Growth rate above the level (1/s); -s of two modes that coalesce without damping (1/s^4);
+    -kappa of one (1/s^2); the window's end less the frequency (rad/s).
+    """
+    if of == "coalescence":
+        return -(((z[:1] - z[1:]) / 2) ** 2).real
+    if of == "zero":
+        return -z.real
+    return window.growth(z) if of == "growth" else window.end - window.roots(z).imag
+
+
+def growing_root(window: Window, of: Quantity, z: Complexes) -> complex:
+    """The lambda of a mode that grows, or of both of a pair, where it passes zero."""
+    if of == "zero":
+        return 0j
+    mean = z.mean().real if of == "coalescence" else z[0]
+    root = complex(window.roots(np.array([mean]))[0])
+    return root if window.damped else complex(abs(root.real), root.imag)
 
 
 @dataclass(frozen=True)
@@ -84,15 +105,25 @@ class Crossings:
 
         Raises UnresolvedError when a sign is not sure, or Newton's method leaves the interpolant.
         """
-        roots = self.window.roots(self.unit.members(self._grid))
-        if (roots.imag < -REAL * self.window.end).all():  # conjugates of others
+        window, unit = self.window, self.unit
+        roots = window.roots(unit.members(self._grid))
+        if (roots.imag < -REAL * window.end).all():  # conjugates of others
             return
-        speed = max(float(np.abs(roots).min()), SLOW * self.window.end)
-        if self.window.by_growth:
-            yield from self._by_growth(_NEGLIGIBLE * speed)
+        members, speed = len(roots), max(float(np.abs(roots).min()), SLOW * window.end)
+        negligible = _NEGLIGIBLE * speed
+        if window.by_growth:  # the least and the largest of a pair
+            for branch in range(members):
+                yield from self._crossed("growth", branch, unit.doubts, negligible)
+        elif unit.half is None:
+            yield from self._crossed("zero", 0, unit.errors, 2 * negligible * speed)
         else:
-            yield from self._undamped(2 * _NEGLIGIBLE * speed**2)
-        yield from self._through_the_end(len(roots))
+            least = (2 * negligible * speed) ** 2
+            yield from self._crossed("coalescence", 0, unit.half.error, least)
+            for branch in range(members):
+                yield from self._crossed("zero", branch, unit.errors)
+        conjugates = not window.damped and unit.half is not None
+        for branch in range(1 if conjugates else members):
+            yield from self._crossed("end", branch, unit.doubts)
 
     @property
     def _grid(self) -> Floats:
@@ -102,85 +133,46 @@ class Crossings:
     def _width(self) -> float:
         return self.places[2] - self.places[0]
 
-    def _by_growth(self, negligible: float) -> Iterator[Threshold]:
-        """Growth rates through the level: of a pair the larger and the smaller one."""
-        end = self.window.end
-        for number in range(2 if self.unit.half is not None else 1):
+    def _crossed(
+        self, of: Quantity, branch: int, error: Function, negligible: float | None = None
+    ) -> Iterator[Threshold]:
+        """Thresholds of a quantity; all its signs are to be sure where an error is negligible."""
 
-            def growth(at: Floats, number: int = number) -> Floats:
-                rates = self.window.growth(self.unit.members(at))
-                chosen: Floats = rates.min(axis=0) if number else rates.max(axis=0)
-                return chosen
+        def value(at: Any) -> Any:
+            values = passing(self.window, of, self.unit.members(at))
+            return np.sort(values, axis=0)[branch] if of == "growth" else values[branch]
 
-            for place, sign in self._roots(growth, self.unit.doubts, negligible):
-                z = self.unit.members(place)
-                mode = int(np.argmin(np.abs(self.window.growth(z))))
-                root = complex(self.window.roots(z)[mode])
-                real = abs(root.imag) <= REAL * end
-                mirrored = len(z) == 2 and abs(z[0] - z[1].conj()) <= REAL * abs(z[0]) and not real
-                if (mirrored and number) or not -REAL * end <= root.imag <= end:
-                    continue
-                yield self._threshold(place, sign, "growth", growth, self.unit.doubts)
+        if negligible is None:
+            found = _signs(value, self._grid)
+        else:
+            found = self._sure_roots(value, error, negligible)
+        for place, sign in found:
+            if self._counts(of, branch, place):
+                h = 1e-4 * self._width
+                rate = max(abs(value(place + h) - value(place - h)) / (2 * h), _TINY)
+                off = 2 * float(error(place)) / rate + REAL * self._width
+                yield self._threshold(of, branch, place, sign, off)
 
-    def _undamped(self, negligible: float) -> Iterator[Threshold]:
-        """Zeros of kappa, and of s where kappa is positive."""
-        mean, half = self.unit.mean, self.unit.half
-        if half is None:
-
-            def single(at: Floats) -> Floats:
-                return -mean(at).real
-
-            for place, sign in self._roots(single, mean.error, negligible):
-                yield self._threshold(place, sign, "zero", single, mean.error)
-            return
-
-        def apart(at: Floats) -> Floats:
-            return -half(at).real
-
-        for place, sign in self._roots(apart, half.error, negligible**2):
-            if 0 < mean(place).real <= self.window.end**2:
-                yield self._threshold(place, sign, "coalescence", apart, half.error)
-        for branch in (1.0, -1.0):
-
-            def through(at: Floats, branch: float = branch) -> Floats:
-                return -(mean(at).real + branch * np.sqrt(np.maximum(half(at).real, 0.0)))
-
-            def error(at: Floats) -> Floats:
-                return mean.error(at) + half.error(at) / (2 * np.sqrt(np.abs(half(at)) + _TINY))
-
-            for place, sign in _signs(through, self._grid):
-                if half(place).real > half.error(place):
-                    yield self._threshold(place, sign, "zero", through, error)
-
-    def _through_the_end(self, members: int) -> Iterator[Threshold]:
-        """Growing modes through the window's end."""
-        conjugate = not self.window.damped and self.unit.half is not None
-        for branch in range(1 if conjugate else members):
-
-            def within(at: Floats, branch: int = branch) -> Floats:
-                return self.window.end - self.window.roots(self.unit.members(at))[branch].imag
-
-            for place, sign in _signs(within, self._grid):
-                if self._grows(place, branch):
-                    yield self._threshold(place, sign, "end", within, None, branch)
-
-    def _grows(self, at: float, branch: int) -> bool:
-        half = self.unit.half
-        if self.window.by_growth:
-            growth = self.window.growth(self.unit.members(at))[branch]
-            return bool(growth > self.unit.doubts(at))
-        return half is not None and bool(half(at).real < -half.error(at))
+    def _counts(self, of: Quantity, branch: int, place: float) -> bool:
+        """Whether a root changes the number of growing modes of the window."""
+        window, unit = self.window, self.unit
+        z = unit.members(place)
+        if of == "coalescence":
+            return bool(0 < unit.mean(place).real <= window.end**2)
+        if of == "zero":
+            return unit.half is None or bool(unit.half(place).real > unit.half.error(place))
+        if of == "end":
+            return bool(window.growth(z)[branch] > unit.doubts(place))
+        root = window.roots(z)[np.argmin(np.abs(window.growth(z)))]
+        oscillates = abs(root.imag) > REAL * window.end
+        mirrored = len(z) == 2 and abs(z[0] - z[1].conj()) <= REAL * abs(z[0])
+        seen_twice = mirrored and oscillates and branch == 0
+        return not seen_twice and bool(-REAL * window.end <= root.imag <= window.end)
 
     def _threshold(
-        self,
-        start: float,
-        sign: int,
-        of: Quantity,
-        function: Function,
-        error: Function | None,
-        branch: int = 0,
+        self, of: Quantity, branch: int, start: float, sign: int, off: float
     ) -> Threshold:
-        """A root of an interpolant, improved on the pencil itself and not far from it there."""
+        """A root of an interpolant, improved on the pencil itself, at most so far off there."""
         (low, _, high), stray, place = self.places, _STRAY * self._width, start
         for _ in range(_STEPS):
             sample, foreseen = self.at(place), self.unit.members(place)
@@ -188,62 +180,52 @@ class Crossings:
             if len(rows) < len(foreseen):
                 raise UnresolvedError(place)
             modes = sample[rows[np.argsort(columns)]]
-            value, slope, doubt, root = self._followed(modes, of, foreseen[branch])
+            if of != "coalescence":
+                near = passing(self.window, of, modes.z)
+                if of == "end":
+                    near = self.window.roots(modes.z) - self.window.roots(foreseen)[branch]
+                modes = modes[np.argsort(np.abs(near))[:1]]
+            value, slope, doubt = self._followed(of, modes)
             if not (np.isfinite(slope) and slope != 0):
                 raise UnresolvedError(place)
-            step, off = -value / slope, (abs(value) + doubt) / abs(slope)
+            step, error = -value / slope, (abs(value) + doubt) / abs(slope)
             if abs(value) <= doubt or abs(step) <= _CONVERGED * max(abs(place), self._width):
                 break
             if not low - stray <= place + step <= high + stray:
                 raise UnresolvedError(place)
             place += step
         else:
-            if off > _SURELY * self._width:
+            if error > _SURELY * self._width:
                 raise UnresolvedError(place)
-        if error is not None:
-            h = 1e-4 * self._width
-            rate = max(abs(function(start + h) - function(start - h)) / (2 * h), _TINY)
-            if abs(place - start) > 2 * error(start) / rate + REAL * self._width:
-                raise UnresolvedError(start)
-        kind, change = _KINDS[of]
-        if of == "growth" and abs(root.imag) <= REAL * self.window.end:
-            kind, change = _KINDS["zero"]
+        if abs(place - start) > off:
+            raise UnresolvedError(start)
+        root = growing_root(self.window, of, modes.z)
+        real = of == "growth" and abs(root.imag) <= REAL * self.window.end
+        kind, change = _KINDS["zero" if real else of]
         return Threshold(
             value=float(place),
-            error=float(off),
+            error=float(error),
             eigenvalue=complex(root.real, abs(root.imag)),
             slope=float(slope),
             change=sign * change * self.unit.copies,
             kind=kind,
         )
 
-    def _followed(
-        self, modes: Sample, of: Quantity, foreseen: complex
-    ) -> tuple[float, float, float, complex]:
-        """What has a root, its slope and its error at the modes of the unit, and lambda."""
-        window, z = self.window, modes.z
+    def _followed(self, of: Quantity, modes: Sample) -> tuple[float, float, float]:
+        """What passes zero of a mode or of a pair, its slope and its error."""
+        window, z, error = self.window, modes.z, modes.errors.max()
+        value, slope = passing(window, of, z)[0], -modes.slopes[0]
         if of == "coalescence":
-            value, root = passing(window, of, z)
             half, together = (z[0] - z[1]) / 2, modes.clusters[0] == modes.clusters[1]
-            slope = (half * (modes.slopes[0] - modes.slopes[1])).real
-            doubt = error_of_half(abs(half), modes.errors.max(), together=together)
-            return value, float(slope), float(doubt), root
-        if of == "end":
-            chosen = np.abs(window.roots(z) - window.roots(np.array([foreseen])))
-        else:
-            chosen = np.abs(z) if of == "zero" else np.abs(window.growth(z))
-        mode = modes[np.argsort(chosen)[:1]]
-        value, root = passing(window, of, mode.z)
-        if of == "zero":
-            return value, float(mode.slopes[0].real), float(mode.errors[0]), root
-        doubt = float(window.doubts(mode.z, mode.errors)[0])
-        upper = complex(window.roots(mode.z)[0])
-        speed = complex(mode.slopes[0] if window.damped else -mode.slopes[0] / (2 * upper))
-        if of == "end":
-            return value, speed.imag, doubt, root
-        return value, speed.real if root == upper else -speed.real, doubt, root
+            slope = half * (modes.slopes[1] - modes.slopes[0])
+            error = error_of_half(abs(half), error, together=together)
+        elif of != "zero":
+            error, speed = window.doubts(z, modes.errors)[0], window.root_slopes(z, modes.slopes)[0]
+            grows = window.damped or window.roots(z)[0].real >= 0
+            slope = (speed if grows else -speed) if of == "growth" else 1j * speed
+        return float(value), float(slope.real), float(error)
 
-    def _roots(
+    def _sure_roots(
         self, function: Function, error: Function, negligible: float
     ) -> Iterator[tuple[float, int]]:
         """Roots of an interpolant with the sign after each; UnresolvedError where a sign is unsure.
@@ -254,28 +236,28 @@ class Crossings:
         values, errors = function(grid), error(grid)
         own = _ROUNDING * float(error(np.array(self.places)).max())
         noise = min(own, negligible)
-        told = own if noise < errors.max() <= own else 0.0
+        told = bool(noise < errors.max() <= own)
         signs = np.where(values > errors, 1, np.where(values < -errors, -1, 0))
         sure = np.flatnonzero(signs)
         if not len(sure):
             if np.abs(values).max() > noise:
-                raise UnresolvedError(None, told)
+                raise UnresolvedError(by_bounds=told)
             return  # zero within rounding throughout
         for unsure in (grid[: sure[0]], grid[sure[-1] + 1 :]):
             if len(unsure) and error(unsure).max() > noise:
-                raise UnresolvedError(float(unsure[len(unsure) // 2]), told)
+                raise UnresolvedError(float(unsure[len(unsure) // 2]), by_bounds=told)
         for i, j in pairwise(sure):
-            by_bounds = told if j - i > GRID // 2 else 0.0
+            by_bounds = told and bool(j - i > GRID // 2)
             if signs[i] != signs[j]:
                 rises = (np.diff(values[i : j + 1]) * signs[j] > 0).all()
                 if j > i + 1 and not rises and errors[i : j + 1].max() > noise:
-                    raise UnresolvedError(float(grid[(i + j) // 2]), by_bounds)
+                    raise UnresolvedError(float(grid[(i + j) // 2]), by_bounds=by_bounds)
                 yield _root(function, grid[i], grid[j]), int(signs[j])
                 continue
             nearest = min(values[i] * signs[i], values[j] * signs[i])
             if j == i + 1 and nearest > 2 * abs(values[j] - values[i]) + errors[i] + errors[j]:
                 continue
-            self._check_apart(grid[i + 1 : j], noise, by_bounds)
+            self._check_apart(grid[i + 1 : j], noise, by_bounds=by_bounds)
             sign, bounds = int(signs[i]), (grid[i], grid[j])
             options = {"xatol": 1e-12 * (grid[j] - grid[i])}
             approach = minimize_scalar(
@@ -289,16 +271,16 @@ class Crossings:
             elif least <= doubt:
                 aside = min(abs(place - each) for each in self.places) > _NEAR * width
                 if doubt > noise or aside:
-                    raise UnresolvedError(place, by_bounds)
+                    raise UnresolvedError(place, by_bounds=by_bounds)
 
-    def _check_apart(self, places: Floats, noise: float, by_bounds: float) -> None:
+    def _check_apart(self, places: Floats, noise: float, *, by_bounds: bool) -> None:
         """Refuse places at which a damped pair may coalesce: its growth is flat up to there."""
         half = self.unit.half
         if half is None or not self.window.by_growth or not len(places):
             return
         open_ = (np.abs(half(places)) <= half.error(places)) & (self.unit.doubts(places) > noise)
         if open_.any():
-            raise UnresolvedError(float(places[open_][0]), by_bounds)
+            raise UnresolvedError(float(places[open_][0]), by_bounds=by_bounds)
 
 
 def _signs(function: Function, grid: Floats) -> Iterator[tuple[float, int]]:
@@ -312,16 +294,3 @@ def _root(function: Function, low: float, high: float) -> float:
     if function(low) * function(high) >= 0:
         return (low + high) / 2
     return float(brentq(function, low, high, xtol=1e-15 * max(abs(low), abs(high)) + _TINY))
-
-
-def passing(window: Window, of: Quantity, z: Complexes) -> tuple[float, complex]:
-    """What passes zero of a mode, or of both of a pair, and lambda: that which grows."""
-    if of == "coalescence":
-        square = ((z[0] - z[1]) / 2) ** 2
-        return float(square.real), complex(window.roots(np.array([z.mean().real + 0j]))[0])
-    if of == "zero":
-        return float(z[0].real), 0j
-    root = complex(window.roots(z)[0])
-    if not window.damped and root.real < 0:
-        root = -root.conjugate()
-    return (root.real - window.level if of == "growth" else root.imag - window.end), root

@@ -11,7 +11,7 @@ described by m and s, each a cubic Hermite interpolant through values and slopes
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -44,23 +44,22 @@ _TINY = float(np.finfo(float).tiny)
 class UnresolvedError(Exception):
     """What three samples do not tell.
 
-    ``at`` is where another sample would help, None where nothing points to a place; ``noise`` the
-    error of the samples themselves where that leaves a sign open: further samples help where theirs
-    is less.
+    ``at`` is where another sample would help, None where nothing points to a place; ``by_bounds``
+    whether errors of the samples themselves leave a sign open: others help where theirs are less.
     """
 
-    def __init__(self, at: float | None = None, noise: float = 0.0) -> None:
+    def __init__(self, at: float | None = None, *, by_bounds: bool = False) -> None:
         super().__init__()
-        self.at, self.noise = at, noise
+        self.at, self.by_bounds = at, by_bounds
 
 
 @dataclass(frozen=True)
 class Sample:
-    """The spectrum at a value: with damping lambda of both half planes, without it kappa.
+    """The spectrum at a value: with damping lambda of the upper half plane, without it kappa.
 
     z and derivatives; bounds on the errors of z, and of the mean of the cluster of each, by the
     numbers of these, shape (n,); right eigenvectors of unit length in one basis for all values,
-    shape (k, n).
+    shape (k, n). Of several values all have one more axis, the first.
     """
 
     value: float
@@ -71,19 +70,25 @@ class Sample:
     clusters: Ints
     vectors: Complexes
 
-    def __getitem__(self, modes: Ints) -> "Sample":
-        names = ("z", "slopes", "errors", "means", "clusters", "vectors")
-        return Sample(self.value, *(getattr(self, name)[..., modes] for name in names))
+    def __getitem__(self, modes: NDArray[Any]) -> "Sample":
+        return Sample(self.value, *(each[..., modes] for each in self._arrays))
+
+    @property
+    def _arrays(self) -> tuple[NDArray[Any], ...]:
+        return self.z, self.slopes, self.errors, self.means, self.clusters, self.vectors
 
     def with_mirror_image(self) -> "Sample":
         """It with the conjugates of lambda below the real axis."""
-        modes = np.arange(len(self.z))
-        above = modes[self.z.imag > 0]
-        both = self[np.concatenate([modes, above])]
-        for each in (both.z, both.slopes, both.vectors):
-            each.imag[..., len(modes) :] *= -1
-        both.clusters[len(modes) :] += 1 + self.clusters.max(initial=0)
-        return both
+        above = self[self.z.imag > 0]
+        below = replace(above, clusters=above.clusters + 1 + self.clusters.max(initial=0))
+        both = zip(self._arrays, below._arrays, strict=True)
+        return Sample(self.value, *(np.concatenate([a, b.conj()], axis=-1) for a, b in both))
+
+    @classmethod
+    def stacked(cls, samples: Sequence["Sample"]) -> "Sample":
+        """Several samples of the same modes."""
+        arrays = zip(*(each._arrays for each in samples), strict=True)
+        return cls(np.nan, *(np.stack(each) for each in arrays))
 
 
 class Hermite:
@@ -136,50 +141,49 @@ class Unit:
         root = np.sqrt(np.asarray(self.half(at), complex))
         return np.stack([mean + root, mean - root])
 
+    def errors(self, at: Any) -> Any:
+        """Bounds on the errors of z of its modes."""
+        error = self.mean.error(at)
+        if self.half is None:
+            return error
+        root, own = np.sqrt(np.abs(self.half(at))), self.half.error(at)
+        return error + np.minimum(np.sqrt(own), own / np.maximum(2 * root, _TINY))
+
     def doubts(self, at: Any) -> Any:
         """Bounds on the errors of lambda of its modes (1/s)."""
-        error = self.mean.error(at)
-        if self.half is not None:
-            root, own = np.sqrt(np.abs(self.half(at))), self.half.error(at)
-            error = error + np.minimum(np.sqrt(own), own / np.maximum(2 * root, _TINY))
         least = np.abs(self.members(at)).min(axis=0).astype(complex)
-        return self.window.doubts(least, error)
+        return self.window.doubts(least, self.errors(at))
 
 
 def units_of(window: Window, samples: Sequence[Sample]) -> list[Unit]:
     """Modes and pairs between three samples at rising values; UnresolvedError if not told apart."""
-    samples = _chained(window, samples)
-    if not len(samples[0].z):
-        return []
-    samples, copies = _without_copies(samples)
-    z = np.array([each.z for each in samples])
-    partner = _partners(window, samples)
-    units = []
-    for one, other in enumerate(partner):
-        members = np.array([one] if other < 0 else sorted({one, int(other)}))
-        if members[0] != one or window.far(z[:, members], _FAR).all():
+    places = np.array([each.value for each in samples])
+    chains, units = _chained(window, samples), list[Unit]()
+    if not chains.z.size:
+        return units
+    chains, copies = _without_copies(chains)
+    for one, other in enumerate(_partners(window, places, chains)):
+        members = np.array([one] if other < 0 else [one, other])
+        if 0 <= other < one or window.far(chains.z[:, members], _FAR).all():
             continue
-        own = [each[members] for each in samples]
-        unit = _unit(window, own, int(copies[members].min()))
-        others = np.delete(z[1], members)
-        gap = np.abs(others[:, None] - z[1, members]).min(initial=np.inf)
+        unit = _unit(window, places, chains[members], int(copies[members].min()))
+        others = np.delete(chains.z[1], members)
+        gap = np.abs(others[:, None] - chains.z[1, members]).min(initial=np.inf)
         if not unit.mean.misfit <= _APART * gap:
             raise UnresolvedError
         units.append(unit)
     return units
 
 
-def _chained(window: Window, samples: Sequence[Sample]) -> list[Sample]:
-    """The samples with modes that continue each other at the same places."""
-    first, last = _matched(*samples[:2]), _matched(*samples[1:])
-    following = dict(last.tolist())
-    rows = [(i, j, following[j]) for i, j in first.tolist() if j in following]
+def _chained(window: Window, samples: Sequence[Sample]) -> Sample:
+    """All samples of the modes that continue each other."""
+    first, last = _matched(*samples[:2]), dict(_matched(*samples[1:]).tolist())
+    rows = [(i, j, last[j]) for i, j in first.tolist() if j in last]
     chains = np.array(rows, dtype=np.int64).reshape(-1, 3).T
     for sample, chain in zip(samples, chains, strict=True):
-        alone = np.setdiff1d(np.arange(len(sample.z)), chain)
-        if not window.far(sample.z[alone], BEYOND).all():
+        if not window.far(np.delete(sample.z, chain), BEYOND).all():
             raise UnresolvedError
-    return [sample[chain] for sample, chain in zip(samples, chains, strict=True)]
+    return Sample.stacked([sample[chain] for sample, chain in zip(samples, chains, strict=True)])
 
 
 def _matched(one: Sample, other: Sample) -> Ints:
@@ -194,24 +198,22 @@ def _matched(one: Sample, other: Sample) -> Ints:
     return np.stack(assign(misfit + 1 - likeness), axis=1)
 
 
-def _without_copies(samples: Sequence[Sample]) -> tuple[list[Sample], Ints]:
+def _without_copies(chains: Sample) -> tuple[Sample, Ints]:
     """Modes that stay together at all samples once, and how many each stands for."""
-    z = np.stack([each.z for each in samples], axis=1)
-    near = np.abs(z[:, None] - z[None]) <= _COPIES * np.abs(z)[:, None]
+    z = chains.z.T
+    near = np.abs(z[:, None] - z) <= _COPIES * np.abs(z)[:, None]
     kept, copies = np.unique(near.all(axis=2).argmax(axis=1), return_counts=True)
-    return [each[kept] for each in samples], copies
+    return chains[kept], copies
 
 
-def _partners(window: Window, samples: Sequence[Sample]) -> Ints:
+def _partners(window: Window, places: Floats, chains: Sample) -> list[int]:
     """The partner of each mode, -1 of single ones; UnresolvedError when one has two."""
-    places = np.array([each.value for each in samples])
-    z, slopes = (np.array([getattr(each, name) for each in samples]) for name in ("z", "slopes"))
+    z, slopes = chains.z, chains.slopes
     half = (z[:, :, None] - z[:, None]) / 2
     with np.errstate(invalid="ignore"):
         slope = half * (slopes[:, :, None] - slopes[:, None])
     slope[~np.isfinite(slope)] = 0.0  # of modes that have no interpolant
-    square = CubicHermiteSpline(places, half**2, slope)
-    distances = np.abs(square(grid_of(places)))
+    distances = np.abs(CubicHermiteSpline(places, half**2, slope)(grid_of(places)))
     near = distances.min(axis=0) <= _PARTNERS**2 * distances.max(axis=0)
     if not window.damped:
         mirrored = np.abs(z[:, :, None] - z[:, None].conj()) <= _CONJUGATES * np.abs(z)[:, :, None]
@@ -221,30 +223,27 @@ def _partners(window: Window, samples: Sequence[Sample]) -> Ints:
     near &= ~(far[:, None] & far)
     if (near.sum(axis=1) > 1).any():
         raise UnresolvedError
-    return np.where(near.any(axis=1), near.argmax(axis=1), -1)
+    return [int(each.argmax()) if each.any() else -1 for each in near]
 
 
-def _unit(window: Window, samples: Sequence[Sample], copies: int) -> Unit:
+def _unit(window: Window, places: Floats, own: Sample, copies: int) -> Unit:
     """A mode or a pair of samples that hold nothing else."""
-    places = np.array([each.value for each in samples])
-    z, slopes = (np.array([getattr(each, name) for each in samples]) for name in ("z", "slopes"))
-    errors = np.array([each.errors for each in samples])
+    z: NDArray[Any] = own.z
+    slopes: NDArray[Any] = own.slopes
+    error = own.errors.max(axis=1)
     if z.shape[1] == 1:
         if not window.damped and not z.imag.any():
             z, slopes = z.real, slopes.real
-        mean = Hermite(places, z[:, 0], slopes[:, 0], float(errors.max()))
-        return Unit(window, mean, None, copies)
-    half, error = (z[:, 0] - z[:, 1]) / 2, errors.max(axis=1)
+        return Unit(window, Hermite(places, z[:, 0], slopes[:, 0], error.max()), None, copies)
+    half = (z[:, 0] - z[:, 1]) / 2
     with np.errstate(invalid="ignore"):
-        told = [z.mean(axis=1), slopes.mean(axis=1), half**2, half * (slopes[:, 0] - slopes[:, 1])]
-    if not window.damped:
-        told = [each.real for each in told]
-    together = np.array([each.clusters[0] == each.clusters[1] for each in samples])
-    means = np.array([each.means.max() for each in samples])
-    of_mean = np.where(together, means, _ROUNDING * np.abs(z).max(axis=1)).max()
-    of_half = error_of_half(np.abs(half), error, together=together).max()
-    mean = Hermite(places, told[0], told[1], float(of_mean))
-    return Unit(window, mean, Hermite(places, told[2], told[3], float(of_half)), copies)
+        told = z.mean(axis=1), slopes.mean(axis=1), half**2, half * (slopes[:, 0] - slopes[:, 1])
+    m, dm, s, ds = told if window.damped else (each.real for each in told)
+    together = own.clusters[:, 0] == own.clusters[:, 1]
+    of_mean = np.where(together, own.means.max(axis=1), _ROUNDING * np.abs(z).max(axis=1))
+    of_half = error_of_half(np.abs(half), error, together=together)
+    mean, square = Hermite(places, m, dm, of_mean.max()), Hermite(places, s, ds, of_half.max())
+    return Unit(window, mean, square, copies)
 
 
 def grid_of(places: Sequence[float] | Floats) -> Floats:

@@ -16,7 +16,7 @@ from cea.eigen.blocks import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError, InputError, ResultWarning
-from cea.reduced.crossings import Quantity, Threshold, passing
+from cea.reduced.crossings import Quantity, Threshold, growing_root, passing
 from cea.reduced.following import Sample
 from cea.reduced.greedy import Enrichment
 from cea.reduced.model import ReducedModel
@@ -90,10 +90,9 @@ def line_of_model(
         values = parameters(value)
         found = known.get(value) or small.at(values)
         slopes = small.slopes(found, values, rates)
-        vectors = found.shapes / np.linalg.norm(found.shapes, axis=0)
-        bounds = found.errors, found.means, found.clusters
-        sample = Sample(value, found.z, slopes, *bounds, vectors)
-        return sample.with_mirror_image() if window.damped else sample
+        shapes, bounds = found.right[~small.forces], (found.errors, found.means, found.clusters)
+        vectors = shapes / np.linalg.norm(shapes, axis=0)
+        return Sample(value, found.z, slopes, *bounds, vectors)
 
     return Line(window, at)
 
@@ -110,11 +109,10 @@ def line_in_full(solve: Solve, window: Window) -> Line:
         vectors = all_inner(first[0], modes.vectors, modes.pencil.comm)
         vectors = vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny)
         numbers = np.arange(len(z))
-        if window.damped:
-            sample = Sample(value, z, slopes, errors, errors, numbers, vectors)
-            return sample.with_mirror_image()
-        errors = errors * (2 * np.abs(z) + errors)
-        return Sample(value, -(z**2), -2 * z * slopes, errors, errors, numbers, vectors)
+        if not window.damped:
+            errors = errors * (2 * np.abs(z) + errors)
+            z, slopes = -(z**2), -2 * z * slopes
+        return Sample(value, z, slopes, errors, errors, numbers, vectors)
 
     return Line(window, at)
 
@@ -161,41 +159,6 @@ def threshold_between(
     return begins[0]
 
 
-def _line_of(
-    driver: EigenSolver, names: Sequence[str], ends: tuple[float, float], max_frequency: float
-) -> tuple[Line, int]:
-    """Spectra of a reduced model between two values of some parameters, or by full solves.
-
-    And how many are to be made first.
-    """
-    pencil, box = driver.pencil, dict.fromkeys(names, (min(ends), max(ends)))
-
-    def point(value: float) -> Mapping[str, float]:
-        return dict.fromkeys(names, value)
-
-    try:
-        model = ReducedModel(pencil, box, max_frequency)
-    except InputError:  # of a stiffness that makes no norm
-        model = None
-    if model is not None:
-        training = [point(value) for value in np.linspace(*ends, _TRAINING).tolist()]
-        try:
-            Enrichment(model, driver).cover(training)
-        finally:
-            model.free()
-        rates = dict.fromkeys(names, 1.0)
-        line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
-        return line, _TRAINING
-    damped = any(driver.matrices(point(value)).quadratic for value in ends)
-    window = Window(2 * np.pi * max_frequency, damped, decay=0.2 * np.pi * max_frequency)
-
-    def solve(value: float, top: float) -> tuple[Modes, Complexes]:
-        modes = driver.solve(top, point(value), left=True)
-        return modes, np.sum([modes.sensitivity(name) for name in names], axis=0)
-
-    return line_in_full(solve, window), 3
-
-
 def first_threshold(
     driver: EigenSolver,
     parameter: str | Sequence[str],
@@ -213,12 +176,24 @@ def first_threshold(
     names = [parameter] if isinstance(parameter, str) else list(parameter)
     if not names:
         raise InputError("parameter", parameter, "one or more names")
+
+    def point(value: float) -> Mapping[str, float]:
+        return dict.fromkeys(names, value)
+
     for value in (real, flutter):
-        driver.pencil.check(dict.fromkeys(names, value))
-    before, ends = (driver.solves, driver.factorisations), (real, flutter)
-    line, count = _line_of(driver, names, ends, max_frequency)
-    found = threshold_between(line, *ends, frequency, count)
-    told = confirm(driver, lambda value: dict.fromkeys(names, value), found, line.window)
+        driver.pencil.check(point(value))
+    pencil, before = driver.pencil, (driver.solves, driver.factorisations)
+    box = dict.fromkeys(names, (min(real, flutter), max(real, flutter)))
+    model = ReducedModel(pencil, box, max_frequency)
+    try:
+        training = np.linspace(real, flutter, _TRAINING).tolist()
+        Enrichment(model, driver).cover([point(value) for value in training])
+    finally:
+        model.free()
+    rates = dict.fromkeys(names, 1.0)
+    line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
+    found = threshold_between(line, real, flutter, frequency, _TRAINING)
+    told = confirm(driver, point, found, line.window)
     value, root = told or (found.value, found.eigenvalue)
     spent = driver.solves - before[0], driver.factorisations - before[1]
     return ConfirmedThreshold(", ".join(names), value, root, *spent)
@@ -248,8 +223,9 @@ def confirm(
             driver.pencil.check(point(value))
         except InputError:
             return None
-        passes, root = passing(window, of, _nearest(driver, point(value), of, window, root))
-        step = -passes / found.slope
+        z = _nearest(driver, point(value), of, window, root)
+        root = growing_root(window, of, z)
+        step = -float(passing(window, of, z)[0]) / found.slope
         if abs(step) >= before:  # nothing but rounding is left
             break
         value, before = value + step, abs(step)

@@ -31,27 +31,15 @@ _REACH = 0.5
 """Distance of a partner, relative to a speed, beyond which a mode is missing."""
 
 
-@dataclass(frozen=True)
-class Tested:
-    """What a full solve that a basis took in said of the bounds before.
-
-    The largest error of the reduced model relative to its bound: infinite where a mode was missing,
-    None where bounds were too large to tell. And the solve as plain data, without its vectors.
-    """
-
-    point: Point
-    error_over_bound: float | None
-    about: Mapping[str, Any]
-
-
 @dataclass
 class Enrichment:
     """Greedy enrichment of a reduced model by at most so many full solves.
 
     Errors of lambda, relative to its speed, are to be no more than ``tolerance``. What modes must
     be read with is told by ``warnings``; full solves are announced to ``begin`` and given to
-    ``keep``. What was solved in full is told by ``solves``, and by ``failed`` where that gave no
-    answer.
+    ``keep``. What was solved in full is told by ``solves`` as plain data, with the largest error of
+    the reduced model before, relative to its bound, as "tested": infinite where a mode was missing,
+    None where bounds were too large to tell; and by ``failed`` where that gave no answer, and why.
     """
 
     model: ReducedModel
@@ -61,8 +49,8 @@ class Enrichment:
     warnings: Callable[[Modes, Point], tuple[ResultWarning, ...]] = lambda modes, _: modes.warnings
     begin: Callable[[Point], None] = lambda _: None
     keep: Callable[[Snapshot], None] = lambda _: None
-    solves: list[Tested] = field(default_factory=list)
-    failed: list[tuple[Point, str]] = field(default_factory=list)
+    solves: list[dict[str, Any]] = field(default_factory=list)
+    failed: list[dict[str, Any]] = field(default_factory=list)
 
     def at(self, point: Point) -> ReducedSpectrum:
         """The reduced model at a point."""
@@ -75,7 +63,7 @@ class Enrichment:
         largest is computed anew until it is known to be the largest.
         """
         tolerance = self.tolerance if tolerance is None else tolerance
-        solved = [each.point for each in self.solves]
+        solved = [each["point"] for each in self.solves]
         order = sorted(range(len(points)), key=lambda i: i * _GOLDEN % 1)
         known = {i: np.inf for i in order if dict(points[i]) not in solved}
         if not self.solves and known:
@@ -98,11 +86,11 @@ class Enrichment:
         return 0.0
 
     def solve(self, point: Point) -> float | None:
-        """Solve in full, test the reduced model, take the modes in; the test (:class:`Tested`)."""
+        """Solve in full, test the reduced model, take the modes in; the test of it."""
         try:
             taken = self.full_solve(point)
         except ConvergenceError as error:
-            self.failed.append((point, str(error)))
+            self.failed.append({"point": dict(point), "reason": str(error)})
             return None
         return self.take(taken)
 
@@ -119,26 +107,29 @@ class Enrichment:
 
     def take(self, taken: Snapshot) -> float | None:
         """Test the reduced model by a full solve, and take its modes in."""
-        tested, found = None, self.at(taken.point)
-        if self.model.norms.states.comm.bcast(found.worst) <= _MEANINGFUL:
-            tested = self.model.norms.states.comm.bcast(largest_ratio(found, taken))
+        tested = None
+        if self.worst(taken.point) <= _MEANINGFUL:
+            ratio = largest_ratio(self.at(taken.point), taken)
+            tested = self.model.norms.states.comm.bcast(ratio)
             if 1 < tested < np.inf:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
         self.model.take(taken)
-        self.solves.append(Tested(taken.point, tested, taken.plain()))
+        self.solves.append({"tested": tested, **taken.plain()})
         return tested
 
     def stands(self, points: Sequence[Point]) -> bool:
         """Test the model at points by full solves, once each; whether it stood them all."""
         stood = True
         for point in points:
-            known = [each.error_over_bound for each in self.solves if each.point == point]
+            known = [each["tested"] for each in self.solves if each["point"] == point]
             tested = known[0] if known else self.solve(point)
             stood = stood and (tested is None or tested <= 1)
         return stood
 
     def worst(self, point: Point) -> float:
-        """The worst bound at a point, the same on every rank."""
+        """The worst bound at a point, the same on every rank; infinite without a basis."""
+        if not self.model.size:
+            return np.inf
         return float(self.model.norms.states.comm.bcast(self.at(point).worst))
 
 

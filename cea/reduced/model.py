@@ -29,8 +29,9 @@ from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil
 from cea.errors import ResultWarning
 from cea.reduced.basis import InnerProduct, Norms, Span
+from cea.reduced.certificate import Term
 from cea.reduced.pieces import ContactPiece, Piece, Pieces
-from cea.reduced.spectrum import Settings, SmallPencil, SmallPiece
+from cea.reduced.spectrum import Settings, SmallPencil
 from cea.reduced.window import Window
 
 BASIS = 1e-6
@@ -39,8 +40,6 @@ RESIDUAL = 1e-14
 """Part of the images of the basis that is rounding: the basis of residuals leaves it out."""
 FORCES = 1e-8
 """Part of the forces of a contact that the basis of forces leaves out; errors go by its square."""
-_DECAY = 0.1
-"""Decay down to which a window of a damped pencil reaches by default, relative to its end."""
 
 
 @dataclass(frozen=True)
@@ -146,11 +145,6 @@ class ReducedModel:
         The pencil.
     small
         The pencil on the basis.
-
-    Raises
-    ------
-    InputError
-        When its symmetric stiffness is not positive definite where parameters are least.
     """
 
     def __init__(
@@ -175,15 +169,17 @@ class ReducedModel:
         self._basis, self._residuals = Span(self.norms.states), Span(self.norms.residuals)
         self._forces = np.empty(0, dtype=bool)  # which vectors of the basis are forces
         self._widest: dict[ContactPiece, float] = {}
-        end, decay = 2 * np.pi * max_frequency, np.inf
         damped = any(piece.role == "damping" for piece in self._pieces.all)
-        if damped:
-            decay = _DECAY * end if min_growth is None else -min_growth
-        settings = Settings(Window(end, damped, decay=decay), self.norms.shift)
+        decay = None if min_growth is None else -min_growth
+        window = Window.up_to(max_frequency, damped=damped, decay=decay)
+        settings = Settings(window, self.norms.shift)
+        powers = {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": (1.0, 2)}
+        if not damped:
+            powers["mass"] = (-1.0, 1)
         nothing = np.empty((0, 0))
         pieces = [
-            SmallPiece(piece.role, piece.coefficient, nothing, nothing, nothing, 0.0)
-            for piece in self._pieces.all
+            (e.coefficient, Term(*powers[e.role], nothing, nothing, nothing, 0.0, nothing))
+            for e in self._pieces.all
         ]
         self.small = SmallPencil(tuple(pieces), self._forces, settings)
 
@@ -242,28 +238,36 @@ class ReducedModel:
     def _project(self, before: int) -> None:
         """Project all pieces on what the basis has grown by."""
         both = zip(self._pieces.all, self.small.pieces, strict=True)
-        pieces = [self._grown(piece, small, before) for piece, small in both]
+        grown = [(c, self._grown(piece, term, before)) for piece, (c, term) in both]
+        rows = self._residuals.size  # vectors of it come later than some pieces
+
+        def padded(block: Floats) -> Floats:
+            return np.pad(block, ((0, rows - len(block)), (0, 0)))
+
+        pieces = [(c, replace(e, right=padded(e.right), left=padded(e.left))) for c, e in grown]
         self.small = replace(self.small, pieces=tuple(pieces), forces=self._forces)
 
-    def _grown(self, piece: Piece, small: SmallPiece, before: int) -> SmallPiece:
-        vectors, norm = self._basis.vectors, self.norms.states
+    def _grown(self, piece: Piece, term: Term, before: int) -> Term:
+        vectors, norm, eps = self._basis.vectors, self.norms.states, np.finfo(float).eps
         new = vectors[:, before:]
         image = piece.times(new)
         columns = rows = norm.inner(vectors, image)
-        right, lost = self._with_images(small.right, image)
+        right, lost = self._with_images(term.right, image)
         left = right
         if not piece.symmetric:
             image = piece.transposed(new)
             rows = norm.inner(vectors, image)
-            left, other = self._with_images(small.left, image)
+            left, other = self._with_images(term.left, image)
             lost = max(lost, other)
         # Both are A between new vectors, but for rounding.
         twice = columns[before:], rows[before:].T
-        rounding = max(small.rounding, float(np.abs(twice[0] - twice[1]).max(initial=0.0)))
         corner = 0.5 * (twice[0] + twice[1])
-        square = np.block([[small.square, columns[:before]], [rows[:before].T, corner]])
-        lost = float(np.hypot(small.lost, lost))
-        return SmallPiece(piece.role, piece.coefficient, square, right, left, lost, rounding)
+        square = np.block([[term.square, columns[:before]], [rows[:before].T, corner]])
+        seen = (term.rounding - eps * np.abs(term.square)).max(initial=0.0)
+        seen = max(seen, np.abs(twice[0] - twice[1]).max(initial=0.0))
+        rounding = eps * np.abs(square) + seen * (square != 0)
+        lost = float(np.hypot(term.lost, lost))
+        return Term(term.factor, term.power, square, right, left, lost, rounding)
 
     def _with_images(self, before: Floats, image: Floats) -> tuple[Floats, float]:
         """Coordinates of old and new images; the basis of residuals takes the new ones in.

@@ -6,6 +6,7 @@ form inverted about a real shift of growth. What lies in the margin helps to jud
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,6 @@ from scipy.linalg import eig, lu_factor, lu_solve, solve_triangular
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
 from cea.eigen.coefficients import Dependence
-from cea.eigen.pencil import Role
 from cea.eigen.spectrum import SLOW
 from cea.reduced.certificate import Certificate, Pairs, Polynomial, Term, real_times
 from cea.reduced.pieces import Values
@@ -71,27 +71,19 @@ class ReducedSpectrum(Certificate):
     """Eigenvalues of a window and its margin, by rising frequency, with bounds on their errors.
 
     kappa (1/s^2), or lambda (1/s) of damped pencils, as z; coordinates of their vectors of M-norm
-    one; which of these are of contact forces.
+    one.
     """
 
     z: Complexes
     right: Complexes
     left: Complexes
     settings: Settings
-    forces: NDArray[np.bool_]
-
-    @classmethod
-    def empty(cls, settings: Settings) -> "ReducedSpectrum":
-        """What a basis without vectors knows."""
-        none, vectors = np.empty(0), np.empty((0, 0), dtype=complex)
-        z, clusters = none.astype(complex), none.astype(np.int64)
-        return cls(none, none, none, clusters, z, z, vectors, vectors, settings, none.astype(bool))
 
     def __len__(self) -> int:
         return len(self.z)
 
     def __getitem__(self, modes: Ints) -> "ReducedSpectrum":
-        arrays = {each.name: getattr(self, each.name)[..., modes] for each in fields(self)[:-2]}
+        arrays = {each.name: getattr(self, each.name)[..., modes] for each in fields(self)[:-1]}
         return replace(self, **arrays)
 
     @property
@@ -108,11 +100,6 @@ class ReducedSpectrum(Certificate):
     def inside(self) -> NDArray[np.bool_]:
         """Which are in the window, shape (n,)."""
         return ~self.settings.window.far(self.z)
-
-    @property
-    def shapes(self) -> Complexes:
-        """Coordinates of the displacements of right vectors."""
-        return self.right[~self.forces]
 
     @property
     def speeds(self) -> Floats:
@@ -147,10 +134,7 @@ class ReducedSpectrum(Certificate):
 
     @property
     def bound(self) -> float:
-        """Largest error of a cluster's mean in the window, of lambda relative to its speed.
-
-        Infinite where there is no basis.
-        """
+        """Largest error of a cluster's mean in the window, of lambda relative to its speed."""
         return self._largest(self.means)
 
     @property
@@ -159,8 +143,6 @@ class ReducedSpectrum(Certificate):
         return 1 / self.speeds if self.settings.window.damped else 1 / (2 * self.speeds**2)
 
     def _largest(self, errors: Floats) -> float:
-        if not len(self.right):
-            return np.inf
         return float((errors * self._relative)[self.inside].max(initial=0.0))
 
     def words(self, threshold: float | None) -> list[Word]:
@@ -173,67 +155,29 @@ class ReducedSpectrum(Certificate):
         return classify(values.real, bounds, limits, bounded, rigid)
 
 
-def reduced_spectrum(
-    pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings
-) -> ReducedSpectrum:
-    """Eigenvalues of a window and its margin; some of the unknowns are contact forces."""
-    pairs = _pairs(pencil, forces, settings)
-    told = pencil.certificate(pairs, settings.outside(pairs.values))
-    found = ReducedSpectrum(
-        **vars(told),
-        z=pairs.values,
-        right=pairs.right,
-        left=pairs.left,
-        settings=settings,
-        forces=forces,
-    )
-    return found[np.flatnonzero(pairs.values.imag >= 0)] if pencil.damped else found
-
-
-class Inverse:
-    """The inverse of a shifted stiffness A with contact forces eliminated from [A, L; N, -c].
-
-    A^-1 - A^-1 L S^-1 N A^-1 with S = c + N A^-1 L: nothing grows with a contact stiffness 1 / c.
-    """
-
-    def __init__(self, whole: Floats, shifted: Floats, forces: NDArray[np.bool_]) -> None:
-        self._own, self._below = np.flatnonzero(~forces), np.flatnonzero(forces)
-        self._factors = lu_factor(shifted[np.ix_(self._own, self._own)])
-        self._reacts = whole[np.ix_(self._own, self._below)]
-        self._closes = whole[np.ix_(self._below, self._own)]
-        self._flexible = lu_solve(self._factors, self._reacts)
-        softness = whole[np.ix_(self._below, self._below)]
-        self._schur = lu_factor(self._closes @ self._flexible - softness)
-
-    def __call__(self, block: Floats) -> Floats:
-        """Displacements under a block of forces."""
-        found: Floats = lu_solve(self._factors, block)
-        return found - self._flexible @ lu_solve(self._schur, self._closes @ found)
-
-    def extended(self, vectors: Complexes, loads: Complexes, *, left: bool = False) -> Complexes:
-        """Right or left vectors with the contact forces by which they are in balance with loads."""
-        closes, trans = (self._reacts.T, 1) if left else (self._closes, 0)
-        gaps = closes @ lu_solve(self._factors, loads, trans=trans)
-        whole = np.empty((len(self._own) + len(self._below), vectors.shape[1]), dtype=complex)
-        whole[self._own], whole[self._below] = vectors, lu_solve(self._schur, gaps, trans=trans)
-        return whole
-
-
 def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) -> Pairs:
     """Eigenpairs by the inverse of P(shift): of K + s M, or of the companion form."""
     end, damped = settings.window.end, pencil.damped
     shift = np.sqrt(settings.shift) if damped else -settings.shift
     scale = end if damped else 1.0
-    own = np.ix_(~forces, ~forces)
-    squares = {each.power: each.square[own] for each in pencil.terms}
+    own = ~forces
+    squares = {each.power: each.square[np.ix_(own, own)] for each in pencil.terms}
     root = np.linalg.cholesky(squares[max(squares)])
-    inverse_of, k = Inverse(pencil.at(0.0), pencil.at(shift), forces), len(root)
+    factors, k = lu_factor(pencil.at(shift)), len(root)
+
+    def balanced(loads: Any, *, left: bool = False) -> NDArray[Any]:
+        """Displacements and contact forces under loads."""
+        rows = np.zeros((len(forces), loads.shape[1]), dtype=loads.dtype)
+        rows[own] = loads
+        found: NDArray[Any] = lu_solve(factors, rows, trans=int(left))
+        return found
+
     if not damped:
-        operator = root.T @ inverse_of(root)
+        operator = root.T @ balanced(root)[own]
     else:
         one, half = np.eye(k), solve_triangular(root, squares[1], lower=True)
         drag = solve_triangular(root, half.T, lower=True).T  # L^-1 D L^-T
-        inverse = root.T @ inverse_of(root @ np.hstack([drag + shift * one, one]))
+        inverse = root.T @ balanced(root @ np.hstack([drag + shift * one, one]))[own]
         of_motion, of_speed = -inverse[:, :k], -scale * inverse[:, k:]
         operator = np.block(
             [[of_motion, of_speed], [(one + shift * of_motion) / scale, shift * of_speed / scale]]
@@ -249,57 +193,36 @@ def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) ->
     values, states, duals = values[order], states[:, order], duals[:, order]
     states = states / np.linalg.norm(states[:k], axis=0)
     duals = duals / np.linalg.norm(duals[-k:], axis=0)
-    right = solve_triangular(root, states[:k], lower=True, trans="T")
-    left = solve_triangular(root, duals[-k:], lower=True, trans="T")
-    # Loads (P(shift) - P(z)) x are in balance with the forces of contacts.
-    moved = [(each.power, each.factor * each.square[own]) for each in pencil.terms if each.power]
-    loads = sum(A @ right * (shift**p - values**p) for p, A in moved)
-    back = sum(A.T @ left * (shift**p - values.conj() ** p) for p, A in moved)
-    right, left = inverse_of.extended(right, loads), inverse_of.extended(left, back, left=True)
-    return Pairs(values, right, left, states, duals, operator, shift, scale)
-
-
-@dataclass(frozen=True)
-class SmallPiece:
-    """One piece of a pencil on a basis V of states, with coordinates Q of what its images cause.
-
-    V^T A V; coordinates of A V and A^T V; norm of what Q does not hold of either; largest error of
-    an entry of V^T A V by rounding.
-    """
-
-    role: Role
-    coefficient: Dependence
-    square: Floats
-    right: Floats
-    left: Floats
-    lost: float
-    rounding: float = 0.0
+    vectors = []
+    for left, side, z in ((False, states[:k], values), (True, duals[-k:], values.conj())):
+        motion = solve_triangular(root, side, lower=True, trans="T")
+        # Loads (P(shift) - P(z)) x are in balance with the forces of contacts.
+        moved = [(e.power, e.factor * squares[e.power]) for e in pencil.terms if e.power]
+        loads = sum((A.T if left else A) @ motion * (shift**p - z**p) for p, A in moved)
+        vectors.append(balanced(loads, left=left))
+        vectors[-1][own] = motion
+    return Pairs(values, vectors[0], vectors[1], states, duals, operator, shift, scale)
 
 
 @dataclass(frozen=True)
 class SmallPencil:
-    """All pieces on one basis, some of whose vectors are ``forces`` of contacts."""
+    """All pieces on one basis with their coefficients, some of whose vectors are ``forces``."""
 
-    pieces: tuple[SmallPiece, ...]
+    pieces: tuple[tuple[Dependence, Term], ...]
     forces: NDArray[np.bool_]
     settings: Settings
 
     def at(self, values: Values) -> ReducedSpectrum:
         """Eigenvalues of the window and its margin at values of all parameters."""
-        if not len(self.forces):
-            return ReducedSpectrum.empty(self.settings)
-        terms = tuple(self._term(role, values) for role in self._powers)
-        return reduced_spectrum(Polynomial(terms), self.forces, self.settings)
-
-    def derivatives(
-        self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
-    ) -> Complexes:
-        """Derivatives of eigenvalues lambda, as :meth:`slopes`; infinite at a coalescence."""
-        slopes = self.slopes(found, values, rates)
-        if self.settings.window.damped:
-            return slopes
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return -slopes / (2 * found.eigenvalues)
+        parts = [(coefficient.at(values), term) for coefficient, term in self.pieces]
+        powers = sorted({term.power for _, term in parts})
+        terms = [Term.summed([each for each in parts if each[1].power == p]) for p in powers]
+        pencil = Polynomial(tuple(terms))
+        pairs = _pairs(pencil, self.forces, self.settings)
+        told = pencil.certificate(pairs, self.settings.outside(pairs.values))
+        z, right, left = pairs.values, pairs.right, pairs.left
+        found = ReducedSpectrum(**vars(told), z=z, right=right, left=left, settings=self.settings)
+        return found[np.flatnonzero(z.imag >= 0)] if pencil.damped else found
 
     def slopes(
         self, found: ReducedSpectrum, values: Values, rates: Mapping[str, float]
@@ -309,47 +232,12 @@ class SmallPencil:
         - y^H dP(z) x / y^H P'(z) x; infinite at a coalescence.
         """
         change: Complexes = np.zeros(len(found), dtype=complex)
-        for piece in self.pieces:
-            slope = sum(
-                rate * piece.coefficient.derivative(name, values) for name, rate in rates.items()
-            )
+        for coefficient, term in self.pieces:
+            slope = sum(rate * coefficient.derivative(name, values) for name, rate in rates.items())
             if slope:
-                factor, power = self._powers[piece.role]
-                image = real_times(piece.square, found.right)
+                image = real_times(term.square, found.right)
                 projected = np.einsum("ij,ij->j", found.left.conj(), image)
-                change -= slope * factor * found.z**power * projected
+                change -= slope * term.factor * found.z**term.power * projected
         with np.errstate(divide="ignore", invalid="ignore"):
             moved: Complexes = change / found.overlaps
         return moved
-
-    @property
-    def _powers(self) -> dict[Role, tuple[float, int]]:
-        """Factor and power of z of the terms of P(z)."""
-        if self.settings.window.damped:
-            return {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": (1.0, 2)}
-        return {"stiffness": (1.0, 0), "mass": (-1.0, 1)}
-
-    def _term(self, role: Role, values: Values) -> Term:
-        """The sum of all pieces of a role.
-
-        Its entries are off relative to their parts, and by what was seen of these.
-        """
-        pieces = [piece for piece in self.pieces if piece.role == role]
-        symmetric = all(piece.left is piece.right for piece in pieces)
-        n = len(self.forces)
-        rows = max(max(len(piece.right), len(piece.left)) for piece in self.pieces)
-        square, rounding = np.zeros((2, n, n))
-        right = np.zeros((rows, n))  # vectors of Q come later than some pieces
-        left = right if symmetric else np.zeros((rows, n))
-        lost, eps = 0.0, np.finfo(float).eps
-        for piece in pieces:
-            c = piece.coefficient.at(values)
-            if not c:
-                continue
-            square += c * piece.square
-            right[: len(piece.right)] += c * piece.right
-            if not symmetric:
-                left[: len(piece.left)] += c * piece.left
-            lost += abs(c) * piece.lost
-            rounding += abs(c) * (eps * np.abs(piece.square) + piece.rounding * (piece.square != 0))
-        return Term(*self._powers[role], square, right, left, lost, rounding)

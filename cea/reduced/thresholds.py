@@ -11,8 +11,8 @@ changes nothing.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
-from heapq import heapify, heappop, heappush
+from dataclasses import dataclass, field
+from heapq import heappop, heappush
 from itertools import pairwise
 
 import numpy as np
@@ -26,24 +26,15 @@ RESOLUTION = 1e-7
 """Width of an interval, relative to the axis, below which it is not halved again."""
 BUDGET = 60
 """Spectra for each given value, at most."""
+_BY_BOUNDS = 12
+"""The same up to which intervals are halved where bounds leave signs open: bounds are large where
+modes touch, and may be small beside that."""
 _ASIDE = 6e-4
-"""Step, relative to that between given values, by which an undecided one is moved."""
-_MOVES = 3
-"""Steps of that length, at most."""
-_CLOSER = 16.0
-"""Factor by which the place from which on modes surely grow comes nearer to an end."""
-_BY_BOUNDS = 1 / 8
-"""Width of an interval, in the step of the given values, up to which it is halved where bounds
-leave signs open: to tell where they do."""
-_BRIEF = 1000.0
-"""Width of an interval, in the least, up to which it may be halved though bounds leave signs open:
-they are large where modes touch, and small beside that."""
-_PATIENCE = 1
-"""Times for each given value that such intervals are."""
-_LESS = 0.5
-"""Error of samples, in that of the interval before it was halved, up to which halving helps."""
+"""Step, relative to that between given values, by which an undecided one is moved at most."""
 _OFF_CENTRE = 0.0137
 """The same of values within an interval, relative to its width."""
+_MOVES = (0.0, 1 / 4096, 1 / 64, 1.0)
+"""Parts of that step that are tried."""
 _NEAR_SAMPLE = 1e-3
 """Part of an interval next to its inner sample in which a place is that sample."""
 
@@ -111,78 +102,61 @@ def thresholds_along(
     the axis; at most ``budget`` spectra are made for each value.
     """
     most = (BUDGET if budget is None else budget) * len(values)
-    if not logarithmic:
-        return _Search(line.window, line.at, sorted(values), resolution, most).run()
-    given = {float(np.log(value)): value for value in sorted(values)}
-
-    def at(place: float) -> Sample:
-        value = given.get(place, float(np.exp(place)))
-        sample = line.at(value)
-        return replace(sample, value=place, slopes=sample.slopes * value)
-
-    found = _Search(line.window, at, list(given), resolution, most).run()
-    for i, each in enumerate(found.thresholds):
-        value = float(np.exp(each.value))
-        error, slope = each.error * value, each.slope / value
-        found.thresholds[i] = replace(each, value=value, error=error, slope=slope)
-    for i, left in enumerate(found.unresolved):
-        low, high = float(np.exp(left.low)), float(np.exp(left.high))
-        found.unresolved[i] = replace(left, low=low, high=high)
-    return found
+    search = _Search(line, sorted(values), resolution, most, logarithmic=logarithmic)
+    return search.run()
 
 
 class _Search:
     """One search, with the spectra it has made."""
 
     def __init__(
-        self,
-        window: Window,
-        at: Callable[[float], Sample],
-        values: list[float],
-        resolution: float,
-        most: int,
+        self, line: Line, values: list[float], resolution: float, most: int, *, logarithmic: bool
     ) -> None:
-        self._window, self._sample, self._values, self._most = window, at, values, most
+        self._line, self._window, self._values, self._most = line, line.window, values, most
+        self._logarithmic = logarithmic
         self._known: dict[float, Sample] = {}
-        self._least = resolution * (values[-1] - values[0])
-        self._by_bounds = _BY_BOUNDS * float(np.diff(values).max())
-        self._patience = _PATIENCE * len(values)
+        self._least = resolution * self._width(values[0], values[-1])
+        self._by_bounds = _BY_BOUNDS * len(values)
         self._found = Found()
 
     def run(self) -> Found:
         """Accept or halve intervals, the widest first."""
+        queue: list[tuple[float, ...]] = []
+
+        def push(places: Sequence[float]) -> None:
+            heappush(queue, (-self._width(places[0], places[-1]), *places))
+
         ends = self._ends()
-        queue = [
-            (ends[i] - ends[min(i + 2, len(ends) - 1)], 0.0, *ends[i : i + 3])
-            for i in range(0, len(ends) - 1, 2)
-        ]
-        heapify(queue)
+        for i in range(0, len(ends) - 1, 2):
+            push(ends[i : i + 3])
         while queue:
-            _, noise, *places = heappop(queue)
-            low, high = places[0], places[-1]
+            _, low, *inner, high = heappop(queue)
             if len(self._known) >= self._most:
                 self._found.unresolved.append(self._unresolved(low, high))
                 continue
-            middle = places[1] if len(places) == 3 else (low + high) / 2
+            middle = inner[0] if inner else self._middle(low, high)
             try:
                 self._found.thresholds += self._explained(low, middle, high)
             except UnresolvedError as why:
-                if high - low <= self._least:
+                if self._width(low, high) <= self._least:
                     self._accept_by_count(low, high)
-                    continue
-                told = why.at is None or high - low <= self._by_bounds
-                if told and why.noise > _LESS * noise > 0.0 and self._patience_ends(high - low):
+                elif why.by_bounds and len(self._known) >= self._by_bounds:
                     self._found.unresolved.append(self._unresolved(low, high))
-                    continue
-                parts = sorted({low, high, *self._cuts(low, middle, high, why.at)})
-                for one, other in pairwise(parts):
-                    heappush(queue, (one - other, why.noise, one, other))
+                else:
+                    for part in pairwise(self._cuts(low, middle, high, why.at)):
+                        push(part)
         self._found.thresholds.sort(key=lambda each: each.value)
         if not self._adds_up():
             self._found.unresolved.append(self._unresolved(self._values[0], self._values[-1]))
         self._found.unresolved = _joined(self._found.unresolved)
         self._found.spectra = len(self._known)
         return self._found
+
+    def _width(self, low: float, high: float) -> float:
+        return float(np.log(high / low)) if self._logarithmic else high - low
+
+    def _middle(self, low: float, high: float) -> float:
+        return float(np.sqrt(low * high)) if self._logarithmic else (low + high) / 2
 
     def _adds_up(self) -> bool:
         """Whether what was found explains the numbers of growing modes at both ends of the axis.
@@ -193,16 +167,10 @@ class _Search:
         told += sum(each.after - each.before for each in self._found.unresolved)
         return told == self._number(self._values[-1]) - self._number(self._values[0])
 
-    def _patience_ends(self, width: float) -> bool:
-        """Whether an interval whose signs bounds leave open is not to be halved again."""
-        if width > _BRIEF * self._least:
-            return True
-        self._patience -= 1
-        return self._patience < 0
-
     def _at(self, value: float) -> Sample:
         if value not in self._known:
-            self._known[value] = self._sample(value)
+            sample = self._line.at(value)
+            self._known[value] = sample.with_mirror_image() if self._window.damped else sample
         return self._known[value]
 
     def _growing(self, value: float) -> NDArray[np.bool_]:
@@ -236,38 +204,32 @@ class _Search:
 
     def _decided_near(self, value: float, step: float) -> float:
         """A value near another at which nothing is undecided, or the last that was tried."""
-        for move in range(_MOVES):
-            if not self._undecided(value + move * step):
-                return value + move * step
-        return value + _MOVES * step
+        places = [value + part * step for part in _MOVES]
+        return next((each for each in places if not self._undecided(each)), places[-1])
 
     def _ends(self) -> list[float]:
         """The given values, those that are undecided moved a little inwards."""
-        values, ends = self._values, list[float]()
-        for number, value in enumerate(values):
-            last = number == len(values) - 1
-            other = values[number - 1] if last else values[number + 1]
-            moved = self._decided_near(value, _ASIDE * (other - value))
-            if moved != value and number in (0, len(values) - 1):
-                self._at_the_end(value, moved)
-            ends.append(moved)
+        values = self._values
+        steps = [*np.diff(values).tolist(), values[-2] - values[-1]]
+        pairs = zip(values, steps, strict=True)
+        ends = [self._decided_near(value, _ASIDE * step) for value, step in pairs]
+        for number in (0, -1):
+            if ends[number] != values[number]:
+                self._at_the_end(values[number], ends[number])
         return ends
 
     def _at_the_end(self, value: float, moved: float) -> None:
         """Modes that surely grow beside an end of the axis and do not at it begin to there."""
-        before, after = self._number(value), self._number(moved)
         error, window = moved - value, self._window
-        while abs(error) > self._least and self._number(value + error / _CLOSER) == after > before:
-            error /= _CLOSER
-        z = self._at(value + error).z[self._growing(value + error)]
+        more = self._number(moved) - self._number(value)
+        z = self._at(moved).z[self._growing(moved)]
         z = z[np.argsort(window.growth(z))]
-        more = after - before
         for each in z[z.imag >= 0 if window.damped else z.imag <= 0]:
             if more <= 0:
                 return
             root = complex(window.roots(each[None])[0])
             real = abs(root.imag) <= REAL * window.end
-            slope = float(window.growth(each[None])[0]) if window.by_growth else -(each.imag**2)
+            slope = float(window.growth(each[None])[0]) if window.by_growth else each.imag**2
             change, kind = (1, "divergence") if real else (2, "flutter")
             self._found.thresholds.append(
                 Threshold(
@@ -282,11 +244,12 @@ class _Search:
             more -= change
 
     def _cuts(self, low: float, middle: float, high: float, at: float | None) -> list[float]:
-        """Where an interval is cut: at its inner sample and at a place that was named."""
+        """Ends of an interval, its inner sample and a place that was named: where it is cut."""
         width, cuts = high - low, [middle]
         if at is not None and low + _NEAR_SAMPLE * width < at < high - _NEAR_SAMPLE * width:
             cuts = [at] if abs(at - middle) <= _NEAR_SAMPLE * width else [middle, at]
-        return [self._decided_near(each, _OFF_CENTRE * width) for each in cuts]
+        inner = {self._decided_near(each, _OFF_CENTRE * width) for each in cuts}
+        return sorted({low, high} | inner)
 
     def _unresolved(self, low: float, high: float) -> Unresolved:
         before, after = self._number(low), self._number(high)

@@ -10,6 +10,8 @@ from cea.eigen.modes import uncertainties_of
 
 MARGIN = 1.15
 """Frequency up to which modes are known beyond the window, relative to its end."""
+_DECAY = 0.1
+"""Decay down to which modes are known with damping by default, relative to the window's end."""
 
 
 def upper_root(kappa: Complexes) -> Complexes:
@@ -31,6 +33,15 @@ class Window:
     level: float = 0.0
     decay: float = np.inf
 
+    @classmethod
+    def up_to(
+        cls, max_frequency: float, *, damped: bool, level: float = 0.0, decay: float | None = None
+    ) -> "Window":
+        """That which ends at a frequency (Hz); all modes are known without damping."""
+        end = 2 * np.pi * max_frequency
+        known = _DECAY * end if decay is None else decay
+        return cls(end, damped, level, known if damped else np.inf)
+
     @property
     def max_frequency(self) -> float:
         """Its end (Hz)."""
@@ -44,6 +55,13 @@ class Window:
     def roots(self, z: Complexes) -> Complexes:
         """The lambda of z; of kappa those with Im lambda >= 0."""
         return np.asarray(z, complex) if self.damped else upper_root(np.asarray(z, complex))
+
+    def root_slopes(self, z: Complexes, slopes: Complexes) -> Complexes:
+        """Derivatives of lambda from those of z; infinite or NaN at a coalescence."""
+        if self.damped:
+            return slopes
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return -slopes / (2 * self.roots(z))
 
     def growth(self, z: Complexes) -> Floats:
         """Growth (1/s) above the level: of kappa that of the root that grows."""

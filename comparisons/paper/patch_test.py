@@ -36,7 +36,7 @@ from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
 from scenes.building.build import build_bodies, build_interfaces
-from scenes.spec.body import FeMesh, IgaMesh, MeshSpec
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene, StaticAnalysis, load_scene, with_contact
 
 EXACT = -1000.0  # normal stress on the interface (N/m^2)

@@ -136,7 +136,7 @@ class OfMap:
         built.cover([dict(zip(self.axes, values, strict=True)) for values in points])
         found = built.at({}).window
         words = found.words(None)
-        complete = all(each.about["complete"] for each in built.solves)
+        complete = all(each["complete"] for each in built.solves)
         return Answer(
             eigenvalues=found.eigenvalues,
             verdicts=tuple(words),

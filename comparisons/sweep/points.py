@@ -87,37 +87,25 @@ class Distribution:
             raise InputError(self.name, self.second, "a positive deviation")
         if not self.low < self.high:
             raise InputError(self.name, self.high, f"greater than {self.low:g}")
-        if not np.ptp(self._ends):
-            raise InputError(self.name, [self.low, self.high], "ends with values between them")
+        self.drawn(np.empty(0), self.low)
 
-    @property
-    def _law(self) -> Any:
+    def drawn(self, probability: Floats, least: float) -> tuple[Floats, float]:
+        """Values below which probabilities are given, none less than ``least``.
+
+        And the share that this cuts off.
+        """
         from scipy.stats import lognorm, norm, uniform
 
-        if self.kind == "normal":
-            return norm(self.first, self.second)
+        low, law = max(self.low, least), norm(self.first, self.second)
         if self.kind == "lognormal":
-            return lognorm(self.second, scale=self.first)
-        return uniform(self.first, self.second - self.first)
-
-    @property
-    def _ends(self) -> Floats:
-        """Probabilities below both ends."""
-        ends: Floats = self._law.cdf([self.low, self.high])
-        return ends
-
-    def above(self, least: float) -> "tuple[Distribution, float]":
-        """It cut off below what its field may have, and the share that was cut."""
-        if self.low >= least:
-            return self, 0.0
-        before, cut = self._ends, replace(self, low=least)
-        return cut, float((cut._ends[0] - before[0]) / (before[1] - before[0]))
-
-    def at(self, probability: Floats) -> Floats:
-        """Values below which the probability is given, shape (n,)."""
-        least, most = self._ends
-        values = self._law.ppf(least + (most - least) * probability)
-        return np.clip(values, self.low, self.high)
+            law = lognorm(self.second, scale=self.first)
+        elif self.kind == "uniform":
+            law = uniform(self.first, self.second - self.first)
+        before, below, above = law.cdf([self.low, low, self.high]).tolist()
+        if below == above:
+            raise InputError(self.name, [low, self.high], "ends with values between them")
+        values = np.clip(law.ppf(below + (above - below) * probability), low, self.high)
+        return values, (below - before) / (above - before)
 
     def plain(self) -> dict[str, Any]:
         """As plain data; ends that cut nothing off are left out."""
@@ -175,10 +163,11 @@ def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: 
         own = [np.array(each.values) for each in axes]
         return Points.of_axes(names, own, logarithmic=axes[0].logarithmic)
     spread = [each for each in fields if isinstance(each, Distribution)]
-    cut = [each.above(low) for each, low in zip(spread, least, strict=True)]
     probabilities = np.random.default_rng(seed).random((len(fields), count))
-    drawn = [each.at(own) for (each, _), own in zip(cut, probabilities, strict=True)]
-    return Points(names, np.stack(drawn, axis=1), cut=tuple(share for _, share in cut))
+    each_of = zip(spread, probabilities, least, strict=True)
+    drawn = [each.drawn(own, low) for each, own, low in each_of]
+    values = np.stack([own for own, _ in drawn], axis=1)
+    return Points(names, values, cut=tuple(share for _, share in drawn))
 
 
 def read_axis(text: str) -> Axis:
@@ -243,33 +232,22 @@ class Box:
 
 def boxes_of(points: Points) -> list[Box]:
     """Boxes that hold all points; those along the first axis share the values at their borders."""
+    numbers = np.arange(len(points.values))
     if not points.counts:
-        return [_of_samples(points)]
-    stretches = [_stretches(points.axis(i)) for i in range(len(points.counts))]
-    numbers = np.arange(len(points.values)).reshape(points.counts)
-    return [_of_grid(points, numbers, each) for each in product(*stretches)]
-
-
-def _of_grid(points: Points, numbers: Ints, stretches: Sequence[Ints]) -> Box:
-    whole = numbers[np.ix_(*stretches)]
-    ends = points.values[whole.ravel()]
-    # A value at the border of another axis than the first belongs to the box below.
-    own = [each[1:] if each[0] else each for each in stretches[1:]]
-    lines = numbers[np.ix_(stretches[0], *own)].reshape(len(stretches[0]), -1)
-    chosen = [np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in whole.shape]
-    return Box(
-        tuple(zip(ends.min(axis=0).tolist(), ends.max(axis=0).tolist(), strict=True)),
-        tuple(lines.T),
-        whole[np.ix_(*chosen)].ravel(),
-    )
-
-
-def _of_samples(points: Points) -> Box:
-    values, every = points.values, np.arange(len(points.values))
-    at_ends = [*values.argmin(axis=0).tolist(), *values.argmax(axis=0).tolist()]
-    parts = np.array_split(every, int(np.ceil(len(every) / _TOGETHER)))
-    training = np.unique([*at_ends, *every[:_SAMPLES].tolist()])
-    return Box(tuple(points.ends), tuple(parts), training)
+        at_ends = np.concatenate([points.values.argmin(axis=0), points.values.argmax(axis=0)])
+        parts = np.array_split(numbers, int(np.ceil(len(numbers) / _TOGETHER)))
+        training = np.unique([*at_ends, *numbers[:_SAMPLES]])
+        return [Box(tuple(points.ends), tuple(parts), training)]
+    boxes, numbers = [], numbers.reshape(points.counts)
+    for stretches in product(*(_stretches(points.axis(i)) for i in range(len(points.counts)))):
+        whole = numbers[np.ix_(*stretches)]
+        ends = replace(points, values=points.values[whole.ravel()]).ends
+        # A value at the border of another axis than the first belongs to the box below.
+        own = [each[1:] if each[0] else each for each in stretches[1:]]
+        lines = numbers[np.ix_(stretches[0], *own)].reshape(len(stretches[0]), -1)
+        chosen = [np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in whole.shape]
+        boxes.append(Box(tuple(ends), tuple(lines.T), whole[np.ix_(*chosen)].ravel()))
+    return boxes
 
 
 def _stretches(values: Floats) -> list[Ints]:

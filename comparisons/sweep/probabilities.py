@@ -56,14 +56,12 @@ def growing(spectra: Spectra, threshold: float | None, *, damped: bool) -> tuple
     may_grow = np.zeros_like(grows)
     limits = thresholds(np.where(there, values, 0.0).ravel(), threshold).reshape(grows.shape)
     may_grow[there] = (spectra.growth + spectra.uncertainty > limits)[there]
-    for flags in () if damped else (grows, may_grow):
-        for point, mode in np.argwhere(flags & (np.abs(spectra.growth) > spectra.uncertainty)):
-            kappa = -(values[point] ** 2)
-            distance = np.abs(kappa - kappa[mode].conj())
-            distance[mode] = np.inf
-            partner = int(np.argmin(np.where(there[point], distance, np.inf)))
-            if spectra.frequency[point, mode] > 0 and np.isfinite(distance[partner]):
-                flags[point, partner] = True
+    if not damped:  # of such two frequencies are equal, and growth rates but for their signs
+        f, g = spectra.frequency, spectra.growth
+        pairs = (f[:, 1:] == f[:, :-1]) & (g[:, 1:] == -g[:, :-1]) & (f[:, 1:] > 0)
+        pairs &= np.abs(g[:, 1:]) > spectra.uncertainty[:, 1:]
+        for flags in (grows, may_grow):
+            flags[:, :-1] |= pairs & flags[:, 1:]
     return grows, may_grow
 
 

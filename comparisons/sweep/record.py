@@ -29,24 +29,19 @@ def record_of(
     """Record of a sweep on bases, its thresholds not yet confirmed."""
     bound, solves = spectra.bound, [each for basis in bases for each in basis["solves"]]
     left = np.flatnonzero(bound > tolerance)
-    growths = [each["max_growth"] for each in solves if each["max_growth"] is not None]
-    lines = [part for part in parts if part]
-    return _common(scene.points, spectra) | {
+    failed = [each for basis in bases for each in basis["failed"]]
+    growths = [each["max_growth"] for each in solves]
+    return _common(scene.points, spectra, [each for each in parts if each], failed, growths) | {
         "parameters": [list(each) for each in scene.names],
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
         "max_frequency": scene.max_frequency,
         "growth_threshold": scene.growth_threshold,
         "vectors": [basis["vectors"] for basis in bases],
         "snapshots": solves,
-        "failed": [each for basis in bases for each in basis["failed"]],
-        "complete_to": min(growths, default=None),
         "certified": len(bound) - len(left),
         "not_certified": left[:_NAMED].tolist(),
         "lost_to_rounding": int(((bound > tolerance) & (spectra.worst <= tolerance)).sum()),
         "worst": float(bound.max()),
-        "thresholds": [each for part in lines for each in part["thresholds"]],
-        "unresolved": [each for part in lines for each in part["unresolved"]],
-        "resolution": max((part["resolution"] for part in lines), default=0.0),
     }
 
 
@@ -58,32 +53,35 @@ def record_of_full(
     why: str,
 ) -> dict[str, Any]:
     """Record of a sweep that was solved in full at each point, with its warnings."""
-    solved = [result for result in results if result is not None]
     runs = [
-        (dict(zip(points.names, at, strict=True)), [w.plain() for w in result.warnings])
+        (dict(zip(points.names, at, strict=True)), result)
         for at, result in zip(points.values.tolist(), results, strict=True)
         if result is not None
     ]
-    analysis = solved[0].analysis if solved else None
-    growths = [each.modes.window.max_growth for each in solved]
-    return _common(points, spectra) | {
+    analysis = runs[0][1].analysis if runs else None
+    growths = [float(each.modes.window.max_growth) for _, each in runs]
+    growths = [each for each in growths if np.isfinite(each)]
+    told = [(at, [warning.plain() for warning in each.warnings]) for at, each in runs]
+    between = {"thresholds": _between_points(points, spectra), "unresolved": [], "resolution": 0.0}
+    return _common(points, spectra, [between], failed, growths) | {
         "max_frequency": None if analysis is None else analysis.max_frequency,
         "growth_threshold": None if analysis is None else analysis.growth_threshold,
         "why": why,
         "snapshots": [],
-        "failed": failed,
-        "complete_to": min((each for each in growths if np.isfinite(each)), default=None),
-        "certified": len(solved),
-        "thresholds": _between_points(points, spectra),
-        "unresolved": [],
-        "resolution": 0.0,
-        "warnings": merged_warnings(runs, f"values of {', '.join(points.names)}")
+        "certified": len(runs),
+        "warnings": merged_warnings(told, f"values of {', '.join(points.names)}")
         + [_told("no-answer", f"{len(failed)} full solves gave no answer")] * bool(failed),
     }
 
 
-def _common(points: Points, spectra: Spectra) -> dict[str, Any]:
-    """What the points are, and what grows at the first of them and above the window."""
+def _common(
+    points: Points,
+    spectra: Spectra,
+    lines: Sequence[Mapping[str, Any]],
+    failed: Sequence[Mapping[str, Any]],
+    growths: Sequence[float | None],
+) -> dict[str, Any]:
+    """What the points are, what grows where, and what gave no answer."""
     above = np.flatnonzero(np.isfinite(spectra.above_growth))
     fields = [
         {"name": name, "ends": list(ends)}
@@ -95,6 +93,11 @@ def _common(points: Points, spectra: Spectra) -> dict[str, Any]:
         "values": len(points.values),
         "growing_at_first": bool((spectra.growth[0] > spectra.uncertainty[0]).any()),
         "above": None,
+        "failed": failed,
+        "complete_to": min((each for each in growths if each is not None), default=None),
+        "thresholds": [each for line in lines for each in line["thresholds"]],
+        "unresolved": [each for line in lines for each in line["unresolved"]],
+        "resolution": max((line["resolution"] for line in lines), default=0.0),
     }
     if len(above):
         first = int(above[0])
@@ -148,13 +151,12 @@ def _told(kind: str, message: str) -> dict[str, Any]:
 
 def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any]]:
     """What a sweep on bases must be read with."""
-    found, count = [], data["values"]
-    left = count - data["certified"]
-    if left:
+    told: list[tuple[str, str]] = []
+    if left := data["values"] - data["certified"]:
         message = (
-            f"{left} of {count} values are not certified to {tolerance:g}, the first of them "
-            f"numbers {', '.join(map(str, data['not_certified'][:10]))}: their bounds say how far "
-            "they may be off"
+            f"{left} of {data['values']} values are not certified to {tolerance:g}, the first of "
+            f"them numbers {', '.join(map(str, data['not_certified'][:10]))}: their bounds say how "
+            "far they may be off"
         )
         if data["lost_to_rounding"]:
             message += (
@@ -162,40 +164,37 @@ def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any
                 "contact is stiff, against which no larger basis helps: full solves are not "
                 "subject to it"
             )
-        found.append(_told("not-certified", message))
+        told.append(("not-certified", message))
     if data["failed"]:
-        found.append(_told("no-answer", f"{len(data['failed'])} full solves gave no answer"))
-    if data["unresolved"]:
-        number = len(data["unresolved"])
+        told.append(("no-answer", f"{len(data['failed'])} full solves gave no answer"))
+    if number := len(data["unresolved"]):
         message = f"{number} intervals are unresolved: thresholds may be missing there"
-        found.append(_told("unresolved", message))
-    if (above := data["above"]) is not None:
+        told.append(("unresolved", message))
+    if above := data["above"]:
         at = ", ".join(f"{name} = {value:.5g}" for name, value in above["point"].items())
         message = (
             f"a mode at {above['frequency']:.6g} Hz grows by {above['growth']:.5g} 1/s at {at}: "
             f"above max_frequency = {data['max_frequency']:g} Hz; raise it"
         )
-        found.append(_told("above-window", message))
-    found += [
-        _told(
-            "cut-off",
-            f"{100 * each['cut']:.3g} % of the distribution of {each['name']} are values that it "
-            "may not have: they are cut off",
-        )
-        for each in data.get("fields", ())
-        if each["cut"]
-    ]
-    if data.get("any", {}).get("undecided"):
+        told.append(("above-window", message))
+    for each in data.get("fields", ()):
+        if each["cut"]:
+            message = (
+                f"{100 * each['cut']:.3g} % of the distribution of {each['name']} are values that "
+                "it may not have: they are cut off"
+            )
+            told.append(("cut-off", message))
+    if undecided := data.get("any", {}).get("undecided"):
         message = (
-            f"of {data['any']['undecided']} samples it is not decided whether they grow: "
-            "intervals reach as far as they would with and without these"
+            f"of {undecided} samples it is not decided whether they grow: intervals reach as far "
+            "as they would with and without these"
         )
-        found.append(_told("undecided", message))
-    if data.get("not_followed"):
+        told.append(("undecided", message))
+    if unknown := data.get("not_followed"):
         message = (
-            f"modes of {data['not_followed']} samples that grow, or may, could not be told to be "
-            "one of those in the middle: single modes have no rows where these are a tenth or more"
+            f"modes of {unknown} samples that grow, or may, could not be told to be one of those "
+            "in the middle: single modes have no rows where these are a tenth or more"
         )
-        found.append(_told("not-followed", message))
+        told.append(("not-followed", message))
     solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
-    return found + merged_warnings(solves, "full solves")
+    return [_told(*each) for each in told] + merged_warnings(solves, "full solves")

@@ -84,42 +84,38 @@ def mapped(
     """
     assembled: Assembled
     if is_of_matrices(scene):
-        assembled = matrices = AssembledMatrices(load_matrices(scene, list(overrides), data))
-        analysis: Any = matrices.scene.window
-        names = _names(matrices.driver.pencil, fields, {}, ())
+        assembled = AssembledMatrices(load_matrices(scene, list(overrides), data))
+        names = _names(assembled.driver.pencil, fields, {}, ())
     else:
         _refuse_data(data)
-        read = in_saddle_form(load_scene(scene, list(overrides)))
-        assembled = bodies = AssembledScene(read)
-        analysis = read.analysis
-        names = _names(bodies.driver.pencil, fields, read.contacts, bodies.bonded)
-        moved = [name for each in names for name in each if bodies.depends_on_state([name])]
-        if moved:
-            bodies.free()
-            raise NoMapError("axis", moved[0], "no parameter that moves a state of steady sliding")
+        assembled = AssembledScene(in_saddle_form(load_scene(scene, list(overrides))))
+        contacts, bonded = assembled.scene.contacts, assembled.bonded
+        names = _names(assembled.driver.pencil, fields, contacts, bonded)
+        for name in (name for each in names for name in each):
+            if assembled.depends_on_state([name]):
+                assembled.free()
+                raise NoMapError("axis", name, "no parameter that moves a state of steady sliding")
+    driver, window, least = assembled.driver, assembled.scene.window, list[float]()
 
     def warnings(modes: Modes, at: Mapping[str, float]) -> tuple[ResultWarning, ...]:
         if isinstance(assembled, AssembledMatrices):
             return assembled.warnings(modes)
-        return assembled.warnings(modes, analysis.max_frequency, at)
+        return assembled.warnings(modes, window.max_frequency, at)
 
-    driver, least = assembled.driver, []
     for each in names:
         meant = [driver.pencil.parameter(name) for name in each]
         signed, positive = all(p.signed for p in meant), any(p.positive for p in meant)
         least.append(-np.inf if signed else np.finfo(float).tiny if positive else 0.0)
     points = table_of(fields, least, *samples)
-    given = analysis.max_frequency, analysis.growth_threshold, analysis.min_growth
+    given = window.max_frequency, window.growth_threshold, window.min_growth
     found = Mapped(driver, points, names, as_data(assembled.scene), *given, warnings)
-    ends = [found.point(each) for each in zip(*points.ends, strict=True)]
-    for values in ends:
+    for values in (found.point(each) for each in zip(*points.ends, strict=True)):
         for name, value in values.items():
             driver.pencil.parameter(name).check(value)
-    try:  # modes that are damped one by one may be others there
-        for values in ends:
+        try:  # modes that are damped one by one may be others there
             driver.pencil.check(values)
-    except InputError as error:
-        raise no_map(error) from error
+        except InputError as error:
+            raise no_map(error) from error
     return found
 
 
@@ -161,63 +157,40 @@ class InFull:
         self, scene: str | Path, fields: Sequence[Field], overrides: Sequence[str], data: str | None
     ) -> None:
         self.points = table_of(fields, [-np.inf] * len(fields), 0, 0)
-        first = dict(zip(self.points.names, self.points.values[0].tolist(), strict=True))
-        self._assembled = _assembled(scene, first, overrides, data)
-        self._paths = [self._meant(name, value) for name, value in first.items()]
-        no_two_alike(self._paths, self.points.names)
+        names = self.points.names
+        first = zip(names, self.points.values[0].tolist(), strict=True)
+        at_first = [*overrides, *(f"{n}={value!r}" for n, value in first if not means_several(n))]
+        self._assembled: Assembled
+        stiffnesses, bonded = [dict[str, float]() for _ in names], list[str]()
+        if is_of_matrices(scene):
+            self._assembled = AssembledMatrices(load_matrices(scene, at_first, data))
+        else:
+            _refuse_data(data)
+            try:
+                read = load_scene(scene, list(overrides))
+            except SceneError:  # a field may be given by the sweep alone
+                read = load_scene(scene, at_first)
+            stiffnesses = [stiffnesses_meant(read.contacts, name) for name in names]
+            self._assembled = AssembledScene(read)
+            bonded = self._assembled.bonded
+        self._paths = []
+        for name, p in zip(names, stiffnesses, strict=True):
+            meant = [f"contacts.{contact}.p" for contact in p] or [name]
+            if means_several(name) and not p:
+                meant = parameters_meant(self._assembled.driver.pencil, name, bonded)
+            self._paths.append(meant)
+        no_two_alike(self._paths, names)
 
     def run(self, values: Sequence[float]) -> Result:
         """Modes at a value of each field; of parameters as maps take them."""
-        changed = {
-            path: float(value)
-            for value, paths in zip(values, self._paths, strict=True)
-            for path in paths
-        }
+        pairs = zip(values, self._paths, strict=True)
+        changed = {path: float(value) for value, paths in pairs for path in paths}
         assembled = self._assembled
-        if isinstance(assembled, AssembledScene) and set(changed) <= set(
-            assembled.driver.pencil.parameters
-        ):
+        known = set(changed) <= set(assembled.driver.pencil.parameters)
+        if isinstance(assembled, AssembledScene) and known:
             return assembled.modes_at(changed)
         return assembled.modes(changed)
-
-    def _meant(self, name: str, value: float) -> list[str]:
-        """Paths of the fields that change together."""
-        if not means_several(name):
-            return [name]
-        bonded: Sequence[str] = ()
-        if isinstance(self._assembled, AssembledScene):
-            p = stiffnesses_meant(self._assembled.scene.contacts, name)
-            if p:
-                return [f"contacts.{each}.p" for each in p]
-            bonded = self._assembled.bonded
-        try:
-            return parameters_meant(self._assembled.driver.pencil, name, bonded)
-        except InputError as error:
-            raise InputError(name, value, error.allowed) from error
 
     def free(self) -> None:
         """Free factors."""
         self._assembled.free()
-
-
-def _assembled(
-    scene: str | Path, first: Mapping[str, float], overrides: Sequence[str], data: str | None
-) -> Assembled:
-    """A scene as it is, or at the first values of fields that are no parameters."""
-    single = {name: value for name, value in first.items() if not means_several(name)}
-    at_first = [*overrides, *(f"{name}={value!r}" for name, value in single.items())]
-    if is_of_matrices(scene):
-        return AssembledMatrices(load_matrices(scene, at_first, data))
-    _refuse_data(data)
-    try:
-        read = load_scene(scene, list(overrides))
-    except SceneError:  # a field may be given by the sweep alone
-        read = load_scene(scene, at_first)
-    for name in first:
-        stiffnesses_meant(read.contacts, name)  # refuses p that is a field
-    assembled = AssembledScene(read)
-    others = {n: v for n, v in single.items() if n not in assembled.driver.pencil.parameters}
-    if not others:
-        return assembled
-    assembled.free()
-    return AssembledScene(read.change(others))

@@ -74,7 +74,7 @@ class Spectra:
     @classmethod
     def joined(cls, parts: Sequence[tuple[Ints, "Spectra"]], count: int) -> "Spectra":
         """Of so many points, from parts with the numbers of their points."""
-        width = max(part.growth.shape[1] for _, part in parts)
+        width = max(1, *(part.growth.shape[1] for _, part in parts))
         whole = {}
         for each in fields(cls):
             arrays = [_widened(getattr(part, each.name), width) for _, part in parts]

@@ -21,7 +21,7 @@ from cea.reduced.window import Window
 from comparisons.sweep.points import Axis, Box, Field, Points, boxes_of
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
-from comparisons.sweep.scene import InFull, Mapped, mapped, no_map
+from comparisons.sweep.scene import InFull, Mapped, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
 from scenes import Result
@@ -158,85 +158,64 @@ class _Run:
         return Spectra.joined(made, len(self._scene.points.values)), intervals
 
     def _box(self, number: int, box: Box) -> list[_Part]:
-        """All parts of a box, those that were stored among them."""
-        name, tolerance = f"box-{number:03d}", self._asked.tolerance
-        names = [f"{name}-part-{i:05d}" for i in range(len(box.parts))]
+        """All parts of a box; those that were stored are made anew where a bound is too large."""
+        tolerance = self._asked.tolerance
+        names = [f"box-{number:03d}-part-{i:05d}" for i in range(len(box.parts))]
         done = {i: kept for i, each in enumerate(names) if (kept := self._store.part(each))}
-        summary = self._store.part(name)
-        if summary is None or len(done) < len(names):
-            basis = self._basis(box)
-            try:
-                while True:
-                    done = {i: e for i, e in done.items() if e[1]["worst"].max() <= tolerance}
-                    self._make(box, names, basis, done)
-                    worst = np.concatenate([done[i][1]["worst"] for i in range(len(names))])
-                    order = np.argsort(-worst, kind="stable")
-                    order = order[worst[order] > tolerance][:_AT_ONCE]
-                    if not len(order) or len(basis.solves) >= self._asked.most:
-                        break
-                    settings, size = basis.model.small.settings, basis.model.size
-                    points = [self._point(i) for i in np.concatenate(box.parts)[order].tolist()]
-                    failed = [dict(point) for point, _ in basis.failed]
-                    basis.cover([point for point in points if point not in failed])
-                    if basis.model.size == size:
-                        break
-                    if basis.model.small.settings != settings:
-                        done.clear()
-            finally:
-                basis.model.free()
-            told = {
-                "vectors": basis.model.size,
-                "solves": [{"tested": e.error_over_bound, **e.about} for e in basis.solves],
-                "failed": [{"point": dict(at), "reason": why} for at, why in basis.failed],
-            }
-            summary = told, {}
-            if MPI.COMM_WORLD.rank == 0:
-                self._store.keep(name, *summary)
-        self.bases.append(summary[0])
+        basis = self._basis(box)
+        try:
+            self._fill(basis, box)
+            while True:
+                done = {i: e for i, e in done.items() if e[1]["worst"].max() <= tolerance}
+                self._make(box, names, basis, done)
+                worst = np.concatenate([done[i][1]["worst"] for i in range(len(names))])
+                order = np.argsort(-worst, kind="stable")
+                order = order[worst[order] > tolerance][:_AT_ONCE]
+                settings, size = basis.model.small.settings, basis.model.size
+                points = [self._point(i) for i in np.concatenate(box.parts)[order].tolist()]
+                unanswered = [each["point"] for each in basis.failed]
+                basis.cover([point for point in points if point not in unanswered])
+                if basis.model.size == size:
+                    break
+                if basis.model.small.settings != settings:
+                    done.clear()
+        finally:
+            basis.model.free()
+        told = {"vectors": basis.model.size, "solves": basis.solves, "failed": basis.failed}
+        self.bases.append(told)
         return [done[i] for i in range(len(names))]
 
     def _basis(self, box: Box) -> Enrichment:
-        """A basis whose bounds are small at the training points of a box, and full solves agree.
-
-        Raises ConvergenceError when the last full solves passed the bounds.
-        """
+        """A basis of a box with nothing in it yet."""
         scene, asked = self._scene, self._asked
         low, high = (scene.point(each) for each in zip(*box.ends, strict=True))
         ends = {name: (low[name], high[name]) for name in low}
-        try:
-            model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
-        except InputError as error:
-            raise no_map(error) from error
-        basis = Enrichment(
-            model,
-            scene.driver,
-            asked.tolerance,
-            asked.most,
-            scene.warnings,
-            self._begin,
-            self._store.keep_solve,
-        )
-        try:
-            for solve in self._store.solves():
-                at = solve.point
-                if all(low[name] <= at[name] <= high[name] for name in ends):
-                    basis.take(solve)
-            own = np.concatenate(box.parts)
-            checked = self._checked[np.isin(self._checked, own)]
-            while True:
-                basis.cover([self._point(i) for i in box.training], _AT_FIRST * asked.tolerance)
-                spent = len(basis.solves) >= asked.most
-                if spent or basis.stands([self._point(i) for i in checked]):
-                    return basis
-                if len(basis.solves) >= asked.most:
-                    raise ConvergenceError(
-                        "full solves found modes or errors that the reduced model had not told of; "
-                        "a lower max_frequency may help"
-                    )
-                checked = self._generator.choice(own, size=len(checked))
-        except BaseException:
-            model.free()
-            raise
+        model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
+        settings = asked.tolerance, asked.most, scene.warnings
+        return Enrichment(model, scene.driver, *settings, self._begin, self._store.keep_solve)
+
+    def _fill(self, basis: Enrichment, box: Box) -> None:
+        """Solve until bounds are small at the training points of a box, and full solves agree.
+
+        Raises ConvergenceError when the last full solves passed the bounds.
+        """
+        asked, own = self._asked, np.concatenate(box.parts)
+        low, high = (self._scene.point(each) for each in zip(*box.ends, strict=True))
+        for solve in self._store.solves():
+            if all(low[name] <= value <= high[name] for name, value in solve.point.items()):
+                basis.take(solve)
+        checked = self._checked[np.isin(self._checked, own)]
+        while True:
+            basis.cover([self._point(i) for i in box.training], _AT_FIRST * asked.tolerance)
+            spent = len(basis.solves) >= asked.most
+            if spent or basis.stands([self._point(i) for i in checked]):
+                return
+            if len(basis.solves) >= asked.most:
+                raise ConvergenceError(
+                    "full solves found modes or errors that the reduced model had not told of; "
+                    "a lower max_frequency may help"
+                )
+            checked = self._generator.choice(own, size=len(checked))
 
     def _begin(self, point: Mapping[str, float]) -> None:
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
@@ -265,7 +244,10 @@ class _Run:
         scene, spectra, rows = self._scene, list[ReducedSpectrum](), []
         for values in (self._values(int(number)) for number in numbers):
             found = small.at(values)
-            moved = [small.derivatives(found.window, values, names) for names in scene.names]
+            window, own = small.settings.window, found.window
+            moved = [
+                window.root_slopes(own.z, small.slopes(own, values, names)) for names in scene.names
+            ]
             alike = np.full(len(found), -1) if middle is None else continued(middle, found)
             slopes = np.stack(moved, axis=1)
             rows.append(row_of_model(found, slopes, alike, scene.growth_threshold))
@@ -297,8 +279,8 @@ class _Run:
     def confirm(self, thresholds: list[dict[str, Any]], most: int) -> None:
         """Solve in full at some thresholds, far apart, and note by how much they differ."""
         scene = self._scene
-        level = scene.growth_threshold or 0.0
-        window = Window(2 * np.pi * scene.max_frequency, scene.pencil.damped, level)
+        level, damped = scene.growth_threshold or 0.0, scene.pencil.damped
+        window = Window.up_to(scene.max_frequency, damped=damped, level=level)
         chosen = np.linspace(0, len(thresholds) - 1, min(most, len(thresholds))).round()
         for number in np.unique(chosen).astype(int).tolist():
             self._progress(f"threshold {number + 1} of {len(thresholds)}, solved in full")

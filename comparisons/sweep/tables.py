@@ -1,5 +1,7 @@
 """What a sweep says: its first lines, its tables, the sections of its page."""
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -115,23 +117,17 @@ def thresholds(made: Swept) -> pd.DataFrame:
     """A row for each threshold, and one for each interval that is unresolved."""
     first, *others = made.points.names
     rows = []
-    for each in made.record["thresholds"]:
-        what, full = _WHAT[each["kind"]][each["change"] < 0], each.get("full_solve_differs")
-        rows.append((each, each["value"], each["error"], what, full))
-    for each in made.record["unresolved"]:
-        what = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
-        middle, half = (each["high"] + each["low"]) / 2, (each["high"] - each["low"]) / 2
-        rows.append((each, middle, half, what, None))
-    return pd.DataFrame(
-        [
-            {name: each[name] for name in others}
-            | {first: value, "bound": bound}
-            | {"frequency": None if each["im"] is None else each["im"] / (2 * np.pi)}
-            | {"what": what, "full": full}
-            for each, value, bound, what, full in rows
-        ],
-        columns=[*others, first, "bound", "frequency", "what", "full"],
-    )
+    for each in (*made.record["thresholds"], *made.record["unresolved"]):
+        if "kind" in each:
+            value, bound, what = each["value"], each["error"], _WHAT[each["kind"]]
+            told = what[each["change"] < 0]
+        else:
+            value, bound = (each["high"] + each["low"]) / 2, (each["high"] - each["low"]) / 2
+            told = f"unresolved; growing eigenvalues {each['before']} before, {each['after']} after"
+        frequency = None if each["im"] is None else each["im"] / (2 * np.pi)
+        place = [*(each[name] for name in others), value]
+        rows.append([*place, bound, frequency, told, each.get("full_solve_differs")])
+    return pd.DataFrame(rows, columns=[*others, first, "bound", "frequency", "what", "full"])
 
 
 def full_solves(made: Swept) -> pd.DataFrame:
@@ -168,53 +164,51 @@ def summary(made: Swept) -> pd.DataFrame:
     )
 
 
+def _places(made: Swept, chosen: Any = slice(None)) -> pd.DataFrame:
+    """The fields at chosen points."""
+    return pd.DataFrame(made.points.values[chosen], columns=[*made.points.names])
+
+
 def values(made: Swept) -> pd.DataFrame:
     """A row for each point: how many modes grow, the fastest, the bound, what it warns of."""
-    data, points, spectra = made.record, made.points, made.spectra
-    frame = pd.DataFrame(points.values, columns=[*points.names])
+    data, spectra, frame = made.record, made.spectra, _places(made)
     reasons = {tuple(each["point"].values()): each["reason"] for each in data["failed"]}
-    rates = np.where(spectra.there, spectra.growth, -np.inf)
-    rows = np.arange(len(rates))
-    top = rates.argmax(axis=1) if rates.shape[1] else None
-    nothing = np.full(len(rates), np.nan)
-    places = [dict(zip(points.names, each, strict=True)) for each in points.values.tolist()]
+    top = np.arange(len(frame)), np.where(spectra.there, spectra.growth, -np.inf).argmax(axis=1)
+    points = frame.to_dict("records")
     return frame.assign(
         modes=spectra.there.sum(axis=1),
         **{
             word.replace(" ", "_"): (spectra.verdict == WORDS.index(word)).sum(axis=1)
             for word in GROWING
         },
-        growth=nothing if top is None else spectra.growth[rows, top],
-        frequency=nothing if top is None else spectra.frequency[rows, top],
-        bound=nothing if "why" in data else spectra.bound,
-        warnings=[", ".join(kinds_at(data.get("warnings", ()), at)) for at in places],
-        no_answer=[reasons.get(tuple(at.values()), "") for at in places],
+        growth=spectra.growth[top],
+        frequency=spectra.frequency[top],
+        bound=np.nan if "why" in data else spectra.bound,
+        warnings=[", ".join(kinds_at(data.get("warnings", ()), at)) for at in points],
+        no_answer=[reasons.get(tuple(at.values()), "") for at in points],
     )
 
 
 def modes(made: Swept) -> pd.DataFrame:
     """A row for each mode at each point."""
-    points, spectra = made.points, made.spectra
-    point, mode = np.nonzero(spectra.there)
+    there = np.nonzero(made.spectra.there)
     names = ("frequency", "growth", "uncertainty", "mean_error")
-    return pd.DataFrame(points.values[point], columns=[*points.names]).assign(
-        **{name: getattr(spectra, name)[point, mode] for name in names},
-        verdict=np.array(WORDS)[spectra.verdict[point, mode]],
+    return _places(made, there[0]).assign(
+        **{name: getattr(made.spectra, name)[there] for name in names},
+        verdict=np.array(WORDS)[made.spectra.verdict[there]],
     )
 
 
 def sensitivities(made: Swept) -> pd.DataFrame:
     """A row for the fastest growing mode of each point, where one grows."""
-    points, spectra = made.points, made.spectra
+    spectra = made.spectra
     rows = np.flatnonzero(np.isfinite(spectra.largest))
     unstable = np.where(spectra.verdict[rows] == UNSTABLE, spectra.growth[rows], -np.inf)
-    top = unstable.argmax(axis=1) if len(rows) else rows
-    frame = pd.DataFrame(points.values[rows], columns=[*points.names]).assign(
-        frequency=spectra.frequency[rows, top], growth=spectra.growth[rows, top]
-    )
-    for i, name in enumerate(points.names):
-        frame[f"d growth / d {name}"] = spectra.growth_slope[rows, top, i]
-        frame[f"d frequency / d {name}"] = spectra.frequency_slope[rows, top, i]
+    top = rows, unstable.argmax(axis=1)
+    frame = _places(made, rows).assign(frequency=spectra.frequency[top], growth=spectra.growth[top])
+    for i, name in enumerate(made.points.names):
+        frame[f"d growth / d {name}"] = spectra.growth_slope[top][:, i]
+        frame[f"d frequency / d {name}"] = spectra.frequency_slope[top][:, i]
     return frame
 
 

@@ -12,7 +12,7 @@ from cea.timing import StageTimer
 from scenes.building.build import below, build_bodies, build_contacts, build_interfaces
 from scenes.checking.memory import check_memory, dofs_of
 from scenes.checking.skipped import skipped_by
-from scenes.checking.warnings import warnings_of
+from scenes.checking.warnings import doubtful_numbers, warnings_of
 from scenes.spec.problems import Faults
 from scenes.spec.reading import Scene
 
@@ -81,8 +81,10 @@ def inspect_scene(scene: Scene) -> Inspection:
             halves |= {half.name: half for half in contacts}
         except InputError as error:
             faults.append(error)
-    warnings = tuple(warnings_of(scene, bodies, [] if faults else list(halves.values())))
-    return Inspection(scene, faults, skipped_by(scene), warnings, bodies, halves)
+    found = doubtful_numbers(scene)
+    if bodies:
+        found = warnings_of(scene, bodies, [] if faults else list(halves.values()))
+    return Inspection(scene, faults, skipped_by(scene), tuple(found), bodies, halves)
 
 
 def gaps(half: Contact) -> np.ndarray:

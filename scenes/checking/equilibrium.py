@@ -36,7 +36,7 @@ from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import LEFT_OVER
 from cea.system.steady_state import ContactState, SteadySliding
 from scenes.checking.warnings import left_alone, warning
-from scenes.spec.body import IgaMesh
+from scenes.spec.mesh import IgaMesh
 from scenes.spec.reading import Scene
 
 Warnings = Iterator[ResultWarning]

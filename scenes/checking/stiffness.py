@@ -5,7 +5,8 @@ from math import inf
 
 from cea.contact.contact import Contact
 from cea.expressions import Expression, evaluate
-from meshes.shapes import Shape, VentilatedDisc
+from meshes.shapes import VentilatedDisc
+from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
@@ -30,13 +31,6 @@ _LUMPED: dict[tuple[str, int], float] = {
 Both are errors of growth rates in `uses.csv` of `cea study accuracy`, where p in units of each
 problem is a relative stiffness of 6 in blocks and drum, of 1 in ring.
 """
-_ENDS = {
-    "x": ("x_min", "x_max"),
-    "y": ("y_min", "y_max"),
-    "z": ("z_min", "z_max", "bottom", "top", "hub_bottom", "hub_top"),
-    "r": ("inner", "outer", "bore", "hub_side"),
-}
-"""Surfaces that end a body along each direction of its shape."""
 
 
 def limit_of(scene: Scene, spec: ContactSpec) -> float:
@@ -62,7 +56,7 @@ def relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact
     compliance = 0.0
     for side in (spec.a, spec.b):
         body, surface = side.split(".")
-        depth = _depth(scene.bodies[body].geometry, surface) or width
+        depth = _depth(scene.bodies[body], surface) or width
         compliance += min(depth, width) / scene.bodies[body].material.means[0]
     return mean_stiffness(spec, halves) * compliance
 
@@ -78,13 +72,13 @@ def mean_stiffness(spec: ContactSpec, halves: Sequence[Contact]) -> float:
     return spec.p if spec.p is not None else (spec.P or 0.0) / area
 
 
-def _depth(shape: Shape, surface: str) -> float | None:
+def _depth(body: BodySpec, surface: str) -> float | None:
     """Extent (m) of a body across one of its surfaces; None where its shape does not say."""
+    shape, face = body.geometry, body.faces.get(surface)
     if isinstance(shape, VentilatedDisc):
         return shape.depth(surface)
-    if shape.shape in ("patches", "nurbs_file"):
+    direction = face.direction if face is not None else {"hub_side": "r"}.get(surface)
+    if direction is None or direction == "theta":
         return None
-    for direction, (low, high) in zip(shape.directions, shape.extent, strict=True):
-        if surface in _ENDS.get(direction, ()):
-            return high - low
-    return None
+    low, high = shape.extent[shape.directions.index(direction)]
+    return high - low

@@ -14,10 +14,10 @@ from meshes.edge_layers import RATIO, fit
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.refinement.singular_edges import SingularEdges, singular_edges
-from scenes.spec.body import Backend, BodySpec, FeMesh, IgaMesh, MeshSpec
-from scenes.spec.consistency import cross_checks
+from scenes.spec.body import Backend, BodySpec
+from scenes.spec.consistency import consistent
 from scenes.spec.contact import ContactSpec
-from scenes.spec.problems import SceneError
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene
 
 
@@ -41,13 +41,7 @@ def on_backend_of_shapes(scene: Scene, backend: Backend) -> Scene:
         name: body if from_file(body) else replace(body, backend=backend)
         for name, body in scene.bodies.items()
     }
-    return _without_faults(replace(scene, bodies=bodies))
-
-
-def _without_faults(scene: Scene) -> Scene:
-    if faults := list(cross_checks(scene)):
-        raise SceneError(faults)
-    return scene
+    return consistent(replace(scene, bodies=bodies))
 
 
 def from_file(body: BodySpec) -> bool:
@@ -73,7 +67,7 @@ def refined(scene: Scene, backend: Backend, resolution: Resolution) -> Scene:
     given = on_backend_of_shapes(scene, backend)
     contacts = {name: _accurate(contact) for name, contact in given.contacts.items()}
     bodies = {name: _refined(given, name, resolution) for name in given.bodies}
-    return _without_faults(replace(given, bodies=bodies, contacts=contacts))
+    return consistent(replace(given, bodies=bodies, contacts=contacts))
 
 
 def moved_to_mortar(scene: Scene) -> dict[str, str]:
@@ -94,8 +88,6 @@ def _accurate(contact: ContactSpec) -> ContactSpec:
 
 def _is_structured(body: BodySpec) -> bool:
     """Whether the mesh of a body follows coordinates of its shape."""
-    if not hasattr(body.geometry, "extent"):
-        return False
     return body.division is not None and getattr(body.division, "size", None) is None
 
 

@@ -16,18 +16,6 @@ from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
-_ENDS = {"min": 0, "max": 1}
-_NAMED = {
-    "inner": ("r", 0),
-    "outer": ("r", 1),
-    "bore": ("r", 0),
-    "start": ("theta", 0),
-    "end": ("theta", 1),
-    "bottom": ("z", 0),
-    "top": ("z", 1),
-    "hub_bottom": ("z", 0),
-    "hub_top": ("z", 1),
-}
 _COMPONENTS = {"r": ("radial",), "theta": ("circumferential",), "z": ("z", "axial")}
 """Components along a direction that bear other names than it."""
 _STIFF = 1.0
@@ -40,8 +28,6 @@ Place = tuple[str, float]
 """A direction and a coordinate along it."""
 Edge = tuple[Place, Place]
 """The two places that an edge lies at."""
-_Face = tuple[str, int]
-"""The direction across which a face lies, and at which of its ends."""
 
 
 @dataclass(frozen=True)
@@ -64,11 +50,9 @@ class SingularEdges:
 def singular_edges(scene: Scene, name: str) -> SingularEdges:
     """Singular edges of a body, and coordinates inside it at which pressure ends.
 
-    Empty where nothing is singular, or the shape has no coordinates along its faces.
+    Empty where nothing is singular, or the shape has no faces across coordinates.
     """
     body = scene.bodies[name]
-    if not hasattr(body.geometry, "extent"):
-        return SingularEdges()
     found = [
         *_clamped(body),
         *_contact_edges(scene, name),
@@ -87,23 +71,6 @@ def _by_direction(places: list[Place]) -> dict[str, tuple[float, ...]]:
 
 def _ranges(shape: Shape) -> dict[str, tuple[float, float]]:
     return dict(zip(shape.directions, shape.extent, strict=True))
-
-
-def _face_of(shape: Shape, surface: str) -> _Face | None:
-    """Which face a surface is; None where it is no face across a direction."""
-    name, _, end = surface.partition("_")
-    if end in _ENDS and name in shape.directions:
-        return name, _ENDS[end]
-    face = _NAMED.get(surface)
-    return face if face is not None and face[0] in shape.directions else None
-
-
-def _place_of(shape: Shape, surface: str, face: _Face) -> Place:
-    """Where a face lies."""
-    direction, end = face
-    if isinstance(shape, Hub) and surface in ("bottom", "top"):
-        return direction, (shape.bottom, shape.top)[end]
-    return direction, _ranges(shape)[direction][end]
 
 
 def _clamped(body: BodySpec) -> Iterator[Edge]:
@@ -136,25 +103,24 @@ def _is_stiff(scene: Scene, contact: ContactSpec) -> bool:
 
 def _edges(body: BodySpec, surface: str) -> Iterator[Edge]:
     """Where the ends of free faces meet a face."""
-    shape = body.geometry
-    face = _face_of(shape, surface)
+    shape, face, held = body.geometry, body.faces.get(surface), _held(body)
     if face is None:
         return
-    held, at = _held(body), _place_of(shape, surface, face)
+    at = face.direction, face.at
     for direction, ends in _ranges(shape).items():
-        if direction == face[0] or (isinstance(shape, CLOSED) and direction == "theta"):
+        if direction == face.direction or (isinstance(shape, CLOSED) and direction == "theta"):
             continue
         yield from ((at, (direction, ends[end])) for end in (0, 1) if (direction, end) not in held)
 
 
-def _held(body: BodySpec) -> set[_Face]:
-    """Faces held along their normal."""
+def _held(body: BodySpec) -> set[tuple[str, int]]:
+    """Directions and ends of faces held along their normal."""
     held = set()
     for support in body.supports:
-        face = _face_of(body.geometry, support.surface)
-        along = {"normal", face[0], *_COMPONENTS.get(face[0], ())} if face is not None else set()
-        if face is not None and (not support.components or along & set(support.components)):
-            held.add(face)
+        if (face := body.faces.get(support.surface)) is not None:
+            along = {"normal", face.direction, *_COMPONENTS.get(face.direction, ())}
+            if not support.components or along & set(support.components):
+                held.add((face.direction, face.end))
     return held
 
 
@@ -168,24 +134,22 @@ def _boundaries_on(scene: Scene, name: str, *, stiff: bool) -> Iterator[Edge]:
     for contact in scene.contacts.values():
         owner, _, surface = contact.b.partition(".")
         other = scene.bodies[contact.a.partition(".")[0]]
-        face = _face_of(body.geometry, surface) if owner == name else None
+        face = body.faces.get(surface) if owner == name else None
         if face is None or not _aligned(body, other) or (stiff and not _is_stiff(scene, contact)):
             continue
-        at, theirs = _place_of(body.geometry, surface, face), _ranges(other.geometry)
+        at, theirs = (face.direction, face.at), _ranges(other.geometry)
         for direction, (low, high) in _ranges(body.geometry).items():
             closed = isinstance(other.geometry, CLOSED) and direction == "theta"
             margin = _WITHIN * (high - low)
-            for coordinate in () if closed or direction == face[0] else theirs[direction]:
+            for coordinate in () if closed or direction == face.direction else theirs[direction]:
                 if low + margin < coordinate < high - margin:
                     yield at, (direction, coordinate)
 
 
 def _aligned(body: BodySpec, other: BodySpec) -> bool:
     """Whether two bodies stand as their shapes do, and have the same directions."""
-    shapes = (body.geometry, other.geometry)
     as_shaped = all(each.placement == Placement() for each in (body, other))
-    alike = shapes[0].directions == shapes[1].directions
-    return as_shaped and alike and all(hasattr(shape, "extent") for shape in shapes)
+    return as_shaped and body.geometry.directions == other.geometry.directions
 
 
 def _re_entrant(shape: Shape) -> Iterator[Edge]:

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array, eye_array, kron, vstack
 from cea.arrays import Complexes
 from cea.body.body import free_operator
 from cea.eigen.blocks import times
-from cea.eigen.multipliers import with_circulatory
+from cea.eigen.multipliers import with_unformed
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
 from cea.matrices import destroy, local_part, scaled_total
@@ -86,7 +86,8 @@ def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[
     if low_rank is not None:
         sums |= _whole("W", csr_array(low_rank.vectors), comm)
     if circulatory is not None:
-        full = with_circulatory(None, circulatory)
+        full = with_unformed(None, circulatory.unknowns())
+        assert full is not None
         left = full.reaction.transpose(PETSc.Mat())
         for name, matrix in (("L", left), ("N", full.compliance), ("J", full.closure)):
             sums |= _whole(name, local_part(matrix), comm)

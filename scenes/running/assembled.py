@@ -217,8 +217,7 @@ class AssembledScene:
             return changed, coupled(changed, **options)[0]
 
         state = _FollowedState(max(abs(real), abs(flutter)), lambda value: at(value)[1].pencil())
-        end = 2 * np.pi * self.scene.window.max_frequency
-        window = Window(end, pencil.damped, decay=0.1 * end)
+        window = Window.up_to(self.scene.window.max_frequency, damped=pencil.damped)
         found = threshold_between(line_in_full(state, window), real, flutter, frequency)
         told = tuple(system_warnings(*at(found.value)))
         parameter, spent = ", ".join(names), (state.solves, state.factorisations)

@@ -5,7 +5,8 @@ from typing import Literal, get_args
 
 from cea.errors import InputError
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import BodySpec
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.reading import Scene
 
 Enrichment = Literal["degree", "bisection", "smooth"]

@@ -8,8 +8,7 @@ from cea.eigen.pencil import release
 from cea.errors import InputError
 from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import Prolongation, of_body, of_system
-from cea.timing import StageTimer
-from scenes.building.build import build_bodies, made_of
+from scenes.building.build import Built, made_of
 from scenes.checking.memory import factors_of
 from scenes.results.result import Result
 from scenes.running.enrich import richer_scene
@@ -63,8 +62,8 @@ def estimate_errors(
         known: RunOptions = {"bodies": result.bodies, "interfaces": result.interfaces}
         known["listener"] = listener
         result = run_modes(own, left=True, **known)
-    bodies = _with_those_of(result, scene, listener)
-    system, _, timer = coupled(scene, bodies=bodies, listener=listener)
+    same = Built(result.bodies, {name: made_of(own, name) for name in own.bodies})
+    system, _, timer = coupled(scene, bodies=same, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
         step = prolongation(result.bodies, system.bodies)
@@ -75,14 +74,3 @@ def estimate_errors(
     finally:
         step.free()
         release(matrices)
-
-
-def _with_those_of(
-    result: Result, scene: Scene, listener: Callable[[str], None] | None
-) -> dict[str, Body]:
-    """Bodies of a scene; those of a result that are the same, with their matrices."""
-    own = result.scene
-    same = {n for n in own.bodies if n in scene.bodies and made_of(scene, n) == made_of(own, n)}
-    others = {name: body for name, body in scene.bodies.items() if name not in same}
-    made = build_bodies(replace(scene, bodies=others), StageTimer(listener))
-    return {name: result.bodies[name] if name in same else made[name] for name in scene.bodies}

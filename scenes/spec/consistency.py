@@ -17,8 +17,9 @@ from meshes.breaks import breaks_of
 from meshes.edge_layers import check_room, run_along
 from meshes.mesh_file import MeshFile
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
-from scenes.spec.body import BodySpec, FeMesh, IgaMesh, MeshSpec
+from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec, suits
+from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
 from scenes.spec.plain import leaves
 from scenes.spec.problems import Faults
 
@@ -57,8 +58,8 @@ _Tensor = Callable[[Floats, Floats, Floats], Floats]
 _NEEDS = "left out where no contact has c_n: no state of steady sliding is sought"
 
 
-def cross_checks(scene: Scene) -> Faults:
-    """Faults between fields, each of which is right by itself."""
+def consistent[S: Any](scene: S) -> S:
+    """The scene; a SceneError where its fields, each of which is right, do not suit each other."""
     faults = Faults()
     need = faults.require
     _limit_checks(faults, scene)
@@ -86,7 +87,8 @@ def cross_checks(scene: Scene) -> Faults:
             _length_checks(faults, lists, scene.bodies[load.on].dim, "the components")
     if not scene.slides_steadily:
         _steady_checks(faults, scene)
-    return faults
+    faults.refuse()
+    return scene
 
 
 def _limit_checks(faults: Faults, scene: Scene) -> None:

@@ -15,7 +15,7 @@ from pydantic import ConfigDict, Field, TypeAdapter
 from cea.contact.formulations import Formulation, registered
 from cea.errors import InputError, require
 from scenes.spec.body import Backend, BodySpec, LoadSpec
-from scenes.spec.consistency import cross_checks
+from scenes.spec.consistency import consistent
 from scenes.spec.contact import ContactSpec
 from scenes.spec.plain import changed, checked, scene_file, tables_of
 from scenes.spec.problems import SceneError
@@ -219,9 +219,7 @@ class Scene:
         SceneError
             When a body has no mesh there, or a formulation does not suit it.
         """
-        scene = on_backend(self, backend)
-        cross_checks(scene).refuse()
-        return scene
+        return consistent(on_backend(self, backend))
 
 
 def on_backend(scene: Scene, backend: Backend) -> Scene:
@@ -278,9 +276,7 @@ def read_scene(data: Mapping[str, Any]) -> Scene:
         With one line for each fault: those of single fields, and when these are right those
         between fields.
     """
-    scene = checked(_adapter(tuple(registered().values())), data)
-    cross_checks(scene).refuse()
-    return scene
+    return consistent(checked(_adapter(tuple(registered().values())), data))
 
 
 @cache

@@ -1,5 +1,6 @@
 """Reduced models, damped and not: bounds that neither full nor dense solves ever pass."""
 
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -25,7 +26,6 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION
 from cea.errors import InputError
-from cea.reduced.basis import Span
 from cea.reduced.greedy import TOLERANCE, largest_ratio
 from cea.reduced.model import Snapshot
 from cea.reduced.pieces import Pieces
@@ -61,18 +61,17 @@ def damped_pencil(backend, values=None, **contact):
 
 @pytest.fixture(scope="module")
 def maps():
-    """Maps over friction, stiffness and damping for each backend, made once."""
-    made = {}
+    """Maps over friction, stiffness and damping, made once."""
 
+    @cache
     def of(kind, backend):
-        if (kind, backend) not in made:
-            pencil = (damped_pencil if kind == "damped" else blocks_pencil)(backend)
-            built, box = enrichment(pencil, BOXES[kind], TOP), BOXES[kind]
-            points = product(*TRAINING[kind])
-            points = [dict(zip(box, map(float, each), strict=True)) for each in points]
-            assert built.cover(points) <= built.tolerance
-            made[kind, backend] = built
-        return made[kind, backend]
+        pencil = (damped_pencil if kind == "damped" else blocks_pencil)(backend)
+        built, box = enrichment(pencil, BOXES[kind], TOP), BOXES[kind]
+        points = [
+            dict(zip(box, map(float, each), strict=True)) for each in product(*TRAINING[kind])
+        ]
+        assert built.cover(points) <= built.tolerance
+        return built
 
     return of
 
@@ -82,7 +81,7 @@ def maps():
 def test_values_between_full_solves_are_those_of_full_solves(maps, kind, backend):
     built = maps(kind, backend)
     assert len(built.solves) < 12
-    tested = [e.error_over_bound for e in built.solves if e.error_over_bound is not None]
+    tested = [e["tested"] for e in built.solves if e["tested"] is not None]
     assert 0 < max(tested) <= 1
     full, settings = EigenSolver(built.model.pencil), built.model.small.settings
     for _ in range(4):
@@ -104,19 +103,24 @@ def test_values_between_full_solves_are_those_of_full_solves(maps, kind, backend
 
 
 @pytest.mark.parametrize(
-    ("damped", "seed"),
+    ("damped", "seed", "lowered"),
     [
-        (False, 0),
-        (False, 1),
-        (False, 2),
-        (True, 0),
-        pytest.param(True, 1, marks=pytest.mark.slow),
-        pytest.param(True, 2, marks=pytest.mark.slow),
+        (False, 0, 0.0),
+        (False, 1, 0.0),
+        (False, 2, 0.0),
+        (False, 3, 4.0),
+        (True, 0, 0.0),
+        (True, 3, 4.0),
+        pytest.param(True, 1, 0.0, marks=pytest.mark.slow),
+        pytest.param(True, 2, 0.0, marks=pytest.mark.slow),
     ],
 )
-def test_no_bound_is_passed_wherever_the_basis_is_poor(damped, seed):
-    """From bases that know far too little to such as know all: dense eigenvalues are the judge."""
-    pencil, dense = random_pencil(seed, damped=damped)
+def test_no_bound_is_passed_wherever_the_basis_is_poor(damped, seed, lowered):
+    """From bases that know far too little to such as know all: dense eigenvalues are the judge.
+
+    Lowered by 4 the first two modes diverge.
+    """
+    pencil, dense = random_pencil(seed, damped=damped, lowered=lowered)
     ends = {FRICTION: 1.0, "Omega": 0.3} if damped else {FRICTION: 1.0}
     built = enrichment(pencil, {name: (0.0, end) for name, end in ends.items()}, 5 / (2 * np.pi))
     told = 0
@@ -203,31 +207,6 @@ def test_what_is_no_parameter_is_refused():
     pencil, _ = random_pencil(0)
     with pytest.raises(InputError, match="one of"):
         enrichment(pencil, {"speed": (0.0, 1.0)}, TOP)
-
-
-def graded(rows, columns, decades):
-    """Random columns whose singular values fall by so many decades."""
-    left, _ = np.linalg.qr(RNG.standard_normal((rows, columns)))
-    right, _ = np.linalg.qr(RNG.standard_normal((columns, columns)))
-    return left @ np.diag(np.logspace(0, -decades, columns)) @ right
-
-
-@pytest.mark.parametrize("decades", [0, 5, 11, 16])
-@pytest.mark.parametrize("tolerance", [1e-6, 1e-12])
-def test_a_span_is_orthonormal_and_leaves_out_what_it_says(maps, decades, tolerance):
-    norms = maps("undamped", "iga").model.norms
-    norm, span = norms.states, Span(norms.states)
-    for scale in (1.0, 1e9):
-        block = scale * norms.solve(graded(norm.rows, 12, decades))
-        mixed = np.hstack([block, span.vectors @ RNG.standard_normal((span.size, 3))])
-        longest = norm.lengths(mixed).max()
-        coordinates, lost = span.add(mixed, norm.image(mixed), tolerance * longest)
-        gram = span.vectors.T @ norm.image(span.vectors)
-        assert np.abs(gram - np.eye(span.size)).max() < 1e-12
-        assert lost <= tolerance * longest
-        rest = norm.lengths(mixed - span.vectors @ coordinates)
-        assert rest.max() <= lost + 1e-13 * longest
-    assert span.size <= 24
 
 
 @pytest.mark.parametrize("relative", [1e-2, 1e2])

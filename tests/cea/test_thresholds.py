@@ -86,9 +86,10 @@ def test_the_first_threshold_is_found_though_another_pair_grows_faster_at_the_en
         assert found.value == pytest.approx(value, rel=1e-12)
 
 
-def test_divergence_is_no_flutter():
+@pytest.mark.parametrize("soft", [0.05, -0.05])
+def test_divergence_is_no_flutter(soft):
     """A mode that grows without oscillation is passed over; the pair beside it is followed."""
-    stiffness, friction = np.diag(np.r_[1.0, 2.0, 0.05, 3.0, 4, 5, 6, 7]), np.zeros((8, 8))
+    stiffness, friction = np.diag(np.r_[1.0, 2.0, soft, 3.0, 4, 5, 6, 7]), np.zeros((8, 8))
     friction[0, 1], friction[1, 0] = -0.6, 0.6
     friction[2, 3], friction[3, 2] = 1.0, 0.16
     driver = driver_of(stiffness, friction)

@@ -60,6 +60,7 @@ class DenseLine:
         if self.damping is None:
             slopes = np.where(z.imag == 0, slopes.real, slopes)
         kept = np.abs(self.window.roots(z).imag) <= MARGIN * self.end
+        kept &= (z.imag >= 0) | (self.damping is None)
         numbers = np.arange(int(kept.sum()))
         return Sample(
             value, z[kept], slopes[kept], errors[kept], errors[kept], numbers, right[:, kept]
@@ -246,6 +247,15 @@ def test_growth_of_nothing_but_rounding_before_a_coalescence_is_not_lost(count):
     places = [(each.value, each.value) for each in found.thresholds]
     places += [(each.low, each.high) for each in found.unresolved]
     assert any(low - 1e-6 <= 0.31 <= high + 1e-6 for low, high in places)
+
+
+@pytest.mark.parametrize("count", [2, 5])
+def test_thresholds_of_decades_have_the_same_digits(count):
+    line = coupled_pairs([(9.0, 0.02, 0.03, 40.0)], end=4.0)
+    found = thresholds_along(line, np.geomspace(1e-2, 1e2, count).tolist(), logarithmic=True)
+    assert not found.unresolved
+    assert found.spectra < 60
+    assert [each.value for each in found.thresholds] == pytest.approx([0.03, 40.0], rel=1e-9)
 
 
 def test_a_fluttering_pair_that_three_modes_cross_stays_one():

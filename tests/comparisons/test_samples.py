@@ -5,10 +5,9 @@ from dataclasses import fields
 import numpy as np
 import pytest
 from reference_data import stored
-from sweep_cases import MU, assert_within_bounds, sine_blocks
+from sweep_cases import MU, assert_within_bounds, made_once, sine_blocks
 
 from cea.reduced.full_solves import first_threshold
-from comparisons.sweep.page import write_sweep
 from comparisons.sweep.points import read_fields
 from comparisons.sweep.probabilities import growing, probabilities, wilson
 from comparisons.sweep.scene import mapped
@@ -32,20 +31,9 @@ def asked(backend, *distributions, count=400, **options):
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """Samples of mu about its threshold for each backend, made once."""
-    known = {}
-
-    def of(backend):
-        if backend not in known:
-            folder = tmp_path_factory.mktemp("samples") / "out"
-            wanted = asked(backend, f"mu~uniform:{0.93 * MU_C}:{1.08 * MU_C}", count=400, seed=5)
-            swept = run(wanted, folder)
-            write_sweep(swept, folder)
-            swept.store.discard()
-            known[backend] = swept, folder
-        return known[backend]
-
-    return of
+    """Samples of mu about its threshold."""
+    spread = f"mu~uniform:{0.93 * MU_C}:{1.08 * MU_C}"
+    return made_once(tmp_path_factory, lambda backend: asked(backend, spread, seed=5))
 
 
 def grows_in(swept):

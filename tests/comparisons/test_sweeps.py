@@ -12,13 +12,22 @@ import numpy as np
 import pytest
 import xarray
 from reference_data import plane_meshes
-from sweep_cases import COARSE_DISC, MESHES, MU, P, assert_within_bounds, sine_blocks, sweep_of
+from sweep_cases import (
+    COARSE_DISC,
+    MESHES,
+    MU,
+    P,
+    assert_within_bounds,
+    made_once,
+    sine_blocks,
+    sweep_of,
+)
 
 from cea.eigen.driver import EigenSolver
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError
 from cea.reduced.full_solves import first_threshold
-from comparisons.sweep.page import read_sweep, write_sweep
+from comparisons.sweep.page import read_sweep
 from comparisons.sweep.points import read_axis, read_fields
 from comparisons.sweep.scene import NoMapError, mapped
 from comparisons.sweep.store import fingerprint
@@ -31,6 +40,7 @@ TOP = ("analysis.max_frequency=0.4", "analysis.growth_threshold=0.0")
 RNG = np.random.default_rng(5)
 BONDED = Path(__file__).parent.parent / "data" / "sweeps" / "bonded.toml"
 TIED = "contacts.tie.P=inf"
+MAP = ("mu=0:2:21", "P=0.5:500:log:4")
 
 
 def asked(backend, *axes, **options):
@@ -39,25 +49,14 @@ def asked(backend, *axes, **options):
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A map of two boxes for each backend, made once, and its scene."""
-    known = {}
-
-    def of(backend):
-        if backend not in known:
-            folder = tmp_path_factory.mktemp("map") / "out"
-            wanted = asked(backend, "mu=0:2:21", "P=0.5:500:log:4")
-            swept = run(wanted, folder)
-            write_sweep(swept, folder)
-            swept.store.discard()
-            known[backend] = swept, mapped("blocks", wanted.fields, wanted.overrides), folder
-        return known[backend]
-
-    return of
+    """A map of two boxes."""
+    return made_once(tmp_path_factory, lambda backend: asked(backend, *MAP))
 
 
 @pytest.mark.grid(quick=1)
 def test_values_and_slopes_are_those_of_full_solves(made, backend):
-    swept, scene, folder = made(backend)
+    swept, folder = made(backend)
+    scene = mapped("blocks", read_fields(MAP), sine_blocks(backend, *TOP))
     data, points, spectra = swept.record, swept.points, swept.spectra
     assert data["certified"] == data["values"] == 84
     assert len(data["vectors"]) == 2
@@ -86,8 +85,11 @@ def test_values_and_slopes_are_those_of_full_solves(made, backend):
 
 @pytest.mark.grid(quick=1)
 def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
-    swept, scene, _ = made(backend)
-    data = swept.record
+    swept, _ = made(backend)
+    pencil, data = (
+        mapped("blocks", read_fields(MAP), sine_blocks(backend, *TOP)).pencil,
+        swept.record,
+    )
     begun = [e for e in data["thresholds"] if e["kind"] == "flutter" and e["change"] > 0]
     assert len(thresholds(swept)) == len(data["thresholds"])
     assert not data["unresolved"]
@@ -95,7 +97,6 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
     assert differ
     assert np.abs(differ).max() < 1e-8
     chosen = begun[len(begun) // 2]
-    pencil = scene.pencil
     parameters = [
         replace(each, value=chosen["P"]) if each.name == P else each
         for each in pencil.parameters.values()
@@ -125,7 +126,7 @@ def test_one_axis_in_two_boxes_has_the_thresholds_of_one(tmp_path):
 
 @pytest.mark.slow
 def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, cea):
-    swept, _, folder = made(backend)
+    swept, folder = made(backend)
     names = {"sweep.nc", "sweep.csv", "thresholds.csv", "full_solves.csv", "modes.csv", "map.png"}
     assert names <= {file.name for file in folder.iterdir()}
     again = read_sweep(folder)
@@ -135,8 +136,7 @@ def test_a_map_leaves_tables_and_pictures_that_are_drawn_anew(made, backend, cea
     assert len(values(again)) == 84
     assert len(modes(again)) == swept.spectra.there.sum()
     (folder / "map.png").unlink()
-    axes = ["mu=0:2:21", "P=0.5:500:log:4"]
-    code, _, fault = cea("sweep", "blocks", *axes, "--redraw", "--out", folder)
+    code, _, fault = cea("sweep", "blocks", *MAP, "--redraw", "--out", folder)
     assert not code, fault
     assert (folder / "map.png").exists()
 

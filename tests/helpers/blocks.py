@@ -44,6 +44,13 @@ def block(backend, size, origin, elements, *, placement=None, **fields):
     return scene_body(backend, geometry, elements, placement=placement or {}, **fields)
 
 
+def contact(a, b, points, direction, *, mu=0.3, **fields):
+    """Contact section of a scene: GPTS with friction."""
+    formulation = {"method": "gpts", "points": points}
+    friction = {"mu": mu, "friction_direction_on_a": direction}
+    return {"a": a, "b": b, "formulation": formulation, **friction, **fields}
+
+
 def rectangle(backend, size, elements, *, origin=(0.0, 0.0), degree=2, **fields):
     """Body section of a rectangle with the same elements on both backends, and other fields."""
     geometry = {"shape": "rectangle", "size": list(size), "origin": list(origin)}

@@ -1,6 +1,6 @@
 """Small scenes whose every field can be changed: linear, pressed together, damped, rotating."""
 
-from blocks import rectangle
+from blocks import contact, rectangle, scene_body
 from damped_numbers import modally_damped_disc
 
 from scenes.spec.reading import read_scene
@@ -14,18 +14,11 @@ def linear(backend):
     upper["supports"] = [{"surface": "y_max"}]
     upper["springs"] = [{"surface": "x_min", "stiffness": [0.3, 0.1]}]
     lower["supports"] = [{"surface": "y_min", "components": ["x", "y"]}]
-    contact = {
-        "a": "upper.y_min",
-        "b": "lower.y_max",
-        "formulation": {"method": "gpts", "points": 3},
-        "P": 3.0,
-        "mu": 0.3,
-        "friction_direction_on_a": {"vector": [1.0, 0.0]},
-    }
+    along = {"vector": [1.0, 0.0]}
     return {
         "name": "linear",
         "bodies": {"upper": upper, "lower": lower},
-        "contacts": {"interface": contact},
+        "contacts": {"interface": contact("upper.y_min", "lower.y_max", 3, along, P=3.0)},
         "loads": [{"surface": "upper.x_max", "pressure": 1e-3}],
         "analysis": {"kind": "cea", "max_frequency": 1.3},
     }
@@ -37,9 +30,9 @@ def pressed(backend):
     upper, lower = data["bodies"].values()
     upper["supports"] = [{"surface": "y_max", "components": ["x"]}]
     lower["supports"] = [{"surface": "y_min", "components": ["y", "x"], "value": [1e-4, 0.0]}]
-    contact = data["contacts"]["interface"]
-    del contact["P"]
-    contact |= {"c_n": 1e2, "m_n": 2.0, "added_gap": "0.5*(x-0.45)**2", "mu": 0.2}
+    interface = data["contacts"]["interface"]
+    del interface["P"]
+    interface |= {"c_n": 1e2, "m_n": 2.0, "added_gap": "0.5*(x-0.45)**2", "mu": 0.2}
     data["loads"] = [
         {"surface": "upper.y_max", "pressure": 1e-2},
         {"surface": "upper.x_max", "force": [1e-4, -1e-3]},
@@ -50,18 +43,15 @@ def pressed(backend):
 
 def rotating(backend):
     """A ring that turns in another, both damped."""
-    outer = {
-        "backend": backend,
-        "geometry": {"shape": "ring", "inner_radius": 0.5, "outer_radius": 0.9},
-        "material": {"E": 2.0, "nu": 0.3, "rho": 1.0},
-        "supports": [{"surface": "outer", "components": ["radial"], "origin": [0.0, 0.0]}],
-        "springs": [{"surface": "outer", "stiffness": [0.2, 0.2]}],
-        "damping": {"ratios": [0.01, 0.02], "frequencies": [0.1, 0.4]},
-        "mesh": {
-            "fe": {"cell": "quadrilateral", "degree": 2, "elements": [1, 8]},
-            "iga": {"degree": [2, 2], "elements": [1, 8]},
-        },
-    }
+    outer = scene_body(
+        backend,
+        {"shape": "ring", "inner_radius": 0.5, "outer_radius": 0.9},
+        [1, 8],
+        material={"E": 2.0, "nu": 0.3, "rho": 1.0},
+        supports=[{"surface": "outer", "components": ["radial"], "origin": [0.0, 0.0]}],
+        springs=[{"surface": "outer", "stiffness": [0.2, 0.2]}],
+        damping={"ratios": [0.01, 0.02], "frequencies": [0.1, 0.4]},
+    )
     inner = outer | {
         "geometry": {"shape": "ring", "inner_radius": 0.2, "outer_radius": 0.5},
         "supports": [],
@@ -69,19 +59,13 @@ def rotating(backend):
         "damping": {"alpha": 0.01, "beta": 0.002},
         "rotation": {"rate": 0.2, "convective_stiffness": True},
     }
-    contact = {
-        "a": "outer.inner",
-        "b": "inner.outer",
-        "formulation": {"method": "gpts", "points": 2},
-        "p": 3.0,
-        "mu": 0.3,
-        "friction_direction_on_a": {"circumferential_about": [0.0, 0.0, 1.0]},
-        "sliding": {"pressure": 0.02, "mu_slope": -0.1},
-    }
+    around = {"circumferential_about": [0.0, 0.0, 1.0]}
+    sliding = {"pressure": 0.02, "mu_slope": -0.1}
+    interface = contact("outer.inner", "inner.outer", 2, around, p=3.0, sliding=sliding)
     return {
         "name": "rotating",
         "bodies": {"outer": outer, "inner": inner},
-        "contacts": {"interface": contact},
+        "contacts": {"interface": interface},
         "analysis": {"kind": "cea", "max_frequency": 0.3, "min_growth": -0.3},
     }
 
@@ -92,9 +76,9 @@ def rotating_pressed(backend):
     for body in data["bodies"].values():
         del body["damping"]
     data["bodies"]["outer"]["supports"] = []
-    contact = data["contacts"]["interface"]
-    del contact["p"], contact["sliding"]
-    contact |= {"c_n": 50.0, "m_n": 2.0, "reach": 0.05}
+    interface = data["contacts"]["interface"]
+    del interface["p"], interface["sliding"]
+    interface |= {"c_n": 50.0, "m_n": 2.0, "reach": 0.05}
     data["loads"] = [{"surface": "outer.outer", "pressure": 0.01}]
     return data
 

@@ -51,16 +51,6 @@ class Dense:
     error: np.ndarray
     symmetric: bool
 
-    @property
-    def eigenvalues(self) -> np.ndarray:
-        """Lambda with Im lambda >= 0, one for each kappa; the growing one of a real pair."""
-        return lambda_of(self.kappa)
-
-    @property
-    def lambda_error(self) -> np.ndarray:
-        """What the errors of kappa are in lambda."""
-        return lambda_error(self.kappa, self.error)
-
 
 def lambda_of(kappa):
     """Lambda = sqrt(-kappa) with Im lambda >= 0."""

@@ -3,7 +3,7 @@
 from types import MappingProxyType
 
 import numpy as np
-from blocks import assemble, coarse, two_blocks
+from blocks import assemble, coarse, rectangle, two_blocks
 from petsc_matrices import to_petsc
 from scipy.linalg import eig
 
@@ -71,39 +71,33 @@ def blocks_pencil(backend, *, method="gpts", stiffness=3.0, damping=None, **cont
 
 def plane_blocks_pencil(backend, contact, *, alpha=0.0):
     """Two plane blocks, held at bottom and top, whose contact forces are unknowns."""
-
-    def body(size, origin, held, E, elements):
-        return {
-            "backend": backend,
-            "geometry": {"shape": "rectangle", "size": size, "origin": origin},
-            "material": {"E": E, "nu": 0.3, "rho": 1.0},
-            "supports": [{"surface": held}],
-            "mesh": {
-                "fe": {"cell": "quadrilateral", "degree": 2, "elements": elements},
-                "iga": {"degree": [2, 2], "elements": elements},
-            },
-        }
-
-    lower = body([2.0, 1.0], [0.0, -1.0], "y_min", 1.0, [5, 2])
-    upper = body([1.6, 0.4], [0.2, 0.0], "y_max", 0.3, [4, 2])
+    shapes = {
+        "lower": ([2.0, 1.0], [5, 2], (0.0, -1.0), 1.0, "y_min"),
+        "upper": ([1.6, 0.4], [4, 2], (0.2, 0.0), 0.3, "y_max"),
+    }
+    bodies = {}
+    for name, (size, elements, origin, E, held) in shapes.items():
+        sections = {"material": {"E": E, "nu": 0.3, "rho": 1.0}, "supports": [{"surface": held}]}
+        bodies[name] = rectangle(backend, size, elements, origin=origin, **sections)
     if alpha:
-        upper["damping"] = {"alpha": alpha, "beta": 0.0}
+        bodies["upper"]["damping"] = {"alpha": alpha, "beta": 0.0}
     interface = {"a": "upper.y_min", "b": "lower.y_max", "form": "saddle"} | contact
     data = {
         "name": "plane blocks",
-        "bodies": {"upper": upper, "lower": lower},
+        "bodies": bodies,
         "contacts": {"interface": interface},
         "analysis": {"kind": "cea", "max_frequency": 0.5},
     }
     return assemble(data, leave_out=False).pencil(leave_out=False)
 
 
-def random_pencil(seed, *, damped=False, equal=False):
+def random_pencil(seed, *, damped=False, equal=False, lowered=0.0):
     """A dense pencil S - s F of friction s whose lowest modes flutter below one.
 
     And its eigenvalues: kappa at s, or lambda with Im lambda >= 0 at s and Omega where it is
     ``damped`` and turns with Omega. Where modes are ``equal`` its damping is 0.04 M, its friction
-    between two modes alone: lambda is known then, and the two coalesce at s = 1.
+    between two modes alone: lambda is known then, and the two coalesce at s = 1. Where kappa is
+    ``lowered`` the stiffness is not positive.
     """
     rng, n = np.random.default_rng(seed), 40 if damped else 90
     axes, _ = np.linalg.qr(rng.standard_normal((n, n)))
@@ -113,7 +107,7 @@ def random_pencil(seed, *, damped=False, equal=False):
         kappa[:2], coupling = (1.5**2 - 0.3, 1.5**2 + 0.3), np.zeros((n, n))
         coupling[0, 1], coupling[1, 0] = 0.3, -0.3
     root = np.diag(rng.uniform(0.7, 1.4, n))
-    S = root @ axes @ np.diag(kappa) @ axes.T @ root
+    S = root @ axes @ np.diag(kappa - lowered) @ axes.T @ root
     F = root @ axes @ coupling @ axes.T @ root
     S, M = 0.5 * (S + S.T), root @ root
     if not damped:

@@ -28,12 +28,13 @@ class StubSpace:
         self.nodes = np.stack(np.meshgrid(x, y, indexing="ij"), axis=2).reshape(-1, 2)
         number = np.arange((nx + 1) * (ny + 1)).reshape(nx + 1, ny + 1)
         corners = [number[:-1, :-1], number[1:, :-1], number[:-1, 1:], number[1:, 1:]]
-        self.cells = np.stack(corners, axis=2).reshape(-1, 4)
+        cells = np.stack(corners, axis=2)
+        self.cells = cells.reshape(-1, 4)
         self.sides = np.array(lengths) / elements
         self.ranges = np.array([0, len(self.nodes)])
-        lines = {"bottom": (number[:, 0], 1), "top": (number[::-1, -1], -1)}
         self.surfaces = {
-            name: StubSurface(name, line, side, self) for name, (line, side) in lines.items()
+            "bottom": StubSurface("bottom", number[:, 0], cells[:, 0], -1.0, self),
+            "top": StubSurface("top", number[::-1, -1], cells[::-1, -1], 1.0, self),
         }
 
     def constrain(self, supports, field):
@@ -97,10 +98,10 @@ class StubSurface(Surface):
 
     abscissa_kinds, abscissa_weights = ("nodes",), ("equal", "tributary")
 
-    def __init__(self, name, line, outward, space):
+    def __init__(self, name, line, inside, outward, space):
         super().__init__(name, len(space.nodes))
-        self.line, self.space = line, space
-        self.normal_vector = np.array([0.0, -1.0 if outward > 0 else 1.0])
+        self.line, self.inside, self.space = line, inside, space
+        self.normal_vector = np.array([0.0, outward])
         self.x = space.nodes[line]
 
     @property
@@ -155,22 +156,13 @@ class StubSurface(Surface):
 
     def gradient(self, at):
         """Bilinear functions differentiated."""
-        middle = self.x[at.element] + at.xi * (self.x[at.element + 1] - self.x[at.element])
         sides, nodes = self.space.sides, self.space.nodes
-        cell = [self._cell_at(x) for x in middle]
         rows = np.zeros((2, len(at), len(nodes)))
-        for number, (x, own) in enumerate(zip(middle, cell, strict=True)):
+        positions, _ = self.tangents(at.element, at.xi)
+        for number, (x, own) in enumerate(zip(positions, self.inside[at.element], strict=True)):
             s, t = (x - nodes[own[0]]) / sides
             rows[:, number, own] = (bilinear(s, t)[1] / sides).T
         return tuple(csr_array(part) for part in rows)
-
-    def _cell_at(self, x):
-        low, high = (
-            self.space.nodes[self.space.cells[:, 0]],
-            self.space.nodes[self.space.cells[:, 3]],
-        )
-        inside = ((x >= low - 1e-12) & (x <= high + 1e-12)).all(axis=1)
-        return self.space.cells[np.flatnonzero(inside)[0]]
 
     def join_smoothly(self, at, pairs):
         """The line is straight."""

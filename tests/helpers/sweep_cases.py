@@ -1,5 +1,6 @@
 """Small scenes that are swept, and fresh solves beside what a sweep says of them."""
 
+from functools import cache
 from pathlib import Path
 from tempfile import gettempdir
 
@@ -8,6 +9,7 @@ from reference_data import plane_meshes
 
 from cea.eigen.matching import assign
 from cea.petsc import MPI
+from comparisons.sweep.page import write_sweep
 from comparisons.sweep.points import read_fields
 from comparisons.sweep.study import Asked, run
 from scenes import assemble, load_scene
@@ -37,6 +39,20 @@ def sweep_of(scene, fields, out, overrides=(), **options):
     if swept.store is not None:
         swept.store.discard()
     return swept
+
+
+def made_once(folders, asked):
+    """Sweeps by their backends, each made once and written, with their folders."""
+
+    @cache
+    def of(backend):
+        folder = folders.mktemp("sweep") / "out"
+        swept = run(asked(backend), folder)
+        write_sweep(swept, folder)
+        swept.store.discard()
+        return swept, folder
+
+    return of
 
 
 def eigenvalues(swept, i):

@@ -15,6 +15,7 @@ from cea.eigen import mumps
 from cea.errors import InputError
 from exact_cea.reference import exact_eigenvalues
 from scenes import run_modes
+from scenes.building import build
 from scenes.running import nested
 from scenes.running.enrich import richer_scene
 from scenes.running.nested import estimate_errors
@@ -135,18 +136,18 @@ def test_bodies_that_stay_are_not_made_anew(backend, monkeypatch):
     coarse = coarse_modes("blocks", backend, 2, 2.9, elements=FEW)
     both = richer_scene(coarse.scene)
     richer = replace(coarse.scene, bodies={**both.bodies, "lower": coarse.scene.bodies["lower"]})
-    made, build = [], nested.build_bodies
+    made, build_body = [], build.build_body
 
-    def watched(scene, timer):
-        made.append(list(scene.bodies))
-        return build(scene, timer)
+    def watched(name, *parts):
+        made.append(name)
+        return build_body(name, *parts)
 
-    monkeypatch.setattr(nested, "build_bodies", watched)
+    monkeypatch.setattr(build, "build_body", watched)
     twice = [estimate_errors(coarse, richer).corrected for _ in range(2)]
-    assert made == [["upper"]] * 2
+    assert made == ["upper"] * 2
     monkeypatch.setattr(nested, "made_of", lambda scene, name: id(scene))
     anew = estimate_errors(coarse, richer).corrected
-    assert made[-1] == ["upper", "lower"]
+    assert made[-2:] == ["upper", "lower"]
     for found in twice:
         assert np.abs(found - anew).max() < 1e-11 * np.abs(anew).max()
 
