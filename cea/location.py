@@ -57,12 +57,14 @@ def locate_along(
         xi, distance, miss = _newton(chart, element, xi, x[point], aim, tolerance)
         relative = miss / chart.size(element)
         hit = (relative <= tolerance) & (np.abs(distance) <= reach)
-        # Hits before misses; hits by distance, rounded so that one edge seen from two elements
-        # ties; then by the angle of incidence, so that elements that meet smoothly tie.
+        # Hits before misses; hits by distance, then by 1 - cosine between line and normal, rounded
+        # so that one edge seen from two elements ties, and elements that meet smoothly do.
         rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)
         several = np.flatnonzero(hit & (np.bincount(point, hit)[point] > 1))
         flat = np.zeros(len(hit))
-        flat[several] = _incidence(chart, element[several], xi[several], aim[several])
+        normal = cross(chart.tangents(element[several], xi[several])[1])
+        length, along = np.linalg.norm(normal, axis=1), np.einsum("ni,ni->n", normal, aim[several])
+        flat[several] = np.round(1 - np.abs(along) / np.where(length > 0, length, 1.0), 6)
         order = np.lexsort((element, flat, rank, ~hit, point))
         found, first = np.unique(point[order], return_index=True)
         best = order[first]
@@ -72,14 +74,6 @@ def locate_along(
         inside = np.where(edge, Status.EDGE, Status.INSIDE)
         out.status[found] = np.where(hit[best], inside, Status.MISSED)
     return out
-
-
-def _incidence(chart: "Chart", element: Ints, xi: Floats, aim: Floats) -> Floats:
-    """Angle between lines and normals, as 1 - cosine, rounded, (n,)."""
-    normal = cross(chart.tangents(element, xi)[1])
-    length = np.linalg.norm(normal, axis=1)
-    along = np.abs(np.einsum("ni,ni->n", normal, aim))
-    return np.round(1 - along / np.where(length > 0, length, 1.0), 6)
 
 
 def _newton(
@@ -120,7 +114,12 @@ def newton_step(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
     volume = np.einsum("ni,ni->n", normal, direction)
     squares = np.einsum("nij,nij->nj", tangents, tangents).prod(axis=1)
     grazing = ~(np.abs(volume) > _GRAZING * np.sqrt(squares))
-    step = _across(tangents, direction, rest) / np.where(grazing, 1.0, volume)[:, None]
+    if tangents.shape[1] == 2:
+        step = rest[:, 1:] * direction[:, :1] - rest[:, :1] * direction[:, 1:]
+    else:  # t_2 . (d x rest), - t_1 . (d x rest)
+        turned = np.cross(direction, rest) * [[[1.0]], [[-1.0]]]
+        step = np.einsum("nij,jni->nj", tangents[:, :, ::-1], turned)
+    step /= np.where(grazing, 1.0, volume)[:, None]
     if grazing.any():
         # The direction as long as the tangents, so that neither is taken for nothing.
         length = np.linalg.norm(tangents[grazing], axis=1).max(axis=1)
@@ -128,14 +127,6 @@ def newton_step(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
         inverse = np.linalg.pinv(np.concatenate([tangents[grazing], along], axis=2), rcond=1e-8)
         step[grazing] = np.einsum("nij,nj->ni", inverse[:, :-1], rest[grazing])
     return step
-
-
-def _across(tangents: Floats, direction: Floats, rest: Floats) -> Floats:
-    """Numerators of Cramer's rule: rest in the place of each tangent, along the direction."""
-    if tangents.shape[1] == 2:
-        return rest[:, 1:] * direction[:, :1] - rest[:, :1] * direction[:, 1:]
-    # t_2 . (d x rest), - t_1 . (d x rest)
-    return np.einsum("nij,ni,j->nj", tangents[:, :, ::-1], np.cross(direction, rest), [1.0, -1.0])
 
 
 def near_boxes(low: Floats, high: Floats, x: Floats, reach: float) -> tuple[Ints, Ints]:

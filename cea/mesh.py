@@ -80,7 +80,10 @@ class Mesh:
         require(whole, "order", self.order, f"1 to {MAX_ORDER}")
         named = isinstance(self.surfaces, Mapping) and all(type(n) is str for n in self.surfaces)
         require(named, "surfaces", self.surfaces, "facets by name")
-        object.__setattr__(self, "points", _positions(self.points, self.dim))
+        points = finite_numbers(self.points, "points", "rows of finite numbers (m), equally long")
+        fits = points.ndim == 2 and points.shape[1] == self.dim
+        require(fits, "points", points.shape, f"shape (n_points, {self.dim})")
+        object.__setattr__(self, "points", points)
         n = len(lattice(self.dim, self.order, self.is_simplex))
         object.__setattr__(self, "cells", self._numbers("cells", self.cells, n))
         self._check_cells()
@@ -110,13 +113,12 @@ class Mesh:
         """Refuse cells with a node twice, and cells that are there twice."""
         ordered = np.sort(self.cells, axis=1)
         twice = (np.diff(ordered, axis=1) == 0).any(axis=1)
-        if twice.any():
-            worst = self.cells[np.argmax(twice)].tolist()
-            raise InputError("cells", worst, "different nodes in each cell")
+        worst = self.cells[np.argmax(twice)].tolist()
+        require(not twice.any(), "cells", worst, "different nodes in each cell")
         group = _same_rows(ordered)
-        alike = np.flatnonzero(np.bincount(group)[group] > 1)
-        if alike.size:
-            raise InputError("cells", self.cells[alike[0]].tolist(), "each cell once")
+        alike = np.bincount(group)[group] > 1
+        worst = self.cells[np.argmax(alike)].tolist()
+        require(not alike.any(), "cells", worst, "each cell once")
 
     def _numbers(self, field: str, nodes: ArrayLike, per_row: int) -> Ints:
         """Node numbers as an array, checked."""
@@ -139,7 +141,11 @@ class Mesh:
             for name, facets in self.surfaces.items()
         }
         named, ends = np.concatenate(list(given.values())), np.cumsum([*map(len, given.values())])
-        found = self._facets_on(named)
+        on = np.zeros(len(self.points), dtype=bool)
+        on[named] = True
+        facets = (self.cells[:, facet] for facet in facet_nodes(self.cell, self.order))
+        # Facets of cells whose nodes are all nodes of some named ones.
+        found = np.concatenate([nodes[on[nodes].all(axis=1)] for nodes in facets])
         group = _same_rows(np.sort(np.concatenate([named, found]), axis=1))
         own, others = group[: len(named)], group[len(named) :]
         of_cells, times = (np.bincount(g, minlength=group.max() + 1)[own] for g in (others, own))
@@ -155,13 +161,6 @@ class Mesh:
         place = np.empty(group.max() + 1, dtype=np.int64)
         place[others] = np.arange(len(others))
         return dict(zip(given, np.split(found[place[own]], ends[:-1]), strict=True))
-
-    def _facets_on(self, named: Ints) -> Ints:
-        """Facets of cells whose nodes are all nodes of some named ones, (n, n_facet_nodes)."""
-        on = np.zeros(len(self.points), dtype=bool)
-        on[named] = True
-        facets = (self.cells[:, facet] for facet in facet_nodes(self.cell, self.order))
-        return np.concatenate([nodes[on[nodes].all(axis=1)] for nodes in facets])
 
 
 def lattice(dim: int, order: int, simplex: bool) -> Ints:
@@ -205,13 +204,6 @@ def matching_nodes(wanted: Floats, nodes: Floats) -> Ints:
         f"in some order {wanted.tolist()}",
     )
     return np.argmin(apart, axis=1).astype(np.int64)
-
-
-def _positions(points: ArrayLike, dim: int) -> Floats:
-    array = finite_numbers(points, "points", "rows of finite numbers (m), equally long")
-    fits = array.ndim == 2 and array.shape[1] == dim
-    require(fits, "points", array.shape, f"shape (n_points, {dim})")
-    return array
 
 
 def _same_rows(rows: Ints) -> Ints:

@@ -19,7 +19,7 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.location import Chart
 from cea.mesh import lattice
 from cea.surface_points import (
@@ -151,8 +151,7 @@ class Surface(Chart):
         In triangles the collapsed product of Gauss-Legendre and Gauss-Jacobi points, exact to
         degree 2n - 1 as in rectangles, the Gauss-Jacobi points along the second direction.
         """
-        if n < 1:
-            raise InputError("gauss_points", n, "at least one per direction")
+        require(n >= 1, "gauss_points", n, "at least one per direction")
         cells = self.cells()
         t, weights = gauss_rule(n, self.dim - 1, simplex=not cells.tensor)
         at, extent = cells.coordinates(t if cells.tensor else t[:, ::-1])
@@ -164,10 +163,9 @@ class Surface(Chart):
 
         Weights are ``equal`` shares of the area of each smooth part, or :meth:`shares`.
         """
-        if kind not in self.abscissa_kinds:
-            raise InputError("abscissae", kind, f"one of {', '.join(self.abscissa_kinds)}")
-        if weights not in self.abscissa_weights:
-            raise InputError("weights", weights, f"one of {', '.join(self.abscissa_weights)}")
+        kinds, bearing = self.abscissa_kinds, self.abscissa_weights
+        require(kind in kinds, "abscissae", kind, f"one of {', '.join(kinds)}")
+        require(weights in bearing, "weights", weights, f"one of {', '.join(bearing)}")
         first = np.sort(np.unique(self.functions, return_index=True)[1])
         points = self._even(self.function_points(kind)[first])
         if weights == "equal":
@@ -181,8 +179,7 @@ class Surface(Chart):
         facet of a mesh; both include the boundary. The area of each smooth part is shared evenly
         among its points.
         """
-        if n < 2:
-            raise InputError("grid", n, "at least two points per direction, the ends")
+        require(n >= 2, "grid", n, "at least two points per direction, the ends")
         low, high = self.domains
         t = lattice(self.dim - 1, n - 1, not self.cells().tensor) / (n - 1)
         xi = low[:, None] + t * (high - low)[:, None]

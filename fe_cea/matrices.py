@@ -27,9 +27,9 @@ from scipy.sparse import bsr_array, csr_array
 from cea.arrays import Floats
 from cea.material import Elasticity
 from cea.matrices import destroy, distributed, local_part
+from cea.motion import Rotation
 from cea.petsc import PETSc
 from cea.ranks import agreed
-from cea.rotation import Rotation
 
 _JIT_OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 
@@ -92,7 +92,7 @@ class LagrangeMatrices:
         return self._of_each_component(rows, 0.5 * (rows.data + transposed))
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), kg, skew."""
+        """Y of a rotation at 1 rad/s (:mod:`cea.motion`), kg, skew."""
         degree = 2 * self._order + 1
         rows, transposed = self._transport(rotation, degree)
         skew = rho * (rows.data - transposed)
@@ -105,7 +105,7 @@ class LagrangeMatrices:
         )
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.rotation`), kg, symmetric."""
+        """Z of a rotation (:mod:`cea.motion`), kg, symmetric."""
         v, degree = self._velocity(rotation), 2 * self._order + 2
         along = [ufl.dot(v, ufl.grad(each)) for each in (self._trial, self._test)]
         rows, transposed = _scalar(self._form(along[0] * along[1], degree))

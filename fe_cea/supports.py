@@ -12,7 +12,6 @@ from cea.supports.constraints import Constraints
 from cea.supports.directions import Directions, merged
 from cea.supports.elimination import constrain
 from cea.supports.frames import SurfaceNormal
-from cea.surface_points import SurfaceCoordinates
 from fe_cea.facets import FacetBasis
 from fe_cea.surface import FESurface
 
@@ -56,8 +55,7 @@ def nodal_constraints(
 
 def _nodes(surface: FESurface, points: Floats) -> tuple[Ints, Floats, Floats]:
     """Nodes of every facet of a surface: scalar dofs, positions, outward normals."""
-    facets = np.arange(surface.num_elements)
-    at = SurfaceCoordinates(np.repeat(facets, len(points)), np.tile(points, (len(facets), 1)))
+    at, _ = surface.cells().coordinates(points)
     trace = surface.trace(at)
     # A Lagrange function is one at its own node, zero at the others of its facet.
     own = trace.data.reshape(len(at), -1).argmax(axis=1)

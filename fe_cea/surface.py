@@ -148,12 +148,7 @@ class FESurface(Surface):
 
     def function_points(self, kind: str) -> SurfaceCoordinates:
         """Interpolation nodes of every facet, facet by facet."""
-        return self._everywhere(self._trace.facet.points)
-
-    def _everywhere(self, points: Floats) -> SurfaceCoordinates:
-        """The same points of each facet, facet by facet."""
-        n = self.num_elements
-        return SurfaceCoordinates(np.repeat(np.arange(n), len(points)), np.tile(points, (n, 1)))
+        return self.cells().coordinates(self._trace.facet.points)[0]
 
     def values(self, at: SurfaceCoordinates, columns: Ints, count: int) -> csr_array:
         """Values of the functions of the nodes of facets; all others vanish there."""
@@ -231,6 +226,6 @@ class FESurface(Surface):
 
     @cached_property
     def _sagittas(self) -> Floats:
-        corners = self._everywhere(basix.geometry(self._facet))
+        corners, _ = self.cells().coordinates(basix.geometry(self._facet))
         normals = self.normal(corners).reshape(self.num_elements, -1, self.dim)
         return sagittas(self._facet, self._facet_nodes, self._facet_dofs, normals)

@@ -8,7 +8,7 @@ With the gradients grad N_a = sum_k D_k N_a grad xi_k, elasticity
 
     C_km[ij] = |J| c_ipjq (grad xi_k)_p (grad xi_m)_q.
 
-With the derivative t_a of function a along a rotation (:mod:`cea.rotation`),
+With the derivative t_a of function a along a rotation (:mod:`cea.motion`),
 
     m_ab = int rho N_a N_b,    A_ab = int rho (N_a t_b - t_a N_b),    B_ab = int rho t_a t_b,
 
@@ -27,7 +27,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.material import Elasticity
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from iga_cea.entries import entries
 from iga_cea.metric import VALUE, Metric
 from iga_cea.multipatch import Multipatch

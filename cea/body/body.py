@@ -27,8 +27,8 @@ from cea.matrices import (
     times,
     zeros,
 )
+from cea.motion import Rotation
 from cea.petsc import PETSc
-from cea.rotation import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support, check_surface
 from cea.supports.constraints import Constraints
 from cea.surface import Surface
@@ -197,11 +197,11 @@ class Body:
         return self.reduced(self.space.mass(self.density))
 
     def gyroscopic(self, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, skew."""
+        """Y of a rotation at 1 rad/s (:mod:`cea.motion`), PETSc AIJ (free x free), kg, skew."""
         return self.reduced(self.space.gyroscopic(self.density, rotation), antisymmetrised)
 
     def convective_stiffness(self, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.rotation`), PETSc AIJ (free x free), kg, symmetric."""
+        """Z of a rotation (:mod:`cea.motion`), PETSc AIJ (free x free), kg, symmetric."""
         return self.reduced(self.space.convective(self.density, rotation))
 
     def geometric_stiffness(self, displacement: Floats) -> Any:
@@ -209,9 +209,9 @@ class Body:
         return self.reduced(self.space.geometric_stiffness(self.material.elasticity, displacement))
 
     @cached_property
-    def prescribed(self) -> Any | None:
-        """u_D, displacement of all dofs that supports prescribe (m), PETSc; None where zero."""
-        return self.constraints.prescribed_displacement(*self._own, self.expansion)
+    def prescribed(self) -> Floats | None:
+        """u_D, displacement that supports prescribe of the dofs of this rank (m); None of zero."""
+        return self.constraints.prescribed_displacement(*self._own)
 
     def support_forces(self, force: Floats) -> tuple[Ints, Floats]:
         """Of a sum of forces on all dofs (N), (num_scalar_dofs, dim), those of each support.
@@ -228,14 +228,13 @@ class Body:
         full, free = self.full_load(), self.expansion.createVecRight()
         if self.prescribed is not None:
             stiffness = self.full_stiffness()
-            full.array[:] -= applied(stiffness, self.prescribed.array_r)
+            full -= applied(stiffness, self.prescribed)
             destroy(stiffness)
-        self.expansion.multTranspose(full, free)
-        destroy(full)
+        free.array[:] = applied(self.expansion, full, transposed=True)
         return free
 
-    def full_load(self) -> Any:
-        """F: forces of loads on all dofs, PETSc vector (full), N."""
+    def full_load(self) -> Floats:
+        """F: forces of loads on the dofs of this rank (N), full."""
         forces, volume = np.zeros((self.num_scalar_dofs, self.dim)), np.zeros(self.dim)
         loads: list[Pressure | Force] = [*self.pressures, *self.forces]
         for load in loads:
@@ -248,14 +247,12 @@ class Body:
             points = surface.gauss_points(count)
             traction = points.weight[:, None] * load.traction(points)
             forces += surface.trace(points.at).T @ traction
-        full = self.expansion.createVecLeft()
-        full.setArray(forces[slice(*self._own)].ravel())
+        own = forces[slice(*self._own)].ravel()
         if volume.any():
-            volumes, uniform = self.space.mass(1.0), full.duplicate()
-            uniform.setArray(np.tile(volume, full.getLocalSize() // self.dim))
-            volumes.multAdd(uniform, full, full)
-            destroy(volumes, uniform)
-        return full
+            volumes = self.space.mass(1.0)
+            own += applied(volumes, np.tile(volume, len(own) // self.dim))
+            destroy(volumes)
+        return own
 
 
 def _foundation(surface: Surface, spring: Spring) -> csr_array:

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from cea.arrays import Floats, Ints
 from cea.material import Elasticity
 from cea.mesh import lattice
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.surface import Surface
@@ -96,10 +96,10 @@ class Space(Protocol):
         """Consistent mass at a density (kg/m^3), symmetric, kg; components are not coupled."""
 
     def gyroscopic(self, rho: float, rotation: Rotation) -> Any:
-        """Y of a rotation at 1 rad/s (:mod:`cea.rotation`) at a density (kg/m^3), skew, kg."""
+        """Y of a rotation at 1 rad/s (:mod:`cea.motion`) at a density (kg/m^3), skew, kg."""
 
     def convective(self, rho: float, rotation: Rotation) -> Any:
-        """Z of a rotation (:mod:`cea.rotation`) at a density (kg/m^3), symmetric, kg."""
+        """Z of a rotation (:mod:`cea.motion`) at a density (kg/m^3), symmetric, kg."""
 
     def geometric_stiffness(self, elasticity: Elasticity, displacement: Floats) -> Any:
         """Int sigma_ij d_i u . d_j v with the stress sigma of a displacement, symmetric, N/m.

@@ -10,14 +10,13 @@ part, and what remains on the columns at its edge is handed on (Duff and Reid 19
 Trans. Math. Softw. 38, 2011). Rank is judged column by column (Heath 1982).
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from cea.arrays import Floats, Ints
 from cea.petsc import MPI
@@ -31,42 +30,47 @@ column is gone from T where G has it no more."""
 _BLOCKED = 64  # columns that LAPACK works on at a time, for which it wants room
 _LEAF = 160  # points that are worked on at once
 
-
-@dataclass(frozen=True)
-class _Front:
-    """Rows that remain of a part of the points."""
-
-    rows: Floats  # on the columns of G at the edge of the part, (k, n)
-    # these columns, rising, and how many points of the part touch each, (n,)
-    columns: Ints
-    touching: Ints
-    # the rows of T that go with them, and their columns, rising
-    carried: Floats
-    carried_columns: Ints
+type Rows = tuple[csr_array, csr_array]
+"""Rows of G and the rows of T that go with them."""
 
 
-def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> tuple[csr_array, ...]:
+def compressed(gap: csr_array, slip: csr_array, x: Floats, comm: Any) -> Rows:
     """J and R of rows G and T at points, the rows that this rank is left with.
 
     Each rank compresses its own points; rank 0 what remains between them.
     """
-    gap = _without(gap, _rounding(gap, comm))
-    squares = np.bincount(gap.indices, gap.data**2, gap.shape[1])
-    size = np.sqrt(comm.allreduce(squares, MPI.SUM))
-    touching = np.bincount(gap.indices, minlength=gap.shape[1])
-    slip = _without(slip, np.zeros(slip.shape[1], dtype=bool))
-    squares = np.bincount(slip.indices, slip.data**2, slip.shape[1])
-    least = _FADED * np.sqrt(comm.allreduce(squares, MPI.SUM))
-    compression = _Compression(gap, slip, size, comm.allreduce(touching, MPI.SUM), least)
-    rest = compression.of_points(np.arange(gap.shape[0]), x)
+    order = _bisected(np.arange(len(x)), x)
+    gap = _without(gap[order], _rounding(gap, comm))
+    slip = _without(slip[order], np.zeros(slip.shape[1], dtype=bool))
+    row, columns = np.repeat(np.arange(len(x)), np.diff(gap.indptr)), gap.shape[1]
+    first, last = np.full(columns, len(x)), np.full(columns, -1)
+    np.minimum.at(first, gap.indices, row)
+    np.maximum.at(last, gap.indices, row)
+    first[comm.allreduce((last >= 0).astype(int), MPI.SUM) > 1] = -1  # of points of several ranks
+    size, length = (
+        np.sqrt(comm.allreduce(np.bincount(m.indices, m.data**2, m.shape[1]), MPI.SUM))
+        for m in (gap, slip)
+    )
+    compression = _Compression(size, _FADED * length, first, last)
+    rest = compression.of_points((gap, slip), 0)
     if comm.size > 1:
         parts = comm.gather(rest)
         if comm.rank == 0:
-            compression.finish(_joined(parts))
-    return (
-        _assembled(compression.closure, gap.shape[1]),
-        _assembled(compression.reaction, slip.shape[1]),
-    )
+            compression.finish(_stacked(parts), -1, len(x))
+    nothing = csr_array((0, columns)), csr_array((0, slip.shape[1]))
+    closure, reaction = _stacked([nothing, *compression.done])
+    closure.eliminate_zeros()
+    reaction.eliminate_zeros()
+    return closure, reaction
+
+
+def _bisected(points: Ints, x: Floats) -> Ints:
+    """Points in the order of a tree: halves beside each other along the longest side of all."""
+    if len(points) <= _LEAF:
+        return points
+    along = x[points][:, np.ptp(x[points], axis=0).argmax()]
+    halves = np.array_split(points[np.argsort(along, kind="stable")], 2)
+    return np.concatenate([_bisected(half, x) for half in halves])
 
 
 def _rounding(gap: csr_array, comm: Any) -> NDArray[np.bool_]:
@@ -88,45 +92,35 @@ def _without(matrix: csr_array, columns: NDArray[np.bool_]) -> csr_array:
     return result
 
 
+@dataclass
 class _Compression:
-    """The tree of rows G and T at points, worked through from its leaves.
+    """The tree of rows G and T at points in its order, worked through from its leaves."""
 
-    Of each column of G the length over all points and the number of points that touch it are known,
-    and what is rounding of each column of T.
-    """
+    size: Floats  # length of each column of G over all points
+    least: Floats  # what is rounding of each column of T
+    # the first and the last point that touches each column of G; -1 where several ranks touch it
+    first: Ints
+    last: Ints
+    done: list[Rows] = field(default_factory=list)  # rows of J and R that are done
 
-    def __init__(
-        self, gap: csr_array, slip: csr_array, size: Floats, touching: Ints, least: Floats
-    ) -> None:
-        self._gap, self._slip = gap, slip
-        self._size, self._touching, self._least = size, touching, least
-        # rows of J and R that are done: dense blocks and their columns
-        self.closure: list[tuple[Floats, Ints]] = []
-        self.reaction: list[tuple[Floats, Ints]] = []
+    def of_points(self, rows: Rows, start: int) -> Rows:
+        """What remains of points from one on once all that is theirs alone is done."""
+        count = rows[0].shape[0]
+        if count > _LEAF:
+            middle = (count + 1) // 2
+            one, other = (rows[0][:middle], rows[1][:middle]), (rows[0][middle:], rows[1][middle:])
+            rows = _stacked([self.of_points(one, start), self.of_points(other, start + middle)])
+        return self.finish(rows, start, start + count)
 
-    def of_points(self, points: Ints, x: Floats) -> _Front:
-        """What remains of some points once all that is theirs alone is done."""
-        if len(points) <= _LEAF:
-            return self.finish(self._leaf(points))
-        halves = _halves(points, x)
-        return self.finish(_joined([self.of_points(half, x) for half in halves]))
-
-    def _leaf(self, points: Ints) -> _Front:
-        gap, slip = self._gap[points], self._slip[points]
-        columns, count = np.unique(gap.indices, return_counts=True)
-        carried = np.unique(slip.indices)
-        return _Front(
-            gap[:, columns].toarray(), columns, count, slip[:, carried].toarray(), carried
-        )
-
-    def finish(self, front: _Front) -> _Front:
-        """Eliminate the columns that no other point touches; what remains."""
-        own = front.touching == self._touching[front.columns]
-        inner, edge = front.columns[own], front.columns[~own]
-        size = self._size[front.columns]
+    def finish(self, given: Rows, start: int, stop: int) -> Rows:
+        """Eliminate the columns that no point beside a range touches; what remains."""
+        columns, carried_columns = (np.unique(part.indices) for part in given)
+        rows, carried = given[0][:, columns].toarray(), given[1][:, carried_columns].toarray()
+        own = (self.first[columns] >= start) & (self.last[columns] < stop)
+        inner, edge, size = columns[own], columns[~own], self.size[columns]
         # Of rows of very different size the large ones go first: small ones keep their digits.
-        order = np.argsort(-np.abs(front.rows).max(axis=1, initial=0.0), kind="stable")
-        rows, carried = front.rows[order] / size, front.carried[order]
+        order = np.argsort(-np.abs(rows).max(axis=1, initial=0.0), kind="stable")
+        rows, carried = rows[order] / size, carried[order]
         rest = rows[:, ~own]
         if len(inner) and len(rows):
             room = _BLOCKED * (len(inner) + 2)
@@ -134,11 +128,11 @@ class _Compression:
             rank = int(np.sum(np.abs(np.diag(factors)) > _DEPENDENT))
             rest = _reflected(factors, reflections, rest)
             carried = _reflected(factors, reflections, carried)
-            done = np.empty((rank, len(front.columns)))
+            done = np.empty((rank, len(columns)))
             done[:, np.flatnonzero(own)[pivots - 1]] = np.triu(factors)[:rank]
             done[:, ~own] = rest[:rank]
-            self.closure.append((done * size, front.columns))
-            self.reaction.append((carried[:rank], front.carried_columns))
+            closure = _in_columns(done * size, columns, given[0])
+            self.done.append((closure, _in_columns(carried[:rank], carried_columns, given[1])))
             rest, carried = rest[rank:], carried[rank:]
         if len(rest) > len(edge):
             if len(edge):
@@ -146,21 +140,11 @@ class _Compression:
                 carried = _reflected(factors, reflections, carried)
                 rest = np.triu(factors)
             rest, carried = rest[: len(edge)], carried[: len(edge)]
-        lasting = np.abs(carried).max(axis=0, initial=0.0) > self._least[front.carried_columns]
-        return _Front(
-            rest * size[~own],
-            edge,
-            front.touching[~own],
-            carried[:, lasting],
-            front.carried_columns[lasting],
+        lasting = np.abs(carried).max(axis=0, initial=0.0) > self.least[carried_columns]
+        return (
+            _in_columns(rest * size[~own], edge, given[0]),
+            _in_columns(carried[:, lasting], carried_columns[lasting], given[1]),
         )
-
-
-def _halves(points: Ints, x: Floats) -> list[Ints]:
-    """Two parts of equal size, one beside the other along the longest side of all of them."""
-    along = x[points][:, np.ptp(x[points], axis=0).argmax()]
-    order = np.argsort(along, kind="stable")
-    return [points[half] for half in np.array_split(order, 2)]
 
 
 def _reflected(factors: Floats, reflections: Floats, block: Floats) -> Floats:
@@ -172,33 +156,14 @@ def _reflected(factors: Floats, reflections: Floats, block: Floats) -> Floats:
     return result
 
 
-def _joined(parts: Sequence[_Front]) -> _Front:
-    """Fronts of several parts as one."""
-    columns = np.unique(np.concatenate([p.columns for p in parts]))
-    carried_columns = np.unique(np.concatenate([p.carried_columns for p in parts]))
-    touching = np.zeros(len(columns), dtype=np.int64)
-    count = sum(len(p.rows) for p in parts)
-    rows, carried = np.zeros((count, len(columns))), np.zeros((count, len(carried_columns)))
-    first = 0
-    for part in parts:
-        last = first + len(part.rows)
-        at = np.searchsorted(columns, part.columns)
-        rows[first:last, at] = part.rows
-        touching[at] += part.touching
-        carried[first:last, np.searchsorted(carried_columns, part.carried_columns)] = part.carried
-        first = last
-    return _Front(rows, columns, touching, carried, carried_columns)
+def _stacked(parts: list[Rows]) -> Rows:
+    """Rows of several parts one below the other."""
+    gap, slip = (csr_array(vstack(each, format="csr")) for each in zip(*parts, strict=True))
+    return gap, slip
 
 
-def _assembled(blocks: Sequence[tuple[Floats, Ints]], columns: int) -> csr_array:
-    """Dense blocks one below the other, each in its columns."""
-    lengths = [np.full(len(block), len(at)) for block, at in blocks]
-    indptr = np.concatenate([[0], np.cumsum(np.concatenate([np.empty(0, int), *lengths]))])
-    data = np.concatenate([np.empty(0), *(block.ravel() for block, _ in blocks)])
-    indices = [np.tile(at, len(block)) for block, at in blocks]
-    matrix = csr_array(
-        (data, np.concatenate([np.empty(0, np.int64), *indices]), indptr.astype(np.int64)),
-        shape=(len(indptr) - 1, columns),
-    )
-    matrix.eliminate_zeros()
-    return matrix
+def _in_columns(block: Floats, columns: Ints, like: csr_array) -> csr_array:
+    """A dense block in some of the columns of a matrix."""
+    count, width = block.shape
+    entries = (block.ravel(), np.tile(columns, count), width * np.arange(count + 1))
+    return csr_array(entries, shape=(count, like.shape[1]))

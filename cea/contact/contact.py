@@ -13,26 +13,29 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.sparse import bsr_array, csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
 from cea.body.body import system_operator
 from cea.contact.formulations import Coupling, Form
 from cea.contact.friction import Friction
-from cea.contact.interface import Interface, jump_along
+from cea.contact.interface import Interface, along, jump_along
 from cea.contact.laws import NormalLaw, Sliding
-from cea.contact.lumping import lumped_matrices
 from cea.contact.mortar import Eliminated, MortarProjection
 from cea.errors import InputError
 from cea.matrices import (
     applied,
     block_diagonal,
     destroy,
-    gather,
+    distributed,
     one_below_the_other,
     product,
+    scaled_total,
     symmetric_product,
+    symmetrised,
 )
+from cea.petsc import MPI, PETSc
 from cea.ranks import agreed
 
 type Powers = dict[str, tuple[float, float]]
@@ -133,7 +136,7 @@ class Contact:
         assert self.friction is not None
         points = self.interface.local_points
         with agreed(self.interface.comm):
-            return self.friction.direction.at(points.x, points.normal)
+            return self.friction.along(points.x, points.normal)
 
     @property
     def K_n(self) -> Any:
@@ -284,9 +287,12 @@ def assembled(
         slip = operator(pushed)
     if contact.coupling == "lumped":
         weight = contact.weight(contact.slope)
-        lumped = lumped_matrices(bodies, (contact.a, contact.b), interface, weight, pushed)
-    given = {name: bodies[name].prescribed for name in (contact.a, contact.b)}
-    moved = {name: gather(each) for name, each in given.items() if each is not None}
+        lumped = _lumped_matrices(bodies, (contact.a, contact.b), interface, weight, pushed)
+    moved = {
+        name: np.concatenate(bodies[name].comm.allgather(own))
+        for name in (contact.a, contact.b)
+        if (own := bodies[name].prescribed) is not None
+    }
     if moved and (closed := approach_along(contact, points.normal, moved)).any():
         prescribed = closed
     made = {"gap": gap, "slip": slip, "projection": projection, "lumped": lumped}
@@ -306,3 +312,67 @@ def approach_along(
     jumps = zip((contact.a, contact.b), jump_along(contact.interface, direction), strict=True)
     parts = [jump @ displacements[name] for name, jump in jumps if name in displacements]
     return np.concatenate(contact.interface.comm.allgather(sum(parts, np.zeros(len(direction)))))
+
+
+def _lumped_matrices(
+    bodies: Mapping[str, Body],
+    sides: tuple[str, str],
+    interface: Interface,
+    weight: Floats,
+    pushed: Floats | None,
+) -> tuple[Any, Any | None]:
+    """K_n and K_f of lumped contact in the unknowns of the system; pushed along mu k.
+
+    The blocks of each side summed onto their diagonal: Mohanasundaram et al. (2023), eq. 41. In the
+    block a-a scalar row i takes its sum over the scalar columns j, which leaves a dim x dim block
+    sum_q w p N_i(x_q) n n^T, and sum_q mu w p N_i k n^T in K_f; likewise b-b. The blocks a-b stay
+    consistent. This is not of the form G^T D G: translations of both bodies together are free,
+    common rotations no longer are.
+    """
+    traces = dict(zip(sides, (interface.trace_a, interface.trace_b), strict=True))
+    normal = interface.local_points.normal
+    stiffness = symmetrised(_lumped(bodies, traces, weight, normal, normal))
+    stiffness.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    if pushed is None:
+        return stiffness, None
+    return stiffness, _lumped(bodies, traces, weight, pushed, normal)
+
+
+def _lumped(
+    bodies: Mapping[str, Body],
+    traces: Mapping[str, csr_array],
+    weight: Floats,
+    left: Floats,
+    right: Floats,
+) -> Any:
+    """Jump along ``left`` against jump along ``right``, each side's own block lumped."""
+    rows, blocks = len(weight), []
+    for name, body in bodies.items():
+        whole = csr_array((body.dim * body.num_scalar_dofs,) * 2)
+        if name in traces:
+            whole = body.comm.allreduce(_block(traces[name], weight, left, right), MPI.SUM)
+        own = csr_array(whole[slice(*body.expansion.getOwnershipRange())])
+        matrix = distributed(own, body.expansion.getSizes()[0], body.comm)
+        blocks.append(body.reduced(matrix, exactly=lambda reduced: reduced))
+    parts = [block_diagonal(blocks).convert("aij")]
+    destroy(*blocks)
+    one, other = traces
+    for test_side, trial_side in ((one, other), (other, one)):
+        test = system_operator(bodies, {test_side: along(traces[test_side], left)}, rows)
+        trial = system_operator(bodies, {trial_side: along(traces[trial_side], right)}, rows)
+        parts.append(product(test, trial, -weight))
+        destroy(test, trial)
+    result = scaled_total([(1.0, part) for part in parts])
+    destroy(*parts)
+    return result
+
+
+def _block(trace: csr_array, weight: Floats, left: Floats, right: Floats) -> csr_array:
+    """Sum over points of w N_i l r^T on the diagonal block of scalar dof i."""
+    dim = left.shape[1]
+    outer = np.einsum("q,qc,qd->qcd", weight, left, right).reshape(len(weight), -1)
+    blocks = np.asarray(trace.T @ outer).reshape(-1, dim, dim)
+    n = len(blocks)
+    lumped = csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1))))
+    lumped.eliminate_zeros()
+    return lumped

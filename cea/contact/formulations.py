@@ -9,7 +9,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from types import MappingProxyType
 from typing import ClassVar, Literal
 
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.surface import Surface
 from cea.surface_points import SurfacePoints
 
@@ -84,8 +84,8 @@ _MOST_POINTS = 200  # points per direction in an element: far more than any rule
 
 def _check_points(points: int, least: int = 1) -> None:
     """Refuse a number of points per direction that makes no rule, or one beyond any use."""
-    if not least <= points <= _MOST_POINTS:
-        raise InputError("points", points, f"{least} to {_MOST_POINTS} per direction")
+    fits = least <= points <= _MOST_POINTS
+    require(fits, "points", points, f"{least} to {_MOST_POINTS} per direction")
 
 
 _REGISTER: dict[str, type[Formulation]] = {}
@@ -101,8 +101,8 @@ def register[T: type[Formulation]](formulation: T) -> T:
         raise InputError(f"{where}.method", None, "a field with a default, the name in scenes")
     other = _REGISTER.get(method, formulation)
     # The same class defined once more, as a notebook does, takes its own place.
-    if f"{other.__module__}.{other.__qualname__}" != where:
-        raise InputError(f"{where}.method", method, f"a name that {other.__qualname__} has not")
+    same = f"{other.__module__}.{other.__qualname__}" == where
+    require(same, f"{where}.method", method, f"a name that {other.__qualname__} has not")
     _REGISTER[method] = formulation
     return formulation
 

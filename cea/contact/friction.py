@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats, of_size_one
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.expressions import Expression
 
 _GRAZING = 1e-6
@@ -29,8 +29,8 @@ class AlongVector:
 
     def check(self, dim: int, field: str) -> None:
         """Refuse a vector of another dimension than that of space."""
-        if len(self.vector) != dim:
-            raise InputError(f"{field}.vector", self.vector, f"{dim} numbers, as space has")
+        fits = len(self.vector) == dim
+        require(fits, f"{field}.vector", self.vector, f"{dim} numbers, as space has")
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
@@ -58,12 +58,10 @@ class Circumferential:
 
     def check(self, dim: int, field: str) -> None:
         """Refuse an axis that leaves the plane oblique, and an origin beside it."""
-        axis = self.circumferential_about
-        if dim == 2 and any(axis[:2]):
-            allowed = "an axis along z in the plane"
-            raise InputError(f"{field}.circumferential_about", axis, allowed)
-        if dim == 2 and self.origin[2]:
-            raise InputError(f"{field}.origin", self.origin, "z = 0 in the plane")
+        axis, place = self.circumferential_about, f"{field}.circumferential_about"
+        if dim == 2:
+            require(not any(axis[:2]), place, axis, "an axis along z in the plane")
+            require(not self.origin[2], f"{field}.origin", self.origin, "z = 0 in the plane")
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
@@ -93,9 +91,8 @@ class AlongField:
 
     def check(self, dim: int, field: str) -> None:
         """Refuse another number of expressions than that of components, or coordinates of space."""
-        if len(self.field) != dim:
-            allowed = f"{dim} expressions, one for each component"
-            raise InputError(f"{field}.field", list(self.field), allowed)
+        allowed = f"{dim} expressions, one for each component"
+        require(len(self.field) == dim, f"{field}.field", list(self.field), allowed)
         for i, text in enumerate(self.field):
             Expression(text).check(f"{field}.field.{i}", dim)
 
@@ -109,38 +106,33 @@ FrictionDirection = AlongVector | Circumferential | AlongField
 
 
 @dataclass(frozen=True)
-class Reversed:
-    """Against a direction on side a: that of friction on b, in the second half of a full pass."""
-
-    direction: FrictionDirection
-
-    def at(self, x: Floats, normal: Floats) -> Floats:
-        """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        return -self.direction.at(x, normal)
-
-
-@dataclass(frozen=True)
 class Friction:
     """Coulomb friction of steady sliding, along a direction of the traction on side a."""
 
     mu: Floats | float  # coefficient, shape (n,) or one number, zero or positive
-    direction: FrictionDirection | Reversed
+    direction: FrictionDirection
+    # whether it is that on side b: in the second half of a full pass friction is against it
+    reverse: bool = False
 
     def __post_init__(self) -> None:
         mu = np.asarray(self.mu)
-        if not (mu >= 0).all():
-            raise InputError("mu", float(mu.min()), "zero or positive")
+        require(bool((mu >= 0).all()), "mu", float(mu.min()), "zero or positive")
+
+    def along(self, x: Floats, normal: Floats) -> Floats:
+        """Unit tangents (n, dim) at positions x (m) with unit normals."""
+        tangents = self.direction.at(x, normal)
+        return -tangents if self.reverse else tangents
 
     @property
     def acts(self) -> bool:
         """True where there is any friction."""
-        return bool(np.any(np.asarray(self.mu) != 0))
+        return bool(np.any(self.mu))
 
 
 def _check_vector(vector: tuple[float, ...], name: str) -> None:
     """Refuse a vector that has no direction."""
-    if not (np.isfinite(vector).all() and np.any(vector)):
-        raise InputError(name, vector, "finite numbers, not all zero")
+    real = bool(np.isfinite(vector).all() and np.any(vector))
+    require(real, name, vector, "finite numbers, not all zero")
 
 
 def _tangent(direction: Floats, normal: Floats) -> Floats:

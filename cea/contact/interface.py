@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.errors import InputError
+from cea.errors import require
 from cea.petsc import MPI
 from cea.ranks import agreed, local_rows
 from cea.surface import Surface
@@ -118,13 +118,12 @@ def pair(
     left_out = 1 - points.weight.sum() / a.area
     missed_area = points.weight[~found].sum() / a.area
     fraction = float(missed_area + (left_out if left_out > _QUADRATURE else 0.0))
-    if fraction > max_missed:
-        told = (
-            f"surfaces that face each other within {reach:.3g} m: points on {100 * fraction:.2g} % "
-            f"of the area of side a find nothing on side b, at most {100 * max_missed:.2g} % may; "
-            "take more elements, or raise max_missed"
-        )
-        raise InputError(field, sides, told)
+    allowed = (
+        f"surfaces that face each other within {reach:.3g} m: points on {100 * fraction:.2g} % "
+        f"of the area of side a find nothing on side b, at most {100 * max_missed:.2g} % may; "
+        "take more elements, or raise max_missed"
+    )
+    require(fraction <= max_missed, field, sides, allowed)
     if not found.all():
         points, opposite = points[found], opposite[found[start:stop]]
     rows = slice(*(int(found[:end].sum()) for end in (start, stop)))
@@ -132,9 +131,9 @@ def pair(
         cosine = np.einsum("ij,ij->i", points.normal[rows], b.normal(opposite.at))
         trace_a, trace_b = a.trace(points.at[rows]), b.trace(opposite.at)
     worst = comm.allreduce(float(cosine.max(initial=-np.inf)), MPI.MAX)
-    if not len(points) or worst > _FACING:
-        allowed = f"surfaces whose outward normals have a cosine up to {_FACING}, not {worst:.3g}"
-        raise InputError(field, sides, f"surfaces that face each other: {allowed}")
+    allowed = f"surfaces whose outward normals have a cosine up to {_FACING}, not {worst:.3g}"
+    facing = bool(len(points)) and worst <= _FACING
+    require(facing, field, sides, f"surfaces that face each other: {allowed}")
     least = comm.allreduce(float(opposite.distance.min(initial=np.inf)), MPI.MIN)
     largest = comm.allreduce(float(opposite.distance.max(initial=-np.inf)), MPI.MAX)
     if must_touch:
@@ -176,11 +175,11 @@ def along(trace: csr_array, direction: Floats) -> csr_array:
 
 def _check_weights(weights: Floats, field: str) -> None:
     """Refuse area weights that are no numbers or negative: such a rule has no sqrt(D)."""
-    wrong = ~(np.isfinite(weights) & (weights >= 0))
-    if wrong.any() or (len(weights) and not (weights > 0).any()):
-        value = float(weights[wrong][0]) if wrong.any() else 0.0
-        allowed = "area weights of points that are zero or positive, and some positive"
-        raise InputError(f"{field}.formulation.weights", value, allowed)
+    wrong = weights[~(np.isfinite(weights) & (weights >= 0))]
+    valid = not len(wrong) and (not len(weights) or bool(weights.any()))
+    value, place = float(wrong[0]) if len(wrong) else 0.0, f"{field}.formulation.weights"
+    allowed = "area weights of points that are zero or positive, and some positive"
+    require(valid, place, value, allowed)
 
 
 def _check_gap(
@@ -189,13 +188,11 @@ def _check_gap(
     """Refuse surfaces apart, into each other (below zero), or tilted, that nobody said may be."""
     least, largest = distances
     angle = float(np.arccos(np.clip(-cosine, -1.0, 1.0)))
-    allowed = (_APART + _SAGITTA * angle) * size
-    found = [f"{largest:.3g} m apart"] if largest > allowed else []
-    found += [f"{-least:.3g} m inside each other"] if -least > allowed else []
-    if found:
-        raise InputError(
-            f"{field}.reach",
-            None,
-            f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}, tilted by "
-            f"up to {np.degrees(angle):.2g} degrees, and their meshes explain {allowed:.3g} m",
-        )
+    explained = (_APART + _SAGITTA * angle) * size
+    found = [f"{largest:.3g} m apart"] if largest > explained else []
+    found += [f"{-least:.3g} m inside each other"] if -least > explained else []
+    allowed = (
+        f"given where surfaces do not touch: {sides} is up to {' and '.join(found)}, tilted by "
+        f"up to {np.degrees(angle):.2g} degrees, and their meshes explain {explained:.3g} m"
+    )
+    require(not found, f"{field}.reach", None, allowed)

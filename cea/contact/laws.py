@@ -11,7 +11,7 @@ from typing import ClassVar
 import numpy as np
 
 from cea.arrays import Floats
-from cea.errors import InputError
+from cea.errors import require
 
 
 @dataclass(frozen=True)
@@ -26,12 +26,11 @@ class LinearLaw:
 
     def __post_init__(self) -> None:
         p = np.asarray(self.stiffness)
-        if not (p >= 0).all():
-            raise InputError("p", float(p.min()), "zero or positive (N/m^3)")
-        if p.size and not p.any():
-            raise InputError("p", 0.0, "positive (N/m^3) somewhere: else there is no contact")
-        if np.isinf(p).any() and not np.isinf(p).all():
-            raise InputError("p", float("inf"), "finite, or infinite everywhere")
+        least, even = float(p.min(initial=np.inf)), bool(np.isinf(p).all() or not np.isinf(p).any())
+        require(least >= 0, "p", least, "zero or positive (N/m^3)")
+        some = bool(p.any()) or not p.size
+        require(some, "p", 0.0, "positive (N/m^3) somewhere: else there is no contact")
+        require(even, "p", np.inf, "finite, or infinite everywhere")
 
     def pressure(self, penetration: Floats) -> Floats:
         """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
@@ -59,10 +58,8 @@ class NormalCompliance:
     linear: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        if not 0 < self.c < np.inf:
-            raise InputError("c_n", self.c, "positive (N/m^(2 + m_n))")
-        if not 1 <= self.m < np.inf:
-            raise InputError("m_n", self.m, "1 or more")
+        require(0 < self.c < np.inf, "c_n", self.c, "positive (N/m^(2 + m_n))")
+        require(1 <= self.m < np.inf, "m_n", self.m, "1 or more")
 
     def pressure(self, penetration: Floats) -> Floats:
         """Pressure (N/m^2) at each point for penetrations (m), shape (n,)."""
@@ -93,8 +90,9 @@ class Sliding:
     pressure: Floats | None = None
 
     def __post_init__(self) -> None:
-        if self.speed is not None and not (self.speed > 0).all():
-            raise InputError("sliding.speed", float(self.speed.min()), "positive (m/s)")
-        if self.pressure is not None and not (self.pressure >= 0).all():
-            allowed = "zero or positive (N/m^2)"
-            raise InputError("sliding.pressure", float(self.pressure.min()), allowed)
+        if self.speed is not None:
+            least = float(self.speed.min())
+            require(least > 0, "sliding.speed", least, "positive (m/s)")
+        if self.pressure is not None:
+            least = float(self.pressure.min())
+            require(least >= 0, "sliding.pressure", least, "zero or positive (N/m^2)")

@@ -49,15 +49,20 @@ class MortarProjection:
         Of all points those count that are closed, shape (n,).
         """
         comm, seen = interface.comm, _at(interface, traces, closed)
+
+        def on(some: Ints) -> MortarProjection:
+            columns = csr_array(seen[:, some])
+            return cls(interface, distributed(columns, (PETSc.DECIDE, len(some)), comm))
+
         touched = _seen_by_any(seen, comm)
-        every = cls(interface, _columns(seen, touched, comm))
+        every = on(touched)
         if closed.all():
             return every
         cut = np.isin(touched, _seen_by_any(_at(interface, traces, ~closed), comm))
         gram = every.compliance(closed.astype(float))
         kept = _independent(everywhere(gram), cut, comm)
         destroy(gram, every.traces)
-        return cls(interface, _columns(seen, touched[kept], comm))
+        return on(touched[kept])
 
     def integrals(self, jump: Any) -> Any:
         """Int psi_i of a jump given at the points, PETSc AIJ (points x free dofs)."""
@@ -182,11 +187,6 @@ def _at(interface: Interface, traces: csr_array, points: NDArray[np.bool_]) -> c
 def _seen_by_any(seen: csr_array, comm: Any) -> Ints:
     """Traces that a point of some rank sees, rising."""
     return np.unique(np.concatenate(comm.allgather(np.unique(seen.indices))))
-
-
-def _columns(seen: csr_array, touched: Ints, comm: Any) -> Any:
-    """Some traces as PETSc AIJ."""
-    return distributed(csr_array(seen[:, touched]), (PETSc.DECIDE, len(touched)), comm)
 
 
 def _independent(gram: csr_array, cut: NDArray[np.bool_], comm: Any) -> Ints:

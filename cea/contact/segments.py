@@ -98,16 +98,13 @@ class _Sides:
         found = KDTree(b.centre).query_ball_point(a.centre, a.radius + b.radius.max() + reach)
         i = np.repeat(np.arange(len(found)), [len(f) for f in found])
         j = np.concatenate([np.asarray(f, dtype=np.int64) for f in found])
-        near = (
-            np.linalg.norm(a.centre[i] - b.centre[j], axis=1) <= a.radius[i] + b.radius[j] + reach
-        )
-        middles = (
+        apart = np.linalg.norm(a.centre[i] - b.centre[j], axis=1) - a.radius[i] - b.radius[j]
+        normal_a, normal_b = (
             surface.normal(SurfaceCoordinates(cells.element, cells.corners.mean(axis=1)))
             for surface, cells in ((self.a, self.cells_a), (self.b, self.cells_b))
         )
-        normal_a, normal_b = middles
-        near &= np.einsum("ij,ij->i", normal_a[i], normal_b[j]) < 0
-        return np.column_stack([i, j])[near]
+        facing = np.einsum("ij,ij->i", normal_a[i], normal_b[j]) < 0
+        return np.column_stack([i, j])[(apart <= reach) & facing]
 
     def outlines_in_a(self, pairs: Ints, pieces: int) -> Floats:
         """Outlines of cells of b in the coordinates of those of a, continued beyond them."""
@@ -125,10 +122,8 @@ class _Sides:
         high = np.minimum(own[:, 1], mapped[:, 1])
         kept = high - low > _SLIVER * (own[:, 1] - own[:, 0])
         count = points or max(self.cells_a.degree, self.cells_b.degree) + 1
-        t, w = gauss_rule(count, 1, simplex=False)
-        length = (high - low)[kept, None]
-        xi = low[kept, None] + length * t[:, 0]
-        return np.repeat(pairs[kept, 0], len(t)), xi.reshape(-1, 1), (length * w).ravel()
+        ends = np.stack([low, high], axis=1)[kept, :, None]
+        return _rule_on_cells(pairs[kept, 0], ends, count, simplex=False)
 
     def polygons(self, pairs: Ints, points: int | None, pieces: int) -> tuple[Ints, Floats, Floats]:
         """Common refinement of two surfaces: pair, xi and reference weight of Gauss points."""
@@ -150,9 +145,7 @@ class _Sides:
         """
         own = self.cells_a.corners[pairs[:, 0]]
         low, extent = own.min(axis=1)[:, None], np.ptp(own, axis=1)[:, None]
-        outline = (self.outlines_in_a(pairs, 4) - low) / extent
-        edges = outline.reshape(len(outline), -1, 4, 2)
-        edges = np.concatenate([edges, np.roll(edges[:, :, :1], -1, axis=1)], axis=2)
+        edges = _edges((self.outlines_in_a(pairs, 4) - low) / extent, 4)
         chord = edges[:, :, -1:] - edges[:, :, :1]
         arm = edges[:, :, 1:-1] - edges[:, :, :1]
         off = np.abs(chord[..., 0] * arm[..., 1] - chord[..., 1] * arm[..., 0]).max(axis=2)
@@ -178,20 +171,21 @@ def _outlines(surface: Surface, cells: SurfaceCells, numbers: Ints, pieces: int)
     return surface.position(at).reshape(n, m, -1)
 
 
+def _edges(outlines: Floats, pieces: int) -> Floats:
+    """Points of each edge of outlines (n, m, 2), its ends included, (n, edges, pieces + 1, 2)."""
+    edges = outlines.reshape(len(outlines), -1, pieces, 2)
+    return np.concatenate([edges, np.roll(edges[:, :, :1], -1, axis=1)], axis=2)
+
+
 def _simplified(outlines: Floats, pieces: int, extent: Floats) -> NDArray[np.object_]:
     """Outlines (n, m, 2) as polygons, each edge with no more of its pieces than it needs.
 
     Edge by edge, so that two cells that share one keep the same points of it.
     """
-    n, m = outlines.shape[:2]
-    count = m // pieces
-    edges = outlines.reshape(n, count, pieces, 2)
-    edges = np.concatenate([edges, np.roll(edges[:, :, :1], -1, axis=1)], axis=2)
-    lines = shapely.simplify(
-        shapely.linestrings(edges.reshape(n * count, pieces + 1, 2)),
-        _STRAIGHT * np.repeat(extent, count),
-        preserve_topology=False,
-    )
+    edges = _edges(outlines, pieces)
+    count, tolerance = edges.shape[1], _STRAIGHT * np.repeat(extent, edges.shape[1])
+    lines = shapely.linestrings(edges.reshape(-1, pieces + 1, 2))
+    lines = shapely.simplify(lines, tolerance, preserve_topology=False)
     points, line = shapely.get_coordinates(lines, return_index=True)
     ends = np.append(line[1:] != line[:-1], True)
     ring = line // count
@@ -220,22 +214,20 @@ def _rule_on(
     triangles, index = shapely.get_parts(collections, return_index=True)
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
     parts = (
-        _rule_on_corners(owner[is_box], boxes, on_boxes, simplex=False),
-        _rule_on_corners(owner[~is_box][index], corners, on_triangles, simplex=True),
+        _rule_on_cells(owner[is_box], boxes, on_boxes, simplex=False),
+        _rule_on_cells(owner[~is_box][index], corners, on_triangles, simplex=True),
     )
     every, xi, weight = (np.concatenate(p) for p in zip(*parts, strict=True))
     return every, xi, weight
 
 
-def _rule_on_corners(
+def _rule_on_cells(
     owner: Ints, corners: Floats, n: int, *, simplex: bool
 ) -> tuple[Ints, Floats, Floats]:
-    """Gauss rule, n x n points, on parallelograms or triangles of three corners each, (m, 3, 2).
+    """Gauss rule, n points per direction, on stretches, parallelograms or triangles.
 
-    Collapsed in triangles, and exact there to total degree 2 n - 1.
+    Of three corners each, (m, 3, 2), or two ends; exact to total degree 2 n - 1 in triangles.
     """
-    t, w = gauss_rule(n, 2, simplex=simplex)
-    sides = corners[:, 1:] - corners[:, :1]
-    xi = corners[:, :1] + t @ sides
-    area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0])
-    return np.repeat(owner, n * n), xi.reshape(-1, 2), (area[:, None] * w).ravel()
+    t, w = gauss_rule(n, corners.shape[2], simplex=simplex)
+    at, extent = SurfaceCells(owner, corners, n, not simplex).coordinates(t)
+    return at.element, at.xi, (extent[:, None] * w).ravel()

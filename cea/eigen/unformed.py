@@ -2,7 +2,7 @@
 
 Symmetric pieces of the damping of low rank, W diag(d) W^T: modal damping is one. Circulatory pieces
 of the stiffness, L N^-1 J: damping that rotates with its body makes one of them of displacements at
-rest in space (:mod:`cea.rotation`), skew but for what a mesh makes of it.
+rest in space (:mod:`cea.motion`), skew but for what a mesh makes of it.
 """
 
 from collections.abc import Sequence

@@ -21,7 +21,7 @@ from cea.arrays import Floats
 from cea.body import Body
 from cea.body.body import free_operator
 from cea.errors import InputError
-from cea.matrices import block_diagonal, destroy, gather, identity
+from cea.matrices import applied, block_diagonal, destroy, identity
 from cea.petsc import MPI
 
 
@@ -79,14 +79,8 @@ def varied_coefficients(count: int) -> Floats:
 
 def _held_differently(matrix: Any, full: csr_array, coarse: Body, fine: Body) -> float:
     """Difference that fine supports make to a displacement that the coarse ones admit."""
-    v, u = coarse.expansion.createVecs()
-    first, last = v.getOwnershipRange()
-    v.array[:] = varied_coefficients(v.getSize())[first:last]
-    coarse.expansion.mult(v, u)
-    wanted = full @ gather(u)
-    w, found = fine.expansion.createVecs()
-    matrix.mult(v, w)
-    fine.expansion.mult(w, found)
-    difference = np.abs(found.array_r - wanted).max(initial=0.0)
-    destroy(u, v, w, found)
-    return float(difference)
+    own = slice(*coarse.expansion.getOwnershipRangeColumn())
+    v = varied_coefficients(coarse.expansion.getSize()[1])[own]
+    wanted = full @ np.concatenate(coarse.comm.allgather(applied(coarse.expansion, v)))
+    found = applied(fine.expansion, applied(matrix, v))
+    return float(np.abs(found - wanted).max(initial=0.0))

@@ -147,14 +147,14 @@ class Constraints:
         """Which of the constrained scalar dofs are those of a rank."""
         return slice(*np.searchsorted(self.dofs, [first, last]))
 
-    def prescribed_displacement(self, first: int, last: int, expansion: Any) -> Any | None:
-        """u_D, PETSc vector (full), m; None where all is held at zero."""
+    def prescribed_displacement(self, first: int, last: int) -> Floats | None:
+        """u_D of the scalar dofs of a rank (m), full; None where all is held at zero."""
         if self.prescribed is None:
             return None
-        held, vector = self._held(first, last), expansion.createVecLeft()
+        held, whole = self._held(first, last), np.zeros(self.dim * (last - first))
         part = self.prescribed[self.dim * held.start : self.dim * held.stop]
-        vector.array[components(self.dofs[held] - first, self.dim)] = part
-        return vector
+        whole[components(self.dofs[held] - first, self.dim)] = part
+        return whole
 
 
 def first_free_at(dim: int, held: Ints, removed: Ints, dofs: Ints) -> Ints:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, hstack
+from scipy.sparse import coo_array, csc_array, csr_array, hstack
 from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats, Ints, chunks
@@ -55,7 +55,9 @@ def constrain(
     values = _held_displacement(held, owner[place], taken, slot[place], field).ravel()
     solved = np.flatnonzero(slot[len(held) :] >= 0)
     at, row = owner[len(held) :][solved], slot[len(held) :][solved]
-    anchors, shares = _dependent_columns(taken[at, row], at, len(dofs)), {}
+    # Displacement of the dofs from the amounts along the directions solved for.
+    entries = (taken[at, row].ravel(), components(at, dim), dim * np.arange(len(at) + 1))
+    anchors, shares = csr_array(csc_array(entries, shape=(dim * len(dofs), len(at)))), {}
     if projected and len(solved):
         columns = components(dofs, dim)
         shares = {s: csr_array(rows[solved][:, columns]) for s, rows in projected.shares.items()}
@@ -83,14 +85,6 @@ def _free_rows(frame: Floats, removed: Ints, first: Ints, total: int) -> csr_arr
     return csr_array(coo_array(entries, shape=(dim * count, total)))
 
 
-def _dependent_columns(vectors: Floats, at: Ints, count: int) -> csr_array:
-    """Displacement of each dof from the amounts along vectors, shape (dim * count, vectors)."""
-    dim = vectors.shape[1]
-    columns = np.repeat(np.arange(len(at)), dim)
-    entries = (vectors.ravel(), (components(at, dim), columns))
-    return csr_array(coo_array(entries, shape=(dim * count, len(at))))
-
-
 def _elimination(solved: csr_array, free: csr_array, field: str) -> csr_array:
     """-(C T)^-1 C B with negligible coefficients dropped, a chunk of columns at a time."""
     used = np.unique(free.indices)
@@ -99,15 +93,13 @@ def _elimination(solved: csr_array, free: csr_array, field: str) -> csr_array:
         factors = splu(solved.tocsc())
     except RuntimeError:
         raise _contradiction(field) from None
-    parts = []
+    parts = [coo_array((solved.shape[0], 0))]
     for chunk in chunks(len(used), 8 * solved.shape[0]):
         part = -factors.solve(right[:, chunk].toarray())
         if not np.abs(part).max(initial=0.0) < _LARGEST:
             raise _contradiction(field)
         part[np.abs(part) < _NEGLIGIBLE] = 0.0  # before the dense part becomes sparse
         parts.append(coo_array(part))
-    if not parts:
-        return csr_array((solved.shape[0], free.shape[1]))
     packed = coo_array(hstack(parts))
     entries = (packed.data, (packed.row, used[packed.col]))
     return csr_array(coo_array(entries, shape=(solved.shape[0], free.shape[1])))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Floats
-from cea.errors import InputError
+from cea.errors import InputError, require
 
 _ON_AXIS = 1e-9
 """Distance from an axis at which directions about it lose sense, relative to the surface."""
@@ -54,19 +54,18 @@ class Cylindrical(Frame):
     axis: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.origin).all():
-            raise InputError("origin", self.origin, "finite coordinates (m)")
-        if self.axis and not (np.isfinite(self.axis).all() and np.any(self.axis)):
-            raise InputError("axis", self.axis, "a finite vector that is not zero")
+        finite = bool(np.isfinite(self.origin).all())
+        require(finite, "origin", self.origin, "finite coordinates (m)")
+        real = not self.axis or bool(np.isfinite(self.axis).all() and np.any(self.axis))
+        require(real, "axis", self.axis, "a finite vector that is not zero")
 
     def check(self, dim: int, field: str) -> None:
         """Refuse an axis or origin of another dimension than that of space."""
-        if dim == 2 and self.axis:
-            raise InputError(f"{field}.axis", self.axis, "left out in the plane")
-        if dim == 3 and len(self.axis) != 3:
-            raise InputError(f"{field}.axis", self.axis or None, "three numbers, the axis meant")
-        if self.origin and len(self.origin) != dim:
-            raise InputError(f"{field}.origin", self.origin, f"{dim} coordinates (m)")
+        allowed = "left out in the plane" if dim == 2 else "three numbers, the axis meant"
+        fits = len(self.axis) == (0 if dim == 2 else 3)
+        require(fits, f"{field}.axis", self.axis or None, allowed)
+        fits = len(self.origin) in (0, dim)
+        require(fits, f"{field}.origin", self.origin, f"{dim} coordinates (m)")
 
     def directions(self, components: tuple[int, ...], x: Floats, normal: Floats) -> Floats:
         """Held unit directions at points, shape (components, n, dim).

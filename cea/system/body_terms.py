@@ -4,7 +4,7 @@ By the path of the body in a scene, ``bodies.<name>``, the parameters are ``.mat
 ``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``; modal damping has its own.
 
 Damping that rotates with its body makes of displacements at rest in space, with B = int rho v . R u
-of the rotation (:mod:`cea.rotation`), the pieces of the stiffness
+of the rotation (:mod:`cea.motion`), the pieces of the stiffness
 
     alpha Omega B,    beta Omega K M^-1 B,    Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T,
 
@@ -22,12 +22,11 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.blocks import times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm
-from cea.material import Elasticity, Material
+from cea.material import Elasticity
 from cea.matrices import (
     applied,
     block_diagonal,
@@ -39,27 +38,11 @@ from cea.matrices import (
     side_by_side,
     zeros,
 )
+from cea.motion import Motion
 from cea.petsc import Mat, PETSc
-from cea.rotation import Rotation
 
 if TYPE_CHECKING:  # brought in where modes are damped
     from cea.system.modal_damping import DampedModes
-
-
-@dataclass(frozen=True)
-class Motion:
-    """What acts on the velocities of a body."""
-
-    damping: RayleighDamping | None = None  # its Rayleigh damping; None without
-    rotation: Rotation | None = None  # its rotation; None without
-    # its modal damping (:mod:`cea.system.modal_damping`); None without
-    modal: ModalDamping | None = None
-
-    @property
-    def circulates(self) -> bool:
-        """Whether damping is carried along by a rotation."""
-        damped = self.damping is not None or self.modal is not None
-        return damped and self.rotation is not None
 
 
 @dataclass(frozen=True)
@@ -199,15 +182,22 @@ class BodyTerms:
 
     def _of_constants(self) -> Iterator[Term]:
         """What K grows by where constants of a solid that has several change."""
-        material, path = self.body.material, f"{self.path}.material"
+        material, path = self.body.material, self.path
+        beta, damping = f"{path}.damping.beta", self.motion.damping
+
+        def grown(place: tuple[int, int], factor: str, values: Mapping[str, Any]) -> Any:
+            own = {name: values[f"{path}.material.{name}"] for name in material.constants}
+            entry = (material.matrix_of(own) - material.elasticity.matrix)[place]
+            return entry * values[factor] if factor else entry
+
         for place, own in material.entries.items() if self._constant_by_constant else ():
             unit = np.zeros((6, 6))
             unit[place] = unit[place[::-1]] = 1.0
-            law, entry = Elasticity(unit, material.axes), Entry(material, place, path, own)
-            make = cache(partial(self._stiffness_of, law))
-            yield TermOfConstant("stiffness", make, entry)
-            if self.with_mass and self.motion.damping is not None:
-                damped = replace(entry, factor=f"{self.path}.damping.beta")
+            make = cache(partial(self._stiffness_of, Elasticity(unit, material.axes)))
+            names = frozenset(f"{path}.material.{name}" for name in own)
+            yield TermOfConstant("stiffness", make, Smooth(names, partial(grown, place, "")))
+            if self.with_mass and damping is not None:
+                damped = Smooth(names | {beta}, partial(grown, place, beta))
                 yield TermOfConstant("damping", make, damped)
 
     def _stiffness_of(self, law: Elasticity) -> Mat:
@@ -276,31 +266,17 @@ class TermOfConstant(Term):
 
 
 @dataclass(frozen=True, eq=False)
-class Entry:
-    """How much larger an entry of the matrix of constants is at others, times a parameter or 1."""
+class Smooth:
+    """A function of parameters that is as smooth in complex ones: a :class:`Dependence`."""
 
-    material: Material
-    place: tuple[int, int]
-    path: str  # of the material in a scene
-    own: tuple[str, ...]  # constants it depends on
-    factor: str | None = None
-
-    @property
-    def names(self) -> frozenset[str]:
-        """Parameters it depends on."""
-        names = [f"{self.path}.{name}" for name in self.own]
-        return frozenset(names if self.factor is None else [*names, self.factor])
-
-    def _value(self, values: Mapping[str, complex]) -> complex:
-        constants = {name: values[f"{self.path}.{name}"] for name in self.material.constants}
-        grown = self.material.matrix_of(constants) - self.material.elasticity.matrix
-        return complex(grown[self.place] * (values[self.factor] if self.factor else 1.0))
+    names: frozenset[str]  # parameters it depends on
+    function: Callable[[Mapping[str, Any]], Any]  # of all parameters by name
 
     def at(self, values: Mapping[str, float]) -> float:
         """Value at given parameters."""
-        return self._value(values).real
+        return float(self.function(values))
 
     def derivative(self, name: str, values: Mapping[str, float]) -> float:
         """Derivative in one parameter, by a complex step: exact to rounding."""
         step = 1e-20 * (abs(values[name]) or 1.0)
-        return self._value({**values, name: values[name] + 1j * step}).imag / step
+        return float(self.function({**values, name: values[name] + 1j * step}).imag / step)

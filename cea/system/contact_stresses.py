@@ -9,7 +9,7 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact
-from cea.errors import InputError
+from cea.errors import require
 from cea.material import Material
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
@@ -61,14 +61,9 @@ def contact_stresses(
     for side, surface, body, displacement in _sides(system, contact, x):
         points = surface.grid(max(2, round(samples / np.sqrt(surface.num_elements))))
         sigma_n = normal_stress(surface, points.at, displacement, body.material)
-        stresses[side] = NormalStress(
-            float(sigma_n.min()),
-            float(sigma_n.max()),
-            arc,
-            _stress_at(surface, body, displacement, line, direction),
-            points.x,
-            sigma_n,
-        )
+        along = _stress_at(surface, body, displacement, line, direction)
+        ends = float(sigma_n.min()), float(sigma_n.max())
+        stresses[side] = NormalStress(*ends, arc, along, points.x, sigma_n)
     return stresses
 
 
@@ -76,8 +71,7 @@ def stress_map(system: CoupledSystem, contact_name: str, x: Any, samples: int) -
     """Stresses of both sides of a flat contact on one grid over side a."""
     contact = _contact(system, contact_name)
     a = contact.interface.a
-    if a.dim != 3:
-        raise InputError("dim", a.dim, "3: the contact of bodies in the plane is a curve")
+    require(a.dim == 3, "dim", a.dim, "3: the contact of bodies in the plane is a curve")
     corners, normal = _corners(contact)
     axes = _plane_axes(normal)
     centre = corners.mean(axis=0)
@@ -86,16 +80,11 @@ def stress_map(system: CoupledSystem, contact_name: str, x: Any, samples: int) -
     grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
     points = centre + grid @ axes
     direction = np.broadcast_to(normal, points.shape)
-    offset = centre @ axes.T
-    return StressMap(
-        u + offset[0],
-        v + offset[1],
-        axes,
-        {
-            side: _stress_at(surface, body, displacement, points, direction).reshape(len(v), len(u))
-            for side, surface, body, displacement in _sides(system, contact, x)
-        },
-    )
+    maps = {
+        side: _stress_at(surface, body, moved, points, direction).reshape(samples, samples)
+        for side, surface, body, moved in _sides(system, contact, x)
+    }
+    return StressMap(u + axes[0] @ centre, v + axes[1] @ centre, axes, maps)
 
 
 def pressure_along(

@@ -107,12 +107,13 @@ def form_for(digits: float) -> Form:
     return "saddle" if digits > MOST_DIGITS else "penalty"
 
 
-def with_forms(contacts: Sequence[Contact], digits: Mapping[str, float]) -> tuple[Contact, ...]:
-    """Contacts whose forms are all chosen; lumped ones have no other than the penalty.
+def with_forms(contacts: Sequence[Contact], stiffness: Floats) -> tuple[Contact, ...]:
+    """Contacts whose forms are all chosen, with the diagonal of K as :func:`penalty_digits`.
 
-    Where the stiffness is not known before a state of steady sliding is, the form stays open.
+    Lumped ones have no other than the penalty. Where the stiffness of a contact is not known before
+    a state of steady sliding is, the form stays open.
     """
-    chosen = []
+    digits, chosen = penalty_digits(contacts, stiffness), []
     for contact in contacts:
         if contact.form is None and not contact.awaits_state:
             form = "penalty" if contact.penalty_only else form_for(digits[contact.pair])

@@ -19,9 +19,10 @@ from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
-from cea.matrices import applied, block_diagonal, destroy, diagonal_of
+from cea.matrices import applied, block_diagonal, diagonal_of
+from cea.motion import Motion
 from cea.petsc import PETSc
-from cea.system.body_terms import BodyTerms, Motion
+from cea.system.body_terms import BodyTerms
 from cea.system.contact_terms import (
     contact_parameters,
     contact_terms,
@@ -45,10 +46,7 @@ class CoupledSystem:
     # contacts with their operators, the half passes one after another
     contacts: tuple[Contact, ...]
     template: Any  # PETSc vector of the layout of the unknowns
-    index_sets: Mapping[str, Any]  # unknowns of each body, PETSc index sets by name
     load: Any | None  # forces (N), PETSc vector, None where none were asked for
-    # digits that the penalty form costs, or would cost, by contact
-    penalty_digits: Mapping[str, float]
     # pieces of a pencil that each body brings, with its damping and rotation
     pieces: Mapping[str, BodyTerms]
     with_mass: bool  # whether bodies have mass, and velocities count
@@ -87,7 +85,7 @@ class CoupledSystem:
 
         Of kind ``penalty-rounding``.
         """
-        digits = {name: self._digits_at(name, values) for name in self.penalty_digits}
+        digits = {name: self._digits_at(name, values) for name in by_pair(self.contacts)}
         return penalty_warnings(self.contacts, digits)
 
     def keeps_form(self, contact: str, values: Mapping[str, float]) -> bool:
@@ -155,33 +153,24 @@ class CoupledSystem:
         self, steady: "SteadySliding", *, geometric_stiffness: bool = False
     ) -> "CoupledSystem":
         """The system of small motions about a state of steady sliding."""
-        contacts = [
-            replace(contact, closure=steady.contacts[contact.name].closure)
-            if contact.name in steady.contacts
-            else contact
-            for contact in self.contacts
-        ]
-        digits = penalty_digits(contacts, _stiffness_diagonal(self.bodies, {}))
-        prestress = {}
-        if geometric_stiffness:
-            prestress = {
-                name: body.geometric_stiffness(self.displacement(steady.displacement, name))
-                for name, body in self.bodies.items()
-            }
-        return replace(
-            self,
-            contacts=with_forms(contacts, digits),
-            penalty_digits=digits,
-            steady=steady,
-            prestress=prestress,
-        )
+        contacts = []
+        for contact in self.contacts:
+            state = steady.contacts.get(contact.name)
+            contacts.append(contact if state is None else replace(contact, closure=state.closure))
+        prestress = {
+            name: body.geometric_stiffness(self.displacement(steady.displacement, name))
+            for name, body in self.bodies.items()
+            if geometric_stiffness
+        }
+        formed = with_forms(contacts, _stiffness_diagonal(self.bodies, {}))
+        return replace(self, contacts=formed, steady=steady, prestress=prestress)
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
         """Full displacement (m) of a body with what supports prescribe, (dim * scalar dofs,)."""
         own = self.bodies[body]
         full = applied(own.expansion, x.array_r[self.pieces[body].rows])
         if own.prescribed is not None:
-            full += own.prescribed.array_r
+            full += own.prescribed
         parts = own.comm.allgather(full) if everywhere else own.comm.gather(full)
         return np.concatenate(parts or [np.zeros(0)])
 
@@ -202,28 +191,24 @@ def couple(
     on displacements at rest in space alone.
     """
     PETSc.garbage_cleanup()  # on several ranks what earlier systems left waits for this call
-    nest = block_diagonal([body.stiffness() for body in bodies.values()])
-    index_sets = dict(zip(bodies, nest.getNestISs()[0], strict=True))
-    template = nest.createVecRight()
-    destroy(nest)
+    sizes = tuple(body.expansion.getSizes()[1] for body in bodies.values())
+    template = PETSc.Vec().create(next(iter(bodies.values())).expansion.comm)
+    template.setSizes((sum(local for local, _ in sizes), PETSc.DETERMINE))
+    template.setUp()
     frictional = {contact.pair for contact in contacts if contact.has_friction}
     made = [
         assembled(bodies, contact, frictional=contact.pair in frictional, leave_out=leave_out)
         for contact in contacts
     ]
-    digits = penalty_digits(made, _stiffness_diagonal(bodies, {}))
-    sizes = tuple(body.expansion.getSizes()[1] for body in bodies.values())
     pieces = {}
     for number, (name, body) in enumerate(bodies.items()):
         motion = (motions or {}).get(name, Motion())
         pieces[name] = BodyTerms(name, body, motion, with_mass, sizes, number)
     return CoupledSystem(
         bodies=bodies,
-        contacts=with_forms(made, digits),
+        contacts=with_forms(made, _stiffness_diagonal(bodies, {})),
         template=template,
-        index_sets=index_sets,
         load=_load(bodies, made, template) if with_load else None,
-        penalty_digits=digits,
         pieces=pieces,
         with_mass=with_mass,
     )

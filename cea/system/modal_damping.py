@@ -6,22 +6,22 @@ By the path of the body in a scene, ``bodies.<name>``, the parameter is ``.dampi
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.linalg import eigh
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.damping import ModalDamping
 from cea.eigen.blocks import all_inner, times
 from cea.eigen.coefficients import Coefficient, Parameter
-from cea.eigen.driver import solve_modes
-from cea.eigen.krylov_schur import KrylovOptions
-from cea.eigen.pencil import Matrices, Pencil, release
+from cea.eigen.driver import EigenSolver
+from cea.eigen.pencil import Pencil
 from cea.eigen.search import Search, nearest_plan
 from cea.eigen.shifted import count_below
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError, InputError, require
 from cea.matrices import diagonal_of
+from cea.motion import ModalDamping
 from cea.petsc import MPI
 from cea.timing import StageTimer
 
@@ -30,7 +30,7 @@ _MOST = 2000  # most modes of a body that are damped one by one
 _RIGID = 10.0  # frequency relative to its uncertainty up to which a motion is rigid, or lost
 _RIGID_MOTIONS = 6  # most rigid motions of a body in one piece
 _BELOW = 1e-9
-"""Square of a frequency that no elastic mode need be below, relative to :func:`_largest_ratio`."""
+"""Square of a frequency that no elastic mode need be below, relative to the largest."""
 _BEYOND = 1e-6  # what is searched beyond the last mode asked for, relative to its frequency
 
 
@@ -53,14 +53,14 @@ class _OfTheseModes:
     def at(self, values: Mapping[str, float]) -> float:
         """Value at given parameters; refused where the modes would be others."""
         for name, found_at in self.found_at.items():
-            if values[name] != found_at:
-                raise InputError(name, values[name], f"{found_at:g}, where damped modes were found")
+            same, allowed = values[name] == found_at, f"{found_at:g}, where damped modes were found"
+            require(same, name, values[name], allowed)
         return self.coefficient.at(values)
 
     def derivative(self, name: str, values: Mapping[str, float]) -> float:
         """Derivative in one parameter; refused where the modes would move."""
-        if name in self.found_at:
-            raise InputError(name, values[name], "left as it is: damped modes move with it")
+        stays = name not in self.found_at
+        require(stays, name, values[name], "left as it is: damped modes move with it")
         return self.coefficient.derivative(name, values)
 
 
@@ -82,9 +82,9 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
         frequencies, reach, vectors = _elastic_modes(path, body, damping.end, len(counted))
     except ConvergenceError as error:
         raise ConvergenceError(f"modes of {path} for its damping: {error}") from error
-    if len(counted) > len(frequencies):
-        allowed = f"at most {len(frequencies)}: all elastic modes of the body"
-        raise InputError(f"{path}.damping.modal.ratios", f"{len(counted)} ratios", allowed)
+    given, place = f"{len(counted)} ratios", f"{path}.damping.modal.ratios"
+    allowed = f"at most {len(frequencies)}: all elastic modes of the body"
+    require(len(counted) <= len(frequencies), place, given, allowed)
     factors = _factors(path, damping, frequencies, np.maximum(_SAME * frequencies, reach))
     damped = factors > 0
     vectors, weights = vectors[:, damped], (4 * np.pi * factors * frequencies)[damped]
@@ -145,14 +145,15 @@ def _elastic_modes(
     Rising frequencies and what they may be off by (Hz), shape (n,), and vectors phi with
     phi^T M phi = 1, the rows of this rank.
     """
-    pencil = Pencil.of(body.stiffness(), body.mass())
-    matrices = pencil.at()
-    try:
-        largest = _largest_ratio(matrices)
-        least = float(np.sqrt(_BELOW * largest)) / (2 * np.pi)
+    with EigenSolver(Pencil.of(body.stiffness(), body.mass())) as solver:
+        matrices = solver.matrices()
+        # of the size of the largest kappa (1/s^2)
+        ratios = diagonal_of(matrices.stiffness) / diagonal_of(matrices.mass)
+        largest = float(body.comm.allreduce(ratios.max(initial=0.0), MPI.MAX))
+        least, highest = (float(np.sqrt(part * largest)) / (2 * np.pi) for part in (_BELOW, 1.0))
         if end is None:  # so many elastic modes, and one more if any
             count = min(wanted + 1 + _RIGID_MOTIONS, matrices.size)
-            search = Search(matrices, np.inf, KrylovOptions(), StageTimer())
+            search = Search(matrices, np.inf, solver.options, StageTimer())
             try:
                 found = search.run(nearest_plan(search, -_BELOW * largest, count))
                 kappa = np.sort(found.eigenvalues.real)
@@ -164,35 +165,22 @@ def _elastic_modes(
         if modes_below > _MOST:
             allowed = f"at most {_MOST} modes that are damped one by one; Rayleigh damping for more"
             raise InputError(f"{path}.damping.modal", f"{modes_below} up to {end:g} Hz", allowed)
-        if modes_below == matrices.size:
-            end = _end_of_all(matrices, float(np.sqrt(largest)) / (2 * np.pi), end)
-    finally:
-        release(matrices)
-    modes = solve_modes(pencil, end)
+        if modes_below == matrices.size:  # an end that is not far beyond all modes
+            below = partial(count_below, matrices)
+            while highest < end and below((2 * np.pi * highest) ** 2) < matrices.size:
+                highest *= 2
+            end = min(highest, end)
+        modes = solver.solve(end)
     uncertainties = modes.growth_uncertainties / (2 * np.pi)
     elastic = modes.frequencies > _RIGID * uncertainties
     if lost := int((~elastic & (modes.frequencies > least)).sum()):
         raise ConvergenceError(f"{lost} of {len(modes)} modes are lost to rounding", best=modes)
-    frequencies, vectors = _rayleigh_ritz(body, modes.vectors.real)
-    return frequencies[elastic], uncertainties[elastic], vectors[:, elastic]
-
-
-def _end_of_all(matrices: Matrices, highest: float, end: float) -> float:
-    """A frequency (Hz) not far beyond all modes, all of which are below an end."""
-    while highest < end and count_below(matrices, (2 * np.pi * highest) ** 2) < matrices.size:
-        highest *= 2
-    return min(highest, end)
-
-
-def _largest_ratio(matrices: Matrices) -> float:
-    """Largest ratio of diagonal entries of K and M (1/s^2), of the size of the largest kappa."""
-    ratios = diagonal_of(matrices.stiffness) / diagonal_of(matrices.mass)
-    return float(matrices.mass.comm.tompi4py().allreduce(ratios.max(initial=0.0), MPI.MAX))
-
-
-def _rayleigh_ritz(body: Body, vectors: Floats) -> tuple[Floats, Floats]:
-    """Frequencies (Hz) and modes, by rising frequency, in the space that some modes span."""
-    mass, stiffness = body.mass(), body.stiffness()
-    gram, form = (all_inner(vectors, times(each, vectors), mass.comm) for each in (mass, stiffness))
+    # Rayleigh-Ritz in the space that they span.
+    vectors = modes.vectors.real
+    form, gram = (
+        all_inner(vectors, times(each, vectors), each.comm)
+        for each in (body.stiffness(), body.mass())
+    )
     kappa, turn = eigh(form, gram)
-    return np.sqrt(np.maximum(kappa, 0.0)) / (2 * np.pi), vectors @ turn
+    frequencies = np.sqrt(np.maximum(kappa, 0.0)) / (2 * np.pi)
+    return frequencies[elastic], uncertainties[elastic], (vectors @ turn)[:, elastic]

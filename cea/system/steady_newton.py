@@ -14,12 +14,7 @@ import numpy as np
 from cea.arrays import Floats
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
-from cea.system.steady_equations import (
-    State,
-    SteadyEquations,
-    free_tangent,
-    solved,
-)
+from cea.system.steady_equations import State, SteadyEquations, free_tangent, solved
 from cea.system.steady_state import LoadStep, parity_of
 from cea.timing import StageTimer
 
@@ -89,14 +84,11 @@ class SteadyNewton:
 
     def _step(self, state: State, factor: float, run: Iteration) -> tuple[State, float] | None:
         """The next state and the part of the step that was taken; None where none helps."""
-        run.step.parity = None
+        run.step.parity, slopes = None, self._equations.slopes(state.closures)
         for part in _HELP:
-            pairs = zip(
-                self._equations.slopes(state.closures), self._equations.springs, strict=True
-            )
-            slopes = [slope + part * spring for slope, spring in pairs]
+            pairs = zip(slopes, self._equations.springs, strict=True)
             with self._timer("assembly"):
-                tangent = self._equations.tangent(slopes)
+                tangent = self._equations.tangent([p + part * spring for p, spring in pairs])
             try:
                 with self._timer("factorisation"):
                     factors = Shifted(tangent)
@@ -104,8 +96,8 @@ class SteadyNewton:
                 free_tangent(tangent)
                 continue
             if part == 0:
-                softened = self._equations.unstable
-                run.step.parity = parity_of(tangent, factors, unstable=softened)
+                unstable = self._equations.unstable
+                run.step.parity = parity_of(tangent, factors, unstable=unstable)
             with self._timer("factorisation"):
                 found = self._searched(factors, state, factor)
             factors.free()

@@ -9,10 +9,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from cea.arrays import Floats
-from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.eigen.static import rounding_uncertainty
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError, require
 from cea.system.coupled import CoupledSystem
 from cea.system.steady_equations import (
     LOST,
@@ -60,15 +59,14 @@ def steady_sliding(
     of them is kept. A ConvergenceError with the last state tells when the load opens the contact, a
     rigid motion is free, or no equilibrium is found.
     """
-    if system.load is None:
-        raise InputError("load", None, "forces: the system was coupled without")
-    if all(contact.law.linear for contact in system.contacts):
-        raise InputError("contacts", list(system.bodies), "one with a law of its closure")
+    require(system.load is not None, "load", None, "forces: the system was coupled without")
+    linear = all(contact.law.linear for contact in system.contacts)
+    require(not linear, "contacts", list(system.bodies), "one with a law of its closure")
     if isinstance(steps, int):
         steps = tuple(number / steps for number in range(1, steps + 1))
     equations = SteadyEquations(system)
     try:
-        return _Path(equations, timer or StageTimer(), steps, history=history).solve()
+        return _Path(equations, timer or StageTimer(), history).solve((0.0, *steps))
     finally:
         equations.free()
 
@@ -76,29 +74,21 @@ def steady_sliding(
 class _Path:
     """The way from no load to the whole of it, in steps to given parts."""
 
-    def __init__(
-        self,
-        equations: SteadyEquations,
-        timer: StageTimer,
-        targets: Sequence[float],
-        *,
-        history: bool,
-    ) -> None:
-        self._equations, self._timer = equations, timer
-        self._targets, self._history = targets, history
+    def __init__(self, equations: SteadyEquations, timer: StageTimer, history: bool) -> None:
+        self._equations, self._timer, self._history = equations, timer, history
         self._newton = SteadyNewton(equations, timer)
         self._starts: dict[float, tuple[Floats, Floats]] = {}
 
-    def solve(self) -> SteadySliding:
-        """Put the load on in steps, or in more where it takes them."""
-        first = self._targets[0]
+    def solve(self, targets: Sequence[float]) -> SteadySliding:
+        """Put the load on in steps from target to target, or in more where it takes them."""
+        first = targets[1]
         self._equations.take_springs(first)
         if self._pulls(first) and not self._equations.are_held:
             start = self._equations.state(*self._start(first), first)
             raise ConvergenceError(OPENS, best=start)
         path: list[LoadStep] = []
         state: State | None = None
-        for begin, end in pairwise((0.0, *self._targets)):
+        for begin, end in pairwise(targets):
             if begin:
                 self._equations.take_springs(end)
                 self._starts.clear()
@@ -175,7 +165,10 @@ class _Path:
         x, f = state.x[:, None], state.f[:, None]
         try:
             with self._timer("factorisation"):
-                factors = _factorised(tangent, state)
+                try:
+                    factors = Shifted(tangent)
+                except ConvergenceError:
+                    raise ConvergenceError(_LEAVE_FREE, best=state) from None
                 uncertainty = rounding_uncertainty(tangent, factors, x, f)
                 parities = {step.factor: step.parity for step in path}
                 unstable = equations.unstable
@@ -226,11 +219,3 @@ class _Path:
             return False
         x = self._start(factor)[0]
         return self._equations.spring_resultant(x, factor) <= 0
-
-
-def _factorised(tangent: Matrices, state: State) -> Shifted:
-    """Factors of the tangent in a state."""
-    try:
-        return Shifted(tangent)
-    except ConvergenceError:
-        raise ConvergenceError(_LEAVE_FREE, best=state) from None

@@ -140,7 +140,7 @@ def contact_state(contact: Contact, closure: Floats) -> ContactState:
     if friction_law is not None and friction_law.acts:
         tangential = weighted * friction_law.mu
         friction = float(tangential.sum())
-        force = force + tangential @ friction_law.direction.at(points.x, points.normal)
+        force = force + tangential @ friction_law.along(points.x, points.normal)
     return ContactState(
         closure=closure,
         pressure=pressure,

@@ -12,7 +12,7 @@ unknowns of what was solved they are taken from there, for gaps do not tell thos
 contacts: L^T f, where of points L = Q^T sqrt(W p^) (G - mu T), G and T those of all dofs and Q that
 of the solution (:mod:`cea.contact.saddle`).
 
-Of a body that rotates (:mod:`cea.rotation`) forces on all dofs are, on the body and from outside,
+Of a body that rotates (:mod:`cea.motion`) forces on all dofs are, on the body and from outside,
 Omega^2 Z u of the convective stiffness and - alpha Omega B u of the damping of the mass; elastic
 forces are K (u + beta Omega M^-1 B u), K without springs. What modal damping does at held dofs its
 modes do not tell: M phi and K phi / omega^2 are the same at free dofs alone.
@@ -30,7 +30,7 @@ from cea.body import Body
 from cea.contact.contact import Contact, assembled
 from cea.contact.saddle import few_forces, with_multipliers
 from cea.errors import ConvergenceError
-from cea.matrices import applied, destroy, distributed, gather, local_part, scaled_total
+from cea.matrices import applied, destroy, distributed, local_part, scaled_total
 from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
@@ -139,8 +139,7 @@ def _on_body(
     and the sum of what all of them are small differences of.
     """
     body, load, strain = pieces.body, pieces.body.full_load(), pieces.strain(x)
-    parts = {"loads": gather(load).reshape(-1, body.dim)}
-    destroy(load)
+    parts = {"loads": np.concatenate(body.comm.allgather(load)).reshape(-1, body.dim)}
     strained = u if strain is None else u + np.concatenate(body.comm.allgather(strain))
     elastic, size = _times(body.space.stiffness(body.material.elasticity), strained, body)
     for label, factor, matrix in _of_space(pieces):

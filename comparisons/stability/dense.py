@@ -15,7 +15,7 @@ With damping or rotation contact forces are eliminated, no side may be tied, and
 lambda^2 M + lambda D + K is solved at twice the size, lambda relative to its typical size. D holds
 alpha M_b + beta K_b and sum 2 zeta omega (M_b phi) (M_b phi)^T of all modes of bodies, Omega Y_b,
 and what contacts that slide add; of bodies that rotate, Omega C_b M_b^-1 B_b is part of K, but for
-springs (:mod:`cea.rotation`).
+springs (:mod:`cea.motion`).
 """
 
 from collections.abc import Mapping
@@ -150,7 +150,7 @@ def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
     slip = np.zeros_like(gap)
     if friction is not None and friction.acts:
         mu = np.broadcast_to(friction.mu, len(points))
-        slip = mu[:, None] * jump(system, contact, friction.direction.at(points.x, normal))
+        slip = mu[:, None] * jump(system, contact, friction.along(points.x, normal))
     if contact.coupling in ("mortar", "bonded"):
         a = contact.interface.a
         trace = (a.trace if bonded else a.split_trace)(points.at)
@@ -294,7 +294,7 @@ def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floa
         if value is not None
     }
     load = share * points.weight * given["pressure"]
-    k = friction.direction.at(x, n)
+    k = friction.along(x, n)
     along = jump(system, contact, k)
     damping: Floats = along.T @ ((load * given.get("mu_slope", 0.0))[:, None] * along)
     if "speed" in given:

@@ -14,17 +14,17 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body, Space
 from cea.contact.contact import Contact
-from cea.contact.friction import Friction, FrictionDirection, Reversed
+from cea.contact.friction import Friction
 from cea.contact.interface import Interface, default_reach, pair
 from cea.contact.laws import LinearLaw, NormalLaw, Sliding
 from cea.errors import InputError, require
 from cea.expressions import Expression, evaluate
 from cea.mesh import Mesh
+from cea.motion import Motion
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure
 from cea.surface import Surface
-from cea.system.body_terms import Motion
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
@@ -165,8 +165,8 @@ class _Half:
     spec: ContactSpec
     a: str
     b: str
-    direction: FrictionDirection | Reversed | None
     share: float = 1.0
+    reverse: bool = False  # whether the points lie on side b of the contact
 
     @property
     def made_of(self) -> tuple[Any, ...]:
@@ -183,11 +183,10 @@ class _Half:
 def _halves(contacts: Mapping[str, ContactSpec]) -> Iterator[_Half]:
     """The one half of each half pass, both halves of each full pass."""
     for name, spec in contacts.items():
-        direction, share = spec.friction_direction_on_a, 0.5 if spec.full_pass else 1.0
-        yield _Half(name, name, spec, spec.a, spec.b, direction, share)
+        share = 0.5 if spec.full_pass else 1.0
+        yield _Half(name, name, spec, spec.a, spec.b, share)
         if spec.full_pass:
-            reversed_ = Reversed(direction) if direction is not None else None
-            yield _Half(f"{name}, b on a", name, spec, spec.b, spec.a, reversed_, share)
+            yield _Half(f"{name}, b on a", name, spec, spec.b, spec.a, share, reverse=True)
 
 
 def build_interfaces(
@@ -243,11 +242,12 @@ def _contact(half: _Half, interface: Interface) -> Contact:
             given = {n: value for n, value in spec.sliding.fields.items() if value is not None}
             sliding = Sliding(**{n: _values(f"sliding.{n}", v, points.x) for n, v in given.items()})
         friction = None
-        if half.direction is not None:
+        if spec.friction_direction_on_a is not None:
             mu = _values("mu", spec.mu, points.x)
             # what rounding leaves where an expression vanishes counts as zero
             negligible = np.abs(mu) < _ROUNDING * np.abs(mu).max(initial=0.0)
-            friction = Friction(np.where(negligible, 0.0, mu), half.direction)
+            mu = np.where(negligible, 0.0, mu)
+            friction = Friction(mu, spec.friction_direction_on_a, half.reverse)
         return Contact(
             name=half.name,
             pair=half.pair,

@@ -77,7 +77,7 @@ def inspect_scene(scene: Scene) -> Inspection:
                 if half.friction is not None:  # it has a direction everywhere
                     points = half.interface.points
                     with below(f"contacts.{name}"):
-                        half.friction.direction.at(points.x, points.normal)
+                        half.friction.along(points.x, points.normal)
             halves |= {half.name: half for half in contacts}
         except InputError as error:
             faults.append(error)

@@ -24,8 +24,8 @@ from cea.body.space import StraightCells
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
 from cea.errors import ResultWarning
+from cea.motion import Rotation
 from cea.ranks import agreed, made_on_first
-from cea.rotation import Rotation
 from meshes.mesh_file import MeshFile
 from scenes.building.build import used_surfaces
 from scenes.checking.stiffness import limit_of, mean_stiffness, relative_stiffness
@@ -252,7 +252,7 @@ def _against_rotation(scene: Scene, name: str, halves: Sequence[Contact]) -> War
         return
     points = half.interface.points
     on_a, on_b = (_velocity(scene.bodies[body].rotation, points.x) for body in (half.a, half.b))
-    k = half.friction.direction.at(points.x, points.normal)
+    k = half.friction.along(points.x, points.normal)
     power = float(points.weight @ ((on_a - on_b) * k).sum(axis=1))
     if power > 0:
         told = "friction_direction_on_a of contacts.{contact} is along the velocity of side a "

@@ -156,7 +156,7 @@ def _add_contacts(
         arrows = [(x, normal, 0.6, _NORMAL)]
         if half.friction is not None:
             inside = x - 0.2 * _LENGTH * size * normal  # points would hide what lies among them
-            arrows.append((inside, half.friction.direction.at(x, normal), 1.0, _FRICTION))
+            arrows.append((inside, half.friction.along(x, normal), 1.0, _FRICTION))
         for at, vectors, length, colour in arrows:
             cloud = pyvista.PolyData(in_space(at))
             cloud.point_data["vectors"] = in_space(vectors)

@@ -202,7 +202,7 @@ class Result:
         contacts: K_f is zero without friction, M is left out of static analyses. C is there where
         something damps, Y where a body rotates; convective and geometric stiffness are part of K.
         With modal damping, which would be full, damping is C + W W^T. Damping that rotates with
-        its body makes K_c of displacements, or K_c + L N^-1 J (:mod:`cea.rotation`). A scene of
+        its body makes K_c of displacements, or K_c + L N^-1 J (:mod:`cea.motion`). A scene of
         matrices has M, C where there is one, and K.
 
         They are scipy's (N/m, kg, N s/m) on rank 0; none are given on other ranks. An InputError

@@ -13,7 +13,7 @@ from cea.eigen.blocks import times
 from cea.eigen.multipliers import with_unformed
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError
-from cea.matrices import destroy, gather, local_part, scaled_total
+from cea.matrices import destroy, local_part, scaled_total
 from cea.petsc import PETSc
 from cea.ranks import local_rows
 from cea.surface_points import SurfaceCoordinates
@@ -36,12 +36,11 @@ def displacements(
     """
     name, trace = _trace(system, place, at)
     body, comm = system.bodies[name], system.bodies[name].comm
-    start = system.template.getOwnershipRange()[0]
-    own = vectors[system.index_sets[name].indices - start]
+    own = vectors[system.pieces[name].rows]
     held = body.prescribed if prescribed else None
     if trace is None:
         u = times(body.expansion, own)
-        fixed = None if held is None else held.array_r
+        fixed = held
     else:
         count = trace.shape[0]
         first, last = local_rows(count, comm) if everywhere else (0, 0 if comm.rank else count)
@@ -49,7 +48,7 @@ def displacements(
         operator = free_operator(every, body)
         u = times(operator, own)
         destroy(operator)
-        fixed = None if held is None else every @ gather(held)
+        fixed = None if held is None else every @ np.concatenate(comm.allgather(held))
     if fixed is not None:
         u += prescribed * fixed[:, None]
     u = u.reshape(len(u) // body.dim, body.dim, vectors.shape[1])

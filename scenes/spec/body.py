@@ -7,10 +7,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from cea.damping import ModalDamping, RayleighDamping
 from cea.errors import require
 from cea.material import AnisotropicMaterial, IsotropicMaterial, OrthotropicMaterial
-from cea.rotation import Rotation
+from cea.motion import ModalDamping, RayleighDamping, Rotation
 from cea.supports.boundary import Spring, Support
 from cea.supports.frames import Cartesian, Cylindrical, Frame, SurfaceNormal
 from meshes.mesh_file import MeshFile

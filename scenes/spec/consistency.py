@@ -11,7 +11,7 @@ from cea.arrays import Floats, of_size_one
 from cea.contact.formulations import registered
 from cea.errors import InputError, did_you_mean
 from cea.expressions import Expression
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from cea.supports.boundary import Support, check_surface
 from meshes.breaks import breaks_of
 from meshes.edge_layers import check_room, run_along

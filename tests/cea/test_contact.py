@@ -150,7 +150,7 @@ def test_matrices_are_sums_over_points(system):
 def test_lumped_matrices_are_sums_over_columns(backend, placement):
     (contact,) = assemble(coarse(two_blocks(backend, LUMPED, placement))).contacts
     points = contact.interface.points
-    k = contact.friction.direction.at(points.x, points.normal)
+    k = contact.friction.along(points.x, points.normal)
     assert_equals_sums(contact, k, lumped=True)
 
 

@@ -5,10 +5,10 @@ import pytest
 from blocks import alone, assemble, scene_body, two_blocks
 from petsc_matrices import to_numpy
 
-from cea.damping import ModalDamping, RayleighDamping
 from cea.eigen.driver import solve_modes
 from cea.eigen.matching import assign
 from cea.errors import InputError
+from cea.motion import ModalDamping, RayleighDamping
 
 TOP = 1.2
 RAYLEIGH = {"alpha": 0.3, "beta": 0.07}

@@ -39,7 +39,7 @@ def precise(result):
     points, p = interface.points, contact.slope
     traces = {"upper": interface.trace_a.toarray(), "lower": -interface.trace_b.toarray()}
     psi = traces["upper"][:, np.abs(traces["upper"]).max(axis=0) > 0]
-    k = contact.friction.direction.at(points.x, points.normal)
+    k = contact.friction.along(points.x, points.normal)
     jumps = []
     for direction in (points.normal, contact.friction.mu[:, None] * k):
         full = {n: np.einsum("qi,qc->qic", t, direction) for n, t in traces.items()}

@@ -19,7 +19,7 @@ from scipy.linalg import eigh
 from cea.eigen.shifted import Shifted
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from meshes.placement import Placement
 from meshes.shapes import Annulus
 from scenes.running.system import coupled

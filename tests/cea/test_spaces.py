@@ -18,8 +18,8 @@ from stub_backend import StubSpace
 from cea.body import Body
 from cea.errors import InputError
 from cea.matrices import gather
+from cea.motion import Rotation
 from cea.petsc import MPI
-from cea.rotation import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support
 from cea.surface_points import Status, SurfaceCoordinates
 from meshes.shapes import Annulus, Box, Rectangle, Ring

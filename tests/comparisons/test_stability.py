@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from cea.errors import ConvergenceError, InputError
-from cea.matrices import destroy, gather
+from cea.matrices import destroy
 from comparisons.stability import study
 from comparisons.stability.dense import dense_eigenvalues, dense_kappas, lambdas
 from comparisons.stability.scenes import in_units, layers, moved, sprag
@@ -173,10 +173,10 @@ def outside(scene):
     for name, body in system.bodies.items():
         load, stiffness = body.full_load(), body.full_stiffness()
         u = system.displacement(x, name)
-        forces.append(gather(load).reshape(-1, body.dim).sum(axis=0))
+        forces.append(body.comm.allreduce(load.reshape(-1, body.dim).sum(axis=0)))
         forces += list(reactions.get(name, ()))
         rounding += eps * stiffness.norm() * np.linalg.norm(u) * np.sqrt(len(u))
-        destroy(load, stiffness)
+        destroy(stiffness)
     for contact in system.contacts:
         if contact.lumped is None and np.isfinite(contact.P) and not contact.has_multipliers:
             u = max(np.abs(system.displacement(x, name)).max() for name in system.bodies)

@@ -9,9 +9,7 @@ def unknowns(system, motions):
     """Unknowns of free bodies that move as given: displacement functions of position by body."""
     x = system.vector()
     for name, motion in motions.items():
-        part = x.getSubVector(system.index_sets[name])
-        part.array[:] = motion(control_points(system.bodies[name])).ravel()
-        x.restoreSubVector(system.index_sets[name], part)
+        x.array[system.pieces[name].rows] = motion(control_points(system.bodies[name])).ravel()
     return x
 
 

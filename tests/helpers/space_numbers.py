@@ -10,7 +10,7 @@ from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.matrices import gather
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape

@@ -18,7 +18,7 @@ from iga_data import (
 from petsc_matrices import to_scipy
 
 from cea.body import Body
-from cea.rotation import Rotation
+from cea.motion import Rotation
 from iga_cea.patch import refine
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape

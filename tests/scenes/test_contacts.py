@@ -78,7 +78,7 @@ def test_a_direction_by_expressions_is_the_circumferential_one():
         changes["contacts.pad_disc.friction_direction_on_a"] = direction
         system, interfaces = system_of(load_scene("disc_pad", backend="fe").change(changes))
         points = interfaces["pad_disc"].points
-        both.append(system.contacts[0].friction.direction.at(points.x, points.normal))
+        both.append(system.contacts[0].friction.along(points.x, points.normal))
     assert both[1] == pytest.approx(both[0], abs=1e-14)
     assert np.ptp(both[0][:, 0]) > 0.3
 

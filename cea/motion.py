@@ -1,11 +1,43 @@
-"""Damping of a body: in proportion to its mass and its stiffness, and of its modes one by one."""
+"""Steady rotation of an axisymmetric body, seen from the frame that does not rotate, and damping.
 
-from dataclasses import dataclass
+A particle that the rotation alone carries to x at time t is found at x + u(x, t). Its velocity is
+
+    Omega a x r + D u,     D = d/dt + Omega R,     R u = (a x r) . grad u  =  d u / d theta
+
+with the unit vector a of the axis, the rate Omega, r = x - origin, and the derivative taken of each
+Cartesian component. In the weak form, with the test function v,
+
+    M = int rho v . u
+    Y = 2 Omega int rho v . R u  =  Omega int rho (v . R u - R v . u)      gyroscopic, skew
+    - Omega^2 Z,  Z = int rho R v . R u                                     convective stiffness
+
+On an axisymmetric body a x r has no divergence and no normal component: v . R u + R v . u
+integrates to zero, and Y is assembled as its skew part.
+
+D holds all inertia, Coriolis forces too. Without Coriolis forces the displacement is carried along
+with its directions, R u = (a x r) . grad u - a x u: R then commutes with the elasticity of the
+body, and a free body has exactly the eigenvalues lambda_0 +- i m Omega, m the number of nodal
+diameters, as far as Z is there (Genta, Dynamics of Rotating Systems, 2005). The geometric stiffness
+of the centrifugal forces, of the order of Z too, is not part of either.
+
+Damping of the material acts on the velocity that the material sees, d u / d t + Omega R u with the
+R that carries directions along, whatever the Coriolis forces. Beside C u_t stands the circulatory
+stiffness Omega C R, without which waves that run backwards would be fed. On the space of the body
+R u is its L2 projection, R = M^-1 B with B = int rho v . R u, skew:
+
+    Rayleigh damping alpha M + beta K      alpha Omega B + beta Omega K M^-1 B
+    modal damping                          Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T
+
+M^-1 is full: the products are never formed (:mod:`cea.eigen.unformed`). Springs and friction stay
+where they are in space; no rotation enters their damping.
+"""
+
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
 
-from cea.arrays import Floats, is_number
+from cea.arrays import Floats, is_number, of_size_one
 from cea.errors import require
 
 _ROUNDING = 1e-15  # of ratios that are proportional to the frequency, or to its inverse
@@ -17,7 +49,7 @@ class RayleighDamping:
 
     A mode of the body alone with the angular frequency omega has the damping ratio
     alpha / (2 omega) + beta omega / 2 (Bathe, Finite Element Procedures, sec. 9.3.3). Of a body
-    that rotates all but its springs is carried along with the material (:mod:`cea.rotation`).
+    that rotates all but its springs is carried along with the material (:mod:`cea.motion`).
 
     Parameters
     ----------
@@ -69,7 +101,7 @@ class ModalDamping:
 
     so that lambda_j = omega_j (-zeta_j +- i sqrt(1 - zeta_j^2)) of the body alone (Clough, Penzien,
     Dynamics of Structures, sec. 12.5). Rigid motions have none, nor have modes beyond those named.
-    Of a body that rotates it is carried along with the material (:mod:`cea.rotation`).
+    Of a body that rotates it is carried along with the material (:mod:`cea.motion`).
 
     Parameters
     ----------
@@ -147,3 +179,74 @@ def _is_ratio(value: float) -> bool:
 
 def _is_positive(value: float) -> bool:
     return is_number(value) and value > 0
+
+
+@dataclass(frozen=True)
+class Rotation:
+    """Steady rotation of a body whose shape it leaves as it is.
+
+    Supports, springs and contacts stay where they are in space while the material passes by.
+
+    Parameters
+    ----------
+    rate
+        Omega (rad/s), zero or positive: right-handed about the axis, which gives the sense.
+    axis
+        Direction of the axis, any length but zero; along z in the plane.
+    origin
+        A point of the axis (m).
+    convective_stiffness
+        Whether the term - Omega^2 Z is part of the stiffness. The geometric stiffness of the
+        centrifugal forces, which is of the same order, is not.
+    coriolis
+        Whether Coriolis forces act. Without, displacements are carried along with their directions,
+        and modes of a free body pass by with m Omega.
+    """
+
+    rate: float
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    convective_stiffness: bool = False
+    coriolis: bool = True
+
+    def __post_init__(self) -> None:
+        allowed = "zero or positive (rad/s); the axis gives the sense"
+        require(is_number(self.rate) and self.rate >= 0, "rotation.rate", self.rate, allowed)
+        real = bool(np.isfinite(self.axis).all() and np.any(self.axis))
+        require(real, "rotation.axis", self.axis, "a finite vector that is not zero")
+        finite = bool(np.isfinite(self.origin).all())
+        require(finite, "rotation.origin", self.origin, "finite coordinates (m)")
+
+    def check(self, dim: int, field: str) -> None:
+        """Refuse an axis that leaves the plane oblique, and an origin beside it."""
+        if dim == 2:
+            require(not any(self.axis[:2]), f"{field}.axis", self.axis, "along z in the plane")
+            require(not self.origin[2], f"{field}.origin", self.origin, "z = 0 in the plane")
+
+    @property
+    def of_material(self) -> "Rotation":
+        """The same, displacements being carried along with their directions."""
+        return replace(self, coriolis=False)
+
+    def spin(self, dim: int) -> Floats:
+        """W with W v = a x v, skew, shape (dim, dim)."""
+        axis = of_size_one(self.axis)
+        x, y, z = axis / np.linalg.norm(axis)
+        whole = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        return np.ascontiguousarray(whole[:dim, :dim])
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What acts on the velocities of a body."""
+
+    damping: RayleighDamping | None = None  # its Rayleigh damping; None without
+    rotation: Rotation | None = None  # its rotation; None without
+    # its modal damping (:mod:`cea.system.modal_damping`); None without
+    modal: ModalDamping | None = None
+
+    @property
+    def circulates(self) -> bool:
+        """Whether damping is carried along by a rotation."""
+        damped = self.damping is not None or self.modal is not None
+        return damped and self.rotation is not None
