@@ -1,8 +1,7 @@
 """Both backends on the disc and pad: basic formulations, and every pairing of backends.
 
-With mortar contact only the bodies' own discretisation is left to differ: pad and disc are then run
-in every pairing, and the last once more with a higher degree on the same elements. What changes
-there is not converged, however well the pairings agree.
+With mortar contact the bodies' own discretisation alone differs; the last pairing is run with a
+higher degree too. What changes there is not converged, however well the pairings agree.
 """
 
 from collections.abc import Iterator
@@ -13,14 +12,7 @@ from typing import Annotated, Any
 
 import pandas as pd
 
-from cea.contact.formulations import (
-    Formulation,
-    GaussPointToSurface,
-    Greville,
-    Grid,
-    Mortar,
-    NodeToSurface,
-)
+from cea.contact.formulations import GaussPointToSurface, Greville, Grid, Mortar, NodeToSurface
 from comparisons.study.numbers import decimals, number, per_cent, shown
 from comparisons.study.sections import Column, Section, Table, diagram
 from comparisons.study.study import Case, Session, Study, StudyResult
@@ -41,7 +33,7 @@ class Options:
     overrides: Annotated[tuple[str, ...], "Changes of the disc_pad scene."] = ()
 
 
-def rules(backend: Backend) -> dict[str, Formulation]:
+def rules(backend: Backend) -> dict[str, Any]:
     """Formulations of the disc and pad; a grid has about as many points on either backend."""
     own, grid = (Greville(), Grid(10)) if backend == "iga" else (NodeToSurface(), Grid(4))
     return {"collocation": own, "grid": grid, "GPTS": GaussPointToSurface(5), "mortar": Mortar()}

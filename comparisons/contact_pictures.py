@@ -20,13 +20,10 @@ _FLAT = 0.5  # length of the mean unit normal from which a contact is seen along
 
 
 def draw_contacts(result: Result, out: Path) -> list[Path]:
-    """Draw what each contact with a law carries in steady sliding.
+    """Draw what each contact with a law carries in steady sliding; none without it.
 
-    In space seen along the coordinate nearest to the contact's mean normal, or in which it is
-    thinnest where it is curved all round; in the plane values along the coordinate in which the
-    contact is longest.
-
-    The files ``contact_<backend>_<half pass>.png``; none where there is no steady sliding.
+    In space it is seen along the coordinate nearest to its mean normal, or in which it is thinnest;
+    in the plane values are drawn along the coordinate in which it is longest.
     """
     states = result.steady.contacts if result.steady is not None else {}
     files = []

@@ -21,11 +21,7 @@ _KEY, _MODES = "run", "rows of modes"
 
 
 def write_run_report(result: Result, record: Path) -> Path:
-    """Write the page of a run beside its ``result.json``; collective, rank 0 writes.
-
-    It shows every mode on the diagram, and the shapes of as many as there is room for, unstable
-    ones first.
-    """
+    """Write the page of a run beside its record; collective. It shows the shapes that fit."""
     shapes, rows = Shapes(), [] if result.spectrum is None else result.table()
     if rows and result.coupled is not None:
         shapes.add(_KEY, result, by_importance(result))

@@ -67,10 +67,7 @@ def methods() -> list[dict[str, Any]]:
 
 
 def lines(options: Options) -> Iterator[Case]:
-    """Lines of plots: a problem, a stiffness and a method on finer and finer meshes.
-
-    At the first stiffness every method is run; at others mortar, and all rules on a few degrees.
-    """
+    """Lines of plots: every method at the first stiffness, at others mortar and a few degrees."""
     for problem in options.problems:
         for p in options.stiffnesses:
             for method in methods():
@@ -80,10 +77,7 @@ def lines(options: Options) -> Iterator[Case]:
 
 
 def refinements(case: Case, options: Options) -> list[int]:
-    """Refinements of a line, spread over the degrees of freedom allowed; the last off the first p.
-
-    A problem may widen the range of the first stiffness.
-    """
+    """Refinements of a line, spread over the dofs allowed; of other stiffnesses the last."""
     problem, at_first = PROBLEMS[case["problem"]], case["p"] == options.stiffnesses[0]
     most = options.most_dofs_2d if problem.dim == 2 else options.most_dofs_3d
     if at_first and problem.most_dofs is not None:

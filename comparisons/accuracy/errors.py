@@ -118,10 +118,7 @@ def no_flutter_cases() -> Iterator[Case]:
 
 
 def evaluate_no_flutter(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Largest abs(Re lambda) over abs(lambda), what residual times condition explains of it there.
-
-    ``unexplained`` modes grow or decay by more than that.
-    """
+    """Largest growth over abs(lambda), what residual times condition explains, modes beyond it."""
     problem = NO_FLUTTER[case["problem"]]
     mirrored = problem.name == "blocks"
     result = run_modes(scene_of(problem, case, _REFINEMENT, _MIRRORED if mirrored else None))

@@ -18,8 +18,7 @@ from cea.arrays import Complexes
 from cea.files import write_whole
 from exact_cea.reference import whole_spectrum
 
-_BEYOND = 1.1
-"""Upper end of the search relative to that of the listed band: edge modes keep their partners."""
+_BEYOND = 1.1  # end of the search over that of the band: edge modes keep their partners
 _FAR = 1.15  # upper end of the exact list relative to that of the listed band
 _REAL = 1e-9  # growth rates below this part of abs(lambda) are rounding of the exact solver
 STIFFNESSES = (0.1, 1.0, 10.0, 1000.0)

@@ -19,10 +19,8 @@ from scenes.spec.body import backend_name
 
 TOLERABLE = 0.01
 """Error of growth, relative to the largest growth rate, up to which a rule is called usable."""
-_TOO_COARSE = 0.1
-"""Error of growth of a yardstick from which on a mesh says nothing of contact rules."""
-_ROUNDING = 1e-9
-"""Errors below this say nothing of the order: exact lists and Krylov iteration end here."""
+_TOO_COARSE = 0.1  # error of growth of a yardstick whose mesh says nothing of contact rules
+_ROUNDING = 1e-9  # errors of exact lists and Krylov iteration, which say nothing of the order
 _FITTED = 3  # finest meshes that an order is fitted to
 LINE = ["problem", "backend", "degree", "rule", "p"]  # labels of a line of a plot
 
@@ -36,9 +34,8 @@ def cases(options: Options) -> Iterator[Case]:
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     """Tables of a case of its part."""
-    if case["part"] == "errors":
-        return errors.evaluate(case, session)
-    return errors.evaluate_no_flutter(case, session)
+    of_part = errors.evaluate if case["part"] == "errors" else errors.evaluate_no_flutter
+    return of_part(case, session)
 
 
 def _drawn(which: str, result: StudyResult) -> pd.DataFrame:

@@ -7,6 +7,7 @@ both with that mass, to compare what is the same, and with the exact one, to tel
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from math import tau
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -34,8 +35,7 @@ MASS_QUADRATURE = 2
 """Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""
 MODES = 20
 _WIDER = 1.01  # window of this program over the last frequency of CalculiX
-_RIGID = 1e-6
-"""Modes with abs(lambda) below this part of the largest are rigid, and zero but for rounding."""
+_RIGID = 1e-6  # modes with abs(lambda) below this part of the largest are rigid
 PROGRAMS = ("CalculiX", "this program", "exact mass")
 """CalculiX, this program with the mass of CalculiX, and with the exact one."""
 
@@ -60,18 +60,15 @@ def cases(options: Options) -> Iterator[Case]:
 
 def scene(case: Case, options: Options) -> Scene:
     """Straight quadratic tetrahedra, their contact integrated exactly."""
-    whole, mesh = load_scene("disc_pad", backend="fe"), options.meshes[case["mesh"] - 1]
-    bodies = {
-        name: replace(
-            body,
-            mesh=MeshSpec(fe=FeMesh("tetrahedron", 2, geometry_degree=1, elements=mesh[name])),
-        )
-        for name, body in whole.bodies.items()
-    }
-    name = case["problem"]
-    if name in bodies:
-        return replace(whole, name=name, bodies={name: bodies[name]}, contacts={})
-    return with_contact(replace(whole, bodies=bodies), formulation=Segments())
+    meshes = {}
+    for name, boxes in options.meshes[case["mesh"] - 1].items():
+        mesh = FeMesh("tetrahedron", 2, geometry_degree=1, elements=boxes)
+        meshes[f"bodies.{name}.mesh"] = MeshSpec(fe=mesh)
+    whole, problem = load_scene("disc_pad", backend="fe").change(meshes), case["problem"]
+    if problem in whole.bodies:
+        bodies = {problem: whole.bodies[problem]}
+        return replace(whole, name=problem, bodies=bodies, contacts={})
+    return with_contact(whole, formulation=Segments())
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
@@ -79,7 +76,7 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     assert session.scene is not None
     with TemporaryDirectory() as name:
         theirs = ccx.run(write_deck(session.scene, Path(name), MODES)[1])
-    top = _WIDER * float(theirs[-1].imag) / (2 * np.pi)
+    top = _WIDER * float(theirs[-1].imag) / tau
     wide_enough = session.scene.change({"analysis.max_frequency": top})
     same, exact = (
         run_modes(wide_enough, bodies=bodies).eigenvalues
@@ -91,12 +88,7 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
     def rows(chosen: Callable[[Complexes], Complexes]) -> list[dict[str, Any]]:
         return [
-            {
-                "program": program,
-                "mode": i,
-                "frequency": float(value.imag / (2 * np.pi)),
-                "growth": float(value.real),
-            }
+            {"program": program, "mode": i, "frequency": value.imag / tau, "growth": value.real}
             for program, values in found.items()
             for i, value in enumerate(chosen(values), 1)
         ]

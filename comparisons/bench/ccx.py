@@ -39,10 +39,9 @@ def version() -> str:
 
 
 def run(deck: Path) -> Complexes:
-    """Run a deck that asks for frequencies on one thread; results are left beside it.
+    """Run a deck that asks for frequencies on one thread: lambda (1/s) by rising frequency.
 
-    Gives lambda (1/s) by rising frequency, each pair with both growth rates; an error where
-    CalculiX is not installed, or ends without results.
+    An error where CalculiX is not installed, or ends without results.
     """
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(
@@ -77,10 +76,7 @@ def _listed(text: str) -> Complexes:
 
 
 def stored_kappa(file: Path) -> np.ndarray | None:
-    """omega^2 (1/s^2) of the modes in the binary file of a frequency step.
-
-    None where the step follows a static one: the file then holds no imaginary parts.
-    """
+    """omega^2 (1/s^2) in the binary file of a frequency step; None if it follows a static one."""
     content = file.read_bytes()
     cyclic, hermitian, perturbed, count = struct.unpack_from("=4i", content)
     if (cyclic, hermitian, perturbed) != (0, 1, 0):

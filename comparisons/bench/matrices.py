@@ -1,8 +1,7 @@
 """All modes of a window of matrices from files, beside runs of shift-and-invert by scipy.
 
-What a person would do without this program: five shifts along the imaginary axis of the window, at
-each the eigenvalues nearest to it by ARPACK and SuperLU in complex arithmetic, with no word on what
-lies between them. Systems of the companion form are reduced to Q(sigma) = sigma^2 M + sigma C + K.
+What a person would do without this program: at five shifts along the imaginary axis of the window
+the nearest eigenvalues by ARPACK and SuperLU, with no word on what lies between them.
 """
 
 from collections.abc import Callable, Iterator, Mapping

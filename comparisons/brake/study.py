@@ -1,9 +1,8 @@
 """``ventilated_brake`` on meshes that become finer.
 
-Modes of each mesh are matched with those of the next by their shapes on the contact surfaces and by
-eigenvalue; the spread of a mode over the meshes says how far its frequency and its growth rate may
-be trusted. Contacts are mortar: Gauss points on quadratic elements are not usable at such a
-stiffness (``cea study accuracy``), and mortar does not lock where p is larger still.
+Modes are matched from mesh to mesh by their shapes on the contact surfaces and by eigenvalue: their
+spread says how far they may be trusted. Contacts are mortar, for Gauss points on quadratic elements
+are not usable at such a stiffness (``cea study accuracy``).
 """
 
 import resource
@@ -113,11 +112,7 @@ def brake_modes(result: StudyResult) -> pd.DataFrame:
 
 
 def _over_meshes(result: StudyResult, by_size: list[pd.DataFrame]) -> Iterator[list[list[int]]]:
-    """Numbers of the modes on each mesh that stand for one another, by those of the finest.
-
-    The growing and the decaying mode of a pair, which were one mode each before they met, stay
-    together.
-    """
+    """Modes on each mesh that stand for one another; both of a pair stay together."""
     every = result.frame("matches")
     sizes = [own["size"].iloc[0] for own in by_size[1:]]
     matches = [every[every["size"] == size].to_dict("records") for size in sizes]

@@ -53,10 +53,7 @@ RENAMED = {
 
 
 class _Commands(LazyGroup):
-    """All commands, whose help needs no pydantic.
-
-    Typer brings it to find what an option means that is not given; ``--help`` then means no.
-    """
+    """All commands, whose help needs no pydantic: typer asks it what ``--help`` not given means."""
 
     table = COMMANDS
 

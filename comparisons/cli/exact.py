@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args, get_origin, get_type
 import typer
 
 from cea.errors import InputError
-from comparisons.cli.options import PLAIN, LazyGroup, command_with, need
+from comparisons.cli.options import LazyGroup, command_with, group, need
 
 if TYPE_CHECKING:
     from exact_cea.entries import Entry
@@ -158,12 +158,8 @@ def _parameters(problem: Any, given: Mapping[str, Any]) -> dict[str, Any]:
     return chosen
 
 
-app = typer.Typer(cls=_Problems, no_args_is_help=True, **PLAIN)
-
-
-@app.callback()
-def exact() -> None:
-    """Exact eigenvalues of frictional contacts, without finite elements or splines."""
+_TEXT = "Exact eigenvalues of frictional contacts, without finite elements or splines."
+app = group(_TEXT, _Problems)
 
 
 def _window(o: Any, default: int) -> tuple[float | None, int | None]:

@@ -69,6 +69,13 @@ class LazyGroup(TyperGroup):
             formatter.write_dl([(name, text) for name, (_, text) in self.table.items()])
 
 
+def group(text: str, cls: type[TyperGroup] = TyperGroup) -> typer.Typer:
+    """A group of commands, with its help."""
+    made = typer.Typer(cls=cls, no_args_is_help=True, help=text, **PLAIN)
+    made.callback()(lambda: None)
+    return made
+
+
 class MissingExtraError(Exception):
     """A command needs an extra that is not installed."""
 

@@ -50,10 +50,7 @@ class Working:
 
 @contextmanager
 def working(title: str, *, steps: int | None = None, to: Console = console) -> Iterator[Working]:
-    """Show how far a block of work is: time gone and, where its steps are known, time left.
-
-    It is shown on a terminal alone.
-    """
+    """Show on a terminal how far a block of work is: time gone, and left where steps are known."""
     from rich import progress
 
     columns = [progress.SpinnerColumn(), progress.TextColumn("{task.description}", markup=False)]

@@ -6,19 +6,14 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 from typer import Option
 
-from comparisons.cli.options import PLAIN, Data, OnBackend, Out, SceneName, Settings, load, need
+from comparisons.cli.options import Data, OnBackend, Out, SceneName, Settings, group, load, need
 
 if TYPE_CHECKING:
     from scenes.spec.reading import Scene
 
-app = typer.Typer(no_args_is_help=True, **PLAIN)
+app = group("Look at scenes without running them; their fields, as text and for editors.")
 
 _File = Annotated[Path | None, Option(help="File to write instead.")]
-
-
-@app.callback()
-def scene() -> None:
-    """Look at scenes without running them; their fields, as text and for editors."""
 
 
 @app.command()

@@ -1,7 +1,4 @@
-"""Studies, benchmarks and figures of the paper: ``cea study, bench, figure, claims``.
-
-Options of a study are the fields of a dataclass.
-"""
+"""Studies, benchmarks and figures of the paper: ``cea study``, ``bench``, ``paper``."""
 
 from dataclasses import replace
 from importlib import import_module
@@ -13,7 +10,7 @@ import typer
 from typer import Argument, Option
 
 from cea.errors import require
-from comparisons.cli.options import PLAIN, Anew, LazyGroup, command_with, need
+from comparisons.cli.options import Anew, LazyGroup, command_with, group, need
 
 if TYPE_CHECKING:
     from comparisons.study.result import StudyResult
@@ -22,17 +19,13 @@ if TYPE_CHECKING:
 STUDIES = {
     "agreement": ("agreement", "Both backends on disc and pad, in every pairing."),
     "accuracy": ("accuracy.study", "Error of every method against run time."),
-    "formulations": (
-        "formulations.study",
-        "Which formulations pass patch tests, lock, keep momentum.",
-    ),
+    "formulations": ("formulations.study", "Patch tests, locking, momentum of each formulation."),
     "stability": ("stability.study", "Stiff and extreme scenes beside references."),
     "brake": ("brake.study", "A ventilated brake on several meshes."),
     "damping": ("damping", "How damping moves the threshold of flutter."),
 }
 """Module of each study below comparisons, and its help."""
-_BESIDE_EXACT = ("accuracy", "formulations", "stability", "damping")
-"""Studies that need exact eigenvalues."""
+_BESIDE_EXACT = ("accuracy", "formulations", "stability", "damping")  # need exact_cea
 BENCHMARKS = {
     "assembly": ("bench.assembly", "Stiffness and mass, beside dolfinx."),
     "solve": ("bench.solve", "Modes of disc_pad, beside SLEPc, scipy, projection."),
@@ -68,9 +61,7 @@ class Studies(LazyGroup):
         shown = _own_options(study) | _COMMON | {"out": (Path, out, "Folder of the result.")}
 
         def call(**given: Any) -> None:
-            common = {name: given.pop(name) for name in (*_COMMON, "out")}
-            chosen = {name: value for name, value in given.items() if value not in (None, [])}
-            run_study(study, chosen, **common)
+            run_study(study, **given)
 
         call.__doc__ = f"{study.title}."
         return command_with(call, shown)
@@ -83,10 +74,7 @@ class Benchmarks(Studies):
 
 
 def _own_options(study: "Study") -> dict[str, tuple[Any, Any, str]]:
-    """Options of a study: the fields of its dataclass that are annotated with their help.
-
-    None is given where an option is left out: the default of the study stands.
-    """
+    """Fields of the options that bear their help; left out, the study's own default stands."""
     hints = get_type_hints(study.options, include_extras=True)
     told = {name: get_args(hint) for name, hint in hints.items() if get_origin(hint) is Annotated}
     return {name: (_kind(hint), None, text) for name, (hint, text) in told.items()}
@@ -101,15 +89,15 @@ def _kind(hint: Any) -> Any:
 
 def run_study(
     study: "Study",
-    given: dict[str, Any],
-    *,
     out: Path,
+    *,
     quick: bool = False,
     only: list[str] | None = None,
     anew: bool = False,
     redraw: bool = False,
+    **options: Any,
 ) -> None:
-    """Run a study, or draw it anew; print its tables and name the report to open."""
+    """Run a study with options of its own, or draw it anew; print tables, and the page to open."""
     from cea.petsc import MPI
     from comparisons.cli.options import refuse_with_redraw
     from comparisons.study.page import write_study
@@ -117,8 +105,9 @@ def run_study(
     from comparisons.study.run import finished
     from scenes.results.folder import check_out, new_folder
 
+    given = {name: value for name, value in options.items() if value not in (None, [])}
+    refuse_with_redraw(redraw, {"quick": quick, "only": only, "anew": anew, **given})
     if redraw:
-        refuse_with_redraw(True, {"quick": quick, "only": only, "anew": anew, **given})
         result = read(study.name, out)
     else:
         check_out(out)
@@ -170,20 +159,8 @@ def _print(study: "Study", result: "StudyResult") -> None:
         typer.echo(f"{failed} of {len(result.cases)} cases failed: see the report")
 
 
-app = typer.Typer(cls=Studies, no_args_is_help=True, **PLAIN)
-
-
-@app.callback()
-def study() -> None:
-    """Run a study: cases, their tables and plots on one page."""
-
-
-bench = typer.Typer(cls=Benchmarks, no_args_is_help=True, **PLAIN)
-
-
-@bench.callback()
-def _bench() -> None:
-    """Time and memory beside other programs and methods, on this machine."""
+app = group("Run a study: cases, their tables and plots on one page.", Studies)
+bench = group("Time and memory beside other programs and methods, on this machine.", Benchmarks)
 
 
 def paper(
@@ -202,5 +179,5 @@ def paper(
     if chosen == ("claims",):
         made, chosen = replace(made, sections=made.sections[:1]), ()
         out = out or Path("results/claims")
-    given = {"figures": chosen} if chosen else {}
-    run_study(made, given, out=out or Path("results/paper"), only=only, anew=anew)
+    out = out or Path("results/paper")
+    run_study(made, out, only=only, anew=anew, figures=list(chosen))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from cea.arrays import Complexes, Floats
 from cea.eigen.driver import ABOVE
 from cea.eigen.spectrum import Window
-from cea.errors import InputError, ResultWarning
+from cea.errors import ResultWarning
 from comparisons.study.session import Progress
 from meshes.mesh_file import MeshFile
 from scenes import Result, run_modes
@@ -30,7 +30,7 @@ from scenes.refinement.meshes import (
 from scenes.running.enrich import richer_scene
 from scenes.running.nested import estimate_errors
 from scenes.spec.body import Backend
-from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
+from scenes.spec.reading import Scene
 
 MESHES = 3
 """Meshes of a bar: two differences show the order of convergence."""
@@ -62,7 +62,7 @@ class Ladder:
     """The meshes of a scene on one backend, that of its shapes."""
 
     def __init__(self, scene: Scene, backend: Backend) -> None:
-        window_of(scene)
+        _ = scene.window  # refused where the analysis gives no modes
         on = on_backend_of_shapes(scene, backend)
         self.scene, self.backend = scene, backend
         self.by_degree = any(map(from_file, on.bodies.values()))
@@ -115,7 +115,7 @@ class Ladder:
         result = run_modes(wider, left=True, listener=progress.stage)
         modes, seconds = result.modes, result.comm.bcast(perf_counter() - begun)
         self._slower = seconds / _estimated_seconds(wider)
-        words = modes.verdicts(window_of(finer).growth_threshold)
+        words = modes.verdicts(finer.window.growth_threshold)
         return Mesh(
             resolution,
             finer,
@@ -154,16 +154,9 @@ def elements_of(scene: Scene) -> dict[str, Any]:
     return found
 
 
-def window_of(scene: Scene) -> ComplexEigenvalueAnalysis:
-    """What modes a scene asks for; a static one is refused."""
-    if not isinstance(scene.analysis, ComplexEigenvalueAnalysis):
-        raise InputError("analysis.kind", scene.analysis.kind, "'cea', which has eigenvalues")
-    return scene.analysis
-
-
 def _widened(scene: Scene) -> Scene:
     """The scene with a window that reaches a little farther: modes at the end keep partners."""
-    window = window_of(scene)
+    window = scene.window
     return replace(scene, analysis=replace(window, max_frequency=ABOVE * window.max_frequency))
 
 

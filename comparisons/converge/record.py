@@ -12,7 +12,7 @@ from cea.eigen.matching import assign
 from cea.eigen.spectrum import Window
 from comparisons.converge.combine import Mode
 from comparisons.converge.follow import Followed
-from comparisons.converge.ladder import Mesh, elements_of, window_of
+from comparisons.converge.ladder import Mesh, elements_of
 from comparisons.converge.request import Request, half_unit
 from comparisons.study.run_warnings import Run, merged_warnings
 from scenes.refinement.meshes import moved_to_mortar
@@ -30,7 +30,7 @@ def data_of(
     scene: Scene,
 ) -> dict[str, Any]:
     """What the record of a study holds, as :func:`comparisons.converge.study.run_converge` says."""
-    window = window_of(scene)
+    window = scene.window
     top, threshold = window.max_frequency, window.growth_threshold
     inside = [mode for mode in modes if mode.frequency <= top]
     above = [mode for mode in modes if mode.frequency > top]

@@ -10,7 +10,7 @@ from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from comparisons.converge.combine import combine
 from comparisons.converge.follow import Followed, estimated
-from comparisons.converge.ladder import Ladder, Mesh, window_of
+from comparisons.converge.ladder import Ladder, Mesh
 from comparisons.converge.record import data_of
 from comparisons.converge.request import Request
 from comparisons.study.session import Progress
@@ -71,7 +71,7 @@ class Course:
     @property
     def holds(self) -> bool:
         """Whether every mode of the window holds its digits."""
-        window = window_of(self.scene)
+        window = self.scene.window
         threshold, top = window.growth_threshold, window.max_frequency
         bars = {self.backend: estimated(self.followed, self.ladder)}
         modes = combine({self.backend: self.followed}, bars, threshold)
@@ -154,7 +154,7 @@ def run_converge(
     progress.stage("report")
     followed = {b: course.followed for b, course in courses.items() if course.followed.meshes}
     bars = {b: estimated(each, courses[b].ladder) for b, each in followed.items()}
-    modes = combine(followed, bars, window_of(scene).growth_threshold)
+    modes = combine(followed, bars, scene.window.growth_threshold)
     ended = {backend: course.ended for backend, course in courses.items()}
     data = data_of(followed, ended, modes, request, scene)
     return record(

@@ -45,8 +45,7 @@ MESHES: dict[str, tuple[Backend, str | None]] = {
     "NURBS": ("iga", None),
 }
 """Backend and cell of each kind of mesh; all of degree 2."""
-_GRIDS: dict[Backend, int] = {"fe": 4, "iga": 9}
-"""Equally spaced points per direction over a facet, over a face."""
+_GRIDS: dict[Backend, int] = {"fe": 4, "iga": 9}  # points per direction over a facet, over a face
 _PLACEMENT = "{axis=[1.0, 2.0, -0.5], angle=37.0, translation=[0.3, -0.2, 0.7]}"
 _ROLLERS = (
     "bodies.upper.supports=[{surface='x_min', components=['normal']},"
@@ -206,10 +205,7 @@ def error_of(result: Result, scene: Scene, samples: int) -> float:
 
 
 def rigid_motions(body: Body) -> Floats:
-    """Rigid motions of a body without supports on the dofs of this rank, shape (dofs, motions).
-
-    Translations along each coordinate, then rotations about the origin.
-    """
+    """Translations, then rotations about the origin, on the dofs of this rank, (dofs, motions)."""
     x = body.space.dof_positions
     assert x is not None  # cells are curved no more than the space
     turns = [(i, j) for i in range(body.dim) for j in range(i)]

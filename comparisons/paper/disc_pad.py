@@ -1,7 +1,4 @@
-"""The paper's disc and pad: a mesh, a formulation and a contact stiffness (sections 3 and 4).
-
-mu = 0.7; the knots of the disc trace the boundary of the pad.
-"""
+"""The paper's disc and pad (sections 3 and 4): mu = 0.7, knots of the disc trace the pad."""
 
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -23,10 +20,8 @@ either side; none is near this one."""
 Boundary = Literal["traced", "ignored", "refined"]
 """Whether element boundaries of the disc follow the boundary of the pad, and are finer there."""
 
-_SPANS_KEPT_TO = 3
-"""Degree up to which NURBS keep their spans; at degree 5 those would take 9 GB and more."""
-_SIZES = {DISC: 0.010, PAD: 0.0075}
-"""Edge lengths of quadratic tetrahedra (m), with about as many dofs as the NURBS."""
+_SPANS_KEPT_TO = 3  # degree to which NURBS keep their spans; at degree 5 those take 9 GB and more
+_SIZES = {DISC: 0.010, PAD: 0.0075}  # edges of tetrahedra (m), for about the dofs of NURBS
 _REFINED = {"r": 0.003, "theta": 1.5}
 """Distances of more element boundaries on both sides of the pad's boundary (m, degrees)."""
 
@@ -35,8 +30,7 @@ _REFINED = {"r": 0.003, "theta": 1.5}
 class DiscPad:
     """One analysis of disc and pad.
 
-    NURBS keep their spans up to degree 3, then spans grow with the degree; Lagrange elements always
-    do, so that dofs stay about the same.
+    Spans of NURBS grow with the degree beyond 3, Lagrange elements always: dofs stay the same.
     """
 
     formulation: Formulation  # points and weights on the pad

@@ -101,10 +101,7 @@ def common_mode(match: ModeMatch, reference: Spectrum) -> tuple[int, int]:
 
 
 def mode_line(result: Result, mode: int) -> dict[str, Floats]:
-    """Normal displacements of ``disc`` and ``pad``, the largest of the disc 1, along ``arc`` (m).
-
-    NaN where the line leaves the pad.
-    """
+    """Normal displacements of disc, at most 1, and pad along ``arc`` (m); NaN off the pad."""
     arc, angle = np.linspace(-_HALF, _HALF, _SAMPLES), np.radians(_MIDDLE[1])
     radial = np.array([np.cos(angle), np.sin(angle), 0.0])
     tangent = np.array([-np.sin(angle), np.cos(angle), 0.0])
@@ -120,10 +117,7 @@ def mode_line(result: Result, mode: int) -> dict[str, Floats]:
 
 
 def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
-    """Points (m), cells and real displacements of both bodies at the largest deflection, by name.
-
-    Names are ``disc/points`` and so on; there are some on rank 0 alone.
-    """
+    """Points (m), cells, real displacements of both bodies as ``disc/points``; on rank 0 alone."""
     from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
     arrays, shapes = {}, {}

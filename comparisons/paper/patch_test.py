@@ -1,8 +1,7 @@
 """Figures 2, 3 and 7 to 12: the contact patch test, its normal stress, its Gauss points.
 
-Section 3 of the paper: E = 1e5 N/m^2, nu = 0, a pressure of 1000 N/m^2 on top, so that the normal
-stress on the interface is -1000 N/m^2 exactly. A discretisation is told by the oscillation of the
-normal stress: its largest minus its smallest value over the interface.
+Section 3 of the paper: the normal stress on the interface is -1000 N/m^2 exactly. A discretisation
+is told by its oscillation, the largest minus the smallest value over the interface.
 """
 
 from collections.abc import Mapping
@@ -45,8 +44,7 @@ SIDES = (("b", BLUE, "-"), ("a", VERMILION, "--"))
 """Sides of a contact with colour and line: solid for b, dashed for a, as in the paper."""
 _MAP_SAMPLES, _MAP_DIGITS = 61, 3
 """Points across a map, and digits kept of its range."""
-_WIDTH = 9.0
-"""Width of the interface (m), along which tetrahedra have as many edges as others elements."""
+_WIDTH = 9.0  # width of the interface (m): tetrahedra have as many edges as others elements
 _ACROSS, _SIZE = 5, (2.9, 6.8)
 """Cases side by side, width and height of the three panels of a case (inches)."""
 
@@ -96,10 +94,7 @@ class PatchTest:
 
 @dataclass(frozen=True)
 class PatchTests(Figure):
-    """A figure of the patch test.
-
-    The paper says of ``ratios`` that the oscillation of one case over that of another is below 1.
-    """
+    """A figure of the patch test; the paper says that ratios of oscillations are below 1."""
 
     cases: tuple[PatchTest, ...]  # those of equal discretisation follow each other, share bodies
     ratios: tuple[tuple[int, int], ...] = ()  # numbers of cases
@@ -292,11 +287,9 @@ _SPACES = {
 class Quadrature(Figure):
     """Oscillation of the normal stress against the number of Gauss points in a span.
 
-    Traces of side b are smooth but at its knots, where the derivative of order c + 1 jumps when
-    they are C^c. Gauss quadrature over spans of side a, which hold such knots, then converges like
-    n^-(c + 2) in the n points of a direction, whatever the degree, and this carries over to the
-    stress. How far the knots lie from Gauss points changes the error from one n to the next by up
-    to a factor of 10, so that the slope is fitted over all n of a range.
+    Traces of side b jump in the derivative of order c + 1 at its knots, which spans of side a hold:
+    Gauss quadrature then converges like n^-(c + 2), whatever the degree, and so does the stress.
+    Where the knots lie changes the error by up to 10 from one n to the next: slopes are fitted.
     """
 
     points: tuple[int, ...]  # per direction in a span, rising

@@ -1,7 +1,4 @@
-"""Stability diagrams of disc and pad: modes at points that depend on no mesh, runs compared.
-
-Every measure of every pair of runs is one row: figures and claims look numbers up.
-"""
+"""Stability diagrams of disc and pad: each measure of a run beside its reference is a column."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,8 +21,7 @@ WITHIN = 0.01  # relative difference below which modes coincide
 _CONTACT_GRID = (7, 12)  # points across and along the contact at which shapes are compared
 _CIRCLES, _AROUND = (0.2, 0.5, 0.8, 0.98), 36
 """Circles on the disc, by the part of its width, and points on each."""
-_IN_PLANE = 1e-6
-"""Normal motion below this part of all motion is rounding: the disc moves in its plane."""
+_IN_PLANE = 1e-6  # normal motion below this part of all motion is rounding
 
 
 @dataclass(frozen=True)
@@ -75,12 +71,11 @@ def means_of(match: ModeMatch) -> tuple[Complexes, Complexes]:
 def measures(own: Spectrum, reference: Spectrum, match: ModeMatch) -> Row:
     """Every number that tells a run from its reference, beside which its modes are paired.
 
-    Shares of the unstable modes of either run that coincide within 1 per cent in frequency, and in
-    growth too; largest relative shifts of frequencies (means where modes nearly coalesce), below
-    and above 13 kHz; largest relative distance of eigenvalues; modes without a partner; largest
-    difference of growth rates (1/s), where modes without a partner lose theirs, and its part of
-    the largest; sums of growth rates, motions of the disc in the contact and gaps (medians of all
-    modes), seconds of the search and points over those of the reference.
+    Shares of unstable modes that coincide within 1 per cent in frequency, and in growth; largest
+    relative shifts of frequencies (means where modes nearly coalesce) and distances of eigenvalues;
+    modes without a partner; largest difference of growth rates (1/s), where these lose theirs, and
+    its part of the largest; sums of growth rates, motions of the disc in the contact and gaps
+    (medians of all modes), seconds of the search and points over those of the reference.
     """
     values, others = means_of(match)
     shift, hertz = np.abs(values.imag / others.imag - 1), others.imag / tau
@@ -135,10 +130,7 @@ def _median_over(match: ModeMatch, own: Floats, reference: Floats) -> float | No
 
 
 def _shapes(result: Result) -> tuple[Complexes, Floats, Floats]:
-    """Displacements on both sides of the contact and on circles of the disc, (rows, modes).
-
-    With them motion and gap in the contact as in :class:`Spectrum`.
-    """
+    """Displacements on both sides of the contact and on circles of the disc; motion and gap."""
     disc, pad = (result.scene.bodies[name].geometry for name in (DISC, PAD))
     assert isinstance(disc, Annulus)
     assert isinstance(pad, Sector)
@@ -179,8 +171,7 @@ def displacements(
     return u.reshape(-1, u.shape[-1]), hit
 
 
-_SPECTRA: dict[str, Spectrum] = {}
-"""Spectra of this process by scene: figures that share a case compute it once."""
+_SPECTRA: dict[str, Spectrum] = {}  # spectra of this process by scene, computed once
 
 
 @dataclass(frozen=True)

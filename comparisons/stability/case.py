@@ -51,10 +51,7 @@ class Reference:
 
 
 def dense(scene: Mapping[str, Any], *, factor: float = 1.0, copies: int = 1) -> Reference:
-    """Dense eigenvalues of the assembled matrices of a scene (scipy), times a factor.
-
-    Each so many times, for a scene of so many ``copies`` of this one.
-    """
+    """Dense eigenvalues of a scene (scipy) times a factor, each so many times."""
 
     def values() -> Complexes:
         return np.repeat(factor * _values(dense_eigenvalues, _key(scene)), copies)
@@ -127,12 +124,11 @@ def runs(
     also: tuple[str, ...] = (),
     **fields: Any,
 ) -> Runs:
-    """A scene in every one of some ways.
+    """A scene in every one of some ways; ``row`` distinguishes it within its case.
 
-    ``row`` distinguishes it within its case; ``true`` is the reference of every run, or makes it
-    from the scene as it is run, or from another one ``instead``; None where only a refusal is
-    right. ``problem`` makes what is solved of that scene; ``also`` are warnings that may come
-    beside those about the mesh. Other fields are those of :class:`Run`.
+    ``true`` is the reference, or makes it from the scene as it is run, or from another one
+    ``instead``; None where only a refusal is right. ``problem`` makes what is solved of the scene,
+    ``also`` are warnings that may come beside those about the mesh; others are fields of Run.
     """
     fields = {"warnings": (*MESH, *also), **fields}
     for way in ways:

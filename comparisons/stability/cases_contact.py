@@ -22,8 +22,7 @@ from comparisons.stability.scenes import (
 )
 from comparisons.stability.ways import FEW, MORTAR, OPEN, PAIR, PENALTY, SADDLE, WAYS, chosen
 
-_HARMLESS = 1e6
-"""P up to which a penalty keeps the digits of the tolerance, and lumping has a good reference."""
+_HARMLESS = 1e6  # P up to which a penalty keeps its digits, and lumping has a reference
 _MORTAR, _PENALTY = chosen(SADDLE, "mortar"), ("penalty-rounding",)
 
 

@@ -95,24 +95,17 @@ _MIXED = _mixing(_N, 5, 0.4)
 
 
 def _run(
-    row: str,
-    true: Sequence[Block] | Complexes | None,
-    matrices: Mapping[str, Floats],
-    *,
-    form: str = "npz",
-    expected: str = "accurate",
-    warnings: tuple[str, ...] = (),
-    lowest: int = 12,
+    row: str, true: Any, matrices: Mapping[str, Floats], *, form: str = "npz", **fields: Any
 ) -> Run:
     """Matrices in files beside eigenvalues of blocks, or given ones; None: they are refused."""
-    reference, names = None, ""
+    given: dict[str, Any] = {"lowest": 12, "warnings": (), "expected": "accurate"} | fields
     if true is None:
-        expected, names = "refused", "positive definite"
-    else:
-        values = true if isinstance(true, np.ndarray) else _upper(true)
-        reference = formula(values.tolist())
-    problem, may = OfFiles(matrices, form), EXPECTED[expected]
-    return Run(row, ALONE[0], problem, reference, may, 1e-8, lowest, warnings, names)
+        given |= {"expected": "refused", "names": "positive definite"}
+    elif not isinstance(true, np.ndarray):
+        true = _upper(true)
+    reference = None if true is None else formula(true.tolist())
+    may = EXPECTED[given.pop("expected")]
+    return Run(row, ALONE[0], OfFiles(matrices, form), reference, may, **given)
 
 
 def _units() -> Runs:

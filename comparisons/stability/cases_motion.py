@@ -241,16 +241,14 @@ def rotation() -> Runs:
                 yield from runs(row, scene({"ring": turned}), ALONE, also=may)
 
 
-_STANDS = 0.0447
-"""Rate (rad/s), for sqrt(E / rho) = 1 m/s, at which the backward wave of two diameters stands."""
+_STANDS = 0.0447  # rate (rad/s) at which a wave of two diameters stands, sqrt(E / rho) = 1 m/s
 _BETWEEN = 0.15  # kappa (1/s^2) between the waves of three and four diameters, likewise
 
 
 def _dampings(omega: float) -> Iterator[tuple[str, dict[str, Any], float]]:
     """Words, damping, and a decay (1/s) that all waves of two and three diameters are below.
 
-    Ratios of these are 0.2 to 0.8; omega is a unit of frequency (rad/s). Damping of the mass is in
-    all, for rigid motions have double eigenvalues without.
+    Ratios of these are 0.2 to 0.8. Rigid motions have double eigenvalues without damping of mass.
     """
     alpha, beta, ratio = 0.05 * omega, 3.0 / omega, 0.5
     yield "α", {"alpha": 2 * alpha}, 2 * alpha

@@ -36,14 +36,11 @@ from scenes.spec.body import DampingSpec
 from scenes.spec.contact import SlidingSpec
 from scenes.spec.reading import Scene, read_scene
 
-_SHIFT = 0.37
-"""Shift below zero, relative to the eigenvalues looked at: next to none of them by accident."""
-_DEPENDENT = 1e-11
-"""Singular values below this part of the largest belong to gaps that depend on others."""
+_SHIFT = 0.37  # shift below zero over the eigenvalues looked at: next to none of them
+_DEPENDENT = 1e-11  # singular values below this part belong to gaps that depend on others
 _LOW = 24  # modes whose size sets the shift
 _ABOUT = 30.0  # how far from the best place the near eigenvalues may give way to the far ones
-_INFINITE = 1e-11
-"""Eigenvalues of the inverse below this part of the largest are those of tied gaps: none."""
+_INFINITE = 1e-11  # eigenvalues of the inverse below this part are those of tied gaps
 _RIGID = 1e-12  # eigenvalues of a body relative to its largest up to which motions are rigid
 _TOGETHER = 1e-3  # relative distance of kappa up to which waves of a mesh are two of one frequency
 
@@ -51,11 +48,7 @@ Constraint = tuple[Floats, Floats, Floats]  # J, T and C: gaps, slips times mu, 
 
 
 def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
-    """Lambda (1/s) of every mode of a scene with Im >= 0, by rising frequency.
-
-    Undamped, growing partners of each pair only: where kappa is real and negative lambda is
-    positive.
-    """
+    """Lambda (1/s) of every mode with Im >= 0, by rising frequency; undamped, those that grow."""
     contacts = {
         name: contact
         | ({"form": "saddle"} if np.inf in (contact.get("P"), contact.get("p")) else {})
@@ -88,10 +81,7 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
 
 
 def dense_kappas(stiffness: Floats, mass: Floats, constraints: list[Constraint]) -> Complexes:
-    """Every finite kappa = -lambda^2 of a dense pencil, K perhaps unsymmetric, with constraints.
-
-    These are J (m, n), L (m, n) and C (m, m) of each contact.
-    """
+    """Every finite kappa = -lambda^2 of a dense pencil with constraints J, L (m, n), C (m, m)."""
     n = len(stiffness)
     J = np.vstack([np.empty((0, n)), *(c[0] for c in constraints)])
     L = np.vstack([np.empty((0, n)), *(c[1] for c in constraints)])
@@ -146,10 +136,7 @@ def lambdas(kappa: Complexes) -> Complexes:
 
 
 def constraint(system: CoupledSystem, contact: Contact) -> Constraint:
-    """J, T and C of a half pass, from its points and the traces of both sides.
-
-    Where it is tied, C is that of a stiffness of 1 N/m over the whole interface.
-    """
+    """J, T and C of a half pass; where tied, C of a stiffness of 1 N/m over the interface."""
     points, friction = contact.interface.points, contact.friction
     bonded = contact.coupling == "bonded"
     tied = np.isinf(contact.slope).any()

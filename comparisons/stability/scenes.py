@@ -109,8 +109,7 @@ def layers(
 ) -> Scene:
     """Two layers between rollers, one sliding on the other: the problem `blocks`, coarse.
 
-    ``upper`` and ``lower`` change fields of :func:`body`, ``height`` is that of the upper layer,
-    ``fields`` are those of the contact.
+    ``upper`` (and its height) and ``lower`` change fields of :func:`body`, ``fields`` the contact.
     """
     soft: Scene = {"E": 0.1, "nu": 0.25, "rho": 0.35, "held": "y_max", "supports": WALLS}
     hard: Scene = {"supports": WALLS}
@@ -124,11 +123,7 @@ def layers(
 
 
 def pad(
-    width: float = 0.5,
-    at: float = 0.75,
-    *,
-    pad_elements: Sequence[int] = (3, 2),
-    **fields: Any,
+    width: float = 0.5, at: float = 0.75, *, pad_elements: Any = (3, 2), **fields: Any
 ) -> Scene:
     """A pad, its left edge at x = ``at`` and held at its back, on a base from x = 0 to 2."""
     upper = body(rectangle((width, 0.4), (at, 0.0)), pad_elements, E=0.5, held="y_max")

@@ -57,10 +57,9 @@ def runs_of(name: str) -> tuple[Run, ...]:
 
 
 def numbers_of(name: str, *, quick: bool) -> list[int]:
-    """Numbers of the runs of a case, from 0; a quick study takes a few of each row.
+    """Numbers of the runs of a case, from 0; of a quick study a few of each row.
 
-    These are the ways of :data:`comparisons.stability.ways.QUICK`, on one backend each, which
-    alternates from row to row; a row without them keeps its first run.
+    These are ways of :data:`QUICK`, on backends by turns; without them it is the first run.
     """
     runs = runs_of(name)
     if not quick:

@@ -21,12 +21,10 @@ from scenes.spec.problems import SceneError
 
 _RIGID = 1e-4  # part of the window's kappa that errors of smaller eigenvalues are relative to
 _REACH = 0.25  # largest relative error of lambda of an eigenvalue that stands for a true one
-_BEYOND = 2.0
-"""Part of kappa beyond the window's up to which true eigenvalues are looked at, for its ends."""
+_BEYOND = 2.0  # part of kappa beyond the window's up to which true eigenvalues are looked at
 _OPEN = {UNDECIDED, NOT_COMPLETE}  # what an answer leaves open that is right as far as it goes
 _GAPS = 2  # gaps between frequencies among which the widest ends a window
-_CLEAR = 2.0
-"""How far above or below the threshold a growth rate lies on one side of it beyond doubt."""
+_CLEAR = 2.0  # factor on the threshold beyond which growth is on one side of it
 
 
 @dataclass(frozen=True)
@@ -41,10 +39,7 @@ class Comparison:
 
 
 def judged(run: Run) -> dict[str, Any]:
-    """What came out of a run, as a row: its verdict, errors, the worst residual and condition.
-
-    None where there is no such number.
-    """
+    """What came out of a run, as a row; None where there is no such number."""
     answer: Answer | StressAnswer | None = None
     found: Comparison | None = None
     begun = perf_counter()

@@ -67,10 +67,7 @@ def is_missing(value: Any) -> bool:
 
 
 def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = None) -> Column:
-    """How a column of a frame is shown: as the application says, else as studies share it.
-
-    One that nobody declared has its name, and numbers have three digits.
-    """
+    """How a column is shown: as the application says, as studies share it, or by its name."""
     for known in (own or {}, COLUMNS):
         if name in known:
             return known[name]
@@ -82,8 +79,7 @@ def column(name: Any, frame: pd.DataFrame, own: Mapping[Any, Column] | None = No
 def wide(frame: pd.DataFrame, index: Sequence[str], across: str, values: str) -> pd.DataFrame:
     """A frame with a column for each value of ``across``, whose cells are those of ``values``.
 
-    A row has the columns ``index`` in common; rows and columns keep their order, and what has no
-    row is missing.
+    A row has the columns ``index`` in common; order is kept, and what has no row is missing.
     """
     if frame.empty:
         return frame

@@ -33,16 +33,8 @@ class Variant:
         name = f"{rule.name} {rule.points}" if isinstance(rule, GaussPointToSurface) else rule.name
         return ", ".join((name, *rule.options, *(["full pass"] if self.full_pass else [])))
 
-    @property
-    def has_saddle_form(self) -> bool:
-        """Whether it can be tied (p = infinity): lumped matrices have no multipliers."""
-        return self.formulation.coupling != "lumped"
-
     def of(self, scene: Scene, *, P: float | None = None, p: float | None = None) -> Scene:
-        """The scene with this variant at every contact, and P (N/m) or p (N/m^3).
-
-        An infinite stiffness takes the saddle form.
-        """
+        """The scene with this variant at every contact, P or p; saddle form where infinite."""
         contacts = {
             name: replace(
                 contact,

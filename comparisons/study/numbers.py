@@ -13,10 +13,7 @@ _NARROW_SPACE = "\u202f"
 
 
 def number(value: float | None, digits: int = 3, *, sign: bool = False) -> str:
-    """Show a number with so many significant digits; very small and large ones as powers of ten.
-
-    Integers, and integer parts below a million, are never rounded. None is shown as a dash.
-    """
+    """Show a number with so many significant digits, but integers whole; None as a dash."""
     if value is None or not isfinite(value):
         return MISSING
     plus = "+" if sign and value > 0 else ""

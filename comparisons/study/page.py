@@ -137,10 +137,7 @@ def _section(
 
 
 def table_cells(table: Table, frame: pd.DataFrame) -> dict[str, Any]:
-    """Columns by name, and cells of a table, rows by the heading of their group.
-
-    Cells are text and the raw number that scripts sort by: "" where it is missing, None of texts.
-    """
+    """Columns by name; cells of rows by group, each a text and the number that scripts sort by."""
     names = [name for name in frame if name not in ("shape", table.group)]
     columns = {name: column(name, frame, table.own) for name in names}
     groups = [("", frame)]

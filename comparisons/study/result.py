@@ -21,9 +21,8 @@ Data = Mapping[str, Any]  # plain data, as JSON holds them
 class StudyResult:
     """A study that was just run or read back.
 
-    ``record`` has provenance, and ``cases`` with ``labels``, ``key``, ``commit``, ``seconds``,
-    ``failed``, ``tables`` of rows, ``shapes`` and ``runs``; names of ``arrays`` begin with the key
-    of their case and a slash.
+    ``record`` has provenance, and ``cases`` with labels, key, commit, seconds, tables of rows and
+    so on; names of ``arrays`` begin with the key of their case and a slash.
     """
 
     record: Data

@@ -51,10 +51,9 @@ def run(
     """Compute the cases that are not stored, or all; rank 0 stores each as it is done.
 
     A stored case, beside or in the folder ``out``, is taken where labels, scene, options and the
-    commit of the program agree; a checkout with changes that are not committed takes none. Cases
-    that failed are computed again. ``only`` has labels and values, as text, of the cases to
-    compute; others are in the result where they are stored. Every rank has the result, and
-    :func:`finished` removes the stored cases once it is written.
+    commit of the program agree; not from a checkout with changes, nor one that failed. ``only`` has
+    labels and values, as text, of the cases to compute; others are taken where they are stored.
+    Every rank has the result; :func:`finished` removes the stored cases once it is written.
     """
     comm, begun = MPI.COMM_WORLD, perf_counter()
     alone = not study.process or comm.size == 1

@@ -22,10 +22,7 @@ def rows(frame: Frame, result: Any) -> pd.DataFrame:
 
 @dataclass(frozen=True)
 class Table:
-    """A data frame as a page shows it; ``name.csv`` holds its raw values.
-
-    A column ``shape`` of the frame names the mode of a row in the viewer, and is not shown.
-    """
+    """A data frame on a page and in ``name.csv``; its column ``shape`` names the mode of a row."""
 
     name: str  # stem of the CSV file
     caption: str

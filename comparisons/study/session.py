@@ -92,8 +92,8 @@ class Session:
             rows = result.table()
             numbers = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
         bodies = list(result.bodies.values())
-        like = next((key for key, others in self._shown if others == bodies), None)
-        if like is None:
+        like = next((key for key, others in self._shown if others == bodies), "")
+        if not like:
             self._shown.append((name, bodies))
         self.shapes.add(name, result, numbers, like, title)
         return mode_rows(name, result)

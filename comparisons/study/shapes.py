@@ -20,8 +20,7 @@ from scenes import Result
 STEPS = 2047  # steps of a displacement on either side of zero: finer ones are noise to a compressor
 _POSITIONS = 2**16 - 1  # steps of a position along the longest side of a scene
 _POINTS = 4000  # points of the outsides of a scene, about: more are not seen on a screen
-_MOST = 3_000_000
-"""Bytes of displacements kept uncompressed, about: the page stays light enough to mail."""
+_MOST = 3_000_000  # bytes of displacements kept uncompressed, about: pages stay light
 _ALIGNED = 4  # bytes at whose multiples arrays begin, as typed arrays of a browser want it
 _NUMBERS = "shapes"  # array of a case that holds the numbers of its shapes
 
@@ -69,12 +68,7 @@ class Shapes:
         return begin
 
     def add(
-        self,
-        key: str,
-        result: Result,
-        modes: Sequence[int],
-        like: str | None = None,
-        title: str = "",
+        self, key: str, result: Result, modes: Sequence[int], like: str = "", title: str = ""
     ) -> None:
         """Keep modes of a result, from 0, as many as there is room for; collective.
 
@@ -90,7 +84,7 @@ class Shapes:
         if result.comm.rank:
             return
         outsides = _outsides(cells, shapes)
-        if like is None:
+        if not like:
             self._add_scene(key, outsides)
         rows, kept = result.table(), self.modes.setdefault(key, {})
         for i, mode in enumerate(modes):

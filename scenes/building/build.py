@@ -107,22 +107,16 @@ def build_body(
         space = NurbsSpace(shape.patches, shape.faces, mesh.degree, continuity=c, field=field)
     else:
         raise InputError(f"{field}.mesh.{spec.backend}", None, f"needed for {spec.backend!r}")
-    pressures, forces = [], []
-    for load in loads:
-        place = load.surface.split(".")[1] if load.surface is not None else None
-        force = load.force or load.body_force
-        if place is not None and load.pressure is not None:
-            pressures.append(Pressure(place, load.pressure))
-        if force is not None:
-            forces.append(Force(force, place))
+    places = [((each.surface or "").partition(".")[2], each) for each in loads]
+    forces = [(place or None, each.force or each.body_force) for place, each in places]
     return Body(
         name,
         space,
         spec.material,
         supports=[each.support() for each in spec.supports],
         springs=spec.springs,
-        pressures=pressures,
-        forces=forces,
+        pressures=[Pressure(at, each.pressure) for at, each in places if each.pressure is not None],
+        forces=[Force(force, at) for at, force in forces if force is not None],
     )
 
 

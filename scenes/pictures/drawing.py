@@ -46,9 +46,9 @@ def draw_mode(surfaces: Sequence[Any], title: str) -> Image.Image:
             sharp = sharp_edges(surface)
             if sharp.n_points:
                 plotter.add_mesh(sharp, color="#9A9A9A", line_width=3, opacity=0.6)
-                plotter.add_mesh(_moved(sharp), color="#303840", line_width=3)
+                plotter.add_mesh(sharp.warp_by_vector("drawn"), color="#303840", line_width=3)
             plotter.add_mesh(
-                _moved(surface),
+                surface.warp_by_vector("drawn"),
                 scalars="deflection",
                 cmap="YlGnBu",
                 clim=(0.0, 1.0),
@@ -65,13 +65,6 @@ def draw_mode(surfaces: Sequence[Any], title: str) -> Image.Image:
         image = Image.fromarray(plotter.screenshot(return_img=True))
         plotter.close()
     return image
-
-
-def _moved(mesh: Any) -> Any:
-    """A mesh moved by the displacement that its points bear as it is drawn."""
-    moved = mesh.copy()
-    moved.points = moved.points + moved.point_data["drawn"]
-    return moved
 
 
 def largest_deflection(shape: Complexes) -> tuple[Complexes, float]:

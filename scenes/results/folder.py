@@ -109,8 +109,8 @@ def listed(out: Path) -> list[str]:
 
 def _take_place(new: NewFolder) -> None:
     """Put new files where earlier ones stood, the record of the result last."""
-    files = [file for file in sorted(new.part.rglob("*")) if file.is_file()]
-    made = [file.relative_to(new.part).as_posix() for file in files]
+    files = [file.relative_to(new.part) for file in sorted(new.part.rglob("*")) if file.is_file()]
+    made = [file.as_posix() for file in files]
     earlier = [name for name in listed(new.out) if (new.out / name).is_file()]
     (new.out / RESULT).unlink(missing_ok=True)
     for name in earlier:
@@ -118,14 +118,13 @@ def _take_place(new: NewFolder) -> None:
         for folder in PurePosixPath(name).parents[:-1]:
             with suppress(OSError):  # something else is in it
                 (new.out / folder).rmdir()
-    for name in sorted(made, key=lambda name: (name == RESULT, name)):
+    for name in sorted(made, key=lambda name: name == RESULT):
         place = new.out / name
         above = [new.out / folder for folder in reversed(PurePosixPath(name).parents[:-1])]
-        in_the_way = [folder for folder in above if folder.exists() and not folder.is_dir()]
-        if place.exists() or place.is_symlink():
-            in_the_way.append(place)
-        for each in in_the_way:
-            _put_aside(new, each)
+        for each in (*above, place):
+            there = each.exists() or each.is_symlink()
+            if there and (each == place or not each.is_dir()):
+                _put_aside(new, each)
         place.parent.mkdir(parents=True, exist_ok=True)
         (new.part / name).replace(place)
     content = json.dumps({"about": _ABOUT, "files": made}, indent=1)

@@ -12,7 +12,7 @@ from pathlib import Path
 from sys import float_info
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import ConfigDict, Field, SkipValidation, TypeAdapter
+from pydantic import ConfigDict, SkipValidation, TypeAdapter
 
 from cea.eigen.coefficients import Parameter
 from cea.errors import InputError
@@ -26,7 +26,7 @@ from scenes.spec.consistency import (
 )
 from scenes.spec.plain import OF_MATRICES, changed, checked, scene_file, set_fields, tables_of
 from scenes.spec.problems import Faults, SceneError
-from scenes.spec.reading import Analysis, ComplexEigenvalueAnalysis
+from scenes.spec.reading import ComplexEigenvalueAnalysis
 
 Role = Literal["mass", "damping", "stiffness"]
 ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")
@@ -72,7 +72,7 @@ class MatrixScene:
     files: dict[str, str]
     mass: dict[str, Number]
     stiffness: dict[str, Number]
-    analysis: Annotated[Analysis, Field(discriminator="kind")]
+    analysis: ComplexEigenvalueAnalysis
     damping: dict[str, Number] = field(default_factory=dict)
     parameters: dict[str, Number] = field(default_factory=dict)
     symmetric: dict[str, bool] | None = None
@@ -91,7 +91,6 @@ class MatrixScene:
     @property
     def window(self) -> ComplexEigenvalueAnalysis:
         """The modes that are wanted."""
-        assert isinstance(self.analysis, ComplexEigenvalueAnalysis)
         return self.analysis
 
     @property
@@ -175,10 +174,8 @@ def _adapter() -> TypeAdapter[MatrixScene]:
 def _checks(scene: MatrixScene) -> Faults:
     faults, analysis = Faults(), scene.analysis
     check_scene_name(faults, scene.name)
-    if analysis.kind == "cea":
-        top, allowed = analysis.max_frequency, f"{SMALLEST:g} to {LARGEST:g} (Hz)"
-        faults.require(SMALLEST <= top <= LARGEST, "analysis.max_frequency", top, allowed)
-    faults.require(analysis.kind == "cea", "analysis.kind", analysis.kind, "'cea'")
+    top, allowed = analysis.max_frequency, f"{SMALLEST:g} to {LARGEST:g} (Hz)"
+    faults.require(SMALLEST <= top <= LARGEST, "analysis.max_frequency", top, allowed)
     check_no_steady_state(faults, analysis, "left out: matrices have no contacts")
     names = [f"files.{name}" for name in scene.files]
     names += [f"{PARAMETERS}.{name}" for name in scene.parameters]

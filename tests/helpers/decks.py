@@ -4,6 +4,7 @@ import shutil
 from pathlib import Path
 from typing import NamedTuple
 
+import blocks
 import numpy as np
 import pytest
 
@@ -12,20 +13,16 @@ from scenes import load_scene, read_scene
 
 P2 = {"cell": "tetrahedron", "degree": 2, "geometry_degree": 1}
 STEEL = {"E": 2.1e11, "nu": 0.3, "rho": 7800.0}
-ELEMENTS = {
-    "C3D4": ("tetrahedron", 1),
-    "C3D8": ("hexahedron", 1),
-    "C3D10": ("tetrahedron", 2),
-}
+ELEMENTS = {"C3D4": ("tetrahedron", 1), "C3D8": ("hexahedron", 1), "C3D10": ("tetrahedron", 2)}
 
 
 def body(cell, degree):
     """A ring of steel."""
-    annulus = {"inner_radius": 0.1, "outer_radius": 0.2, "bottom": 0.0, "top": 0.05}
+    annulus = {"shape": "annulus", "inner_radius": 0.1, "outer_radius": 0.2}
     mesh = {"cell": cell, "degree": degree, "geometry_degree": 1, "elements": [2, 12, 1]}
     return {
         "backend": "fe",
-        "geometry": {"shape": "annulus", **annulus},
+        "geometry": annulus | {"bottom": 0.0, "top": 0.05},
         "material": STEEL,
         "supports": [{"surface": "inner"}],
         "mesh": {"fe": mesh},
@@ -33,9 +30,7 @@ def body(cell, degree):
 
 
 def alone(cell, degree):
-    bodies = {"part": body(cell, degree)}
-    analysis = {"kind": "cea", "max_frequency": 1e4}
-    return read_scene({"name": "alone", "bodies": bodies, "analysis": analysis})
+    return read_scene(blocks.alone(body(cell, degree), 1e4))
 
 
 def in_contact(**changes):

@@ -26,7 +26,7 @@ from scenes.export.decks.steps import STEPS, Deck
 from scenes.spec.body import BodySpec, file_name
 from scenes.spec.contact import ContactSpec
 from scenes.spec.problems import SceneError
-from scenes.spec.reading import ComplexEigenvalueAnalysis, Scene
+from scenes.spec.reading import Scene
 
 MAX_MODES = 10_000
 """Modes that a deck may ask for."""
@@ -70,10 +70,9 @@ def write_deck(scene: Scene, folder: Path, modes: int = 20) -> list[Path]:
 
 
 def _write(scene: Scene, surfaces: Mapping[str, Surface], files: list[Path], modes: int) -> None:
-    assert isinstance(scene.analysis, ComplexEigenvalueAnalysis)
     bodies, contacts = deck_bodies(scene), deck_contacts(scene.contacts, surfaces)
     motions = moving_bodies(scene.contacts, bodies, surfaces)
-    deck = Deck(bodies, contacts, motions, modes, scene.analysis.max_frequency)
+    deck = Deck(bodies, contacts, motions, modes, scene.window.max_frequency)
     texts, model = [model_lines(scene, deck.bodies)], files[0].name
     for program, steps in STEPS.items():
         head = ["*HEADING", model.removesuffix("_model.inp")] if program == "abaqus" else []
