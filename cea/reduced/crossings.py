@@ -23,7 +23,7 @@ _NEGLIGIBLE = 1e-6
 """Error of lambda, relative, up to which it does not matter whether a mode grows."""
 REAL = 1e-9
 """Frequency, relative to the window's end, below which an eigenvalue is real."""
-_NEAR = 1e-3
+NEAR = 1e-3
 """Part of an interval next to its samples in which a place counts as one of them."""
 _ROUNDING = 4.0
 """Error of an interpolant, in that of its samples, up to which it is nothing but theirs."""
@@ -31,8 +31,6 @@ _STEPS = 8
 """Steps of Newton's method."""
 _CONVERGED = 1e-12
 """Last step of it, relative to the parameter."""
-_SURELY = 1e-6
-"""Error of a root, relative to the interval, up to which it is one though steps have not ended."""
 _STRAY = 0.1
 """Part of an interval by which Newton's steps may leave it."""
 _TINY = float(np.finfo(float).tiny)
@@ -195,8 +193,7 @@ class Crossings:
                 raise UnresolvedError(place)
             place += step
         else:
-            if error > _SURELY * self._width:
-                raise UnresolvedError(place)
+            raise UnresolvedError(place)
         if abs(place - start) > off:
             raise UnresolvedError(start)
         root = growing_root(self.window, of, modes.z)
@@ -269,7 +266,7 @@ class Crossings:
                 yield _root(function, grid[i], place), -sign
                 yield _root(function, place, grid[j]), sign
             elif least <= doubt:
-                aside = min(abs(place - each) for each in self.places) > _NEAR * width
+                aside = min(abs(place - each) for each in self.places) > NEAR * width
                 if doubt > noise or aside:
                     raise UnresolvedError(place, by_bounds=by_bounds)
 

@@ -6,6 +6,7 @@ bound that was passed raises the factor that all bounds are made with.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from heapq import heapify, heappop, heappush
 from typing import Any
 
 import numpy as np
@@ -59,30 +60,28 @@ class Enrichment:
     def cover(self, points: Sequence[Point], tolerance: float | None = None) -> float:
         """Solve where bounds are worst until all are small or solves are spent; the worst left.
 
-        Bounds hardly rise as a basis grows: those that were small stay, and of the others the
-        largest is computed anew until it is known to be the largest.
+        Bounds hardly rise as a basis grows: one that is no smaller than all others were is the
+        largest. Points without an answer are left out.
         """
         tolerance = self.tolerance if tolerance is None else tolerance
-        solved = [each["point"] for each in self.solves]
-        order = sorted(range(len(points)), key=lambda i: i * _GOLDEN % 1)
-        known = {i: np.inf for i in order if dict(points[i]) not in solved}
-        if not self.solves and known:
-            known.pop(len(points) // 2)
+        if points and not self.solves:
             self.solve(points[len(points) // 2])
-        fresh: set[int] = set()
-        while known:
-            number = max(known, key=lambda each: known[each])
-            if number not in fresh:
-                known[number] = self.worst(points[number])
-                fresh.add(number)
-                if known[number] <= tolerance:
-                    del known[number]
+        done = [each["point"] for each in (*self.solves, *self.failed)]
+        left = [
+            (-np.inf, i * _GOLDEN % 1, i) for i, each in enumerate(points) if dict(each) not in done
+        ]
+        heapify(left)
+        while left:
+            _, spread, number = heappop(left)
+            worst = self.worst(points[number])
+            if worst <= tolerance:
+                continue
+            if left and worst < -left[0][0]:
+                heappush(left, (-worst, spread, number))
             elif len(self.solves) >= self.most:
-                return known[number]
+                return worst
             else:
                 self.solve(points[number])
-                del known[number]
-                fresh.clear()
         return 0.0
 
     def solve(self, point: Point) -> float | None:
@@ -107,14 +106,14 @@ class Enrichment:
 
     def take(self, taken: Snapshot) -> float | None:
         """Test the reduced model by a full solve, and take its modes in."""
-        tested = None
-        if self.worst(taken.point) <= _MEANINGFUL:
-            ratio = largest_ratio(self.at(taken.point), taken)
+        point, tested = taken.about["point"], None
+        if self.worst(point) <= _MEANINGFUL:
+            ratio = largest_ratio(self.at(point), taken)
             tested = self.model.norms.states.comm.bcast(ratio)
             if 1 < tested < np.inf:
                 self.model.raise_safety(2 * tested * self.model.small.settings.safety)
         self.model.take(taken)
-        self.solves.append({"tested": tested, **taken.plain()})
+        self.solves.append({"tested": tested, **taken.about})
         return tested
 
     def stands(self, points: Sequence[Point]) -> bool:

@@ -46,12 +46,13 @@ FORCES = 1e-8
 class Snapshot:
     """Modes of a full solve with left vectors, the rows of this rank.
 
-    lambda, what its errors are relative to, errors (1/s) and condition numbers, shape (n,);
-    eigenvectors and contact forces of both sides, shape (rows, n); whether its window was shown to
-    be complete, and up to which growth (1/s) it is; what it must be read with.
+    As plain data its "point", whether its window was shown to be "complete" and up to which
+    "max_growth" (1/s), None where to any, and "warnings". lambda, what its errors are relative to,
+    errors (1/s) and condition numbers, shape (n,); eigenvectors and contact forces of both sides,
+    shape (rows, n).
     """
 
-    point: Mapping[str, float]
+    about: Mapping[str, Any]
     eigenvalues: Complexes
     speeds: Floats
     uncertainties: Floats
@@ -60,9 +61,6 @@ class Snapshot:
     left: Complexes
     forces: Complexes
     left_forces: Complexes
-    complete: bool
-    max_growth: float
-    warnings: tuple[ResultWarning, ...] = ()
 
     @classmethod
     def of(
@@ -70,29 +68,16 @@ class Snapshot:
     ) -> "Snapshot":
         """What a basis needs of modes that have left vectors."""
         assert modes.left is not None
-        return cls(
-            {name: float(value) for name, value in point.items()},
-            modes.eigenvalues,
-            modes.speeds,
-            modes.growth_uncertainties,
-            modes.conditions,
-            modes.vectors,
-            modes.left.vectors,
-            modes.forces,
-            modes.left.forces,
-            modes.window.complete,
-            float(modes.window.max_growth),
-            tuple(warnings),
-        )
-
-    def plain(self) -> dict[str, Any]:
-        """As plain data, without the vectors."""
-        return {
-            "point": dict(self.point),
-            "complete": bool(self.complete),
-            "max_growth": self.max_growth if np.isfinite(self.max_growth) else None,
-            "warnings": [warning.plain() for warning in self.warnings],
+        growth = float(modes.window.max_growth)
+        about = {
+            "point": {name: float(value) for name, value in point.items()},
+            "complete": bool(modes.window.complete),
+            "max_growth": growth if np.isfinite(growth) else None,
+            "warnings": [warning.plain() for warning in warnings],
         }
+        values = modes.eigenvalues, modes.speeds, modes.growth_uncertainties, modes.conditions
+        vectors = modes.vectors, modes.left.vectors, modes.forces, modes.left.forces
+        return cls(about, *values, *vectors)
 
     def real_vectors(self, norm: InnerProduct, *, damped: bool) -> Floats:
         """States of real and imaginary parts of all vectors, each complex one of length one.

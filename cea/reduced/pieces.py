@@ -103,26 +103,21 @@ class Pieces:
 
     def _of_terms(self, pencil: Pencil) -> Iterator[Piece]:
         """Matrices, those that depend on the free parameters in the same way together."""
-        groups: list[tuple[Any, list[tuple[float, Any]]]] = []
+        groups: dict[Any, tuple[Dependence, list[tuple[float, Any]]]] = {}
         for term in pencil.terms:
             varies = bool(term.coefficient.names & self._free)
-            key = (term.role, term.symmetric, term.coefficient if varies else None)
             weight = 1.0 if varies else term.coefficient.at(self._fixed)
-            if not weight:
-                continue
-            for known, parts in groups:
-                if known == key:
-                    parts.append((weight, term.matrix))
-                    break
-            else:
-                groups.append((key, [(weight, term.matrix)]))
-        for (role, symmetric, coefficient), parts in groups:
+            if weight:
+                of = term.coefficient if varies else CONSTANT
+                key = term.role, term.symmetric, repr(of)
+                groups.setdefault(key, (of, []))[1].append((weight, term.matrix))
+        for (role, symmetric, _), (of, parts) in groups.items():
             matrix = self._kept(scaled_total(parts))
             product = partial(times, matrix)
             turned = product
             if not symmetric:
                 turned = partial(times, self._kept(matrix.transpose(PETSc.Mat())))
-            yield self._piece(role, coefficient or CONSTANT, product, turned)
+            yield self._piece(role, of, product, turned)
 
     def _of_low_rank(self, pencil: Pencil) -> Iterator[Piece]:
         """Damping of modes one by one."""

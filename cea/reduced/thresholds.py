@@ -18,7 +18,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from cea.reduced.crossings import REAL, Crossings, Threshold
+from cea.reduced.crossings import NEAR, REAL, Crossings, Threshold
 from cea.reduced.following import Sample, UnresolvedError, units_of
 from cea.reduced.window import Window
 
@@ -29,14 +29,11 @@ BUDGET = 60
 _BY_BOUNDS = 12
 """The same up to which intervals are halved where bounds leave signs open: bounds are large where
 modes touch, and may be small beside that."""
-_ASIDE = 6e-4
-"""Step, relative to that between given values, by which an undecided one is moved at most."""
-_OFF_CENTRE = 0.0137
-"""The same of values within an interval, relative to its width."""
+_ASIDE = 1e-3
+"""Step by which an undecided value is moved at most, relative to that to the next value, or to the
+interval in which it is."""
 _MOVES = (0.0, 1 / 4096, 1 / 64, 1.0)
 """Parts of that step that are tried."""
-_NEAR_SAMPLE = 1e-3
-"""Part of an interval next to its inner sample in which a place is that sample."""
 
 
 @dataclass(frozen=True)
@@ -246,9 +243,9 @@ class _Search:
     def _cuts(self, low: float, middle: float, high: float, at: float | None) -> list[float]:
         """Ends of an interval, its inner sample and a place that was named: where it is cut."""
         width, cuts = high - low, [middle]
-        if at is not None and low + _NEAR_SAMPLE * width < at < high - _NEAR_SAMPLE * width:
-            cuts = [at] if abs(at - middle) <= _NEAR_SAMPLE * width else [middle, at]
-        inner = {self._decided_near(each, _OFF_CENTRE * width) for each in cuts}
+        if at is not None and low + NEAR * width < at < high - NEAR * width:
+            cuts = [at] if abs(at - middle) <= NEAR * width else [middle, at]
+        inner = {self._decided_near(each, _ASIDE * width) for each in cuts}
         return sorted({low, high} | inner)
 
     def _unresolved(self, low: float, high: float) -> Unresolved:

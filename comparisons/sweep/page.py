@@ -39,9 +39,9 @@ def write_sweep(made: Swept, out: Path) -> Path:
 
 def _drawings(points: Points) -> list[Drawing]:
     """Pictures of a line; of a map that of growth, and of a few lines; of samples."""
-    if not points.counts:
+    if not points.axes:
         return [samples_figure]
-    lines = np.arange(len(points.values)).reshape(points.counts[0], -1).T
+    lines = points.lines
     chosen = np.unique(np.linspace(0, len(lines) - 1, _LINES).round().astype(int))
     drawn: list[Drawing] = [] if len(lines) == 1 else [map_figure]
     for number, line in enumerate(lines[chosen], 1):
@@ -58,8 +58,7 @@ def read_sweep(out: Path) -> Swept:
     names = tuple(each["name"] for each in told)
     values, spectra = read_netcdf(names, out / FILE, grid=grid)
     if grid:
-        logarithmic = bool(data["inputs"]["fields"][0]["log"])
-        points = Points.of_axes(names, values, logarithmic=logarithmic)
+        points = Points.of_axes(names, values, log=bool(data["inputs"]["fields"][0]["log"]))
     else:
         cut = tuple(field["cut"] for field in told)
         points = Points(names, np.stack(values, axis=1), cut=cut)
@@ -112,7 +111,7 @@ def map_figure(made: Swept) -> Figure:
     grows just above the window. Grey crosses: not certified.
     """
     data, points, spectra = made.record, made.points, made.spectra
-    x, y = points.axis(0), points.axis(1)
+    x, y = points.axes[:2]
 
     def shown(values: np.ndarray) -> np.ndarray:
         plane: np.ndarray = values.reshape(*points.counts[:2], -1)[:, :, 0].T

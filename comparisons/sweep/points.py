@@ -122,34 +122,37 @@ Field = Axis | Distribution
 class Points:
     """A table of points, of shape (points, fields).
 
-    ``counts`` are numbers of values of the axes, whose last is the fastest, empty of samples;
-    whether the first axis is evenly spaced in its logarithm; the share of each distribution that
-    was cut off.
+    Values of the axes, whose last is the fastest, none of samples; whether the first axis is evenly
+    spaced in its logarithm; the share of each distribution that was cut off.
     """
 
     names: tuple[str, ...]
     values: Floats
-    counts: tuple[int, ...] = ()
+    axes: tuple[Floats, ...] = ()
     logarithmic: bool = False
     cut: tuple[float, ...] = ()
 
     @classmethod
-    def of_axes(cls, names: tuple[str, ...], axes: list[Floats], *, logarithmic: bool) -> "Points":
+    def of_axes(cls, names: tuple[str, ...], axes: Sequence[Floats], *, log: bool) -> "Points":
         """All points of a grid."""
         grid = np.meshgrid(*axes, indexing="ij")
-        values = np.stack([each.ravel() for each in grid], axis=1)
-        return cls(names, values, grid[0].shape, logarithmic)
+        return cls(names, np.stack([each.ravel() for each in grid], axis=1), tuple(axes), log)
+
+    @property
+    def counts(self) -> tuple[int, ...]:
+        """Numbers of values of the axes."""
+        return tuple(len(each) for each in self.axes)
+
+    @property
+    def lines(self) -> Ints:
+        """Numbers of the points along the first axis, shape (lines, values)."""
+        return np.arange(len(self.values)).reshape(self.counts[0], -1).T
 
     @property
     def ends(self) -> list[tuple[float, float]]:
         """Least and greatest value of each field."""
         lows, highs = self.values.min(axis=0).tolist(), self.values.max(axis=0).tolist()
         return list(zip(lows, highs, strict=True))
-
-    def axis(self, number: int) -> Floats:
-        """Values of an axis, in their order."""
-        shaped = self.values[:, number].reshape(self.counts)
-        return np.moveaxis(shaped, number, 0).reshape(self.counts[number], -1)[:, 0]
 
 
 def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: int) -> Points:
@@ -161,7 +164,7 @@ def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: 
     axes = [each for each in fields if isinstance(each, Axis)]
     if axes:
         own = [np.array(each.values) for each in axes]
-        return Points.of_axes(names, own, logarithmic=axes[0].logarithmic)
+        return Points.of_axes(names, own, log=axes[0].logarithmic)
     spread = [each for each in fields if isinstance(each, Distribution)]
     probabilities = np.random.default_rng(seed).random((len(fields), count))
     each_of = zip(spread, probabilities, least, strict=True)
@@ -233,13 +236,13 @@ class Box:
 def boxes_of(points: Points) -> list[Box]:
     """Boxes that hold all points; those along the first axis share the values at their borders."""
     numbers = np.arange(len(points.values))
-    if not points.counts:
+    if not points.axes:
         at_ends = np.concatenate([points.values.argmin(axis=0), points.values.argmax(axis=0)])
         parts = np.array_split(numbers, int(np.ceil(len(numbers) / _TOGETHER)))
         training = np.unique([*at_ends, *numbers[:_SAMPLES]])
         return [Box(tuple(points.ends), tuple(parts), training)]
     boxes, numbers = [], numbers.reshape(points.counts)
-    for stretches in product(*(_stretches(points.axis(i)) for i in range(len(points.counts)))):
+    for stretches in product(*map(_stretches, points.axes)):
         whole = numbers[np.ix_(*stretches)]
         ends = replace(points, values=points.values[whole.ravel()]).ends
         # A value at the border of another axis than the first belongs to the box below.

@@ -85,11 +85,11 @@ def _common(
     above = np.flatnonzero(np.isfinite(spectra.above_growth))
     fields = [
         {"name": name, "ends": list(ends)}
-        | ({"values": points.axis(i).tolist()} if points.counts else {"cut": points.cut[i]})
+        | ({"values": points.axes[i].tolist()} if points.axes else {"cut": points.cut[i]})
         for i, (name, ends) in enumerate(zip(points.names, points.ends, strict=True))
     ]
     told: dict[str, Any] = {
-        "axes" if points.counts else "fields": fields,
+        "axes" if points.axes else "fields": fields,
         "values": len(points.values),
         "growing_at_first": bool((spectra.growth[0] > spectra.uncertainty[0]).any()),
         "above": None,
@@ -112,9 +112,8 @@ def _common(
 def _between_points(points: Points, spectra: Spectra) -> list[dict[str, Any]]:
     """Thresholds between points solved in full: only numbers of unstable modes are known."""
     found = []
-    lines = np.arange(len(points.values)).reshape(points.counts[0], -1).T
     unstable = (spectra.verdict == UNSTABLE).sum(axis=1)
-    for line in lines:
+    for line in points.lines:
         others = dict(zip(points.names[1:], points.values[line[0], 1:].tolist(), strict=True))
         answered = line[np.isfinite(spectra.worst[line])]
         for low, high in pairwise(answered[np.argsort(points.values[answered, 0])].tolist()):

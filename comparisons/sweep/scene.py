@@ -174,10 +174,14 @@ class InFull:
             self._assembled = AssembledScene(read)
             bonded = self._assembled.bonded
         self._paths = []
-        for name, p in zip(names, stiffnesses, strict=True):
+        values = self.points.values[0].tolist()
+        for name, value, p in zip(names, values, stiffnesses, strict=True):
             meant = [f"contacts.{contact}.p" for contact in p] or [name]
             if means_several(name) and not p:
-                meant = parameters_meant(self._assembled.driver.pencil, name, bonded)
+                try:
+                    meant = parameters_meant(self._assembled.driver.pencil, name, bonded)
+                except InputError as error:
+                    raise InputError(name, value, error.allowed) from error
             self._paths.append(meant)
         no_two_alike(self._paths, names)
 

@@ -150,12 +150,12 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
     import xarray
 
     grid = points.counts or (len(points.values),)
-    names = [*points.names] if points.counts else ["sample"]
+    names = [*points.names] if points.axes else ["sample"]
     data: dict[str, Any] = {}
     coordinates: dict[str, Any] = {"field": list(points.names)}
     for name, hint in get_type_hints(Spectra, include_extras=True).items():
         array, (unit, about) = getattr(spectra, name), hint.__metadata__
-        if name == "number" and points.counts:
+        if name == "number" and points.axes:
             continue
         dims = [*names, "mode", "field"][: len(names) + array.ndim - 1]
         shaped = array.reshape(*grid, *array.shape[1:])
@@ -165,8 +165,8 @@ def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:
         flag_meanings=" ".join(word.replace(" ", "_") for word in WORDS),
     )
     for i, name in enumerate(points.names):
-        if points.counts:
-            coordinates[name] = points.axis(i)
+        if points.axes:
+            coordinates[name] = points.axes[i]
         else:
             data[name] = (("sample",), points.values[:, i], {"long_name": "drawn"})
     part = file.with_suffix(f".{os.getpid()}.part")

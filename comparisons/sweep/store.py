@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea import __version__
-from cea.errors import ResultWarning
 from cea.files import write_whole
 from cea.reduced.model import Snapshot
 from cea.reduced.pieces import Pieces
@@ -65,7 +64,7 @@ class Store:
     def keep_solve(self, solve: Snapshot) -> None:
         """Store a full solve; it counts once every rank has written."""
         arrays = {name: getattr(solve, name) for name in _ARRAYS}
-        self.keep(self._solve(self._count), solve.plain(), arrays)
+        self.keep(self._solve(self._count), solve.about, arrays)
         self._count += 1
 
     def solves(self) -> Iterator[Snapshot]:
@@ -73,10 +72,7 @@ class Store:
         for number in range(self._count):
             stored = self.part(self._solve(number))
             assert stored is not None
-            told, arrays = stored
-            told["warnings"] = tuple(ResultWarning(**each) for each in told["warnings"])
-            told["max_growth"] = np.inf if told["max_growth"] is None else told["max_growth"]
-            yield Snapshot(**(told | arrays))
+            yield Snapshot(stored[0], **stored[1])
 
     def discard(self) -> None:
         """Remove the folder: its sweep is finished."""

@@ -172,9 +172,8 @@ class _Run:
                 order = np.argsort(-worst, kind="stable")
                 order = order[worst[order] > tolerance][:_AT_ONCE]
                 settings, size = basis.model.small.settings, basis.model.size
-                points = [self._point(i) for i in np.concatenate(box.parts)[order].tolist()]
-                unanswered = [each["point"] for each in basis.failed]
-                basis.cover([point for point in points if point not in unanswered])
+                worst_of_all = np.concatenate(box.parts)[order].tolist()
+                basis.cover([self._point(i) for i in worst_of_all])
                 if basis.model.size == size:
                     break
                 if basis.model.small.settings != settings:
@@ -202,7 +201,8 @@ class _Run:
         asked, own = self._asked, np.concatenate(box.parts)
         low, high = (self._scene.point(each) for each in zip(*box.ends, strict=True))
         for solve in self._store.solves():
-            if all(low[name] <= value <= high[name] for name, value in solve.point.items()):
+            at = solve.about["point"]
+            if all(low[name] <= at[name] <= high[name] for name in at):
                 basis.take(solve)
         checked = self._checked[np.isin(self._checked, own)]
         while True:

@@ -86,7 +86,7 @@ def sections_of(made: Swept, drawings: list[Drawing]) -> list[Section]:
         caption = "Full solves that bases rest on; errors of the reduced model there before."
         basis.append(Table("full_solves", caption, full_solves, own))
     title, answers = "Thresholds", [answer_table(made)]
-    if not made.points.counts:
+    if not made.points.axes:
         title, drawn = "Probability of growth", f"spread, seed {data['inputs']['seed']}."
         answers.append(Table("fields", f"Fields that are {drawn}", fields, own))
     return [
@@ -101,7 +101,7 @@ def sections_of(made: Swept, drawings: list[Drawing]) -> list[Section]:
 def answer_table(made: Swept) -> Table:
     """Where the number of growing modes changes; of samples how many grow."""
     data, names = made.record, made.points.names
-    if not made.points.counts:
+    if not made.points.axes:
         caption = f"Samples that grow, of {data['values']}; intervals of 95 per cent."
         return Table("probability", caption, probability, OWN)
     told = f"{data['resolution']:.1e}" if data["resolution"] else "no interval by count alone"

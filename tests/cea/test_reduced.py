@@ -5,33 +5,25 @@ from itertools import product
 
 import numpy as np
 import pytest
+from blocks import assemble, coarse, rectangle, two_blocks
 from dense_reference import dense_eigenvalues
-from petsc_matrices import to_numpy
-from reduced_cases import (
-    ALPHA,
-    MU,
-    RATIO,
-    P,
-    blocks_pencil,
-    enrichment,
-    grid,
-    model_line,
-    of_clusters,
-    plane_blocks_pencil,
-    random_pencil,
-    z_of,
-)
+from petsc_matrices import to_numpy, to_petsc
+from scipy.linalg import eig
 
+from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
-from cea.eigen.pencil import FRICTION
+from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
-from cea.reduced.greedy import TOLERANCE, largest_ratio
-from cea.reduced.model import Snapshot
+from cea.reduced.full_solves import line_of_model
+from cea.reduced.greedy import TOLERANCE, Enrichment, largest_ratio
+from cea.reduced.model import ReducedModel, Snapshot
 from cea.reduced.pieces import Pieces
 from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import MARGIN
 
+MU, P = "contacts.interface.mu", "contacts.interface.P"
+ALPHA, RATIO = "bodies.upper.damping.alpha", "bodies.lower.damping.modal.ratio"
 TOP = 0.6
 BOXES = {
     "undamped": {MU: (0.0, 1.0), P: (0.1, 1e5)},
@@ -52,6 +44,105 @@ SLIDING = {
 ON_NURBS = pytest.mark.parametrize("backend", [pytest.param("fe", marks=pytest.mark.slow), "iga"])
 """The maps of finite elements, which take as long again, are among the slow tests."""
 RNG = np.random.default_rng(7)
+
+
+def enrichment(pencil, box, top, **options):
+    """A reduced model of a pencil with nothing in it yet, and what fills it."""
+    return Enrichment(ReducedModel(pencil, box, top), EigenSolver(pencil), **options)
+
+
+def of_clusters(found, z):
+    """Errors of the means of clusters of a window, and of bounds, relative to speeds."""
+    window = found.window
+    rows, columns = assign(np.abs(window.z[:, None] - z))
+    assert len(rows) == len(window)
+    power = 1 if found.settings.window.damped else 2
+    errors, bounds = [], []
+    for number in np.unique(window.clusters):
+        own = window.clusters[rows] == number
+        speed = window.speeds[rows][own].max() ** power
+        errors.append(abs((window.z[rows] - z[columns])[own].mean()) / speed)
+        bounds.append(window.means[rows][own].max() / speed)
+    return np.array(errors), np.array(bounds)
+
+
+def blocks_pencil(backend, *, method="gpts", stiffness=3.0, damping=None, **contact):
+    """Two small blocks that rub, held at bottom and top.
+
+    ``damping`` gives one Rayleigh damping alpha, the other the ratio of its modes.
+    """
+    formulation = {"method": method} | ({"points": 3} if method == "gpts" else {})
+    scene = coarse(two_blocks(backend, formulation, held=True, P=stiffness))
+    if damping is not None:
+        alpha, ratio = damping
+        scene["bodies"]["upper"]["damping"] = {"alpha": alpha, "beta": 0.0}
+        modal = {"ratio": ratio, "max_frequency": 0.7}
+        scene["bodies"]["lower"]["damping"] = {"modal": modal}
+    scene["contacts"]["interface"] |= contact
+    return assemble(scene, leave_out=False).pencil(leave_out=False)
+
+
+def plane_blocks_pencil(backend, contact, *, alpha=0.0):
+    """Two plane blocks, held at bottom and top, whose contact forces are unknowns."""
+    shapes = {
+        "lower": ([2.0, 1.0], [5, 2], (0.0, -1.0), 1.0, "y_min"),
+        "upper": ([1.6, 0.4], [4, 2], (0.2, 0.0), 0.3, "y_max"),
+    }
+    bodies = {}
+    for name, (size, elements, origin, E, held) in shapes.items():
+        sections = {"material": {"E": E, "nu": 0.3, "rho": 1.0}, "supports": [{"surface": held}]}
+        bodies[name] = rectangle(backend, size, elements, origin=origin, **sections)
+    if alpha:
+        bodies["upper"]["damping"] = {"alpha": alpha, "beta": 0.0}
+    interface = {"a": "upper.y_min", "b": "lower.y_max", "form": "saddle"} | contact
+    data = {
+        "name": "plane blocks",
+        "bodies": bodies,
+        "contacts": {"interface": interface},
+        "analysis": {"kind": "cea", "max_frequency": 0.5},
+    }
+    return assemble(data, leave_out=False).pencil(leave_out=False)
+
+
+def random_pencil(seed, *, damped=False, equal=False, lowered=0.0):
+    """A dense pencil S - s F of friction s whose lowest modes flutter below one.
+
+    And its eigenvalues: kappa at s, or lambda with Im lambda >= 0 at s and Omega where it is
+    ``damped`` and turns with Omega. Where modes are ``equal`` its damping is 0.04 M, its friction
+    between two modes alone: lambda is known then, and the two coalesce at s = 1. Where kappa is
+    ``lowered`` the stiffness is not positive.
+    """
+    rng, n = np.random.default_rng(seed), 40 if damped else 90
+    axes, _ = np.linalg.qr(rng.standard_normal((n, n)))
+    kappa = np.arange(1.0, n + 1) ** 1.5
+    coupling = rng.standard_normal((n, n)) / (1 + 0.05 * np.add.outer(kappa, kappa) ** 0.5)
+    if equal:  # kappa^2 - (a + b) kappa + a b + c^2 s^2 has a double root at s = 1
+        kappa[:2], coupling = (1.5**2 - 0.3, 1.5**2 + 0.3), np.zeros((n, n))
+        coupling[0, 1], coupling[1, 0] = 0.3, -0.3
+    root = np.diag(rng.uniform(0.7, 1.4, n))
+    S = root @ axes @ np.diag(kappa - lowered) @ axes.T @ root
+    F = root @ axes @ coupling @ axes.T @ root
+    S, M = 0.5 * (S + S.T), root @ root
+    if not damped:
+        return Pencil.of(to_petsc(S), to_petsc(M), to_petsc(F)), lambda s: eig(S - s * F, M)[0]
+    part = rng.standard_normal((n, n)) / n
+    C, G = (0.04 * M, 0 * M) if equal else (0.02 * M + part @ part.T, part - part.T)
+    s, turning = Coefficient.of({FRICTION: (1.0, 1.0)}, -1.0), Coefficient.of({"Omega": (1.0, 1.0)})
+    terms = [
+        Term("stiffness", to_petsc(S)),
+        Term("mass", to_petsc(M)),
+        Term("stiffness", to_petsc(F), s, symmetric=False),
+        Term("damping", to_petsc(C)),
+        Term("damping", to_petsc(G), turning, symmetric=False),
+    ]
+
+    def dense(s, turning=0.0):
+        nothing, one = np.zeros_like(M), np.eye(n)
+        first = np.block([[nothing, one], [-(S - s * F), -(C + turning * G)]])
+        values = eig(first, np.block([[one, nothing], [nothing, M]]), right=False)
+        return values[values.imag >= 0]
+
+    return Pencil(terms, [Parameter(FRICTION, 1.0), Parameter("Omega", 0.0)]), dense
 
 
 def damped_pencil(backend, values=None, **contact):
@@ -91,7 +182,8 @@ def test_values_between_full_solves_are_those_of_full_solves(maps, kind, backend
         least = -settings.reach if kind == "damped" else None
         modes = full.solve(MARGIN * TOP, point, min_growth=least, left=True)
         found = built.at(point)
-        assert of_clusters(found, z_of(found, modes.eigenvalues))[0].max() < 1e-8
+        z = modes.eigenvalues if kind == "damped" else -(modes.eigenvalues**2)
+        assert of_clusters(found, z)[0].max() < 1e-8
         assert largest_ratio(found, Snapshot.of(point, modes)) <= 1
         assert found.worst < 1e-7
         own = found.window
@@ -171,7 +263,12 @@ def test_tied_sides_that_rub_have_a_reduced_model(backend):
 @ON_NURBS
 def test_a_threshold_of_growth_is_that_of_full_solves(maps, backend):
     point = {P: 40.0, ALPHA: 0.01, RATIO: 0.005}
-    line = model_line(maps("damped", backend), MU, point)
+    model = maps("damped", backend).model
+
+    def at(mu):
+        return model.pencil.values({**point, MU: mu})
+
+    line = line_of_model(model.small, at, {MU: 1.0})
     line = thresholds_along(line, np.linspace(0.5, 1, 9).tolist())
     found = line.thresholds[0]
     assert found.change > 0
@@ -261,7 +358,8 @@ def test_no_bound_is_passed_however_stiff_a_contact_is(backend, contact, damped)
     box = {P: (stiff[0], stiff[-1])}
     points = [{P: p} for p in stiff]
     if contact is SLIDING:
-        box[MU], points = (0.0, 1.0), grid(mu=[0.0, 1.0], P=stiff)
+        box[MU] = (0.0, 1.0)
+        points = [{MU: mu, P: p} for mu, p in product(box[MU], stiff)]
     built = enrichment(pencil, box, STIFF_TOP)
     built.cover(points)
     small = built.model.small

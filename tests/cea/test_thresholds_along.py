@@ -1,90 +1,79 @@
 """Thresholds along a parameter beside dense eigenvalues at very many values."""
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 from scipy.linalg import eig, eigvals, qr
 
-from cea.arrays import Floats, Ints
 from cea.reduced.following import Sample
-from cea.reduced.thresholds import Found, thresholds_along
+from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import MARGIN, Window
 
 EPS = np.finfo(float).eps
 
-Pieces = Sequence[tuple[Callable[[float], float], Callable[[float], float], Floats]]
-"""Coefficient, its derivative and the matrix of each term."""
-
 
 @dataclass
 class DenseLine:
-    """Spectra of (lambda^2 M + lambda C + K) x = 0 with matrices that depend on one parameter."""
+    """Spectra of (lambda^2 M + lambda C + K) x = 0 with matrices that depend on one parameter.
 
-    stiffness: Pieces
-    mass: Pieces
-    damping: Pieces | None
+    Each is told by coefficient, its derivative and the matrix of each term.
+    """
+
+    stiffness: list
+    mass: list
+    damping: list | None
     end: float
     level: float = 0.0
 
     @property
-    def window(self) -> Window:
+    def window(self):
         """What is looked at."""
         return Window(self.end, self.damping is not None, self.level)
 
-    def matrices(self, t: float) -> tuple[Floats, Floats]:
-        """The standard form A w = z w and its derivative: M^-1 (K, C) as L^-1 (.) L^-T."""
-        K, dK = _sum(self.stiffness, t)
-        M, dM = _sum(self.mass, t)
+    def matrices(self, t):
+        """The standard form A w = z w and its derivative."""
+
+        def summed(pieces):
+            return (sum(each[i](t) * each[2] for each in pieces) for i in (0, 1))
+
+        (K, dK), (M, dM) = summed(self.stiffness), summed(self.mass)
+        n, inverse = len(M), np.linalg.inv(M)
         if self.damping is None:
-            inverse = np.linalg.inv(M)
             A = inverse @ K
             return A, inverse @ (dK - dM @ A)
-        C, dC = _sum(self.damping, t)
-        n, inverse = len(M), np.linalg.inv(M)
-        zero, one = np.zeros((n, n)), np.eye(n)
-        A = np.block([[zero, one], [-inverse @ K, -inverse @ C]])
-        moved = np.hstack([dK, dC]) + np.hstack([-dM @ inverse @ K, -dM @ inverse @ C])
-        return A, np.vstack([np.zeros((n, 2 * n)), -inverse @ moved])
+        C, dC = summed(self.damping)
+        low = -inverse @ np.hstack([K, C])
+        A = np.vstack([np.eye(n, 2 * n, n), low])
+        return A, np.vstack([np.zeros((n, 2 * n)), -inverse @ (np.hstack([dK, dC]) + dM @ low)])
 
-    def at(self, value: float) -> Sample:
+    def at(self, value):
         """The spectrum at a value."""
         A, dA = self.matrices(value)
         z, left, right = eig(A, left=True, right=True)
         overlap = np.einsum("ij,ij->j", left.conj(), right)
         overlap = np.where(overlap == 0, 1e-300, overlap)
         slopes = np.einsum("ij,ij->j", left.conj(), dA @ right) / overlap
-        condition = np.minimum(1 / np.abs(overlap), 1e16)
-        errors = 8 * EPS * np.linalg.norm(A) * condition
+        errors = 8 * EPS * np.linalg.norm(A) * np.minimum(1 / np.abs(overlap), 1e16)
         if self.damping is None:
             slopes = np.where(z.imag == 0, slopes.real, slopes)
         kept = np.abs(self.window.roots(z).imag) <= MARGIN * self.end
         kept &= (z.imag >= 0) | (self.damping is None)
         numbers = np.arange(int(kept.sum()))
-        return Sample(
-            value, z[kept], slopes[kept], errors[kept], errors[kept], numbers, right[:, kept]
-        )
+        bounds = errors[kept], errors[kept], numbers
+        return Sample(value, z[kept], slopes[kept], *bounds, right[:, kept])
 
 
-def _sum(pieces: Pieces, t: float) -> tuple[Floats, Floats]:
-    value = sum(c(t) * matrix for c, _, matrix in pieces)
-    slope = sum(d(t) * matrix for _, d, matrix in pieces)
-    return np.asarray(value), np.asarray(slope)
-
-
-def constant(matrix: Floats) -> Pieces:
+def constant(matrix):
     return [(lambda t: 1.0, lambda t: 0.0, matrix)]
 
 
-def linear(first: Floats, second: Floats) -> Pieces:
+def linear(first, second):
     """A + t B."""
     return [*constant(first), (lambda t: t, lambda t: 1.0, second)]
 
 
-def random_line(
-    seed: int, *, damping: float | None = None, level: float = 0.0, nonlinear: bool = False
-) -> DenseLine:
+def random_line(seed, *, damping=None, level=0.0, nonlinear=False):
     """A random pencil of 4, 6 or 10 unknowns; damping is a factor on a damping of about 2 %."""
     generator = np.random.default_rng(seed)
     n = int(generator.choice([4, 6, 10]))
@@ -109,14 +98,7 @@ def random_line(
     return DenseLine(stiffness, mass, damped, end, level)
 
 
-def coupled_pairs(
-    pairs: Sequence[tuple[float, float, float, float]],
-    *,
-    end: float,
-    damping: float | None = None,
-    level: float = 0.0,
-    singles: Sequence[tuple[float, float]] = (),
-) -> DenseLine:
+def coupled_pairs(pairs, *, end, damping=None, singles=()):
     """Pairs kappa = w +- c sqrt((t - t0) (t - t1)) and modes w + slope t, mixed.
 
     ``pairs`` has w, c, t0, t1 of each, ``singles`` w and the slope; a damping c is c times the
@@ -133,30 +115,25 @@ def coupled_pairs(
     Q, _ = qr(np.random.default_rng(0).standard_normal((n, n)))
     stiffness = linear(Q @ K @ Q.T, Q @ A @ Q.T)
     damped = constant(damping * np.eye(n)) if damping is not None else None
-    return DenseLine(stiffness, constant(np.eye(n)), damped, end, level)
+    return DenseLine(stiffness, constant(np.eye(n)), damped, end)
 
 
-def scan(line: DenseLine, values: Floats) -> Ints:
+def scan(line, values):
     """Number of growing eigenvalues of both half planes at values, by dense eigenvalues."""
-    numbers = []
+    numbers, window = [], line.window
     for value in values:
         z = eigvals(line.matrices(float(value))[0])
-        window = line.window
-        roots = window.roots(z)
-        least = 0.0 if window.damped else 1e-7 * np.abs(roots) + 1e-9
-        grows = (window.growth(z) > least) & ~window.far(z, 1.0)
-        numbers.append(int(grows.sum()))
+        least = 0.0 if window.damped else 1e-7 * np.abs(window.roots(z)) + 1e-9
+        numbers.append(int(((window.growth(z) > least) & ~window.far(z)).sum()))
     return np.array(numbers)
 
 
-def disagreements(found: Found, values: Floats, numbers: Ints, slack: float = 2e-6) -> Ints:
+def disagreements(found, values, numbers, slack=2e-6):
     """Values at which thresholds foresee another number of growing eigenvalues than a scan has."""
     places = np.array([each.value for each in found.thresholds])
     changes = np.array([each.change for each in found.thresholds])
-    foreseen = np.array(
-        [changes[(places > values[0]) & (places <= value)].sum() for value in values]
-    )
-    wrong = foreseen + numbers[0] != numbers
+    foreseen = [changes[(places > values[0]) & (places <= value)].sum() for value in values]
+    wrong = np.array(foreseen) + numbers[0] != numbers
     for value in places:
         wrong &= np.abs(values - value) > slack
     for each in found.unresolved:

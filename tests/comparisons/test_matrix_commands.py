@@ -158,7 +158,7 @@ def test_the_stored_sweep_of_the_brake_passes_through_what_is_published():
     made = read_sweep(STORED)
     assert made.record["inputs"]["data"] == "tu_berlin_brake"
     assert not made.record["failed"]
-    np.testing.assert_allclose(made.points.axis(0), np.linspace(2, 8, 25) * np.pi, rtol=1e-15)
+    np.testing.assert_allclose(made.points.axes[0], np.linspace(2, 8, 25) * np.pi, rtol=1e-15)
     growths = sorted(f"{growth:.3e}" for growth in at(made, 8).real)
     assert growths == sorted(f"{float(growth):.3e}" for growth in PUBLISHED.split())
     unstable = (made.spectra.verdict == UNSTABLE).sum(axis=1)

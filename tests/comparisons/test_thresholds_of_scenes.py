@@ -122,7 +122,7 @@ def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, 
     options = {"checks": 1, "confirm": 0}
     record = sweep_of(scene, ["mu=0:1:21"], tmp_path / "out", overrides, **options).record
     full = mapped(scene, (read_axis("mu=0:1:201"),), tuple(overrides), None)
-    values, numbers = full.points.axis(0), []
+    values, numbers = full.points.axes[0], []
     for value in values:
         modes = full.driver.solve(full.max_frequency, full.point((float(value),)))
         grows = modes.growth_rates > modes.growth_uncertainties

@@ -39,7 +39,7 @@ def worst_error(scene, overrides, backend=None, highest=None):
     """Largest relative error of the lowest eigenvalues, all of which are found."""
     top = highest or HIGHEST[scene]
     found = compare(solve(scene, top, overrides, backend), exact(scene, top), top)
-    assert not len(found.missing) and not len(found.spurious)
+    assert [*found.missing, *found.spurious] == []
     return found.errors.max()
 
 
@@ -98,7 +98,7 @@ def test_the_drum_in_space(backend):
         one = exact_eigenvalues("drum", m=m, kz="pi", mu="0.7", max_frequency=beyond)
         values.append(both_signs(one, m))
     found = compare(solve("drum_3d", highest, backend=backend), np.concatenate(values), highest)
-    assert not len(found.missing) and not len(found.spurious)
+    assert [*found.missing, *found.spurious] == []
     assert found.errors.max() < {"fe": 5e-3, "iga": 5e-4}[backend]
 
 
