@@ -125,9 +125,9 @@ def test_points_beyond_the_rim_or_reach_are_missed(cell, mesh, degree):
     surface, reach = shape_body(box, cell, degree, mesh).surfaces["z_max"], 0.1
     low, high = np.transpose(box.extent)
     beyond = surface.mesh_size * 1e-6
-    x = [high + [beyond, -0.7, 0], [*(low[:2] - 1e-3), high[2]], high + [5, 7, 0]]
-    x = np.array([*x, high - [1.7, 0.7, -1.1 * reach], high - [1.7, 0.7, -0.9 * reach]])
-    found = surface.locate(x, np.tile([0.0, 0.0, 1.0], (5, 1)), reach)
+    offsets = [[beyond, -0.7, 0], [*(low - high)[:2] - 1e-3, 0], [5, 7, 0]]
+    offsets += [[-1.7, -0.7, 1.1 * reach], [-1.7, -0.7, 0.9 * reach]]
+    found = surface.locate(high + np.array(offsets), np.tile([0.0, 0.0, 1.0], (5, 1)), reach)
     assert found.missed.tolist() == [True] * 4 + [False]
     assert found.distance[4] == pytest.approx(-0.9 * reach, abs=1e-12)
     # Clamped in reference coordinates, a point on a slanted triangle is not quite the nearest.
