@@ -169,7 +169,7 @@ UNUSED = (
     *("scenes.export", "scenes.pictures", "scenes.refinement", "gmsh", "pyvista"),
 )
 """What modes of a disc and a pad at a given stiffness have no use for."""
-MOST = {"fe": 144, "iga": 150}
+MOST = {"fe": 128, "iga": 135}
 """Modules of this program that they load, at most."""
 PROGRAM = """
 import sys; sys.argv = ['cea', 'run', 'disc_pad', *sys.argv[1:]]
