@@ -108,7 +108,7 @@ def test_what_no_scaling_mends_is_owned_to():
 
 
 PROBLEMS = {f"{seed} {power}": random_graded(seed, power) for power in POWERS for seed in (0, 1)}
-PROBLEMS["damped"] = random_graded_damped(1, 20)
+PROBLEMS |= {"damped": random_graded_damped(1, 20), "low rank": random_low_rank(3)}
 
 
 @pytest.mark.parametrize("name", PROBLEMS)
@@ -118,15 +118,17 @@ def test_eigenvectors_are_those_of_the_unknowns_as_given(name):
     assert len(modes)
     K, M = problem.scaled(problem.stiffness), problem.scaled(problem.mass)
     D = 0 * M if problem.damping is None else problem.scaled(problem.damping)
+    if problem.low_rank is not None:
+        W, d = problem.low_rank
+        D += (W * d) @ W.T
     value, x, y = modes.eigenvalues, modes.vectors, modes.left.vectors
-    left = K.T @ y + D.T @ y * value.conj() + M @ y * value.conj() ** 2
-    assert (np.abs(left) <= 1e-9 * (np.abs(K.T) @ np.abs(y))).all()
-    if problem.damping is not None:
+    for A, B, z, vectors in ((K, D, value, x), (K.T, D.T, value.conj(), y)):
+        rest = A @ vectors + B @ vectors * z + M @ vectors * z**2
+        assert (np.abs(rest) <= 1e-9 * (np.abs(A) @ np.abs(vectors))).all()
+    if D.any():
         turned = np.einsum("ij,ij->j", y.conj(), 2 * value * (M @ x) + D @ x)
         assert turned == pytest.approx(2 * value)
         return
-    right = K @ x + M @ x * value**2
-    assert (np.abs(right) <= 1e-9 * (np.abs(K) @ np.abs(x))).all()
     assert np.einsum("ij,ij->j", x.conj(), M @ x).real == pytest.approx(np.ones(len(modes)))
     overlap, size = y.conj().T @ (M @ x), np.abs(y).T @ (np.abs(M) @ np.abs(x))
     assert (np.abs(overlap - np.eye(len(modes))) <= 1e-9 * size).all()

@@ -15,6 +15,7 @@ from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION, Pencil, Term
 from cea.errors import InputError
+from cea.reduced.basis import Span
 from cea.reduced.full_solves import line_of_model
 from cea.reduced.greedy import TOLERANCE, Enrichment, largest_ratio
 from cea.reduced.model import ReducedModel, Snapshot
@@ -258,6 +259,26 @@ def test_tied_sides_that_rub_have_a_reduced_model(backend):
     found = built.at({MU: 0.63})
     assert of_clusters(found, -(modes.eigenvalues**2))[0].max() < 1e-8
     assert largest_ratio(found, Snapshot.of({MU: 0.63}, modes)) <= 1
+
+
+@pytest.mark.parametrize("decades", [0, 5, 11, 16])
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-12])
+def test_a_span_is_orthonormal_and_leaves_out_what_it_says(maps, decades, tolerance):
+    """Of blocks whose singular values fall by so many decades, and what is known of them."""
+    norms = maps("undamped", "iga").model.norms
+    norm, span = norms.states, Span(norms.states)
+    for scale in (1.0, 1e9):
+        left, right = (np.linalg.qr(RNG.standard_normal((n, 12)))[0] for n in (norm.rows, 12))
+        block = scale * norms.solve((left * np.logspace(0, -decades, 12)) @ right)
+        mixed = np.hstack([block, span.vectors @ RNG.standard_normal((span.size, 3))])
+        longest = norm.lengths(mixed).max()
+        coordinates, lost = span.add(mixed, norm.image(mixed), tolerance * longest)
+        gram = span.vectors.T @ norm.image(span.vectors)
+        assert np.abs(gram - np.eye(span.size)).max() < 1e-12
+        assert lost <= tolerance * longest
+        rest = norm.lengths(mixed - span.vectors @ coordinates)
+        assert rest.max() <= lost + 1e-13 * longest
+    assert span.size <= 24
 
 
 @ON_NURBS

@@ -27,6 +27,7 @@ def test_list_names_every_scene_in_a_line(cea):
     assert [line.split()[0] for line in lines] == [*scene_names(), *matrix_scene_names()]
     (line,) = (line for line in lines if line.startswith("disc_pad "))
     assert "pad, disc" in line
+    assert "A steel disc clamped at its inner rim" in line
     assert float(line.split()[1]) == pytest.approx(18696, rel=0.1)
 
 

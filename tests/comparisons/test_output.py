@@ -81,11 +81,13 @@ def test_what_was_left_out_is_named_or_explained(result, explain):
 @pytest.mark.parametrize("width", [40, 120])
 def test_tables_of_reports_keep_their_digits(width):
     numbers = {str(i): [1.234567 * 10.0 ** (i - 9), 1.234567 * 10.0 ** (8 + i)] for i in range(6)}
-    frame = pd.DataFrame({"name": ["lumped points", "mortar"]} | numbers)
+    frame = pd.DataFrame({"name": ["Gauss-point-to-surface, lumped", "mortar"]} | numbers)
     own = {name: Column(f"number {name}", "N/m³", shown(7)) for name in numbers}
     console = terminal(width)
     print_frame(Table("made", "A caption.", lambda _: frame, own), None, console)
     lines = lines_of(console)
+    assert width < 120 or max(map(len, lines)) <= width
+    assert {"Gauss-point-to-surface,", "lumped"} <= set(" ".join(lines).split())
     left_out = " ".join(" ".join(lines).split()).partition("no room for: ")[2]
     for name in numbers:
         for cell in map(shown(7), frame[name]):

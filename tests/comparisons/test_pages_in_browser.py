@@ -50,9 +50,9 @@ def until(running, script):
     return WebDriverWait(running, 90).until(lambda now: now.execute_script(script))
 
 
-def open_page(running, page):
-    """Open a file in a wide window, and wait until its scripts have ended."""
-    size = {"width": 1400, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+def open_page(running, page, width=1400):
+    """Open a file in a window, and wait until its scripts have ended."""
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
     running.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     running.get(page.resolve().as_uri())
     set_by_scripts = "document.documentElement.dataset"
@@ -195,4 +195,23 @@ def test_a_row_of_a_study_shows_its_mode(browser, study):
     assert [row.get_attribute("data-mode") for row in rows] == ["drum/1", "drum/2"]
     click(browser, rows[1].find_element("css selector", "button.show"))
     until(browser, f"{chosen} === 'drum/2'")
+    check_quiet(browser)
+
+
+OUTSIDE = """
+const parts = [...document.querySelectorAll("main > *, section > *, figure, .controls > *")];
+return parts.filter((part) => part.getBoundingClientRect().right > innerWidth + 1)
+    .map((part) => part.outerHTML.slice(0, 80));
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1400, 390])
+@pytest.mark.parametrize("name", ["report", "study"])
+def test_no_page_scrolls_sideways(browser, name, width, request):
+    """What is cut off is out of reach: all but what scrolls by itself ends inside the window."""
+    open_page(browser, request.getfixturevalue(name), width)
+    sizes = "return [innerWidth, document.documentElement.scrollWidth > innerWidth]"
+    assert browser.execute_script(sizes) == [width, False]
+    assert browser.execute_script(OUTSIDE) == []
     check_quiet(browser)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import ufl
 from bodies import dolfinx_body, lagrange_body
+from covering import covering
 from dolfinx.fem.petsc import assemble_matrix
 from lagrange_bodies import DIMENSION, FLAT, MATERIAL
 from mpi4py import MPI
@@ -90,19 +91,22 @@ HELD = {
 }
 
 
-@pytest.mark.grid
-@pytest.mark.parametrize("cell", DIMENSION)
+WAYS = [
+    (2, 1, None, 2),
+    *((degree, degree + 1, None, None) for degree in (2, 1)),
+    *((2, 2, held, None) for held in HELD),
+    *((degree, 1, None, None) for degree in (1, 2, 3, 4)),
+]
+"""Degrees of functions and of cells, what is held, and the degree of the rule of the mass."""
+
+
 @pytest.mark.parametrize(
-    ("degree", "order", "held", "mass_quadrature"),
-    [
-        *((degree, 1, None, None) for degree in (1, 2, 3, 4)),
-        *((degree, degree + 1, None, None) for degree in (1, 2)),
-        *((2, 2, held, None) for held in HELD),
-        (2, 1, None, 2),
-    ],
+    ("way", "cell"),
+    covering(WAYS, ("quadrilateral", "hexahedron", "tetrahedron", "triangle"), strength=1),
 )
-def test_matrices_are_those_of_weak_forms(cell, degree, order, held, mass_quadrature):
+def test_matrices_are_those_of_weak_forms(way, cell):
     """Also on curved cells, and with springs and held dofs as if those came afterwards."""
+    degree, order, held, mass_quadrature = way
     if held and cell == "tetrahedron":
         order = 1  # on bent facets no rule is exact, and rules differ; on flat ones all are
     mesh = distorted(cell, order)

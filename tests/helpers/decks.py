@@ -8,7 +8,6 @@ import blocks
 import numpy as np
 import pytest
 
-from meshes.files.abaqus_deck import keywords_of
 from scenes import load_scene, read_scene
 
 P2 = {"cell": "tetrahedron", "degree": 2, "geometry_degree": 1}
@@ -59,11 +58,19 @@ class Card(NamedTuple):
 
 
 def cards(file):
-    """Cards of a deck, with those of the files that it includes in their place."""
-    return [
-        Card(each.name, each.parameters, [[word for word in row if word] for row in each.lines])
-        for each in keywords_of(Path(file))
-    ]
+    """Cards of a deck, with those of the files that it includes in their place, read by hand."""
+    found = []
+    for line in Path(file).read_text(encoding="utf-8").splitlines():
+        words = [word.strip() for word in line.split(",")]
+        if not line.startswith("*"):
+            found[-1].rows.append([word for word in words if word])
+        elif not line.startswith("**"):
+            pairs = (word.partition("=") for word in words[1:])
+            parameters = {name.upper(): value for name, _, value in pairs}
+            own = [Card(words[0][1:], parameters, [])]
+            included = words[0] == "*INCLUDE"
+            found += cards(Path(file).parent / parameters["INPUT"]) if included else own
+    return found
 
 
 def of(deck, keyword, **parameters):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from bodies import PLASTIC, nurbs_body, shape_body
 from iga_data import TILTED, basis_on_grid
+from scipy.interpolate import BPoly
 
 from cea.surface_points import Status
 from iga_cea.splines import grid_points
@@ -129,6 +130,37 @@ def test_cylinders(shape, name, radius, low, high):
     assert 0.4 * count < hit.sum() < 0.9 * count
     np.testing.assert_array_equal(found.missed, ~hit)
     assert np.abs(found.distance[hit] - exact[hit]).max() < 1e-8
+
+
+HEIGHTS = np.array(
+    [[0.0, 0.3, -0.2, 0.1], [0.4, -0.3, 0.2, 0.0], [-0.1, 0.5, -0.4, 0.3], [0.2, 0.0, 0.1, -0.2]]
+)
+
+
+@pytest.mark.parametrize("gap", [0.05, *(pytest.param(g, marks=SLOW) for g in (0.0, -0.08))])
+def test_graph_of_a_polynomial(gap):
+    """The top of a slab at z = f(x, y): along z there is one answer, and none beside the slab."""
+    rng, count, cubic = np.random.default_rng(1), 10_000, np.repeat([0.0, 1.0], 4)
+    net = np.stack([*np.mgrid[0:1:4j, 0:1:4j, -0.5:0:2j]], axis=-1)
+    net[:, :, 1, 2] = HEIGHTS
+    ends = np.array([0.0, 1.0])
+    slab = NurbsPatch((3, 3, 1), (cubic, cubic, np.repeat(ends, 2)), net, np.ones((4, 4, 2)),
+                      (np.linspace(0, 1, 6), np.linspace(0, 1, 5), ends))  # fmt: skip
+    top = nurbs_body("slab", [slab], {"top": [(0, 2, 1)]}, (3, 4, 1), material=PLASTIC)
+    x = rng.uniform(-0.15, 1.15, (count, 3))
+    edge = rng.random(count) < 0.05
+    x[edge, 0] = np.round(x[edge, 0])
+    inside = ((x[:, :2] >= 0) & (x[:, :2] <= 1)).all(axis=1)
+    u, v = (BPoly(np.eye(4)[:, None], ends)(np.clip(x[:, k], 0, 1)) for k in (0, 1))
+    x[:, 2] = np.einsum("ni,ij,nj->n", u, HEIGHTS, v)
+    up = np.tile([0.0, 0.0, 1.0], (count, 1))
+    surface = top.surfaces["top"]
+    found = surface.locate(x + gap * up, up, 1.0)
+    rim = np.isin(x[:, 0], ends)
+    expected = np.where(inside, np.where(rim, Status.EDGE, Status.INSIDE), Status.MISSED)
+    np.testing.assert_array_equal(found.status, expected)
+    assert np.abs(found.distance[inside] + gap).max() < 1e-9
+    assert np.abs(surface.position(found.at[inside]) - x[inside]).max() < 1e-8
 
 
 def test_flat_faces_are_taken_for_what_they_are():
