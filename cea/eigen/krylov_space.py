@@ -198,7 +198,7 @@ class KrylovSpace:
             u /= lengths[kept]
             image /= lengths[kept]
             rest = rest[kept]
-            if not again and lengths[kept].min(initial=1.0) >= _FELL:
+            if not len(kept) or (not again and lengths[kept].min() >= _FELL):
                 break
         # The images of the first vectors, of the last block and of this one are kept.
         leading = [each for each in self._images[:-1] if each[0] < _LEADING]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Ints
+from cea.eigen.mumps import NoRoomError
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
@@ -25,7 +26,9 @@ from comparisons.sweep.scene import InFull, Mapped, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
 from scenes import Result
+from scenes.checking.memory import factors_of
 from scenes.results.record import record
+from scenes.spec.reading import read_scene
 
 COMMAND = "sweep"
 _AT_FIRST = 0.5
@@ -123,6 +126,11 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
         made.confirm(data["thresholds"], asked.confirm)
         if not spectra.there.any():
             data["lowest"] = made.lowest()
+    except NoRoomError:
+        if "bodies" not in scene.scene:
+            raise
+        with factors_of(read_scene(scene.scene)):  # told by the field of a mesh
+            raise
     finally:
         scene.driver.free()
     told = record(

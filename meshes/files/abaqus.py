@@ -265,10 +265,11 @@ class _Resolver:
         """Scope and name of a set that a scope has or names; a whole instance has no name."""
         if self.scopes[key].of(kind, name):
             return key, name
-        instance, _, inner = name.upper().partition(".")
-        known = instance and instance in self.scopes and (inner or kind != "surface")
-        require(bool(known), "file", name, f"a set of {kind}s that the deck has")
-        return instance, inner
+        instance, dot, inner = name.partition(".")
+        known = bool(instance) and instance.upper() in self.scopes
+        whole = bool(inner) if dot else kind != "surface"
+        require(known and whole, "file", name, f"a set of {kind}s that the deck has")
+        return instance.upper(), inner
 
     def _inside(self, key: str, keyword: Keyword) -> str:
         """Scope in which the members of a set are looked for."""

@@ -190,12 +190,16 @@ def _check_nodes(
 
     ``corners`` are those of each cell of its mesh, ``numbers`` the elements that these are of.
     """
+    x, used = content.points, part.used
+    if part.dim == 2:
+        across = float(np.abs(x[used, 2]).max())
+        flat = across <= _FLAT * float(np.ptp(x[used, :2], axis=0).max())
+        require(flat, "file", across, "plane meshes in the plane z = 0")
     edges = _edges(points, corners)
     twice = (np.diff(np.sort(corners, axis=1), axis=1) == 0).any(axis=1)
     if (together := twice | ~(edges > 0)).any():
         worst = int(numbers[np.argmax(together)])
         raise InputError("file", f"element {worst}", "elements whose corners are apart")
-    x, used = content.points, part.used
     pairs = cKDTree(x[used]).query_pairs(_SAME * edges.min(), output_type="ndarray")
     told = f"{len(pairs)} pairs of nodes lie in one place"
     bodies = _bodies(corners, len(points))
@@ -208,10 +212,6 @@ def _check_nodes(
         both = content.node_numbers[used[pairs[0]]].tolist()
         allowed = "a distance within which nodes are made one, in the unit of the file"
         raise InputError("merge_nodes", None, f"{allowed}: {told}, as {both}")
-    if part.dim == 2:
-        across = float(np.abs(x[used, 2]).max())
-        flat = across <= _FLAT * float(np.ptp(x[used, :2], axis=0).max())
-        require(flat, "file", across, "plane meshes in the plane z = 0")
 
 
 def _edges(points: Floats, corners: Ints) -> Floats:

@@ -22,7 +22,14 @@ _MESHES = {
 }
 _KEPT = 4
 """Files whose content is kept, for the bodies of a scene."""
-_WORDLESS = (TypeError, LookupError, AttributeError, AssertionError, SyntaxError)
+_WORDLESS = (
+    TypeError,
+    LookupError,
+    AttributeError,
+    AssertionError,
+    SyntaxError,
+    RecursionError,
+)
 """Errors of libraries that say nothing of the file."""
 
 

@@ -275,7 +275,7 @@ def _gap_closed(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
 def _gaps_as_zero(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     """Initial gaps that are not above the error of the geometry of mesh files; collective."""
     told = (
-        "initial gaps up to {gap:.2g} m, on {fraction:.1%} of the area of contacts.{half}, count "
+        "initial gaps up to {gap:.2g} m, on {fraction:.3g} of the area of contacts.{half}, count "
     )
     told += "as zero: its mesh has errors up to {geometry_error:.2g} m"
     for half in halves if scene.contacts[name].c_n is not None else ():
@@ -342,8 +342,11 @@ def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     stiffness, limit = relative_stiffness(scene, spec, halves), limit_of(scene, spec)
     if (stiffness > limit) if coupling == "lumped" else (stiffness < limit):
         fine = "below" if coupling == "lumped" else "above"
-        told = "{rule} in contacts.{contact} is too crude for growth rates at p L / E = "
-        told += f"{{stiffness:.2g}}: it is not {fine} {{limit:g}}"
+        told = "{rule} in contacts.{contact} is too crude for growth rates at "
+        if 0 < limit < inf:
+            told += f"p L / E = {{stiffness:.2g}}: it is not {fine} {{limit:g}}"
+        else:
+            told += "any stiffness, here p L / E = {stiffness:.2g}"
         about = {"contact": name, "rule": spec.formulation.label}
         yield warning("point-rule", told, **about, stiffness=stiffness, limit=limit)
 

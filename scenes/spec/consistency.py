@@ -169,7 +169,7 @@ def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotat
     faults.of(rotation.check, dim, f"{place}.rotation")
     allowed = f"{', '.join(_AXISYMMETRIC)} to rotate"
     faults.require(shape in _AXISYMMETRIC, f"{place}.geometry.shape", shape, allowed)
-    if faults:
+    if any(each.field.startswith(f"{place}.") for each in faults):
         return
     axis, here = body.placement.rotation[:, 2], body.placement.translation
     parallel, on_axis = _are_parallel(axis, rotation.axis), _is_on_axis(body, rotation.origin)

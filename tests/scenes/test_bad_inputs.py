@@ -188,6 +188,14 @@ def test_faults_are_told_together_those_of_single_fields_first(settings, told):
     assert [fault.field for fault in caught.value.faults] == list(told.values())
 
 
+def test_faults_of_a_body_that_rotates_are_told_beside_those_of_others():
+    wrong = ["bodies.pad.supports=[{surface='nowhere'}]"]
+    wrong += ["bodies.disc.supports=[{surface='inner',components=['x']}]"]
+    with pytest.raises(SceneError) as caught:
+        load_scene("disc_pad_damped", wrong)
+    assert {fault.field.split(".")[1] for fault in caught.value.faults} == {"disc", "pad"}
+
+
 @pytest.mark.parametrize(
     "content",
     [
