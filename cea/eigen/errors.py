@@ -43,7 +43,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.blocks import all_inner, column_blocks, columns_inner, norms, times
+from cea.eigen.block_products import all_inner, column_blocks, columns_inner, norms, times
 from cea.eigen.matching import DEGENERATE, assign, connected, group
 from cea.eigen.pencil import Sizes, internal_forces
 from cea.eigen.shift_invert import MARGIN, ShiftInvert

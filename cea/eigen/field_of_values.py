@@ -40,7 +40,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.eigen.blocks import all_inner, combined, times, transposed_times
+from cea.eigen.block_products import all_inner, combined, times, transposed_times
 from cea.eigen.multipliers import Multipliers, with_unformed
 from cea.eigen.mumps import Mumps, inertia
 from cea.eigen.pencil import Matrices

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import combined
+from cea.eigen.block_products import combined
 from cea.eigen.krylov_space import KrylovSpace
 from cea.eigen.mumps import SingularError
 from cea.eigen.shift_invert import ShiftInvert

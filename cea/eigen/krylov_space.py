@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.blocks import beside, combined
+from cea.eigen.block_products import beside, combined
 from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.subspace import symmetric_part
 from cea.matrices import dense, destroy

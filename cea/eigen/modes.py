@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.blocks import all_inner, column_blocks, times
+from cea.eigen.block_products import all_inner, column_blocks, times
 from cea.eigen.classify import cannot_grow
 from cea.eigen.errors import Eigenpairs, LeftVectors
 from cea.eigen.matching import DEGENERATE, group

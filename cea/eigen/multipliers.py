@@ -6,7 +6,7 @@
 
 with J the closures that forces work on, R what friction adds to their reactions, c_f proportional
 to mu and c_c = 1/P. Multipliers carry no mass. Where closures depend on each other, Z tells forces
-from those that only their friction would feel (:mod:`cea.eigen.dependence`); e is then zero.
+from those that only their friction would feel (:mod:`cea.eigen.dependent_closures`), and e is zero.
 
 Pieces that are never formed, c L N^-1 J, may follow as unknowns of the same form, w = N^-1 J x
 (:mod:`cea.eigen.unformed`).
@@ -18,7 +18,7 @@ from math import inf
 from typing import Any
 
 from cea.eigen.coefficients import Coefficient
-from cea.eigen.dependence import Dependence
+from cea.eigen.dependent_closures import Dependence
 from cea.eigen.unformed import Unknowns
 from cea.matrices import block_diagonal, destroy, one_below_the_other, scaled_total, zeros
 from cea.petsc import Mat, PETSc

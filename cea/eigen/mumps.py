@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats
-from cea.eigen.blocks import by_parts
+from cea.eigen.block_products import by_parts
 from cea.errors import ConvergenceError
 from cea.matrices import dense, destroy
 from cea.petsc import MPI, PETSc, give_back

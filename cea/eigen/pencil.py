@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats
-from cea.eigen.blocks import times, transposed_times
+from cea.eigen.block_products import times, transposed_times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
 from cea.eigen.unformed import (

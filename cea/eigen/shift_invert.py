@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import all_inner, combined, times
+from cea.eigen.block_products import all_inner, combined, times
 from cea.eigen.pencil import Matrices
 from cea.eigen.regions import outside_of_window, upper_end
 from cea.eigen.shifted import Shifted

@@ -17,7 +17,7 @@ from scipy.linalg import LinAlgError, cholesky, matrix_balance, schur, solve_tri
 from scipy.linalg.lapack import dtrsen
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.blocks import beside, column_blocks, combined
+from cea.eigen.block_products import beside, column_blocks, combined
 from cea.eigen.matching import connected
 from cea.eigen.shift_invert import ShiftInvert
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cea.arrays import Floats
-from cea.eigen.blocks import by_parts, times, transposed_times
+from cea.eigen.block_products import by_parts, times, transposed_times
 from cea.eigen.coefficients import CONSTANT, Dependence
 from cea.eigen.mumps import Mumps
 from cea.matrices import absolute, destroy, distributed, identity, scaled_total

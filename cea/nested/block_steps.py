@@ -23,7 +23,14 @@ from numpy.typing import NDArray
 from scipy.linalg import eig
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.blocks import all_inner, beside, column_blocks, columns_inner, combined, times
+from cea.eigen.block_products import (
+    all_inner,
+    beside,
+    column_blocks,
+    columns_inner,
+    combined,
+    times,
+)
 from cea.eigen.matching import DEGENERATE, assign
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import times
+from cea.eigen.block_products import times
 from cea.eigen.classify import Word, classify, thresholds
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Matrices

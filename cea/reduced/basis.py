@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.blocks import times
+from cea.eigen.block_products import times
 from cea.eigen.multipliers import Multipliers
 from cea.eigen.mumps import Mumps
 from cea.eigen.pencil import Pencil

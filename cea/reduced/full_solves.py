@@ -12,7 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.blocks import all_inner, times
+from cea.eigen.block_products import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ConvergenceError, InputError, ResultWarning

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Floats
-from cea.eigen.blocks import column_blocks, times, transposed_times
+from cea.eigen.block_products import column_blocks, times, transposed_times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence
 from cea.eigen.multipliers import ForcesOfContact
 from cea.eigen.mumps import Mumps

@@ -22,7 +22,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.eigen.blocks import times
+from cea.eigen.block_products import times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Monomial, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm

@@ -13,7 +13,7 @@ from scipy.linalg import eigh
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.eigen.blocks import all_inner, times
+from cea.eigen.block_products import all_inner, times
 from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
 from cea.eigen.pencil import Pencil

@@ -13,7 +13,7 @@ import numpy as np
 
 from cea.arrays import Floats
 from cea.contact.contact import Contact
-from cea.eigen.blocks import norms, times
+from cea.eigen.block_products import norms, times
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted, count_below
 from cea.errors import ResultWarning

@@ -15,7 +15,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import eigs
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.blocks import all_inner, norms, times
+from cea.eigen.block_products import all_inner, norms, times
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.errors import InputError

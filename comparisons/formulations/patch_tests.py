@@ -15,7 +15,7 @@ import pandas as pd
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.eigen.blocks import transposed_times
+from cea.eigen.block_products import transposed_times
 from cea.errors import ConvergenceError
 from cea.petsc import PETSc
 from cea.system.contact_stresses import normal_stress

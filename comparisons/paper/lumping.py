@@ -21,7 +21,7 @@ from scipy.sparse.linalg import spsolve
 
 from cea.arrays import Floats
 from cea.body import Body
-from cea.eigen.blocks import columns_inner, times, transposed_times
+from cea.eigen.block_products import columns_inner, times, transposed_times
 from cea.eigen.matching import ModeMatch
 from cea.matrices import destroy, scaled_total
 from cea.surface import Surface

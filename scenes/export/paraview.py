@@ -12,7 +12,7 @@ from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
 
 from cea.arrays import Floats
 from cea.contact.contact import Contact, approach_along, jump_operator
-from cea.eigen.blocks import times
+from cea.eigen.block_products import times
 from cea.files import folder_whole, write_whole
 from cea.matrices import destroy
 from cea.system.steady_state import ContactState

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.blocks import all_inner, times
+from cea.eigen.block_products import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.eigen.pencil import Pencil, internal_forces, release

@@ -21,7 +21,7 @@ from random_runs import judged, pencil_outcome
 from scipy.linalg import block_diag
 
 from cea.eigen import driver
-from cea.eigen.blocks import times
+from cea.eigen.block_products import times
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.subspace import InvariantSubspace
@@ -179,7 +179,7 @@ def test_pairs_rise_with_the_imaginary_part_of_lambda():
 
 @pytest.mark.parametrize("order", ["F", "C"])
 def test_products_with_many_columns_are_those_column_by_column(order, monkeypatch):
-    monkeypatch.setattr("cea.eigen.blocks._NUMBERS", 1)  # 8 columns at a time
+    monkeypatch.setattr("cea.eigen.block_products._NUMBERS", 1)  # 8 columns at a time
     rng = np.random.default_rng(4)
     entries = rng.standard_normal((30, 30)) * (rng.random((30, 30)) < 0.3)
     matrix, columns = to_petsc(entries), np.array(rng.standard_normal((30, 19)), order=order)

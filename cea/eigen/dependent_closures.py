@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
 from cea.arrays import Floats
-from cea.eigen.blocks import times, transposed_times
+from cea.eigen.block_products import times, transposed_times
 from cea.eigen.mumps import Mumps, inertia
 from cea.matrices import destroy, distributed, identity, local_part
 from cea.petsc import MPI, Mat, PETSc
