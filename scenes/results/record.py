@@ -19,7 +19,7 @@ from math import inf, isinf, isnan
 from pathlib import Path
 from typing import Any
 
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.files import regular, write_whole
 from scenes.results.data import Record
 from scenes.results.result import Result
@@ -62,7 +62,13 @@ def save_result(
         What the run was asked for in words; by default the name of the scene.
     data
         More to be kept beside it.
+
+    Raises
+    ------
+    InputError
+        When the result was read back.
     """
+    require(not result.provenance, "result", result.scene.name, "a fresh run, not one read back")
     path, described = Path(file), dict(result.data)
     seconds = described.pop("seconds")
     if result.comm.rank == 0:

@@ -243,8 +243,9 @@ class Result:
         ndarray
             Shape (n, dim, modes).
         """
+        system = self.system  # refused where the result was read back
         vectors = self.modes.vectors if modes is None else self.modes.vectors[:, list(modes)]
-        return displacements(self.system, place, at, vectors, everywhere=everywhere)
+        return displacements(system, place, at, vectors, everywhere=everywhere)
 
     def displacements(
         self,

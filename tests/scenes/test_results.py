@@ -91,6 +91,17 @@ def test_what_the_scene_makes_of_the_same_is_used_again(result, change, reused):
 # Records: whole or not at all, with what made them, and opened again as results.
 
 
+def test_a_result_that_was_read_back_refuses_what_it_cannot_know(result, tmp_path):
+    opened = open_result(save_result(result, tmp_path / "result.json"))
+    for asked, field in (
+        (lambda: opened.mode_shapes("upper"), "system"),
+        (lambda: save_result(opened, tmp_path / "again.json"), "result"),
+    ):
+        with pytest.raises(InputError) as refused:
+            asked()
+        assert refused.value.field == field
+
+
 def test_modes_open_as_they_were(backend, tmp_path):
     data = two_blocks(backend, GPTS, held=True, P=inf)
     data["contacts"]["interface"]["form"] = "saddle"
