@@ -191,11 +191,6 @@ def dense(columns: NDArray[Any], layout: tuple[int, int], comm: Any) -> Any:
     return PETSc.Mat().createDense(size, array=array, comm=comm)
 
 
-def gather(vector: Any) -> Floats:
-    """Whole PETSc vector on every rank."""
-    return np.concatenate(vector.comm.tompi4py().allgather(vector.array_r))
-
-
 def destroy(*objects: Any) -> None:
     """Free PETSc objects now: on several ranks Python's collector only puts them aside."""
     for each in objects:

@@ -125,10 +125,14 @@ class KrylovSpace:
         vectors.setType(SLEPc.BV.Type.MAT)
         return vectors
 
+    def _rows(self, vectors: Any) -> Floats:
+        """The rows of this rank of a BV, whose array claims to have those of all ranks."""
+        return np.asarray(vectors.getArray())[: self._op.local]
+
     def _take(self, start: int, stop: int) -> Floats:
         """Columns where they are: they must not be held while more are put behind."""
         self._basis.setActiveColumns(0, self._basis.getSizes()[1])
-        return np.asarray(self._basis.getArray())[: self._op.local, start:stop]
+        return self._rows(self._basis)[:, start:stop]
 
     def _put(self, start: int, block: Floats) -> None:
         """Write columns from a place on; behind the last there is room for more."""
@@ -145,7 +149,7 @@ class KrylovSpace:
         """Coefficients of a block on the first vectors, given its image; they are subtracted."""
         self._basis.setActiveColumns(0, stop)
         vectors = self._vectors(block.shape[1])
-        values = np.asarray(vectors.getArray())[: self._op.local]
+        values = self._rows(vectors)
         values[:] = image
         coefficients = vectors.dot(self._basis)
         values[:] = block

@@ -7,11 +7,11 @@ import pytest
 from blocks import FORMULATIONS, PLACEMENTS, ROTATED, assemble, block, coarse, two_blocks
 from covering import covering
 from motions import asymmetry, control_points, dense, product, resultant, rotation_of, unknowns
+from petsc_matrices import gather
 from scipy.linalg import block_diag
 
 from cea.eigen.driver import solve_modes
 from cea.errors import InputError
-from cea.matrices import gather
 from scenes import run_scene
 from scenes.spec.reading import load_scene
 

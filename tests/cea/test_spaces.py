@@ -12,12 +12,11 @@ from bodies import PLASTIC as MATERIAL
 from bodies import shape_body
 from motions import rigid_motions
 from mpi import on_ranks
-from petsc_matrices import to_numpy
+from petsc_matrices import gather, to_numpy
 from stub_backend import StubSpace
 
 from cea.body import Body
 from cea.errors import InputError
-from cea.matrices import gather
 from cea.motion import Rotation
 from cea.petsc import MPI
 from cea.supports.boundary import Force, Pressure, Spring, Support

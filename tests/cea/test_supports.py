@@ -6,7 +6,7 @@ from blocks import ROTATED, alone, scene_body
 from covering import covering
 from motions import control_points
 from mpi4py import MPI
-from petsc_matrices import to_scipy
+from petsc_matrices import gather, to_scipy
 from scipy.linalg import null_space, subspace_angles
 from scipy.sparse import csr_array
 
@@ -15,7 +15,6 @@ from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
-from cea.matrices import gather
 from cea.supports.directions import Directions
 from cea.supports.elimination import ProjectedConstraints, constrain
 from cea.timing import StageTimer

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import numpy as np
+from petsc_matrices import gather
 from reference_data import plane_meshes
 from scipy.linalg import eigvals
 
 from cea.eigen.matching import assign
-from cea.matrices import gather
 from scenes import run_modes
 from scenes.running.enrich import richer_scene
 from scenes.running.nested import estimate_errors, prolongation

@@ -47,3 +47,8 @@ def quadratic_eigenvalues(M, D, K):
     n = len(M)
     right = np.linalg.solve(M, np.hstack([-K, -D]))
     return eigvals(np.block([[np.zeros((n, n)), np.eye(n)], [right]]))
+
+
+def gather(vector):
+    """Whole PETSc vector on every rank."""
+    return np.concatenate(vector.comm.tompi4py().allgather(vector.array_r))

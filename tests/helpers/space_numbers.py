@@ -5,11 +5,11 @@ from bodies import PLASTIC, nurbs_body, shape_body
 from closed_patches import annulus, as_shape
 from iga_data import TURNED, body, turned
 from motions import asymmetry
+from petsc_matrices import gather
 
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
-from cea.matrices import gather
 from cea.motion import Rotation
 from cea.supports.boundary import Force, Pressure, Spring, Support
 from meshes.breaks import breaks_of
