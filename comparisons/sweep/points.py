@@ -1,11 +1,7 @@
-"""Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``.
-
-They lie in boxes, each with its own basis: an axis over more than two decades is cut.
-"""
+"""Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise, product
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -17,14 +13,12 @@ from scenes.spec.consistency import LARGEST, SMALLEST
 _MOST = 10_000
 """Values of an axis."""
 _AXIS = "name=first:last:count, or name=first:last:log:count"
-_DECADES = 2.0
-"""Decades of a field that a box spans at most, where values of it lie between."""
 _TRAINING = 5
 """Values of an axis at which bounds are looked at while a basis is made."""
 _SAMPLES = 48
 """Samples at which they are, beside those at the ends of fields."""
 _TOGETHER = 64
-"""Samples that are solved and stored together."""
+"""Samples that are solved together."""
 Kind = Literal["normal", "uniform", "lognormal"]
 _DISTRIBUTION = (
     "name~normal:mean:deviation, name~lognormal:median:deviation of the logarithm, with :low:high "
@@ -149,6 +143,24 @@ class Points:
         return np.arange(len(self.values)).reshape(self.counts[0], -1).T
 
     @property
+    def parts(self) -> list[Ints]:
+        """Numbers of points that are solved together: a line, or some samples."""
+        if self.axes:
+            return list(self.lines)
+        count = len(self.values)
+        return np.array_split(np.arange(count), int(np.ceil(count / _TOGETHER)))
+
+    @property
+    def training(self) -> Ints:
+        """Numbers of points at which bounds are looked at while a basis is made."""
+        numbers = np.arange(len(self.values))
+        if not self.axes:
+            ends = self.values.argmin(axis=0), self.values.argmax(axis=0)
+            return np.unique(np.concatenate([*ends, numbers[:_SAMPLES]]))
+        chosen = [np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in self.counts]
+        return numbers.reshape(self.counts)[np.ix_(*chosen)].ravel()
+
+    @property
     def ends(self) -> list[tuple[float, float]]:
         """Least and greatest value of each field."""
         lows, highs = self.values.min(axis=0).tolist(), self.values.max(axis=0).tolist()
@@ -217,50 +229,3 @@ def _check_end(name: str, value: float, *, positive: bool) -> None:
         raise InputError(name, value, f"a finite number of at most {LARGEST:g}")
     if positive and value < SMALLEST:
         raise InputError(name, value, f"positive, at least {SMALLEST:g}")
-
-
-@dataclass(frozen=True)
-class Box:
-    """Points that share a basis.
-
-    Least and greatest value of each field, those of a neighbour included; numbers of the points
-    that are solved and stored together, along the first axis, or some samples; numbers of those at
-    which bounds are looked at first.
-    """
-
-    ends: tuple[tuple[float, float], ...]
-    parts: tuple[Ints, ...]
-    training: Ints
-
-
-def boxes_of(points: Points) -> list[Box]:
-    """Boxes that hold all points; those along the first axis share the values at their borders."""
-    numbers = np.arange(len(points.values))
-    if not points.axes:
-        at_ends = np.concatenate([points.values.argmin(axis=0), points.values.argmax(axis=0)])
-        parts = np.array_split(numbers, int(np.ceil(len(numbers) / _TOGETHER)))
-        training = np.unique([*at_ends, *numbers[:_SAMPLES]])
-        return [Box(tuple(points.ends), tuple(parts), training)]
-    boxes, numbers = [], numbers.reshape(points.counts)
-    for stretches in product(*map(_stretches, points.axes)):
-        whole = numbers[np.ix_(*stretches)]
-        ends = replace(points, values=points.values[whole.ravel()]).ends
-        # A value at the border of another axis than the first belongs to the box below.
-        own = [each[1:] if each[0] else each for each in stretches[1:]]
-        lines = numbers[np.ix_(stretches[0], *own)].reshape(len(stretches[0]), -1)
-        chosen = [np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in whole.shape]
-        boxes.append(Box(tuple(ends), tuple(lines.T), whole[np.ix_(*chosen)].ravel()))
-    return boxes
-
-
-def _stretches(values: Floats) -> list[Ints]:
-    """Numbers of neighbouring values within two decades, a border in both of its stretches."""
-    last, cuts = len(values) - 1, [0]
-    if not (values > 0).all():
-        return [np.arange(last + 1)]
-    logarithms = np.log10(values)
-    while cuts[-1] < last:
-        away = np.abs(logarithms - logarithms[cuts[-1]])
-        within = np.flatnonzero(away <= _DECADES * (1 + 1e-9))
-        cuts.append(max(int(within.max()), cuts[-1] + 1))
-    return [np.arange(low, high + 1) for low, high in pairwise(cuts)]

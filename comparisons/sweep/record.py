@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from cea.reduced.crossings import Threshold
+from cea.reduced.greedy import Enrichment
 from cea.reduced.thresholds import Unresolved
 from comparisons.study.run_warnings import merged_warnings
 from comparisons.sweep.points import Points
-from comparisons.sweep.scene import Mapped
+from comparisons.sweep.scene import SweptScene
 from comparisons.sweep.spectra import UNSTABLE, Spectra
 from scenes import Result
 
@@ -20,24 +21,19 @@ _NAMED = 100
 
 
 def record_of(
-    scene: Mapped,
-    spectra: Spectra,
-    parts: Sequence[Mapping[str, Any]],
-    bases: Sequence[Mapping[str, Any]],
-    tolerance: float,
+    scene: SweptScene, spectra: Spectra, lines: Sequence[Mapping[str, Any]], basis: Enrichment
 ) -> dict[str, Any]:
-    """Record of a sweep on bases, its thresholds not yet confirmed."""
-    bound, solves = spectra.bound, [each for basis in bases for each in basis["solves"]]
+    """Record of a sweep on a basis, its thresholds not yet confirmed."""
+    bound, tolerance = spectra.bound, basis.tolerance
     left = np.flatnonzero(bound > tolerance)
-    failed = [each for basis in bases for each in basis["failed"]]
-    growths = [each["max_growth"] for each in solves]
-    return _common(scene.points, spectra, [each for each in parts if each], failed, growths) | {
+    growths = [each["max_growth"] for each in basis.solves]
+    return _common(scene.points, spectra, lines, basis.failed, growths) | {
         "parameters": [list(each) for each in scene.names],
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
-        "max_frequency": scene.max_frequency,
-        "growth_threshold": scene.growth_threshold,
-        "vectors": [basis["vectors"] for basis in bases],
-        "snapshots": solves,
+        "max_frequency": scene.window.max_frequency,
+        "growth_threshold": scene.window.growth_threshold,
+        "vectors": [basis.model.size],
+        "snapshots": basis.solves,
         "certified": len(bound) - len(left),
         "not_certified": left[:_NAMED].tolist(),
         "lost_to_rounding": int(((bound > tolerance) & (spectra.worst <= tolerance)).sum()),
@@ -95,9 +91,9 @@ def _common(
         "above": None,
         "failed": failed,
         "complete_to": min((each for each in growths if each is not None), default=None),
-        "thresholds": [each for line in lines for each in line["thresholds"]],
-        "unresolved": [each for line in lines for each in line["unresolved"]],
-        "resolution": max((line["resolution"] for line in lines), default=0.0),
+        "thresholds": [each for line in lines if line for each in line["thresholds"]],
+        "unresolved": [each for line in lines if line for each in line["unresolved"]],
+        "resolution": max((line["resolution"] for line in lines if line), default=0.0),
     }
     if len(above):
         first = int(above[0])

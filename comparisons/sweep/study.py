@@ -19,16 +19,16 @@ from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import Window
-from comparisons.sweep.points import Axis, Box, Field, Points, boxes_of
+from comparisons.sweep.points import Axis, Field, Points
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
-from comparisons.sweep.scene import InFull, Mapped, mapped
+from comparisons.sweep.scene import NoMapError, SweptScene, in_full, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
 from scenes import Result
 from scenes.checking.memory import factors_of
 from scenes.results.record import record
-from scenes.spec.reading import read_scene
+from scenes.running.assembled import AssembledScene
 
 COMMAND = "sweep"
 _AT_FIRST = 0.5
@@ -36,8 +36,8 @@ _AT_FIRST = 0.5
 _AT_ONCE = 64
 """Points without a certificate, the worst, that a basis takes in before all are looked at again."""
 _MOST_SAMPLES = 1_000_000
-_Part = tuple[dict[str, Any], dict[str, Any]]
-"""What a part says of thresholds as plain data, and its modes as arrays."""
+_Part = tuple[dict[str, Any], list[dict[str, Any]]]
+"""What a part says of thresholds as plain data, and what is known at each of its points."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Asked:
     Axes, along whose first one thresholds are sought, or distributions with their number of samples
     and seed; a point is certified up to ``tolerance``, an error of lambda relative to its speed; at
     most so many full solves make a basis, ``checks`` at random points test them, and ``confirm``
-    thresholds are solved in full. Where there is a reason, each point is.
+    thresholds are solved in full. With ``full`` each point is.
     """
 
     scene: str | Path
@@ -60,7 +60,7 @@ class Asked:
     most: int = 150
     checks: int = 2
     confirm: int = 3
-    why_in_full: str = ""
+    full: bool = False
 
     def __post_init__(self) -> None:
         if not self.fields:
@@ -85,7 +85,7 @@ class Asked:
         """As plain data."""
         fields = [each.plain() for each in self.fields]
         told: dict[str, Any] = {"scene": str(self.scene), "fields": fields}
-        told |= {"set": list(self.overrides), "data": self.data, "full": bool(self.why_in_full)}
+        told |= {"set": list(self.overrides), "data": self.data, "full": self.full}
         if not self.grid:
             told |= {"samples": self.samples, "seed": self.seed}
         names = ("tolerance", "checks", "confirm")
@@ -105,31 +105,33 @@ class Swept:
 def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: None) -> Swept:
     """Make a sweep; what an interrupted one left beside ``out`` is used again.
 
-    Raises InputError when the scene has no reduced model over these fields or refuses a value, and
-    ConvergenceError when full solves keep passing the bounds.
+    Along one axis without a reduced model each point is solved in full. Raises InputError when the
+    scene has no reduced model over more fields or refuses a value, and ConvergenceError when full
+    solves keep passing the bounds.
     """
-    begun = perf_counter()
-    if asked.why_in_full:
-        return _run_in_full(asked, progress, begun)
-    scene = mapped(
-        asked.scene, asked.fields, asked.overrides, asked.data, (asked.samples, asked.seed)
-    )
-    store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
-    made = _Run(asked, scene, store, progress)
+    begun, given = perf_counter(), (asked.scene, asked.fields, asked.overrides, asked.data)
+    if asked.full:
+        return _run_in_full(asked, "--full", progress, begun)
     try:
-        spectra, intervals = made.parts()
-        data = record_of(scene, spectra, intervals, made.bases, asked.tolerance)
+        scene = mapped(*given, (asked.samples, asked.seed))
+    except NoMapError as error:
+        if len(asked.fields) > 1 or not asked.grid:
+            raise
+        return _run_in_full(asked, str(error), progress, begun)
+    store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
+    try:
+        made = _OnBasis(asked, scene, store, progress)
+        spectra, lines = made.solved()
+        data = record_of(scene, spectra, lines, made.basis)
         data["stored_before"] = store.stored
         if not asked.grid:
             damped = scene.pencil.damped
-            data |= probabilities(spectra, scene.growth_threshold, damped=damped)
+            data |= probabilities(spectra, scene.window.growth_threshold, damped=damped)
         made.confirm(data["thresholds"], asked.confirm)
-        if not spectra.there.any():
-            data["lowest"] = made.lowest()
     except NoRoomError:
-        if "bodies" not in scene.scene:
+        if not isinstance(scene.assembled, AssembledScene):
             raise
-        with factors_of(read_scene(scene.scene)):  # told by the field of a mesh
+        with factors_of(scene.assembled.scene):  # told by the field of a mesh
             raise
     finally:
         scene.driver.free()
@@ -143,78 +145,63 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
     return Swept(told, scene.points, spectra, store)
 
 
-class _Run:
-    """One run: bases, tested, and the points solved on them."""
+class _OnBasis:
+    """All points of a sweep on one basis of full solves."""
 
     def __init__(
-        self, asked: Asked, scene: Mapped, store: Store, progress: Callable[[str], None]
+        self, asked: Asked, scene: SweptScene, store: Store, progress: Callable[[str], None]
     ) -> None:
-        self._asked, self._scene, self._store, self._progress = asked, scene, store, progress
-        self._generator = np.random.default_rng(asked.seed)
-        count = len(scene.points.values)
-        self._checked = self._generator.integers(count, size=asked.checks)
-        self.bases: list[dict[str, Any]] = []
+        self._asked, self._scene, self._progress = asked, scene, progress
+        low, high = (scene.point(each) for each in zip(*scene.points.ends, strict=True))
+        ends = {name: (low[name], high[name]) for name in low}
+        model = ReducedModel(
+            scene.pencil, ends, scene.window.max_frequency, scene.window.min_growth
+        )
+        settings = asked.tolerance, asked.most, scene.warnings
+        self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep)
+        for solve in store.solves():
+            self.basis.take(solve)
 
-    def parts(self) -> tuple[Spectra, list[dict[str, Any]]]:
-        """Modes at all points, and what is known of thresholds, box by box."""
-        made: list[tuple[Ints, Spectra]] = []
-        intervals: list[dict[str, Any]] = []
-        for number, box in enumerate(boxes_of(self._scene.points)):
-            for part, (told, arrays) in zip(box.parts, self._box(number, box), strict=True):
-                made.append((part, Spectra(**arrays)))
-                intervals.append(told)
-        return Spectra.joined(made, len(self._scene.points.values)), intervals
+    def solved(self) -> tuple[Spectra, list[dict[str, Any]]]:
+        """Modes at all points, and what is known of thresholds.
 
-    def _box(self, number: int, box: Box) -> list[_Part]:
-        """All parts of a box; those that were stored are made anew where a bound is too large."""
-        tolerance = self._asked.tolerance
-        names = [f"box-{number:03d}-part-{i:05d}" for i in range(len(box.parts))]
-        done = {i: kept for i, each in enumerate(names) if (kept := self._store.part(each))}
-        basis = self._basis(box)
+        The basis grows until bounds are small at all points or solves are spent; parts with a bound
+        that was too large are made anew.
+        """
+        points, model, tolerance = self._scene.points, self.basis.model, self._asked.tolerance
+        parts, done = points.parts, dict[int, _Part]()
+        numbers = np.concatenate(parts)
         try:
-            self._fill(basis, box)
+            self._train()
             while True:
-                done = {i: e for i, e in done.items() if e[1]["worst"].max() <= tolerance}
-                self._make(box, names, basis, done)
-                worst = np.concatenate([done[i][1]["worst"] for i in range(len(names))])
+                done |= self._made([i for i in range(len(parts)) if i not in done])
+                rows = [row for i in range(len(parts)) for row in done[i][1]]
+                worst = np.array([row["worst"] for row in rows])
                 order = np.argsort(-worst, kind="stable")
                 order = order[worst[order] > tolerance][:_AT_ONCE]
-                settings, size = basis.model.small.settings, basis.model.size
-                worst_of_all = np.concatenate(box.parts)[order].tolist()
-                basis.cover([self._point(i) for i in worst_of_all])
-                if basis.model.size == size:
+                size, settings = model.size, model.small.settings
+                self.basis.cover([self._point(i) for i in numbers[order].tolist()])
+                if model.size == size:
                     break
-                if basis.model.small.settings != settings:
-                    done.clear()
+                same = model.small.settings == settings
+                sure = [i for i in done if max(row["worst"] for row in done[i][1]) <= tolerance]
+                done = {i: done[i] for i in sure if same}
         finally:
-            basis.model.free()
-        told = {"vectors": basis.model.size, "solves": basis.solves, "failed": basis.failed}
-        self.bases.append(told)
-        return [done[i] for i in range(len(names))]
+            model.free()
+        told = [done[i][0] for i in range(len(parts))]
+        return Spectra.of_rows([rows[i] for i in np.argsort(numbers)]), told
 
-    def _basis(self, box: Box) -> Enrichment:
-        """A basis of a box with nothing in it yet."""
-        scene, asked = self._scene, self._asked
-        low, high = (scene.point(each) for each in zip(*box.ends, strict=True))
-        ends = {name: (low[name], high[name]) for name in low}
-        model = ReducedModel(scene.pencil, ends, scene.max_frequency, scene.min_growth)
-        settings = asked.tolerance, asked.most, scene.warnings
-        return Enrichment(model, scene.driver, *settings, self._begin, self._store.keep_solve)
-
-    def _fill(self, basis: Enrichment, box: Box) -> None:
-        """Solve until bounds are small at the training points of a box, and full solves agree.
+    def _train(self) -> None:
+        """Solve until bounds are small at the training points, and full solves agree.
 
         Raises ConvergenceError when the last full solves passed the bounds.
         """
-        asked, own = self._asked, np.concatenate(box.parts)
-        low, high = (self._scene.point(each) for each in zip(*box.ends, strict=True))
-        for solve in self._store.solves():
-            at = solve.about["point"]
-            if all(low[name] <= at[name] <= high[name] for name in at):
-                basis.take(solve)
-        checked = self._checked[np.isin(self._checked, own)]
+        asked, points, basis = self._asked, self._scene.points, self.basis
+        training = [self._point(i) for i in points.training]
+        generator = np.random.default_rng(asked.seed)
         while True:
-            basis.cover([self._point(i) for i in box.training], _AT_FIRST * asked.tolerance)
+            basis.cover(training, _AT_FIRST * asked.tolerance)
+            checked = generator.integers(len(points.values), size=asked.checks)
             spent = len(basis.solves) >= asked.most
             if spent or basis.stands([self._point(i) for i in checked]):
                 return
@@ -223,32 +210,27 @@ class _Run:
                     "full solves found modes or errors that the reduced model had not told of; "
                     "a lower max_frequency may help"
                 )
-            checked = self._generator.choice(own, size=len(checked))
 
     def _begin(self, point: Mapping[str, float]) -> None:
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in point.items())
         self._progress(f"full solve: {shown}")
 
-    def _make(self, box: Box, names: list[str], basis: Enrichment, done: dict[int, _Part]) -> None:
-        """Parts that are not there yet, shared out among the ranks."""
-        comm, small = MPI.COMM_WORLD, basis.model.small
-        missing = [i for i in range(len(box.parts)) if i not in done]
-        made: dict[int, _Part] = {}
-        middle = None
+    def _made(self, missing: list[int]) -> dict[int, _Part]:
+        """Parts of the table of points, shared out among the ranks."""
+        comm, small = MPI.COMM_WORLD, self.basis.model.small
+        values, parts = self._scene.points.values, self._scene.points.parts
+        made, middle = dict[int, _Part](), None
         if not self._asked.grid:
-            values = self._scene.points.values
             nearest = np.abs(values - np.median(values, axis=0)) / np.ptp(values, axis=0)
             middle = small.at(self._values(int(nearest.max(axis=1).argmin())))
         with agreed(comm):
             for i in np.array_split(missing, comm.size)[comm.rank].tolist():
-                self._progress(f"{i + 1} of {len(box.parts)} parts of a box")
-                made[i] = self._part(box.parts[i], small, middle)
-                self._store.keep(names[i], *made[i])
-        for part in comm.allgather(made):
-            done.update(part)
+                self._progress(f"{i + 1} of {len(parts)} lines or groups of samples")
+                made[i] = self._part(parts[i], small, middle)
+        return {i: part for share in comm.allgather(made) for i, part in share.items()}
 
     def _part(self, numbers: Ints, small: SmallPencil, middle: ReducedSpectrum | None) -> _Part:
-        """Thresholds of a part as plain data, and its modes as arrays."""
+        """Thresholds of a part as plain data, and what is known at its points."""
         scene, spectra, rows = self._scene, list[ReducedSpectrum](), []
         for values in (self._values(int(number)) for number in numbers):
             found = small.at(values)
@@ -258,10 +240,10 @@ class _Run:
             ]
             alike = np.full(len(found), -1) if middle is None else continued(middle, found)
             slopes = np.stack(moved, axis=1)
-            rows.append(row_of_model(found, slopes, alike, scene.growth_threshold))
+            rows.append(row_of_model(found, slopes, alike, scene.window.growth_threshold))
             spectra.append(found)
         told = self._thresholds(numbers, small, spectra) if middle is None else {}
-        return told, Spectra.of_rows(rows).arrays()
+        return told, rows
 
     def _thresholds(
         self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]
@@ -273,7 +255,7 @@ class _Run:
             small,
             lambda value: scene.pencil.values(scene.point((value, *others))),
             scene.names[0],
-            scene.growth_threshold or 0.0,
+            scene.window.growth_threshold or 0.0,
             dict(zip(values, spectra, strict=True)),
         )
         found = thresholds_along(line, values, logarithmic=points.logarithmic)
@@ -287,8 +269,8 @@ class _Run:
     def confirm(self, thresholds: list[dict[str, Any]], most: int) -> None:
         """Solve in full at some thresholds, far apart, and note by how much they differ."""
         scene = self._scene
-        level, damped = scene.growth_threshold or 0.0, scene.pencil.damped
-        window = Window.up_to(scene.max_frequency, damped=damped, level=level)
+        level, damped = scene.window.growth_threshold or 0.0, scene.pencil.damped
+        window = Window.up_to(scene.window.max_frequency, damped=damped, level=level)
         chosen = np.linspace(0, len(thresholds) - 1, min(most, len(thresholds))).round()
         for number in np.unique(chosen).astype(int).tolist():
             self._progress(f"threshold {number + 1} of {len(thresholds)}, solved in full")
@@ -301,15 +283,6 @@ class _Run:
             found = confirm(scene.driver, at, threshold_of(told), window)
             told["full_solve_differs"] = None if found is None else found[0] - told["value"]
 
-    def lowest(self) -> float | None:
-        """Frequency (Hz) of the lowest mode at the first point, where the window is empty."""
-        end = 2 * np.pi * self._scene.max_frequency
-        try:
-            modes = self._scene.driver.nearest(0.5 * end**2, 1, self._point(0))
-        except ConvergenceError:  # there may be no mode at all
-            return None
-        return min(modes.frequencies.tolist(), default=None)
-
     def _point(self, number: int) -> dict[str, float]:
         return self._scene.point(self._scene.points.values[number].tolist())
 
@@ -318,11 +291,11 @@ class _Run:
         return self._scene.pencil.values(self._point(number))
 
 
-def _run_in_full(asked: Asked, progress: Callable[[str], None], begun: float) -> Swept:
+def _run_in_full(asked: Asked, why: str, progress: Callable[[str], None], begun: float) -> Swept:
     """Each point by a run of its own; one without an answer is kept with the reason."""
     if not asked.grid:
         raise InputError("full", True, "left out for samples: they are solved on a basis")
-    scene = InFull(asked.scene, asked.fields, asked.overrides, asked.data)
+    scene = in_full(asked.scene, asked.fields, asked.overrides, asked.data)
     points, results = scene.points, list[Result | None]()
     failed: list[dict[str, Any]] = []
     try:
@@ -335,9 +308,9 @@ def _run_in_full(asked: Asked, progress: Callable[[str], None], begun: float) ->
                 results.append(None)
                 failed.append({"point": at, "reason": str(error)})
     finally:
-        scene.free()
+        scene.driver.free()
     spectra = Spectra.of_rows([row_of_result(each, len(points.names)) for each in results])
-    data = record_of_full(points, spectra, results, failed, asked.why_in_full)
+    data = record_of_full(points, spectra, results, failed, why)
     seconds, warnings = perf_counter() - begun, data.pop("warnings")
     told = record(COMMAND, data, inputs=asked.plain(), seconds=seconds, warnings=warnings)
     return Swept(told, points, spectra, None)

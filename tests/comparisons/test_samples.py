@@ -47,7 +47,7 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backen
     swept, _ = made(backend)
     data, values = swept.record, swept.points.values[:, 0]
     scene = mapped("blocks", read_fields(["mu=0:1:2"]), sine_blocks(backend, *CHANGES))
-    near, top = (0.9 * MU_C, 1.1 * MU_C), scene.max_frequency
+    near, top = (0.9 * MU_C, 1.1 * MU_C), scene.window.max_frequency
     threshold = first_threshold(scene.driver, MU, *near, max_frequency=top).value
     scene.driver.free()
     far = np.abs(values - threshold) > 1e-6 * threshold
@@ -113,10 +113,10 @@ def test_samples_are_those_of_full_solves(backend, tmp_path):
     scene = mapped("blocks", wanted.fields, wanted.overrides, samples=(60, 1))
     np.testing.assert_array_equal(scene.points.values, points.values)
     for i in (0, 17, 59):
-        modes = scene.driver.solve(1.02 * scene.max_frequency, scene.point(points.values[i]))
+        modes = scene.driver.solve(1.02 * scene.window.max_frequency, scene.point(points.values[i]))
         assert_within_bounds(swept, i, modes)
-        inside = modes.eigenvalues.imag <= 2 * np.pi * scene.max_frequency
-        unstable = (modes.eigenvalues.real > scene.growth_threshold)[inside]
+        inside = modes.eigenvalues.imag <= 2 * np.pi * scene.window.max_frequency
+        unstable = (modes.eigenvalues.real > scene.window.growth_threshold)[inside]
         assert grows[i].any() == unstable.any()
     scene.driver.free()
 
