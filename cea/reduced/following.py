@@ -42,15 +42,11 @@ _TINY = float(np.finfo(float).tiny)
 
 
 class UnresolvedError(Exception):
-    """What three samples do not tell.
+    """What three samples do not tell; ``at`` is where another would help, if a place is known."""
 
-    ``at`` is where another sample would help, None where nothing points to a place; ``by_bounds``
-    whether errors of the samples themselves leave a sign open: others help where theirs are less.
-    """
-
-    def __init__(self, at: float | None = None, *, by_bounds: bool = False) -> None:
+    def __init__(self, at: float | None = None) -> None:
         super().__init__()
-        self.at, self.by_bounds = at, by_bounds
+        self.at = at
 
 
 @dataclass(frozen=True)

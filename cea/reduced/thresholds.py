@@ -24,11 +24,8 @@ from cea.reduced.window import Window
 
 RESOLUTION = 1e-7
 """Width of an interval, relative to the axis, below which it is not halved again."""
-BUDGET = 60
+BUDGET = 30
 """Spectra for each given value, at most."""
-_BY_BOUNDS = 12
-"""The same up to which intervals are halved where bounds leave signs open: bounds are large where
-modes touch, and may be small beside that."""
 _ASIDE = 1e-3
 """Step by which an undecided value is moved at most, relative to that to the next value, or to the
 interval in which it is."""
@@ -113,7 +110,6 @@ class _Search:
         self._logarithmic = logarithmic
         self._known: dict[float, Sample] = {}
         self._least = resolution * self._width(values[0], values[-1])
-        self._by_bounds = _BY_BOUNDS * len(values)
         self._found = Found()
 
     def run(self) -> Found:
@@ -137,8 +133,6 @@ class _Search:
             except UnresolvedError as why:
                 if self._width(low, high) <= self._least:
                     self._accept_by_count(low, high)
-                elif why.by_bounds and len(self._known) >= self._by_bounds:
-                    self._found.unresolved.append(self._unresolved(low, high))
                 else:
                     for part in pairwise(self._cuts(low, middle, high, why.at)):
                         push(part)

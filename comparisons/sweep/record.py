@@ -10,7 +10,7 @@ import numpy as np
 from cea.reduced.crossings import Threshold
 from cea.reduced.greedy import Enrichment
 from cea.reduced.thresholds import Unresolved
-from comparisons.study.run_warnings import merged_warnings
+from comparisons.study.run_warnings import Run, merged_warnings
 from comparisons.sweep.points import Points
 from comparisons.sweep.scene import SweptScene
 from comparisons.sweep.spectra import UNSTABLE, Spectra
@@ -45,19 +45,14 @@ def record_of_full(
     points: Points,
     spectra: Spectra,
     results: Sequence[Result | None],
-    failed: list[dict[str, Any]],
+    failed: Sequence[Mapping[str, Any]],
     why: str,
 ) -> dict[str, Any]:
-    """Record of a sweep that was solved in full at each point, with its warnings."""
-    runs = [
-        (dict(zip(points.names, at, strict=True)), result)
-        for at, result in zip(points.values.tolist(), results, strict=True)
-        if result is not None
-    ]
-    analysis = runs[0][1].analysis if runs else None
-    growths = [float(each.modes.window.max_growth) for _, each in runs]
+    """Record of a sweep that was solved in full at each point."""
+    runs = [each for each in results if each is not None]
+    analysis = runs[0].analysis if runs else None
+    growths = [float(each.modes.window.max_growth) for each in runs]
     growths = [each for each in growths if np.isfinite(each)]
-    told = [(at, [warning.plain() for warning in each.warnings]) for at, each in runs]
     between = {"thresholds": _between_points(points, spectra), "unresolved": [], "resolution": 0.0}
     return _common(points, spectra, [between], failed, growths) | {
         "max_frequency": None if analysis is None else analysis.max_frequency,
@@ -65,8 +60,6 @@ def record_of_full(
         "why": why,
         "snapshots": [],
         "certified": len(runs),
-        "warnings": merged_warnings(told, f"values of {', '.join(points.names)}")
-        + [_told("no-answer", f"{len(failed)} full solves gave no answer")] * bool(failed),
     }
 
 
@@ -140,14 +133,15 @@ def threshold_of(told: Mapping[str, Any]) -> Threshold:
     return Threshold(eigenvalue=root, **{name: told[name] for name in names})
 
 
-def _told(kind: str, message: str) -> dict[str, Any]:
-    return {"kind": kind, "message": message, "data": {}}
-
-
-def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any]]:
-    """What a sweep on bases must be read with."""
+def warnings_of(
+    data: Mapping[str, Any], tolerance: float, solves: Sequence[Run]
+) -> list[dict[str, Any]]:
+    """What a sweep must be read with, and what its full solves warn of."""
     told: list[tuple[str, str]] = []
-    if left := data["values"] - data["certified"]:
+    what = "full solves"
+    if "why" in data:
+        what = f"values of {', '.join(axis['name'] for axis in data['axes'])}"
+    elif left := data["values"] - data["certified"]:
         message = (
             f"{left} of {data['values']} values are not certified to {tolerance:g}, the first of "
             f"them numbers {', '.join(map(str, data['not_certified'][:10]))}: their bounds say how "
@@ -155,9 +149,8 @@ def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any
         )
         if data["lost_to_rounding"]:
             message += (
-                f"; {data['lost_to_rounding']} by rounding of the reduced matrices, as where a "
-                "contact is stiff, against which no larger basis helps: full solves are not "
-                "subject to it"
+                f"; {data['lost_to_rounding']} by rounding of the reduced matrices, against which "
+                "no larger basis helps: full solves are not subject to it"
             )
         told.append(("not-certified", message))
     if data["failed"]:
@@ -191,5 +184,5 @@ def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any
             "in the middle: single modes have no rows where these are a tenth or more"
         )
         told.append(("not-followed", message))
-    solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
-    return [_told(*each) for each in told] + merged_warnings(solves, "full solves")
+    own = [{"kind": kind, "message": message, "data": {}} for kind, message in told]
+    return own + merged_warnings(solves, what)

@@ -19,6 +19,7 @@ from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import Window
+from comparisons.study.run_warnings import Run
 from comparisons.sweep.points import Axis, Field, Points
 from comparisons.sweep.probabilities import continued, probabilities
 from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
@@ -71,6 +72,8 @@ class Asked:
             raise InputError("samples", self.samples, f"2 to {_MOST_SAMPLES}")
         if self.seed < 0:
             raise InputError("seed", self.seed, "zero or more")
+        if self.full and not self.grid:
+            raise InputError("full", True, "left out for samples: they are solved on a basis")
         for name, least in (("most", 2), ("checks", 0), ("confirm", 0)):
             count = getattr(self, name)
             if count < least:
@@ -110,24 +113,26 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
     solves keep passing the bounds.
     """
     begun, given = perf_counter(), (asked.scene, asked.fields, asked.overrides, asked.data)
-    if asked.full:
-        return _run_in_full(asked, "--full", progress, begun)
+    why = "--full" if asked.full else ""
+    if not why:
+        try:
+            scene = mapped(*given, (asked.samples, asked.seed))
+        except NoMapError as error:
+            if len(asked.fields) > 1 or not asked.grid:
+                raise
+            why = str(error)
+    if why:
+        scene = in_full(*given)
+    store = None
     try:
-        scene = mapped(*given, (asked.samples, asked.seed))
-    except NoMapError as error:
-        if len(asked.fields) > 1 or not asked.grid:
-            raise
-        return _run_in_full(asked, str(error), progress, begun)
-    store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
-    try:
-        made = _OnBasis(asked, scene, store, progress)
-        spectra, lines = made.solved()
-        data = record_of(scene, spectra, lines, made.basis)
-        data["stored_before"] = store.stored
-        if not asked.grid:
-            damped = scene.pencil.damped
-            data |= probabilities(spectra, scene.window.growth_threshold, damped=damped)
-        made.confirm(data["thresholds"], asked.confirm)
+        if why:
+            data, spectra, solves = _run_in_full(scene, why, progress)
+        else:
+            store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
+            made = _OnBasis(asked, scene, store, progress)
+            data, spectra = made.run()
+            data["stored_before"] = store.stored
+            solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
     except NoRoomError:
         if not isinstance(scene.assembled, AssembledScene):
             raise
@@ -140,7 +145,7 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
         data,
         inputs=asked.plain(),
         seconds=perf_counter() - begun,
-        warnings=warnings_of(data, asked.tolerance),
+        warnings=warnings_of(data, asked.tolerance, solves),
     )
     return Swept(told, scene.points, spectra, store)
 
@@ -154,15 +159,29 @@ class _OnBasis:
         self._asked, self._scene, self._progress = asked, scene, progress
         low, high = (scene.point(each) for each in zip(*scene.points.ends, strict=True))
         ends = {name: (low[name], high[name]) for name in low}
-        model = ReducedModel(
-            scene.pencil, ends, scene.window.max_frequency, scene.window.min_growth
-        )
+        top, low_growth = scene.window.max_frequency, scene.window.min_growth
+        model = ReducedModel(scene.pencil, ends, top, low_growth)
         settings = asked.tolerance, asked.most, scene.warnings
         self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep)
         for solve in store.solves():
             self.basis.take(solve)
 
-    def solved(self) -> tuple[Spectra, list[dict[str, Any]]]:
+    def run(self) -> tuple[dict[str, Any], Spectra]:
+        """The record, and modes at all points."""
+        scene, model = self._scene, self.basis.model
+        try:
+            self._train()
+            spectra, lines = self._solved()
+        finally:
+            model.free()
+        data = record_of(scene, spectra, lines, self.basis)
+        if not self._asked.grid:
+            level, damped = scene.window.growth_threshold, scene.pencil.damped
+            data |= probabilities(spectra, level, damped=damped)
+        self._confirm(data["thresholds"])
+        return data, spectra
+
+    def _solved(self) -> tuple[Spectra, list[dict[str, Any]]]:
         """Modes at all points, and what is known of thresholds.
 
         The basis grows until bounds are small at all points or solves are spent; parts with a bound
@@ -171,25 +190,20 @@ class _OnBasis:
         points, model, tolerance = self._scene.points, self.basis.model, self._asked.tolerance
         parts, done = points.parts, dict[int, _Part]()
         numbers = np.concatenate(parts)
-        try:
-            self._train()
-            while True:
-                done |= self._made([i for i in range(len(parts)) if i not in done])
-                rows = [row for i in range(len(parts)) for row in done[i][1]]
-                worst = np.array([row["worst"] for row in rows])
-                order = np.argsort(-worst, kind="stable")
-                order = order[worst[order] > tolerance][:_AT_ONCE]
-                size, settings = model.size, model.small.settings
-                self.basis.cover([self._point(i) for i in numbers[order].tolist()])
-                if model.size == size:
-                    break
-                same = model.small.settings == settings
-                sure = [i for i in done if max(row["worst"] for row in done[i][1]) <= tolerance]
-                done = {i: done[i] for i in sure if same}
-        finally:
-            model.free()
-        told = [done[i][0] for i in range(len(parts))]
-        return Spectra.of_rows([rows[i] for i in np.argsort(numbers)]), told
+        while True:
+            done |= self._made([i for i in range(len(parts)) if i not in done])
+            rows = [row for i in range(len(parts)) for row in done[i][1]]
+            worst = np.array([row["worst"] for row in rows])
+            order = np.argsort(-worst, kind="stable")
+            order = order[worst[order] > tolerance][:_AT_ONCE]
+            size, settings = model.size, model.small.settings
+            self.basis.cover([self._point(i) for i in numbers[order].tolist()])
+            if model.size == size:
+                told = [done[i][0] for i in range(len(parts))]
+                return Spectra.of_rows([rows[i] for i in np.argsort(numbers)]), told
+            same = model.small.settings == settings
+            sure = [i for i in done if max(row["worst"] for row in done[i][1]) <= tolerance]
+            done = {i: done[i] for i in sure if same}
 
     def _train(self) -> None:
         """Solve until bounds are small at the training points, and full solves agree.
@@ -266,12 +280,13 @@ class _OnBasis:
             "resolution": found.resolution,
         }
 
-    def confirm(self, thresholds: list[dict[str, Any]], most: int) -> None:
+    def _confirm(self, thresholds: list[dict[str, Any]]) -> None:
         """Solve in full at some thresholds, far apart, and note by how much they differ."""
-        scene = self._scene
-        level, damped = scene.window.growth_threshold or 0.0, scene.pencil.damped
-        window = Window.up_to(scene.window.max_frequency, damped=damped, level=level)
-        chosen = np.linspace(0, len(thresholds) - 1, min(most, len(thresholds))).round()
+        scene, given = self._scene, self._scene.window
+        level, damped = given.growth_threshold or 0.0, scene.pencil.damped
+        window = Window.up_to(given.max_frequency, damped=damped, level=level)
+        most = min(self._asked.confirm, len(thresholds))
+        chosen = np.linspace(0, len(thresholds) - 1, most).round()
         for number in np.unique(chosen).astype(int).tolist():
             self._progress(f"threshold {number + 1} of {len(thresholds)}, solved in full")
             told = thresholds[number]
@@ -291,26 +306,20 @@ class _OnBasis:
         return self._scene.pencil.values(self._point(number))
 
 
-def _run_in_full(asked: Asked, why: str, progress: Callable[[str], None], begun: float) -> Swept:
-    """Each point by a run of its own; one without an answer is kept with the reason."""
-    if not asked.grid:
-        raise InputError("full", True, "left out for samples: they are solved on a basis")
-    scene = in_full(asked.scene, asked.fields, asked.overrides, asked.data)
-    points, results = scene.points, list[Result | None]()
-    failed: list[dict[str, Any]] = []
-    try:
-        for values in points.values.tolist():
-            at = dict(zip(points.names, values, strict=True))
-            progress(", ".join(f"{name} = {value:g}" for name, value in at.items()))
-            try:
-                results.append(scene.run(values))
-            except ConvergenceError as error:
-                results.append(None)
-                failed.append({"point": at, "reason": str(error)})
-    finally:
-        scene.driver.free()
+def _run_in_full(
+    scene: SweptScene, why: str, progress: Callable[[str], None]
+) -> tuple[dict[str, Any], Spectra, list[Run]]:
+    """The record, modes and warnings of each point by a run of its own."""
+    points, results, failed = scene.points, list[Result | None](), list[dict[str, Any]]()
+    solves: list[Run] = []
+    for values in points.values.tolist():
+        at = dict(zip(points.names, values, strict=True))
+        progress(", ".join(f"{name} = {value:g}" for name, value in at.items()))
+        try:
+            results.append(result := scene.run(values))
+            solves.append((at, [warning.plain() for warning in result.warnings]))
+        except ConvergenceError as error:
+            results.append(None)
+            failed.append({"point": at, "reason": str(error)})
     spectra = Spectra.of_rows([row_of_result(each, len(points.names)) for each in results])
-    data = record_of_full(points, spectra, results, failed, why)
-    seconds, warnings = perf_counter() - begun, data.pop("warnings")
-    told = record(COMMAND, data, inputs=asked.plain(), seconds=seconds, warnings=warnings)
-    return Swept(told, points, spectra, None)
+    return record_of_full(points, spectra, results, failed, why), spectra, solves

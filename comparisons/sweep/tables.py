@@ -10,7 +10,7 @@ from comparisons.study.columns import Column
 from comparisons.study.numbers import counted, plain, shown
 from comparisons.study.result import Data
 from comparisons.study.run_warnings import kinds_at
-from comparisons.study.sections import Drawing, Section, Table
+from comparisons.study.sections import Drawing, Plot, Section, Table
 from comparisons.sweep.spectra import UNSTABLE
 from comparisons.sweep.study import Swept
 
@@ -65,7 +65,7 @@ def words(made: Swept) -> str:
     return f"Most grows at {told}: {counted(len(growth), 'mode')}: {counts}."
 
 
-def sections_of(made: Swept, drawings: list[Drawing]) -> list[Section]:
+def sections_of(made: Swept, drawn: Plot | Drawing) -> list[Section]:
     """The page of a sweep."""
     data, few = made.record, len(made.points.values) <= _ON_PAGE
     own = OWN | {name: Column(name, show=shown(6)) for name in made.points.names}
@@ -81,7 +81,7 @@ def sections_of(made: Swept, drawings: list[Drawing]) -> list[Section]:
         basis.append(Table("full_solves", caption, full_solves, own))
     title = "Thresholds" if made.points.axes else "Probability of growth"
     return [
-        Section("What grows where", why, lambda _: f"{headline(data)} {words(made)}", [], drawings),
+        Section("What grows where", why, lambda _: f"{headline(data)} {words(made)}", [], [drawn]),
         Section("Warnings", tables=[Table("warnings", "", warnings)]),
         Section(title, tables=[answer_table(made)]),
         Section("Values", tables=tables),
