@@ -5,14 +5,12 @@ solve, a file for each rank: the basis is made anew of them.
 """
 
 import json
+import pickle
 import shutil
 from collections.abc import Iterator, Mapping
 from hashlib import sha256
-from io import BytesIO
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from cea import __version__
 from cea.files import write_whole
@@ -22,8 +20,6 @@ from scenes.results.record import as_json
 from scenes.spec.plain import as_data
 
 _ABOUT = "sweep.json"
-_VECTORS = ("right", "left", "forces", "left_forces")
-_ARRAYS = ("eigenvalues", "speeds", "uncertainties", "conditions", *_VECTORS)
 
 
 class Store:
@@ -45,17 +41,13 @@ class Store:
 
     def keep(self, solve: Snapshot) -> None:
         """Store a full solve; it counts once every rank has written."""
-        text, stream = np.frombuffer(json.dumps(solve.about).encode(), dtype=np.uint8), BytesIO()
-        np.savez(stream, about=text, **{name: getattr(solve, name) for name in _ARRAYS})
-        write_whole(stream.getvalue(), self._file(self._count))
+        write_whole(pickle.dumps(solve), self._file(self._count))
         self._count += 1
 
     def solves(self) -> Iterator[Snapshot]:
         """Full solves that were stored, in their order."""
         for number in range(self.stored):
-            with np.load(self._file(number)) as stored:
-                about = json.loads(stored["about"].tobytes())
-                yield Snapshot(about, **{name: stored[name] for name in _ARRAYS})
+            yield pickle.loads(self._file(number).read_bytes())
 
     def discard(self) -> None:
         """Remove the folder: its sweep is finished."""
@@ -64,7 +56,7 @@ class Store:
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def _file(self, number: int) -> Path:
-        return self.folder / f"solve-{number:04d}.rank{self._comm.rank}.npz"
+        return self.folder / f"solve-{number:04d}.rank{self._comm.rank}"
 
 
 def fingerprint(scene: SweptScene) -> list[str]:

@@ -14,13 +14,9 @@ from cea.eigen.coefficients import Coefficient, Parameter
 from cea.eigen.driver import EigenSolver
 from cea.eigen.matching import assign
 from cea.eigen.pencil import FRICTION, Pencil, Term
-from cea.errors import InputError
 from cea.reduced.basis import Span
-from cea.reduced.full_solves import line_of_model
 from cea.reduced.greedy import TOLERANCE, Enrichment, largest_ratio
 from cea.reduced.model import ReducedModel, Snapshot
-from cea.reduced.pieces import Pieces
-from cea.reduced.thresholds import thresholds_along
 from cea.reduced.window import MARGIN
 
 MU, P = "contacts.interface.mu", "contacts.interface.P"
@@ -279,66 +275,6 @@ def test_a_span_is_orthonormal_and_leaves_out_what_it_says(maps, decades, tolera
         rest = norm.lengths(mixed - span.vectors @ coordinates)
         assert rest.max() <= lost + 1e-13 * longest
     assert span.size <= 24
-
-
-@ON_NURBS
-def test_a_threshold_of_growth_is_that_of_full_solves(maps, backend):
-    point = {P: 40.0, ALPHA: 0.01, RATIO: 0.005}
-    model = maps("damped", backend).model
-
-    def at(mu):
-        return model.pencil.values({**point, MU: mu})
-
-    line = line_of_model(model.small, at, {MU: 1.0})
-    line = thresholds_along(line, np.linspace(0.5, 1, 9).tolist())
-    found = line.thresholds[0]
-    assert found.change > 0
-    assert not line.unresolved
-    with EigenSolver(damped_pencil(backend, point)) as driver:
-        modes = driver.solve(TOP, {MU: found.value})
-    own = int(np.argmin(np.abs(modes.eigenvalues - found.eigenvalue)))
-    off = abs(modes.growth_rates[own] / found.slope)
-    assert off < 1e-8 * found.value
-    assert off <= found.error + 1e-11
-    others = np.delete(modes.growth_rates, own)
-    assert others.max() < 0, "it is where the first begins to grow"
-
-
-def test_derivatives_of_coefficients_are_those_of_differences(backend):
-    """Of every piece, forces that were unknowns included."""
-    pencil = damped_pencil(backend, form="saddle")
-    pieces = Pieces(pencil, (P, MU, ALPHA, RATIO))
-    values, names = pencil.values({P: 7.0, MU: 0.3, ALPHA: 0.02}), {P, MU, ALPHA, RATIO}
-    seen = set()
-    for coefficient in (piece.coefficient for piece in pieces.all):
-        for name in coefficient.names & names:
-            seen.add(name)
-            step = 1e-6 * max(values[name], 1e-3)
-            ends = [coefficient.at(values | {name: values[name] + d}) for d in (-step, step)]
-            slope = coefficient.derivative(name, values)
-            assert slope == pytest.approx((ends[1] - ends[0]) / (2 * step), rel=1e-6, abs=1e-12)
-    assert seen == names
-    pieces.free()
-
-
-def test_what_is_no_parameter_is_refused():
-    pencil, _ = random_pencil(0)
-    with pytest.raises(InputError, match="one of"):
-        enrichment(pencil, {"speed": (0.0, 1.0)}, TOP)
-
-
-@pytest.mark.parametrize("relative", [1e-2, 1e2])
-def test_forces_add_displacements_where_a_contact_is_stiffer_than_its_bodies(relative):
-    pencil = blocks_pencil("fe", form="saddle")
-    (contact,) = pencil.forces
-    stiff = relative * contact.body_stiffness[0]
-    built = enrichment(pencil, {MU: (0.0, 1.0), P: (0.1 * stiff, stiff)}, TOP)
-    made, solved = built.model, built.full_solve({MU: 0.5, P: stiff})
-    made.take(solved)
-    vectors = solved.real_vectors(made.norms.states, damped=False).shape[1]
-    forces = made.small.forces.sum()
-    assert made.size - forces <= vectors + (forces if relative > 1 else 0)
-    made.free()
 
 
 def inverse_of_the_saddle(matrices):

@@ -133,7 +133,7 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     line = "sweep blocks mu=0:2:21 P=0.01:5e4:log:9 --checks 1 --confirm 0"
     words = [Path(sys.executable).with_name("cea"), *line.split(), *settings, "--out", out]
     running = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
-    third = tmp_path / "out.unfinished" / "solve-0002.rank0.npz"
+    third = tmp_path / "out.unfinished" / "solve-0002.rank0"
     begun = monotonic()
     while not third.exists() and running.poll() is None and monotonic() - begun < 120:
         sleep(0.005)
@@ -141,7 +141,7 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
     running.wait()
     assert third.exists()
     assert not (out / "result.json").exists()
-    stored = len(list(third.parent.glob("solve-*.npz")))
+    stored = len(list(third.parent.glob("solve-*")))
     done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     data = json.loads((out / "result.json").read_text())
@@ -206,19 +206,6 @@ def test_doublets_begin_to_flutter_with_friction_itself(tmp_path):
         assert abs(each["full_solve_differs"]) < each["error"]
 
 
-def test_warnings_of_full_solves_reach_the_map(tmp_path):
-    """Collocation where the contact is soft, at every full solve that is told of it."""
-    soft = asked("iga", "mu=0:0.5:3", "P=0.1:1:2", checks=0, confirm=0)
-    crude = "contacts.interface.formulation={method='greville'}"
-    data = run(replace(soft, overrides=(*soft.overrides, crude)), tmp_path / "out").record
-    told = {each["kind"]: each for each in data["warnings"]}
-    assert set(told) == {"point-rule"}
-    places = told["point-rule"]["data"]["places"]
-    assert len(places) == len(data["snapshots"])
-    for place in places:  # it is judged at the stiffness there
-        assert place["data"]["stiffness"] == pytest.approx(3 * place["point"][P])
-
-
 @pytest.mark.grid
 @pytest.mark.parametrize("name", ["sweep", "threshold"])
 def test_the_commands_run_on_a_backend(name, backend, tmp_path, cea):
@@ -272,19 +259,6 @@ def test_fresh_runs_lie_within_the_bounds_of_stiff_and_tied_contacts(
         modes = run_modes(scene.change(axis.partition("=")[0], value)).modes
         rows, _ = assert_within_bounds(made, i, modes)
         assert len(rows) == len(modes.eigenvalues)
-
-
-@pytest.mark.slow
-def test_a_map_is_certified_up_to_any_stiffness(tmp_path):
-    """In the penalty form rounding leaves bounds of 1e-7 from P = 1e13 on."""
-    axes, options = ("mu=0:1:3", "P=1e12:1e14:log:3"), {"checks": 1, "confirm": 0}
-    made = sweep_of("disc_pad", axes, tmp_path / "out", COARSE_DISC, **options)
-    assert made.record["certified"] == 9
-    scene = load_scene("disc_pad", COARSE_DISC)
-    for i in (4, 8):
-        point = dict(zip(("mu", "P"), made.points.values[i], strict=True))
-        changes = {f"contacts.pad_disc.{name}": value for name, value in point.items()}
-        assert_within_bounds(made, i, run_modes(scene.change(changes)).modes)
 
 
 def test_tied_contacts_have_thresholds(tmp_path):
