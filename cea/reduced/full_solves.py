@@ -49,8 +49,6 @@ class ConfirmedThreshold:
         Its value there.
     eigenvalue
         lambda there (1/s), of two modes that coalesce their mean.
-    solves, factorisations
-        Eigenvalue problems solved and matrices factorised on the way.
     warnings
         What the value must be read with.
     """
@@ -58,8 +56,6 @@ class ConfirmedThreshold:
     parameter: str
     value: float
     eigenvalue: complex
-    solves: int
-    factorisations: int
     warnings: tuple[ResultWarning, ...] = ()
 
     @property
@@ -182,7 +178,7 @@ def first_threshold(
 
     for value in (real, flutter):
         driver.pencil.check(point(value))
-    pencil, before = driver.pencil, (driver.solves, driver.factorisations)
+    pencil = driver.pencil
     box = dict.fromkeys(names, (min(real, flutter), max(real, flutter)))
     model = ReducedModel(pencil, box, max_frequency)
     try:
@@ -195,8 +191,7 @@ def first_threshold(
     found = threshold_between(line, real, flutter, frequency, _TRAINING)
     told = confirm(driver, point, found, line.window)
     value, root = told or (found.value, found.eigenvalue)
-    spent = driver.solves - before[0], driver.factorisations - before[1]
-    return ConfirmedThreshold(", ".join(names), value, root, *spent)
+    return ConfirmedThreshold(", ".join(names), value, root)
 
 
 def confirm(

@@ -1,7 +1,7 @@
 """Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -52,8 +52,8 @@ class Axis:
 
     def plain(self) -> dict[str, Any]:
         """As plain data."""
-        told = {"name": self.name, "first": self.first, "last": self.last, "count": self.count}
-        return told | {"log": self.logarithmic}
+        told = asdict(self)
+        return told | {"log": told.pop("logarithmic")}
 
 
 @dataclass(frozen=True)
@@ -103,9 +103,7 @@ class Distribution:
 
     def plain(self) -> dict[str, Any]:
         """As plain data; ends that cut nothing off are left out."""
-        told = {"name": self.name, "kind": self.kind, "first": self.first, "second": self.second}
-        ends = {"low": self.low, "high": self.high}
-        return told | {name: value for name, value in ends.items() if np.isfinite(value)}
+        return {name: each for name, each in asdict(self).items() if each not in (-np.inf, np.inf)}
 
 
 Field = Axis | Distribution

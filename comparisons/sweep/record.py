@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from cea.arrays import Ints
 from cea.reduced.crossings import Threshold
 from cea.reduced.greedy import Enrichment
-from cea.reduced.thresholds import Unresolved
+from cea.reduced.thresholds import Found, Unresolved
 from comparisons.study.run_warnings import Run, merged_warnings
 from comparisons.sweep.points import Points
 from comparisons.sweep.scene import SweptScene
@@ -18,10 +19,12 @@ from scenes import Result
 
 _NAMED = 100
 """Points without a certificate that are named."""
+Line = tuple[dict[str, float], Found]
+"""Values of the other fields along a line of the first, and what was found along it."""
 
 
 def record_of(
-    scene: SweptScene, spectra: Spectra, lines: Sequence[Mapping[str, Any]], basis: Enrichment
+    scene: SweptScene, spectra: Spectra, lines: Sequence[Line], basis: Enrichment
 ) -> dict[str, Any]:
     """Record of a sweep on a basis, its thresholds not yet confirmed."""
     bound, tolerance = spectra.bound, basis.tolerance
@@ -53,8 +56,8 @@ def record_of_full(
     analysis = runs[0].analysis if runs else None
     growths = [float(each.modes.window.max_growth) for each in runs]
     growths = [each for each in growths if np.isfinite(each)]
-    between = {"thresholds": _between_points(points, spectra), "unresolved": [], "resolution": 0.0}
-    return _common(points, spectra, [between], failed, growths) | {
+    lines = [_between_points(points, spectra, line) for line in points.lines]
+    return _common(points, spectra, lines, failed, growths) | {
         "max_frequency": None if analysis is None else analysis.max_frequency,
         "growth_threshold": None if analysis is None else analysis.growth_threshold,
         "why": why,
@@ -66,7 +69,7 @@ def record_of_full(
 def _common(
     points: Points,
     spectra: Spectra,
-    lines: Sequence[Mapping[str, Any]],
+    lines: Sequence[Line],
     failed: Sequence[Mapping[str, Any]],
     growths: Sequence[float | None],
 ) -> dict[str, Any]:
@@ -84,9 +87,9 @@ def _common(
         "above": None,
         "failed": failed,
         "complete_to": min((each for each in growths if each is not None), default=None),
-        "thresholds": [each for line in lines if line for each in line["thresholds"]],
-        "unresolved": [each for line in lines if line for each in line["unresolved"]],
-        "resolution": max((line["resolution"] for line in lines if line), default=0.0),
+        "thresholds": [at | _plain(each) for at, line in lines for each in line.thresholds],
+        "unresolved": [at | _plain(each) for at, line in lines for each in line.unresolved],
+        "resolution": max((line.resolution for _, line in lines), default=0.0),
     }
     if len(above):
         first = int(above[0])
@@ -98,39 +101,28 @@ def _common(
     return told
 
 
-def _between_points(points: Points, spectra: Spectra) -> list[dict[str, Any]]:
+def _between_points(points: Points, spectra: Spectra, line: Ints) -> Line:
     """Thresholds between points solved in full: only numbers of unstable modes are known."""
-    found = []
-    unstable = (spectra.verdict == UNSTABLE).sum(axis=1)
-    for line in points.lines:
-        others = dict(zip(points.names[1:], points.values[line[0], 1:].tolist(), strict=True))
-        answered = line[np.isfinite(spectra.worst[line])]
-        for low, high in pairwise(answered[np.argsort(points.values[answered, 0])].tolist()):
-            change = 2 * int(unstable[high] - unstable[low])
-            if not change:
-                continue
+    found, unstable = Found(), (spectra.verdict == UNSTABLE).sum(axis=1)
+    answered = line[np.isfinite(spectra.worst[line])]
+    for low, high in pairwise(answered[np.argsort(points.values[answered, 0])].tolist()):
+        change = 2 * int(unstable[high] - unstable[low])
+        if change:
             more = high if change > 0 else low
             rates = np.where(spectra.verdict[more] == UNSTABLE, spectra.growth[more], np.inf)
             mode, ends = int(rates.argmin()), points.values[[low, high], 0]
             root = complex(rates[mode], 2 * np.pi * spectra.frequency[more, mode])
             middle, half = float(ends.mean()), float(np.ptp(ends) / 2)
-            found.append(others | plain(Threshold(middle, half, root, 0.0, change, "count")))
-    return found
+            found.thresholds.append(Threshold(middle, half, root, 0.0, change, "count"))
+    return dict(zip(points.names[1:], points.values[line[0], 1:].tolist(), strict=True)), found
 
 
-def plain(found: Threshold | Unresolved) -> dict[str, Any]:
+def _plain(found: Threshold | Unresolved) -> dict[str, Any]:
     """A threshold or an unresolved interval as plain data; lambda as re and im (1/s)."""
     told = asdict(found)
     root = told.pop("eigenvalue")
     both = (None, None) if root is None else (float(root.real), float(root.imag))
     return told | dict(zip(("re", "im"), both, strict=True))
-
-
-def threshold_of(told: Mapping[str, Any]) -> Threshold:
-    """A threshold from plain data."""
-    root = complex(told["re"], told["im"])
-    names = ("value", "error", "slope", "change", "kind")
-    return Threshold(eigenvalue=root, **{name: told[name] for name in names})
 
 
 def warnings_of(

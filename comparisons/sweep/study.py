@@ -1,7 +1,7 @@
 """A sweep: modes of a scene at a table of points, by bases of few full solves or in full."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -13,16 +13,16 @@ from cea.eigen.mumps import NoRoomError
 from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from cea.ranks import agreed
+from cea.reduced.crossings import Threshold
 from cea.reduced.full_solves import confirm, line_of_model
 from cea.reduced.greedy import TOLERANCE, Enrichment
 from cea.reduced.model import ReducedModel
 from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import thresholds_along
-from cea.reduced.window import Window
 from comparisons.study.run_warnings import Run
 from comparisons.sweep.points import Axis, Field, Points
 from comparisons.sweep.probabilities import continued, probabilities
-from comparisons.sweep.record import plain, record_of, record_of_full, threshold_of, warnings_of
+from comparisons.sweep.record import Line, record_of, record_of_full, warnings_of
 from comparisons.sweep.scene import NoMapError, SweptScene, in_full, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
@@ -37,8 +37,8 @@ _AT_FIRST = 0.5
 _AT_ONCE = 64
 """Points without a certificate, the worst, that a basis takes in before all are looked at again."""
 _MOST_SAMPLES = 1_000_000
-_Part = tuple[dict[str, Any], list[dict[str, Any]]]
-"""What a part says of thresholds as plain data, and what is known at each of its points."""
+_Part = tuple[Line | None, list[dict[str, Any]]]
+"""Thresholds of a part that is a line, and what is known at each of its points."""
 
 
 @dataclass(frozen=True)
@@ -161,6 +161,8 @@ class _OnBasis:
         ends = {name: (low[name], high[name]) for name in low}
         top, low_growth = scene.window.max_frequency, scene.window.min_growth
         model = ReducedModel(scene.pencil, ends, top, low_growth)
+        level = scene.window.growth_threshold or 0.0
+        self._window = replace(model.small.settings.window, level=level)
         settings = asked.tolerance, asked.most, scene.warnings
         self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep)
         for solve in store.solves():
@@ -178,10 +180,15 @@ class _OnBasis:
         if not self._asked.grid:
             level, damped = scene.window.growth_threshold, scene.pencil.damped
             data |= probabilities(spectra, level, damped=damped)
-        self._confirm(data["thresholds"])
+        found = [(others, each) for others, line in lines for each in line.thresholds]
+        chosen = np.linspace(0, len(found) - 1, min(self._asked.confirm, len(found))).round()
+        for number in np.unique(chosen).astype(int).tolist():
+            self._progress(f"threshold {number + 1} of {len(found)}, solved in full")
+            differs = self._difference(*found[number])
+            data["thresholds"][number]["full_solve_differs"] = differs
         return data, spectra
 
-    def _solved(self) -> tuple[Spectra, list[dict[str, Any]]]:
+    def _solved(self) -> tuple[Spectra, list[Line]]:
         """Modes at all points, and what is known of thresholds.
 
         The basis grows until bounds are small at all points or solves are spent; parts with a bound
@@ -199,8 +206,8 @@ class _OnBasis:
             size, settings = model.size, model.small.settings
             self.basis.cover([self._point(i) for i in numbers[order].tolist()])
             if model.size == size:
-                told = [done[i][0] for i in range(len(parts))]
-                return Spectra.of_rows([rows[i] for i in np.argsort(numbers)]), told
+                lines = [line for i in range(len(parts)) if (line := done[i][0])]
+                return Spectra.of_rows([rows[i] for i in np.argsort(numbers)]), lines
             same = model.small.settings == settings
             sure = [i for i in done if max(row["worst"] for row in done[i][1]) <= tolerance]
             done = {i: done[i] for i in sure if same}
@@ -244,7 +251,7 @@ class _OnBasis:
         return {i: part for share in comm.allgather(made) for i, part in share.items()}
 
     def _part(self, numbers: Ints, small: SmallPencil, middle: ReducedSpectrum | None) -> _Part:
-        """Thresholds of a part as plain data, and what is known at its points."""
+        """Thresholds of a part, and what is known at its points."""
         scene, spectra, rows = self._scene, list[ReducedSpectrum](), []
         for values in (self._values(int(number)) for number in numbers):
             found = small.at(values)
@@ -256,47 +263,30 @@ class _OnBasis:
             slopes = np.stack(moved, axis=1)
             rows.append(row_of_model(found, slopes, alike, scene.window.growth_threshold))
             spectra.append(found)
-        told = self._thresholds(numbers, small, spectra) if middle is None else {}
-        return told, rows
+        return self._line(numbers, small, spectra) if middle is None else None, rows
 
-    def _thresholds(
-        self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]
-    ) -> dict[str, Any]:
-        """Thresholds along a line, and what is not resolved."""
+    def _line(self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]) -> Line:
+        """Thresholds along a line."""
         scene, points = self._scene, self._scene.points
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
         line = line_of_model(
             small,
             lambda value: scene.pencil.values(scene.point((value, *others))),
             scene.names[0],
-            scene.window.growth_threshold or 0.0,
+            self._window.level,
             dict(zip(values, spectra, strict=True)),
         )
         found = thresholds_along(line, values, logarithmic=points.logarithmic)
-        at = dict(zip(points.names[1:], others, strict=True))
-        return {
-            "thresholds": [at | plain(each) for each in found.thresholds],
-            "unresolved": [at | plain(each) for each in found.unresolved],
-            "resolution": found.resolution,
-        }
+        return dict(zip(points.names[1:], others, strict=True)), found
 
-    def _confirm(self, thresholds: list[dict[str, Any]]) -> None:
-        """Solve in full at some thresholds, far apart, and note by how much they differ."""
-        scene, given = self._scene, self._scene.window
-        level, damped = given.growth_threshold or 0.0, scene.pencil.damped
-        window = Window.up_to(given.max_frequency, damped=damped, level=level)
-        most = min(self._asked.confirm, len(thresholds))
-        chosen = np.linspace(0, len(thresholds) - 1, most).round()
-        for number in np.unique(chosen).astype(int).tolist():
-            self._progress(f"threshold {number + 1} of {len(thresholds)}, solved in full")
-            told = thresholds[number]
-            others = [told[name] for name in scene.points.names[1:]]
+    def _difference(self, others: Mapping[str, float], found: Threshold) -> float | None:
+        """By how much full solves move a threshold; None where they have none."""
 
-            def at(value: float, others: list[float] = others) -> dict[str, float]:
-                return scene.point((value, *others))
+        def at(value: float) -> dict[str, float]:
+            return self._scene.point((value, *others.values()))
 
-            found = confirm(scene.driver, at, threshold_of(told), window)
-            told["full_solve_differs"] = None if found is None else found[0] - told["value"]
+        told = confirm(self._scene.driver, at, found, self._window)
+        return None if told is None else told[0] - found.value
 
     def _point(self, number: int) -> dict[str, float]:
         return self._scene.point(self._scene.points.values[number].tolist())
