@@ -155,12 +155,6 @@ def test_what_moves_the_state_of_sliding_has_no_map(file_of, name, axis):
         mapped(file_of(name), [read_axis(axis)])
 
 
-def test_contact_forces_are_unknowns_of_a_map(file_of):
-    asked = mapped(file_of("linear"), [read_axis("P=0.1:10:log:3")])
-    assert asked.driver.pencil.forces
-    asked.driver.free()
-
-
 def test_thresholds_in_full_lie_between_values(monkeypatch):
     """And a value without an answer is told."""
     scene, changes = blocks("analysis.max_frequency=0.5")
