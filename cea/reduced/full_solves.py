@@ -15,6 +15,7 @@ from cea.arrays import Complexes
 from cea.eigen.block_products import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
+from cea.eigen.pencil import release
 from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.crossings import Quantity, Threshold, growing_root, passing
 from cea.reduced.following import Sample
@@ -101,7 +102,9 @@ def line_in_full(solve: Solve, window: Window) -> Line:
         modes, slopes = solve(value, MARGIN * window.max_frequency)
         z, errors = modes.eigenvalues, modes.growth_uncertainties
         if not first:
-            first.append(_images(modes))
+            matrices = modes.pencil.at(modes.values)
+            first.append(times(matrices.mass, modes.vectors))
+            release(matrices)
         vectors = all_inner(first[0], modes.vectors, modes.pencil.comm)
         vectors = vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny)
         numbers = np.arange(len(z))
@@ -111,15 +114,6 @@ def line_in_full(solve: Solve, window: Window) -> Line:
         return Sample(value, z, slopes, errors, errors, numbers, vectors)
 
     return Line(window, at)
-
-
-def _images(modes: Modes) -> Complexes:
-    """M x of modes, the rows of this rank."""
-    image = np.zeros_like(modes.vectors)
-    for term in modes.pencil.terms:
-        if term.role == "mass" and (weight := term.coefficient.at(modes.values)):
-            image += weight * times(term.matrix, modes.vectors)
-    return image
 
 
 def threshold_between(

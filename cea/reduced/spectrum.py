@@ -16,7 +16,7 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
 from cea.eigen.coefficients import Dependence
 from cea.eigen.spectrum import SLOW
-from cea.reduced.certificate import Certificate, Pairs, Polynomial, Term, real_times
+from cea.reduced.certificate import Pairs, Polynomial, Term, real_times
 from cea.reduced.pieces import Values
 from cea.reduced.window import MARGIN, Window
 
@@ -67,13 +67,19 @@ class Settings:
 
 
 @dataclass(frozen=True)
-class ReducedSpectrum(Certificate):
+class ReducedSpectrum:
     """Eigenvalues of a window and its margin, by rising frequency, with bounds on their errors.
 
-    kappa (1/s^2), or lambda (1/s) of damped pencils, as z; coordinates of their vectors of M-norm
-    one.
+    Bounds on the error of each z; of the mean of its cluster, or of itself where it is alone; what
+    the basis makes of the latter, without rounding; number of the cluster; y^H P'(z) x. kappa
+    (1/s^2), or lambda (1/s) of damped pencils, as z; coordinates of their vectors of M-norm one.
     """
 
+    errors: Floats
+    means: Floats
+    reduction: Floats
+    clusters: Ints
+    overlaps: Complexes
     z: Complexes
     right: Complexes
     left: Complexes
@@ -219,9 +225,9 @@ class SmallPencil:
         terms = [Term.summed([each for each in parts if each[1].power == p]) for p in powers]
         pencil = Polynomial(tuple(terms))
         pairs = _pairs(pencil, self.forces, self.settings)
-        told = pencil.certificate(pairs, self.settings.outside(pairs.values))
+        bounds = pencil.bounds(pairs, self.settings.outside(pairs.values))
         z, right, left = pairs.values, pairs.right, pairs.left
-        found = ReducedSpectrum(**vars(told), z=z, right=right, left=left, settings=self.settings)
+        found = ReducedSpectrum(**bounds, z=z, right=right, left=left, settings=self.settings)
         return found[np.flatnonzero(z.imag >= 0)] if pencil.damped else found
 
     def slopes(

@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.errors import InputError
+from cea.errors import InputError, require
 from scenes.spec.consistency import LARGEST, SMALLEST
 
 _MOST = 10_000
@@ -17,8 +17,6 @@ _TRAINING = 5
 """Values of an axis at which bounds are looked at while a basis is made."""
 _SAMPLES = 48
 """Samples at which they are, beside those at the ends of fields."""
-_TOGETHER = 64
-"""Samples that are solved together."""
 Kind = Literal["normal", "uniform", "lognormal"]
 _DISTRIBUTION = (
     "name~normal:mean:deviation, name~lognormal:median:deviation of the logarithm, with :low:high "
@@ -39,10 +37,9 @@ class Axis:
     def __post_init__(self) -> None:
         for end in (self.first, self.last):
             _check_end(self.name, end, positive=self.logarithmic)
-        if self.first == self.last:
-            raise InputError(self.name, self.last, "another last value than the first")
-        if not 2 <= self.count <= _MOST:
-            raise InputError(self.name, self.count, f"2 to {_MOST} values")
+        other = "another last value than the first"
+        require(self.first != self.last, self.name, self.last, other)
+        require(2 <= self.count <= _MOST, self.name, self.count, f"2 to {_MOST} values")
 
     @property
     def values(self) -> list[float]:
@@ -75,12 +72,11 @@ class Distribution:
         _check_end(self.name, self.first, positive=self.kind == "lognormal")
         _check_end(self.name, self.second, positive=False)
         if self.kind == "uniform":
-            if not self.first < self.second:
-                raise InputError(self.name, self.second, f"greater than {self.first:g}")
-        elif self.second <= 0:
-            raise InputError(self.name, self.second, "a positive deviation")
-        if not self.low < self.high:
-            raise InputError(self.name, self.high, f"greater than {self.low:g}")
+            greater = f"greater than {self.first:g}"
+            require(self.first < self.second, self.name, self.second, greater)
+        else:
+            require(self.second > 0, self.name, self.second, "a positive deviation")
+        require(self.low < self.high, self.name, self.high, f"greater than {self.low:g}")
         self.drawn(np.empty(0), self.low)
 
     def drawn(self, probability: Floats, least: float) -> tuple[Floats, float]:
@@ -96,8 +92,7 @@ class Distribution:
         elif self.kind == "uniform":
             law = uniform(self.first, self.second - self.first)
         before, below, above = law.cdf([self.low, low, self.high]).tolist()
-        if below == above:
-            raise InputError(self.name, [low, self.high], "ends with values between them")
+        require(below < above, self.name, [low, self.high], "ends with values between them")
         values = np.clip(law.ppf(below + (above - below) * probability), low, self.high)
         return values, (below - before) / (above - before)
 
@@ -142,11 +137,8 @@ class Points:
 
     @property
     def parts(self) -> list[Ints]:
-        """Numbers of points that are solved together: a line, or some samples."""
-        if self.axes:
-            return list(self.lines)
-        count = len(self.values)
-        return np.array_split(np.arange(count), int(np.ceil(count / _TOGETHER)))
+        """Numbers of points that are solved together: a line, or a sample."""
+        return list(self.lines if self.axes else np.arange(len(self.values))[:, None])
 
     @property
     def training(self) -> Ints:
@@ -223,7 +215,6 @@ def read_fields(texts: Sequence[str]) -> tuple[Field, ...]:
 
 def _check_end(name: str, value: float, *, positive: bool) -> None:
     """Refuse an end of what varies that no field of a scene may have."""
-    if not abs(value) <= LARGEST:
-        raise InputError(name, value, f"a finite number of at most {LARGEST:g}")
-    if positive and value < SMALLEST:
-        raise InputError(name, value, f"positive, at least {SMALLEST:g}")
+    require(abs(value) <= LARGEST, name, value, f"a finite number of at most {LARGEST:g}")
+    large = not positive or value >= SMALLEST
+    require(large, name, value, f"positive, at least {SMALLEST:g}")

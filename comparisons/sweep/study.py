@@ -10,7 +10,7 @@ import numpy as np
 
 from cea.arrays import Ints
 from cea.eigen.mumps import NoRoomError
-from cea.errors import ConvergenceError, InputError
+from cea.errors import ConvergenceError, require
 from cea.petsc import MPI
 from cea.ranks import agreed
 from cea.reduced.crossings import Threshold
@@ -64,20 +64,17 @@ class Asked:
     full: bool = False
 
     def __post_init__(self) -> None:
-        if not self.fields:
-            raise InputError("axis", [], "one or more, e.g. mu=0:1:101 or mu~normal:0.4:0.05")
-        if not 1e-13 <= self.tolerance <= 1e-2:
-            raise InputError("tolerance", self.tolerance, "1e-13 to 1e-2")
-        if not 2 <= self.samples <= _MOST_SAMPLES:
-            raise InputError("samples", self.samples, f"2 to {_MOST_SAMPLES}")
-        if self.seed < 0:
-            raise InputError("seed", self.seed, "zero or more")
-        if self.full and not self.grid:
-            raise InputError("full", True, "left out for samples: they are solved on a basis")
-        for name, least in (("most", 2), ("checks", 0), ("confirm", 0)):
-            count = getattr(self, name)
-            if count < least:
-                raise InputError("solves" if name == "most" else name, count, f"{least} or more")
+        some = "one or more, e.g. mu=0:1:101 or mu~normal:0.4:0.05"
+        require(bool(self.fields), "axis", [], some)
+        require(1e-13 <= self.tolerance <= 1e-2, "tolerance", self.tolerance, "1e-13 to 1e-2")
+        enough = 2 <= self.samples <= _MOST_SAMPLES
+        require(enough, "samples", self.samples, f"2 to {_MOST_SAMPLES}")
+        require(self.seed >= 0, "seed", self.seed, "zero or more")
+        require(self.most >= 2, "solves", self.most, "2 or more")
+        require(self.checks >= 0, "checks", self.checks, "0 or more")
+        require(self.confirm >= 0, "confirm", self.confirm, "0 or more")
+        on_basis = "left out for samples: they are solved on a basis"
+        require(self.grid or not self.full, "full", True, on_basis)
 
     @property
     def grid(self) -> bool:
@@ -246,7 +243,7 @@ class _OnBasis:
             middle = small.at(self._values(int(nearest.max(axis=1).argmin())))
         with agreed(comm):
             for i in np.array_split(missing, comm.size)[comm.rank].tolist():
-                self._progress(f"{i + 1} of {len(parts)} lines or groups of samples")
+                self._progress(f"{i + 1} of {len(parts)} lines or samples")
                 made[i] = self._part(parts[i], small, middle)
         return {i: part for share in comm.allgather(made) for i, part in share.items()}
 

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 
 from cea.eigen.classify import GROWING, WORDS, counted_words
+from comparisons.study.closing import warned
 from comparisons.study.columns import Column
 from comparisons.study.numbers import counted, plain, shown
 from comparisons.study.result import Data
@@ -82,7 +83,7 @@ def sections_of(made: Swept, drawn: Plot | Drawing) -> list[Section]:
     title = "Thresholds" if made.points.axes else "Probability of growth"
     return [
         Section("What grows where", why, lambda _: f"{headline(data)} {words(made)}", [], [drawn]),
-        Section("Warnings", tables=[Table("warnings", "", warnings)]),
+        Section("Warnings", tables=[Table("warnings", "", lambda made: warned(made.record))]),
         Section(title, tables=[answer_table(made)]),
         Section("Values", tables=tables),
         Section("Full solves", tables=basis),
@@ -204,12 +205,6 @@ def probability(made: Swept) -> pd.DataFrame:
             for each in (together, *data["modes"])
         ]
     )
-
-
-def warnings(made: Swept) -> pd.DataFrame:
-    """A row for each warning."""
-    told = made.record["warnings"]
-    return pd.DataFrame([{"kind": each["kind"], "message": each["message"]} for each in told])
 
 
 OWN = {
