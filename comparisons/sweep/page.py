@@ -70,9 +70,9 @@ def line_figure(made: Swept) -> Figure:
     growth.set_ylabel("growth rate (1/s)")
     frequency.set_ylabel("frequency (Hz)")
     frequency.set_xlabel(points.names[0])
-    if (end := data["max_frequency"]) is not None:
-        frequency.axhline(end, color=AXIS, linewidth=0.8, linestyle="--")
-        frequency.axhspan(end, HINT * end, color=GREY, alpha=0.2)
+    end = data["max_frequency"]
+    frequency.axhline(end, color=AXIS, linewidth=0.8, linestyle="--")
+    frequency.axhspan(end, HINT * end, color=GREY, alpha=0.2)
     return figure
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import binomtest
 
 from cea.arrays import Floats, Ints
 from cea.eigen.classify import thresholds
@@ -17,8 +18,6 @@ from cea.reduced.spectrum import ReducedSpectrum
 from comparisons.sweep.spectra import UNSTABLE, Spectra
 
 Flags = NDArray[np.bool_]
-_STANDARD = 1.959963984540054
-"""Standard deviations of an interval of 95 per cent."""
 _QUANTILES = (0.05, 0.5, 0.95)
 _NEAR = 0.05
 """Distance, relative to a speed, that counts as much as another vector."""
@@ -65,16 +64,6 @@ def growing(spectra: Spectra, threshold: float | None, *, damped: bool) -> tuple
     return grows, may_grow
 
 
-def wilson(count: int, total: int) -> tuple[float, float]:
-    """Interval of 95 per cent of a probability, of so many cases in all."""
-    share, square = count / total, _STANDARD**2
-    middle = (share + square / (2 * total)) / (1 + square / total)
-    half = _STANDARD / (1 + square / total)
-    half *= np.sqrt(share * (1 - share) / total + square / (4 * total**2))
-    low = 0.0 if count == 0 else middle - half
-    return float(low), 1.0 if count == total else float(middle + half)
-
-
 def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]:
     """What samples say of growth, sure or perhaps, with rates (1/s), each of shape (n,)."""
     n, sure = len(grows), int(grows.sum())
@@ -86,8 +75,8 @@ def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]
         "undecided": undecided,
         "probability": share,
         "standard_error": float(np.sqrt(share * (1 - share) / n)),
-        "low": wilson(sure, n)[0],
-        "high": wilson(sure + undecided, n)[1],
+        "low": float(binomtest(sure, n).proportion_ci(method="wilson").low),
+        "high": float(binomtest(sure + undecided, n).proportion_ci(method="wilson").high),
         "growth": dict(zip(("low", "median", "high"), spread, strict=True)),
         "fastest": float(rates.max()) if len(rates) else None,
     }

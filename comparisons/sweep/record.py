@@ -30,11 +30,9 @@ def record_of(
     bound, tolerance = spectra.bound, basis.tolerance
     left = np.flatnonzero(bound > tolerance)
     growths = [each["max_growth"] for each in basis.solves]
-    return _common(scene.points, spectra, lines, basis.failed, growths) | {
+    return _common(scene, spectra, lines, basis.failed, growths) | {
         "parameters": [list(each) for each in scene.names],
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
-        "max_frequency": scene.window.max_frequency,
-        "growth_threshold": scene.window.growth_threshold,
         "vectors": [basis.model.size],
         "snapshots": basis.solves,
         "certified": len(bound) - len(left),
@@ -45,35 +43,29 @@ def record_of(
 
 
 def record_of_full(
-    points: Points,
+    scene: SweptScene,
     spectra: Spectra,
     results: Sequence[Result | None],
     failed: Sequence[Mapping[str, Any]],
     why: str,
 ) -> dict[str, Any]:
     """Record of a sweep that was solved in full at each point."""
-    runs = [each for each in results if each is not None]
-    analysis = runs[0].analysis if runs else None
-    growths = [float(each.modes.window.max_growth) for each in runs]
-    growths = [each for each in growths if np.isfinite(each)]
-    lines = [_between_points(points, spectra, line) for line in points.lines]
-    return _common(points, spectra, lines, failed, growths) | {
-        "max_frequency": None if analysis is None else analysis.max_frequency,
-        "growth_threshold": None if analysis is None else analysis.growth_threshold,
-        "why": why,
-        "snapshots": [],
-        "certified": len(runs),
-    }
+    growths = [float(each.modes.window.max_growth) for each in results if each is not None]
+    finite = [each for each in growths if np.isfinite(each)]
+    lines = [_between_points(scene.points, spectra, line) for line in scene.points.lines]
+    told = {"why": why, "snapshots": [], "certified": len(growths)}
+    return _common(scene, spectra, lines, failed, finite) | told
 
 
 def _common(
-    points: Points,
+    scene: SweptScene,
     spectra: Spectra,
     lines: Sequence[Line],
     failed: Sequence[Mapping[str, Any]],
     growths: Sequence[float | None],
 ) -> dict[str, Any]:
     """What the points are, what grows where, and what gave no answer."""
+    points = scene.points
     above = np.flatnonzero(np.isfinite(spectra.above_growth))
     fields = [
         {"name": name, "ends": list(ends)}
@@ -83,6 +75,8 @@ def _common(
     told: dict[str, Any] = {
         "axes" if points.axes else "fields": fields,
         "values": len(points.values),
+        "max_frequency": scene.window.max_frequency,
+        "growth_threshold": scene.window.growth_threshold,
         "growing_at_first": bool((spectra.growth[0] > spectra.uncertainty[0]).any()),
         "above": None,
         "failed": failed,

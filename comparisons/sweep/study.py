@@ -309,4 +309,4 @@ def _run_in_full(
             results.append(None)
             failed.append({"point": at, "reason": str(error)})
     spectra = Spectra.of_rows([row_of_result(each, len(points.names)) for each in results])
-    return record_of_full(points, spectra, results, failed, why), spectra, solves
+    return record_of_full(scene, spectra, results, failed, why), spectra, solves

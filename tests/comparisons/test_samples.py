@@ -9,7 +9,7 @@ from sweep_cases import MU, assert_within_bounds, made_once, sine_blocks
 
 from cea.reduced.full_solves import first_threshold
 from comparisons.sweep.points import read_fields
-from comparisons.sweep.probabilities import growing, probabilities, wilson
+from comparisons.sweep.probabilities import growing, probabilities
 from comparisons.sweep.scene import mapped
 from comparisons.sweep.spectra import Spectra
 from comparisons.sweep.study import Asked, run
@@ -119,13 +119,6 @@ def test_samples_are_those_of_full_solves(backend, tmp_path):
         unstable = (modes.eigenvalues.real > scene.window.growth_threshold)[inside]
         assert grows[i].any() == unstable.any()
     scene.driver.free()
-
-
-def test_intervals_of_wilson():
-    """Five of ten: 0.2366 to 0.7634 (Brown, Cai, DasGupta, Statist. Sci. 16 (2001))."""
-    assert wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=1e-4)
-    assert wilson(0, 10) == pytest.approx((0.0, 0.2775), abs=1e-4)
-    assert wilson(10, 10) == pytest.approx((0.7225, 1.0), abs=1e-4)
 
 
 @pytest.mark.parametrize(
