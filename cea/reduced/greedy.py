@@ -76,24 +76,19 @@ class Enrichment:
         return 0.0
 
     def solve(self, point: Point) -> float | None:
-        """Solve in full, test the reduced model, take the modes in; the test of it."""
-        try:
-            taken = self.full_solve(point)
-        except ConvergenceError as error:
-            self.failed.append({"point": dict(point), "reason": str(error)})
-            return None
-        return self.take(taken)
-
-    def full_solve(self, point: Point) -> Snapshot:
-        """A full solve that reaches as far as the model is to know."""
+        """Solve in full as far as the model is to know, test it, take the modes in; the test."""
         self.begin(point)
         window, reach = self.model.small.settings.window, self.model.small.settings.reach
         least = -reach if window.damped else None
-        top = MARGIN * window.max_frequency
-        modes = self.driver.solve(top, point, min_growth=least, left=True)
+        try:
+            top = MARGIN * window.max_frequency
+            modes = self.driver.solve(top, point, min_growth=least, left=True)
+        except ConvergenceError as error:
+            self.failed.append({"point": dict(point), "reason": str(error)})
+            return None
         solved = Snapshot.of(point, modes, self.warnings(modes, point))
         self.keep(solved)
-        return solved
+        return self.take(solved)
 
     def take(self, taken: Snapshot) -> float | None:
         """Test the reduced model by a full solve, and take its modes in."""

@@ -15,7 +15,7 @@ from cea.arrays import Floats, Ints
 from cea.eigen.classify import thresholds
 from cea.eigen.matching import assign
 from cea.reduced.spectrum import ReducedSpectrum
-from comparisons.sweep.spectra import UNSTABLE, Spectra
+from comparisons.sweep.spectra import Spectra
 
 Flags = NDArray[np.bool_]
 _QUANTILES = (0.05, 0.5, 0.95)
@@ -49,19 +49,11 @@ def growing(spectra: Spectra, threshold: float | None, *, damped: bool) -> tuple
 
     Of two that coalesced without damping, one growing as the other decays, both do.
     """
-    values = spectra.growth + 2j * np.pi * spectra.frequency
-    there = spectra.there
-    grows = there & (spectra.verdict == UNSTABLE)
-    may_grow = np.zeros_like(grows)
-    limits = thresholds(np.where(there, values, 0.0).ravel(), threshold).reshape(grows.shape)
-    may_grow[there] = (spectra.growth + spectra.uncertainty > limits)[there]
-    if not damped:  # of such two frequencies are equal, and growth rates but for their signs
-        f, g = spectra.frequency, spectra.growth
-        pairs = (f[:, 1:] == f[:, :-1]) & (g[:, 1:] == -g[:, :-1]) & (f[:, 1:] > 0)
-        pairs &= np.abs(g[:, 1:]) > spectra.uncertainty[:, 1:]
-        for flags in (grows, may_grow):
-            flags[:, :-1] |= pairs & flags[:, 1:]
-    return grows, may_grow
+    values = np.where(spectra.there, spectra.growth + 2j * np.pi * spectra.frequency, 0.0)
+    limits = thresholds(values.ravel(), threshold).reshape(values.shape)
+    rates = spectra.growth if damped else np.abs(spectra.growth)
+    errors = spectra.uncertainty
+    return rates > np.maximum(errors, limits), rates + errors > limits
 
 
 def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]:
