@@ -30,7 +30,7 @@ def write_sweep(made: Swept, out: Path) -> Path:
     title = f"Sweep of {made.record['inputs']['scene']}"
     drawn: Plot | Drawing = SAMPLES
     if made.points.axes:
-        drawn = line_figure if len(made.points.lines) == 1 else map_figure
+        drawn = line_figure if len(made.points.axes) == 1 else map_figure
     return write(title, sections_of(made, drawn), made, out)
 
 

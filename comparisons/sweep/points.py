@@ -131,14 +131,10 @@ class Points:
         return tuple(len(each) for each in self.axes)
 
     @property
-    def lines(self) -> Ints:
-        """Numbers of the points along the first axis, shape (lines, values)."""
-        return np.arange(len(self.values)).reshape(self.counts[0], -1).T
-
-    @property
-    def parts(self) -> list[Ints]:
-        """Numbers of points that are solved together: a line, or a sample."""
-        return list(self.lines if self.axes else np.arange(len(self.values))[:, None])
+    def parts(self) -> Ints:
+        """Numbers of points solved together, a line or a sample, shape (parts, values)."""
+        count = self.counts[0] if self.axes else 1
+        return np.arange(len(self.values)).reshape(count, -1).T
 
     @property
     def training(self) -> Ints:

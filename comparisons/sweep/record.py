@@ -52,7 +52,7 @@ def record_of_full(
     """Record of a sweep that was solved in full at each point."""
     growths = [float(each.modes.window.max_growth) for each in results if each is not None]
     finite = [each for each in growths if np.isfinite(each)]
-    lines = [_between_points(scene.points, spectra, line) for line in scene.points.lines]
+    lines = [_between_points(scene.points, spectra, line) for line in scene.points.parts]
     told = {"why": why, "snapshots": [], "certified": len(growths)}
     return _common(scene, spectra, lines, failed, finite) | told
 

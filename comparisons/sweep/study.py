@@ -193,7 +193,7 @@ class _OnBasis:
         """
         points, model, tolerance = self._scene.points, self.basis.model, self._asked.tolerance
         parts, done = points.parts, dict[int, _Part]()
-        numbers = np.concatenate(parts)
+        numbers = parts.ravel()
         while True:
             done |= self._made([i for i in range(len(parts)) if i not in done])
             rows = [row for i in range(len(parts)) for row in done[i][1]]
