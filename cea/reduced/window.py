@@ -14,12 +14,6 @@ _DECAY = 0.1
 """Decay down to which modes are known with damping by default, relative to the window's end."""
 
 
-def upper_root(kappa: Complexes) -> Complexes:
-    """The lambda = sqrt(-kappa) with Im lambda >= 0; it grows where lambda is real."""
-    root = np.sqrt(-kappa.astype(complex))
-    return np.where(root.imag < 0, -root, root) + 0j
-
-
 @dataclass(frozen=True)
 class Window:
     """What is looked at.
@@ -34,13 +28,11 @@ class Window:
     decay: float = np.inf
 
     @classmethod
-    def up_to(
-        cls, max_frequency: float, *, damped: bool, level: float = 0.0, decay: float | None = None
-    ) -> "Window":
+    def up_to(cls, max_frequency: float, *, damped: bool, decay: float | None = None) -> "Window":
         """That which ends at a frequency (Hz); all modes are known without damping."""
         end = 2 * np.pi * max_frequency
         known = _DECAY * end if decay is None else decay
-        return cls(end, damped, level, known if damped else np.inf)
+        return cls(end, damped, decay=known if damped else np.inf)
 
     @property
     def max_frequency(self) -> float:
@@ -53,8 +45,11 @@ class Window:
         return self.damped or self.level != 0.0
 
     def roots(self, z: Complexes) -> Complexes:
-        """The lambda of z; of kappa those with Im lambda >= 0."""
-        return np.asarray(z, complex) if self.damped else upper_root(np.asarray(z, complex))
+        """The lambda of z; of kappa those with Im lambda >= 0, which grow where they are real."""
+        if self.damped:
+            return np.asarray(z, complex)
+        root = np.sqrt(-np.asarray(z, complex))
+        return np.where(root.imag < 0, -root, root) + 0j
 
     def root_slopes(self, z: Complexes, slopes: Complexes) -> Complexes:
         """Derivatives of lambda from those of z; infinite or NaN at a coalescence."""
