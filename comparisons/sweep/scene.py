@@ -100,14 +100,14 @@ def mapped(
     """
     assembled, contacts, bonded = _assembled(scene, overrides, data, saddle=True)
     pencil, names, least = assembled.driver.pencil, list[Mapping[str, float]](), list[float]()
-    p = [stiffnesses_meant(contacts, field.name) for field in fields]
-    for field, own in zip(fields, p, strict=True):
-        paths = {f"contacts.{contact}.P": value for contact, value in own.items()}
+    for field in fields:
+        own = stiffnesses_meant(contacts, field.name)
+        paths = {f"contacts.{contact}.P": p for contact, p in own.items()}
         with _without_map():
-            of_p = {path: pencil.parameter(path).value / value for path, value in paths.items()}
+            of_p = {path: pencil.parameter(path).value / p for path, p in paths.items()}
             names.append(of_p or dict.fromkeys(parameters_meant(pencil, field.name, bonded), 1.0))
         meant = [pencil.parameter(name) for name in names[-1]]
-        signed, positive = all(p.signed for p in meant), any(p.positive for p in meant)
+        signed, positive = all(e.signed for e in meant), any(e.positive for e in meant)
         least.append(-np.inf if signed else np.finfo(float).tiny if positive else 0.0)
         if isinstance(assembled, AssembledScene) and assembled.depends_on_state(list(names[-1])):
             allowed = "no parameter that moves a state of steady sliding"
