@@ -81,7 +81,7 @@ def line_of_model(
     ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
     more than ``level`` (1/s) count.
     """
-    window = replace(small.settings.window, level=level)
+    window = replace(small.window, level=level)
 
     def at(value: float) -> Sample:
         values = parameters(value)

@@ -78,8 +78,8 @@ class Enrichment:
     def solve(self, point: Point) -> float | None:
         """Solve in full as far as the model is to know, test it, take the modes in; the test."""
         self.begin(point)
-        window, reach = self.model.small.settings.window, self.model.small.settings.reach
-        least = -reach if window.damped else None
+        window = self.model.small.window
+        least = -window.reach if window.damped else None
         try:
             top = MARGIN * window.max_frequency
             modes = self.driver.solve(top, point, min_growth=least, left=True)
@@ -97,7 +97,7 @@ class Enrichment:
             ratio = largest_ratio(self.at(point), taken)
             tested = self.model.norms.states.comm.bcast(ratio)
             if 1 < tested < np.inf:
-                self.model.raise_safety(2 * tested * self.model.small.settings.safety)
+                self.model.raise_safety(2 * tested * self.model.small.safety)
         self.model.take(taken)
         self.solves.append({"tested": tested, **taken.about})
         return tested
@@ -124,7 +124,7 @@ def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
     Clusters are compared by their means. Both lists reach beyond the window, so that nothing hangs
     on which side of its end an eigenvalue lies.
     """
-    window = found.settings.window
+    window = found.looked_at
     theirs = full.eigenvalues if window.damped else -(full.eigenvalues**2)
     speeds = full.speeds if window.damped else full.speeds**2
     distance = np.abs(theirs[:, None] - found.z) / speeds[:, None]

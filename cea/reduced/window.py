@@ -10,6 +10,8 @@ from cea.eigen.modes import uncertainties_of
 
 MARGIN = 1.15
 """Frequency up to which modes are known beyond the window, relative to its end."""
+_FURTHER = 0.05
+"""Decay beyond that of the window, relative to its end, down to which eigenvectors are taken in."""
 _DECAY = 0.1
 """Decay down to which modes are known with damping by default, relative to the window's end."""
 
@@ -38,6 +40,11 @@ class Window:
     def max_frequency(self) -> float:
         """Its end (Hz)."""
         return self.end / (2 * np.pi)
+
+    @property
+    def reach(self) -> float:
+        """Decay (1/s) down to which eigenvectors of damped pencils are taken into a basis."""
+        return self.decay + _FURTHER * self.end
 
     @property
     def by_growth(self) -> bool:

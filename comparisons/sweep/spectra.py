@@ -74,7 +74,7 @@ def row_of_model(
     found: ReducedSpectrum, slopes: Complexes, numbers: Ints, threshold: float | None
 ) -> dict[str, Any]:
     """A point on a reduced model, with derivatives in the window, shape (modes, fields)."""
-    words, window, end = found.words(threshold), found.window, found.settings.window.end
+    words, window, end = found.words(threshold), found.window, found.looked_at.end
     above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
     above &= np.isin(words, GROWING)
     inside = np.flatnonzero(found.inside)

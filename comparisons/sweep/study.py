@@ -159,7 +159,7 @@ class _OnBasis:
         top, low_growth = scene.window.max_frequency, scene.window.min_growth
         model = ReducedModel(scene.pencil, ends, top, low_growth)
         level = scene.window.growth_threshold or 0.0
-        self._window = replace(model.small.settings.window, level=level)
+        self._window = replace(model.small.window, level=level)
         settings = asked.tolerance, asked.most, scene.warnings
         self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep)
         for solve in store.solves():
@@ -200,12 +200,12 @@ class _OnBasis:
             worst = np.array([row["worst"] for row in rows])
             order = np.argsort(-worst, kind="stable")
             order = order[worst[order] > tolerance][:_AT_ONCE]
-            size, settings = model.size, model.small.settings
+            size, safety = model.size, model.small.safety
             self.basis.cover([self._point(i) for i in numbers[order].tolist()])
             if model.size == size:
                 lines = [line for i in range(len(parts)) if (line := done[i][0])]
                 return Spectra.of_rows([rows[i] for i in np.argsort(numbers)]), lines
-            same = model.small.settings == settings
+            same = model.small.safety == safety
             sure = [i for i in done if max(row["worst"] for row in done[i][1]) <= tolerance]
             done = {i: done[i] for i in sure if same}
 
@@ -252,7 +252,7 @@ class _OnBasis:
         scene, spectra, rows = self._scene, list[ReducedSpectrum](), []
         for values in (self._values(int(number)) for number in numbers):
             found = small.at(values)
-            window, own = small.settings.window, found.window
+            window, own = small.window, found.window
             moved = [
                 window.root_slopes(own.z, small.slopes(own, values, names)) for names in scene.names
             ]

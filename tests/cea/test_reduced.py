@@ -44,7 +44,7 @@ def errors_of_means(found, z):
     window = found.window
     rows, columns = assign(np.abs(window.z[:, None] - z))
     assert len(rows) == len(window)
-    power, errors = 1 if found.settings.window.damped else 2, []
+    power, errors = 1 if found.looked_at.damped else 2, []
     for number in np.unique(window.clusters):
         own = window.clusters[rows] == number
         speed = window.speeds[rows][own].max() ** power
@@ -126,12 +126,12 @@ def test_values_between_full_solves_are_those_of_full_solves(maps, kind, backend
     assert len(built.solves) < 12
     tested = [e["tested"] for e in built.solves if e["tested"] is not None]
     assert 0 < max(tested) <= 1
-    full, settings = EigenSolver(built.model.pencil), built.model.small.settings
+    full, window = EigenSolver(built.model.pencil), built.model.small.window
     for _ in range(4):
         point = {name: RNG.uniform(*ends) for name, ends in BOXES[kind].items()}
         if kind == "undamped":
             point[P] = 10 ** RNG.uniform(-1, 5)
-        least = -settings.reach if kind == "damped" else None
+        least = -window.reach if kind == "damped" else None
         modes = full.solve(MARGIN * TOP, point, min_growth=least, left=True)
         found = built.at(point)
         z = modes.eigenvalues if kind == "damped" else -(modes.eigenvalues**2)
