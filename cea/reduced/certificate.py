@@ -9,7 +9,8 @@ right and left vectors x and y of M-norm one, and their residuals r = P x and s 
     |z - z_pencil| <= (g |r| |s| + u) / |y^H P'(z) x|,
 
 norms in X^-1. It is of second order because r and s vanish on the basis (Galerkin). The factor g
-stands for the inverse of the pencil outside of the basis (:class:`cea.reduced.spectrum.SmallPencil`), u is rounding.
+stands for the inverse of the pencil outside of the basis (:mod:`cea.reduced.spectrum`), u is
+rounding.
 
 Where eigenvalues nearly coalesce, bounds of one mean little: their condition grows without limit.
 With a basis Q of an invariant subspace of the linearised problem, its dual, the displacements X and
