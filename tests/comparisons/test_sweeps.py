@@ -216,6 +216,7 @@ def stiff_sweep(backend, axis, out, *overrides):
     [
         ("contacts.tie.P=1e-1:1e13:log:8", ()),
         ("contacts.low.P=1e-1:1e13:log:8", ()),
+        ("contacts.low.P=1e-1:1e13:log:8", ("bodies.cap.damping={alpha=0.02,beta=0.0}",)),
         ("contacts.low.P=1e-1:1e6:log:6", (TIED,)),
         ("contacts.low.mu=0:0.8:6", (TIED,)),
     ],
