@@ -202,10 +202,10 @@ class _OnBasis:
             order = order[worst[order] > tolerance][:_AT_ONCE]
             size, safety = model.size, model.small.safety
             self.basis.cover([self._point(i) for i in numbers[order].tolist()])
-            if model.size == size:
+            same = model.small.safety == safety
+            if same and model.size == size:
                 lines = [line for i in range(len(parts)) if (line := done[i][0])]
                 return Spectra.of_rows([rows[i] for i in np.argsort(numbers)]), lines
-            same = model.small.safety == safety
             sure = [i for i in done if max(row["worst"] for row in done[i][1]) <= tolerance]
             done = {i: done[i] for i in sure if same}
 
