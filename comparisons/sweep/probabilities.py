@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import binomtest
 
 from cea.arrays import Floats, Ints
 from cea.eigen.classify import thresholds
@@ -58,6 +57,8 @@ def growing(spectra: Spectra, threshold: float | None, *, damped: bool) -> tuple
 
 def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]:
     """What samples say of growth, sure or perhaps, with rates (1/s), each of shape (n,)."""
+    from scipy.stats import binomtest
+
     n, sure = len(grows), int(grows.sum())
     undecided = int((may_grow & ~grows).sum())
     share, rates = sure / n, growth[grows]

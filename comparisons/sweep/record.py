@@ -19,12 +19,12 @@ from scenes import Result
 
 _NAMED = 100
 """Points without a certificate that are named."""
-Line = tuple[dict[str, float], Found]
+FoundAlong = tuple[dict[str, float], Found]
 """Values of the other fields along a line of the first, and what was found along it."""
 
 
 def record_of(
-    scene: SweptScene, spectra: Spectra, lines: Sequence[Line], basis: Enrichment
+    scene: SweptScene, spectra: Spectra, lines: Sequence[FoundAlong], basis: Enrichment
 ) -> dict[str, Any]:
     """Record of a sweep on a basis, its thresholds not yet confirmed."""
     bound, tolerance = spectra.bound, basis.tolerance
@@ -60,7 +60,7 @@ def record_of_full(
 def _common(
     scene: SweptScene,
     spectra: Spectra,
-    lines: Sequence[Line],
+    lines: Sequence[FoundAlong],
     failed: Sequence[Mapping[str, Any]],
     growths: Sequence[float | None],
 ) -> dict[str, Any]:
@@ -95,7 +95,7 @@ def _common(
     return told
 
 
-def _between_points(points: Points, spectra: Spectra, line: Ints) -> Line:
+def _between_points(points: Points, spectra: Spectra, line: Ints) -> FoundAlong:
     """Thresholds between points solved in full: only numbers of unstable modes are known."""
     found, unstable = Found(), (spectra.verdict == UNSTABLE).sum(axis=1)
     answered = line[np.isfinite(spectra.worst[line])]

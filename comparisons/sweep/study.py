@@ -22,7 +22,7 @@ from cea.reduced.thresholds import thresholds_along
 from comparisons.study.run_warnings import Run
 from comparisons.sweep.points import Axis, Field, Points
 from comparisons.sweep.probabilities import continued, probabilities
-from comparisons.sweep.record import Line, record_of, record_of_full, warnings_of
+from comparisons.sweep.record import FoundAlong, record_of, record_of_full, warnings_of
 from comparisons.sweep.scene import NoMapError, SweptScene, in_full, mapped
 from comparisons.sweep.spectra import Spectra, row_of_model, row_of_result
 from comparisons.sweep.store import Store, fingerprint
@@ -37,7 +37,7 @@ _AT_FIRST = 0.5
 _AT_ONCE = 64
 """Points without a certificate, the worst, that a basis takes in before all are looked at again."""
 _MOST_SAMPLES = 1_000_000
-_Part = tuple[Line | None, list[dict[str, Any]]]
+_Part = tuple[FoundAlong | None, list[dict[str, Any]]]
 """Thresholds of a part that is a line, and what is known at each of its points."""
 
 
@@ -185,7 +185,7 @@ class _OnBasis:
             data["thresholds"][number]["full_solve_differs"] = differs
         return data, spectra
 
-    def _solved(self) -> tuple[Spectra, list[Line]]:
+    def _solved(self) -> tuple[Spectra, list[FoundAlong]]:
         """Modes at all points, and what is known of thresholds.
 
         The basis grows until bounds are small at all points or solves are spent; parts with a bound
@@ -262,7 +262,9 @@ class _OnBasis:
             spectra.append(found)
         return self._line(numbers, small, spectra) if middle is None else None, rows
 
-    def _line(self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]) -> Line:
+    def _line(
+        self, numbers: Ints, small: SmallPencil, spectra: list[ReducedSpectrum]
+    ) -> FoundAlong:
         """Thresholds along a line."""
         scene, points = self._scene, self._scene.points
         values, others = points.values[numbers, 0].tolist(), points.values[numbers[0], 1:].tolist()
