@@ -196,22 +196,3 @@ def test_a_row_of_a_study_shows_its_mode(browser, study):
     click(browser, rows[1].find_element("css selector", "button.show"))
     until(browser, f"{chosen} === 'drum/2'")
     check_quiet(browser)
-
-
-OUTSIDE = """
-const parts = [...document.querySelectorAll("main > *, section > *, figure, .controls > *")];
-return parts.filter((part) => part.getBoundingClientRect().right > innerWidth + 1)
-    .map((part) => part.outerHTML.slice(0, 80));
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("width", [1400, 390])
-@pytest.mark.parametrize("name", ["report", "study"])
-def test_no_page_scrolls_sideways(browser, name, width, request):
-    """What is cut off is out of reach: all but what scrolls by itself ends inside the window."""
-    open_page(browser, request.getfixturevalue(name), width)
-    sizes = "return [innerWidth, document.documentElement.scrollWidth > innerWidth]"
-    assert browser.execute_script(sizes) == [width, False]
-    assert browser.execute_script(OUTSIDE) == []
-    check_quiet(browser)
