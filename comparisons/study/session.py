@@ -18,8 +18,8 @@ _REMEMBERED = 2  # runs whose bodies are remembered: cases often alternate betwe
 class Progress:
     """Where an application shows how far it is."""
 
-    step: Callable[[str], None]  # called as a step begins
-    stage: Callable[[str], None]  # called for each stage in it
+    step: Callable[[str], None] = lambda _: None  # called as a step begins
+    stage: Callable[[str], None] = lambda _: None  # called for each stage in it
 
 
 class Session:
