@@ -27,7 +27,7 @@ from scenes.spec.reading import load_scene, read_scene
 
 UNIT = {"drum": 1.0, "blocks": 1.0, "ring": 1e12}
 """Contact stiffness p of scenes with exact eigenvalues (N/m^3)."""
-SILENT = Progress(step=lambda _: None, stage=lambda _: None)
+SILENT = Progress()
 MU_CRITICAL = 0.05989842834808168909
 """Exactly known threshold of flutter of the scene ``blocks`` (cea exact blocks --thresholds)."""
 
