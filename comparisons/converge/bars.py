@@ -11,11 +11,11 @@ members do not, so that bars of a pair are made of those of m and s.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf, isfinite, sqrt
+from typing import Any
 
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.nested.clusters import splitting
 from comparisons.converge.ladder import MESHES, RATIO
 
 FACTOR = 2.0
@@ -71,6 +71,11 @@ class Estimated:
     estimates: int = 2
     still: bool = False  # it cannot grow for the structure of the problem
     is_open: bool = False  # it may have coalesced with another or not: growth is not known
+
+
+def splitting(pairs: Complexes) -> Any:
+    """((a - b) / 2)^2 of the pairs along the last axis."""
+    return ((pairs[..., 0] - pairs[..., 1]) / 2) ** 2
 
 
 def single(

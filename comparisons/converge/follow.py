@@ -9,8 +9,7 @@ import numpy as np
 
 from cea.arrays import Complexes, Ints
 from cea.eigen.matching import assign, connected
-from cea.nested.clusters import splitting
-from comparisons.converge.bars import Estimated, bar_of, opened, pair, single
+from comparisons.converge.bars import Estimated, bar_of, opened, pair, single, splitting
 from comparisons.converge.ladder import Ladder, Mesh
 from scenes.results.matching import match_runs
 

@@ -1,7 +1,6 @@
 """Two discretisations of one scene: prolongation, errors of eigenvalues."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 
 from cea.body import Body
 from cea.eigen.pencil import release
@@ -69,8 +68,7 @@ def estimate_errors(
         step = prolongation(result.bodies, system.bodies)
     try:
         with timer("krylov"), factors_of(scene):
-            found = error_estimate(result.modes, matrices, step, steps=steps)
-            return replace(found, growth_threshold=result.analysis.growth_threshold)
+            return error_estimate(result.modes, matrices, step, steps=steps)
     finally:
         step.free()
         release(matrices)

@@ -75,5 +75,4 @@ def parallel_numbers(name, backend, by):
         "image": [float(np.sum(gather(image) ** k)) for k in (1, 2, 3)],
         "defect": step.defect,
         "corrected": [[v.real, v.imag] for v in estimate.corrected.tolist()],
-        "verdicts": estimate.verdicts,
     }
