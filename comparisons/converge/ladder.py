@@ -49,13 +49,13 @@ class Mesh:
     dofs: int
     seconds: float  # of the run and of its correction
     eigenvalues: Complexes  # lambda (1/s) with Im >= 0, shape (n,)
+    corrected: Complexes  # lambda in a richer space
     uncertainties: Floats  # their errors by rounding and backward error (1/s)
     rigid: NDArray[np.bool_]  # modes whose lambda is zero but for rounding
     stable: NDArray[np.bool_]  # modes that the run knows to be stable
     window: Window
     warnings: tuple[ResultWarning, ...]
     result: Result | None = field(repr=False)  # None once it is no longer compared
-    corrected: Complexes | None = None  # lambda in a richer space
 
 
 class Ladder:
@@ -66,7 +66,7 @@ class Ladder:
         on = on_backend_of_shapes(scene, backend)
         self.scene, self.backend = scene, backend
         self.by_degree = any(map(from_file, on.bodies.values()))
-        self.least = 1 if self.by_degree else MESHES  # meshes that a bar takes
+        self.least = 1 if self.by_degree else MESHES  # meshes that bars of two estimates take
         self._layered = has_singular_edges(on)
         self._slower = 1.0
         shapes = [body.mesh for body in on.bodies.values() if not from_file(body)]
@@ -91,37 +91,39 @@ class Ladder:
     def seconds(self, number: int) -> float | None:
         """Time that a mesh and its correction are expected to take (s); None where none is left.
 
-        One that bars are made of is refused where its correction does not fit into memory.
+        One whose correction does not fit into memory is refused.
         """
         resolution = self.resolution(number)
         if resolution is None:
             return None
-        finer = refined(self.scene, self.backend, resolution)
-        if number + 1 >= self.least:
-            check_memory(richer_scene(_widened(finer), by=None))
-        own = self._slower * _estimated_seconds(_widened(finer))
-        return own + self.seconds_to_correct(finer)
-
-    def seconds_to_correct(self, scene: Scene) -> float:
-        """Time that the correction of a mesh is expected to take (s): half of that of a run."""
-        return self._slower * _estimated_seconds(richer_scene(_widened(scene), by=None)) / 2
+        wider = _widened(refined(self.scene, self.backend, resolution))
+        richer = richer_scene(wider, by=None)
+        check_memory(richer)
+        # the correction takes about half of a run
+        return self._slower * (_estimated_seconds(wider) + _estimated_seconds(richer) / 2)
 
     def run(self, number: int, progress: Progress) -> Mesh:
-        """Modes on the mesh of a number; collective."""
+        """Modes on the mesh of a number, corrected in a richer space; collective."""
         resolution = self.resolution(number)
         assert resolution is not None
         begun, finer = perf_counter(), refined(self.scene, self.backend, resolution)
         wider = _widened(finer)
         result = run_modes(wider, left=True, listener=progress.stage)
-        modes, seconds = result.modes, result.comm.bcast(perf_counter() - begun)
-        self._slower = seconds / _estimated_seconds(wider)
+        own = result.comm.bcast(perf_counter() - begun)
+        self._slower = own / _estimated_seconds(wider)
+        modes, corrected = result.modes, result.eigenvalues
+        if len(modes):
+            richer = richer_scene(wider, by=None)
+            found = estimate_errors(result, richer, steps=1, listener=progress.stage)
+            corrected = found.corrected
         words = modes.verdicts(finer.window.growth_threshold)
         return Mesh(
             resolution,
             finer,
             result.dofs,
-            seconds,
+            result.comm.bcast(perf_counter() - begun),
             result.eigenvalues,
+            corrected,
             modes.growth_uncertainties,
             modes.rigid,
             np.array([word == "stable" for word in words], dtype=bool),
@@ -129,17 +131,6 @@ class Ladder:
             result.warnings,
             result,
         )
-
-    def correct(self, mesh: Mesh, progress: Progress) -> Mesh:
-        """A mesh whose modes are corrected in a richer space; collective."""
-        assert mesh.result is not None
-        if not len(mesh.eigenvalues):
-            return replace(mesh, corrected=mesh.eigenvalues)
-        begun, own = perf_counter(), mesh.result
-        richer = richer_scene(own.scene, by=None)
-        found = estimate_errors(own, richer, steps=1, listener=progress.stage)
-        seconds = own.comm.bcast(perf_counter() - begun)
-        return replace(mesh, corrected=found.corrected, seconds=mesh.seconds + seconds)
 
 
 def elements_of(scene: Scene) -> dict[str, Any]:

@@ -37,14 +37,6 @@ def test_programs_give_the_same_matrices():
     assert values[0][0] > 0.01
 
 
-@pytest.mark.parametrize(("family", "degree"), [("Q", 1), ("P", 3), ("NURBS", 3)])
-def test_a_free_body_has_its_mass_and_no_force_in_translation(family, degree):
-    K, M = matrices_of("this program", family, degree)
-    assert abs(K.reshape((-1, 3)).sum(axis=0)).max() < 1e-10
-    assert abs(K - K.T).max() == 0
-    assert M.sum() / 3 == pytest.approx(1.0, rel=1e-12)
-
-
 def given(rows, columns, **labels):
     """A result with rows of values in some columns, and the same labels in all."""
     frame = pd.DataFrame(rows, columns=columns.split()).assign(**labels)
@@ -86,15 +78,6 @@ def test_methods_agree_and_projection_is_off(tmp_path, monkeypatch):
     assert write_study(solve.STUDY, solved, tmp_path).is_file()
     own = run_modes(solve.scene({}, solve.Options("tiny")))
     assert (found["eigenvalues"] == len(own.eigenvalues)).all()
-
-
-def test_errors_are_those_of_pairs():
-    exact = np.array([1.0, 2.0, 4.0]) + 0j
-    errors, missing = solve.errors_of(np.array([4.4, 1.0 + 0j]), exact)
-    assert sorted(errors) == pytest.approx([0, 0.1])
-    assert missing == 1
-    pair = -((np.array([1e3j + 1, 1e3j - 1])) ** 2)
-    assert solve.unstable(np.append(pair, 1e6)) == 1
 
 
 def test_speed_up_is_that_of_the_busiest_rank():
