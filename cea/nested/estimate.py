@@ -13,6 +13,7 @@ are corrected as groups.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,6 @@ from cea.eigen.modes import Modes
 from cea.eigen.pencil import Matrices
 from cea.errors import InputError
 from cea.nested.block_steps import Approximation, BlockSteps
-from cea.nested.prolongation import Prolongation
 
 
 @dataclass(frozen=True)
@@ -60,12 +60,13 @@ class ErrorEstimate:
 def error_estimate(
     coarse: Modes,
     matrices: Matrices,
-    prolongation: Prolongation,
+    prolongation: Any,
     *,
     steps: int,
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a coarse mesh, as the richer pencil tells them; collective.
 
+    The prolongation is a PETSc AIJ matrix (:mod:`cea.nested.prolongation`).
     One block inverse step gives them to a few per cent where they are small scale, the next tells
     what remains. Modes without left vectors, or none, are refused.
     """
@@ -89,13 +90,13 @@ def error_estimate(
     )
 
 
-def prolonged(coarse: Modes, matrices: Matrices, prolongation: Prolongation) -> Approximation:
+def prolonged(coarse: Modes, matrices: Matrices, prolongation: Any) -> Approximation:
     """Modes of a coarse mesh as approximations on a finer one."""
     if not len(coarse):
         raise InputError("modes", 0, "at least one mode to begin with")
-    right = times(prolongation.matrix, coarse.vectors)
+    right = times(prolongation, coarse.vectors)
     if coarse.left is not None:
-        left = times(prolongation.matrix, coarse.left.vectors)
+        left = times(prolongation, coarse.left.vectors)
     elif matrices.symmetric and matrices.gyroscopic is None:
         left = right.conj()
     else:
