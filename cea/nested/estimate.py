@@ -41,15 +41,12 @@ class ErrorEstimate:
         abs(lambda) = 1 / beta steps do not converge.
     uncertainties
         Errors of the coarse ones by rounding and iteration (1/s), shape (n,).
-    dofs
-        Unknowns of the richer space.
     """
 
     eigenvalues: Complexes
     corrected: Complexes
     remaining: Floats
     uncertainties: Floats
-    dofs: int
 
     @property
     def errors(self) -> Floats:
@@ -66,9 +63,9 @@ def error_estimate(
 ) -> ErrorEstimate:
     """Errors of the eigenvalues of a coarse mesh, as the richer pencil tells them; collective.
 
-    The prolongation is a PETSc AIJ matrix (:mod:`cea.nested.prolongation`).
     One block inverse step gives them to a few per cent where they are small scale, the next tells
-    what remains. Modes without left vectors, or none, are refused.
+    what remains. Modes without left vectors, or none, are refused. The prolongation is a PETSc
+    AIJ matrix (:mod:`cea.nested.prolongation`).
     """
     start = prolonged(coarse, matrices, prolongation)
     if steps < 1:
@@ -81,13 +78,8 @@ def error_estimate(
         work.free()
     corrected, rounding = improved.eigenvalues, coarse.growth_uncertainties
     falls = steps < 2 or changes[-1] <= np.maximum(changes[-2], rounding)
-    return ErrorEstimate(
-        coarse.eigenvalues,
-        corrected,
-        np.where(falls, changes[-1], np.inf),
-        rounding,
-        matrices.size,
-    )
+    remaining = np.where(falls, changes[-1], np.inf)
+    return ErrorEstimate(coarse.eigenvalues, corrected, remaining, rounding)
 
 
 def prolonged(coarse: Modes, matrices: Matrices, prolongation: Any) -> Approximation:

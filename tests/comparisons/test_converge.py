@@ -211,7 +211,7 @@ def test_bodies_from_mesh_files_have_error_bars(tmp_path, bodies):
 
 
 def test_digits_that_are_not_reached_are_told_first_with_code_3(cea):
-    given = "--digits", "9", "--backend", "iga", "--budget", "4"
+    given = "--digits", "9", "--backend", "iga", "--budget", "8"
     code, told, fault = cea("converge", "blocks", *given)
     assert code == 3, fault
     first = next(line for line in told.splitlines() if "digits of frequency held" in line)
