@@ -113,36 +113,27 @@ COMPLEX = """
 """
 
 
-@pytest.fixture
-def installed(tmp_path, monkeypatch):
-    """A program in the place of CalculiX, which leaves what it is given as results."""
-
-    def install(listed, *, perturbed, kappa=(4.0, 9.0), said="done"):
-        stored = struct.pack(f"=4i{len(kappa)}d", 0, 1, perturbed, len(kappa), *kappa)
-        (tmp_path / "given.dat").write_text(listed)
-        (tmp_path / "given.eig").write_bytes(stored)
-        program = tmp_path / "ccx"
-        program.write_text(
-            f'#!/bin/sh\nfor e in dat eig; do cp given.$e $1.$e; done\necho "{said}"\n'
-        )
-        program.chmod(0o755)
-        monkeypatch.setattr(ccx, "program", lambda: str(program))
-        return ccx.run(tmp_path / "part.inp")
-
-    return install
+@pytest.mark.parametrize(
+    ("listed", "perturbed", "expected"),
+    [
+        (REAL, 0, 1j * np.sqrt([4.000000000001, 9.0])),
+        (COMPLEX, 1, [-0.25 + 5j, 0.25 + 5j]),
+        ("", 0, []),
+    ],
+)
+def test_eigenvalues_of_calculix_are_read_with_the_digits_it_gives(
+    listed, perturbed, expected, tmp_path
+):
+    stored = struct.pack("=4i2d", 0, 1, perturbed, 2, 4.000000000001, 9.0)
+    (tmp_path / "part.dat").write_text(listed)
+    (tmp_path / "part.eig").write_bytes(stored)
+    assert ccx.results(tmp_path / "part.inp") == pytest.approx(expected, rel=1e-15)
 
 
-def test_eigenvalues_of_calculix_are_read_with_the_digits_it_gives(installed):
-    kappa = (4.000000000001, 9.0)
-    real = installed(REAL, perturbed=0, kappa=kappa)
-    assert real == pytest.approx(1j * np.sqrt(kappa), rel=1e-15)
-    assert installed(COMPLEX, perturbed=1).tolist() == [-0.25 + 5j, 0.25 + 5j]
-
-
-@pytest.mark.parametrize("said", [" *ERROR in arpack", "nothing"])
-def test_a_run_of_calculix_without_results_is_told(installed, said):
-    with pytest.raises(ConvergenceError, match="no eigenvalues"):
-        installed("" if said == "nothing" else REAL, perturbed=0, said=said)
+def test_a_run_of_calculix_that_fails_is_told(tmp_path, monkeypatch):
+    monkeypatch.setattr(ccx, "PROGRAM", "false")
+    with pytest.raises(ConvergenceError, match=r"no eigenvalues of part\.inp"):
+        ccx.run(tmp_path / "part.inp")
 
 
 @pytest.mark.slow
