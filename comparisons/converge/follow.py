@@ -59,6 +59,7 @@ def estimated(followed: Followed, ladder: Ladder) -> list[Estimated]:
     mesh, degree, scene = followed.meshes[-1], ladder.degree, ladder.scene
     damped = scene.damped or scene.rotates
     grows = damped or any(contact.mu for contact in scene.contacts.values())
+    assert mesh.corrected is not None
     found: dict[int, Estimated] = {}
     histories: dict[int, Complexes] = {}
     for members in _clusters(followed):
@@ -93,6 +94,7 @@ def _open_where_bars_meet(
     found: dict[int, Estimated], histories: dict[int, Complexes], mesh: Mesh, degree: int
 ) -> None:
     """Leave open whether still modes grow that cannot be told apart by their splitting."""
+    assert mesh.corrected is not None
     still = [i for i in histories if found[i].still and not mesh.rigid[i]]
     for i, j in combinations(still, 2):
         a, b = found[i], found[j]

@@ -49,13 +49,13 @@ class Mesh:
     dofs: int
     seconds: float  # of the run and of its correction
     eigenvalues: Complexes  # lambda (1/s) with Im >= 0, shape (n,)
-    corrected: Complexes  # lambda in a richer space
     uncertainties: Floats  # their errors by rounding and backward error (1/s)
     rigid: NDArray[np.bool_]  # modes whose lambda is zero but for rounding
     stable: NDArray[np.bool_]  # modes that the run knows to be stable
     window: Window
     warnings: tuple[ResultWarning, ...]
     result: Result | None = field(repr=False)  # None once it is no longer compared
+    corrected: Complexes | None = None  # lambda in a richer space, which bars are made of
 
 
 class Ladder:
@@ -103,27 +103,21 @@ class Ladder:
         return self._slower * (_estimated_seconds(wider) + _estimated_seconds(richer) / 2)
 
     def run(self, number: int, progress: Progress) -> Mesh:
-        """Modes on the mesh of a number, corrected in a richer space; collective."""
+        """Modes on the mesh of a number; collective."""
         resolution = self.resolution(number)
         assert resolution is not None
         begun, finer = perf_counter(), refined(self.scene, self.backend, resolution)
         wider = _widened(finer)
         result = run_modes(wider, left=True, listener=progress.stage)
-        own = result.comm.bcast(perf_counter() - begun)
-        self._slower = own / _estimated_seconds(wider)
-        modes, corrected = result.modes, result.eigenvalues
-        if len(modes):
-            richer = richer_scene(wider, by=None)
-            found = estimate_errors(result, richer, steps=1, listener=progress.stage)
-            corrected = found.corrected
+        modes, seconds = result.modes, result.comm.bcast(perf_counter() - begun)
+        self._slower = seconds / _estimated_seconds(wider)
         words = modes.verdicts(finer.window.growth_threshold)
         return Mesh(
             resolution,
             finer,
             result.dofs,
-            result.comm.bcast(perf_counter() - begun),
+            seconds,
             result.eigenvalues,
-            corrected,
             modes.growth_uncertainties,
             modes.rigid,
             np.array([word == "stable" for word in words], dtype=bool),
@@ -131,6 +125,17 @@ class Ladder:
             result.warnings,
             result,
         )
+
+    def correct(self, mesh: Mesh, progress: Progress) -> Mesh:
+        """A mesh whose modes are corrected in a richer space; collective."""
+        own = mesh.result
+        assert own is not None
+        if not len(mesh.eigenvalues):
+            return replace(mesh, corrected=mesh.eigenvalues)
+        begun, richer = perf_counter(), richer_scene(own.scene, by=None)
+        found = estimate_errors(own, richer, steps=1, listener=progress.stage)
+        seconds = own.comm.bcast(perf_counter() - begun)
+        return replace(mesh, corrected=found.corrected, seconds=mesh.seconds + seconds)
 
 
 def elements_of(scene: Scene) -> dict[str, Any]:

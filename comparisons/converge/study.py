@@ -94,7 +94,10 @@ class Course:
             else:
                 left = f"{max(clock.left, 0):.0f} s left"
                 progress.step(f"{self.backend}, mesh {number + 1}, {left}")
-                mesh = self.ladder.run(number, clock.guarded(progress))
+                guarded = clock.guarded(progress)
+                mesh = self.ladder.run(number, guarded)
+                if number + 1 >= self.ladder.least:
+                    mesh = self.ladder.correct(mesh, guarded)
                 progress.stage("matching")
                 self.followed.add(mesh)
         except (InputError, ConvergenceError) as error:
@@ -102,6 +105,16 @@ class Course:
         except _OutOfTimeError:
             self.ended = "the budget: a mesh that took longer than expected was given up"
         self.done = bool(self.ended)
+
+    def finish(self, progress: Progress) -> None:
+        """Correct the last mesh where meshes are too few; without correction none counts."""
+        meshes = self.followed.meshes
+        if meshes and meshes[-1].corrected is None:
+            try:
+                meshes[-1] = self.ladder.correct(meshes[-1], progress)
+            except (InputError, ConvergenceError) as error:
+                meshes.clear()
+                self.ended = f"no correction of the only meshes: {error}"
 
 
 def backends_of(scene: Scene, request: Request) -> tuple[Backend, ...]:
@@ -130,6 +143,8 @@ def run_converge(
     courses = {b: Course(scene, b, request) for b in backends_of(scene, request)}
     while active := [course for course in courses.values() if not course.done]:
         min(active, key=lambda course: course.spent).advance(clock, progress)
+    for course in courses.values():
+        course.finish(progress)
     progress.stage("report")
     followed = {b: course.followed for b, course in courses.items() if course.followed.meshes}
     bars = {b: estimated(each, courses[b].ladder) for b, each in followed.items()}

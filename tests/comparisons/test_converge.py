@@ -245,18 +245,39 @@ def test_a_backend_whose_meshes_fail_is_warned_of(monkeypatch):
 
 def test_a_mesh_that_cannot_be_corrected_does_not_count(monkeypatch):
     """Differences of meshes alone would be bars far too small where one is small by chance."""
-    estimate, calls = ladder.estimate_errors, count(1)
+    correct = Ladder.correct
 
-    def failing(*given, **options):
-        if next(calls) > 3:
-            raise InputError("mesh", 0, "one that fits into memory")
-        return estimate(*given, **options)
+    def failing(ladder, mesh, progress):
+        if mesh.resolution == ladder.resolution(3):
+            raise InputError("mesh", mesh.dofs, "one that fits into memory")
+        return correct(ladder, mesh, progress)
 
-    monkeypatch.setattr(ladder, "estimate_errors", failing)
+    monkeypatch.setattr(Ladder, "correct", failing)
     data = converged("blocks", digits=7, backends=("iga",))
     assert len(data["levels"]) == 3
     assert "iga: no further mesh: mesh = " in data["first"]
     assert all(mode["estimates"] == 2 for mode in data["modes"])
+    assert (shares(data, exact("blocks"))[0] <= 1).all()
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_too_few_meshes_have_bars_or_do_not_count(fails, monkeypatch):
+    """The second mesh fails: the first is corrected in the end, and has bars of one estimate."""
+
+    def failing(*given, **options):
+        raise ConvergenceError("lost")
+
+    run = Ladder.run
+    monkeypatch.setattr(Ladder, "run", lambda *given: failing() if given[1] else run(*given))
+    if fails:
+        monkeypatch.setattr(Ladder, "correct", failing)
+    data = converged("blocks", digits=2, backends=("iga",))
+    if fails:
+        assert data["modes"] == []
+        assert "no correction of the only meshes: lost" in data["first"]
+        return
+    assert len(data["levels"]) == 1
+    assert {mode["estimates"] for mode in data["modes"]} == {1}
     assert (shares(data, exact("blocks"))[0] <= 1).all()
 
 
