@@ -1,7 +1,7 @@
-"""Full solves of a sweep so far, on disk: an interrupted one goes on from there.
+"""Full solves and finished lines of a sweep, on disk: an interrupted sweep goes on from there.
 
-Beside the folder of the result stands one with the ending ``.unfinished``. It holds every full
-solve, a file for each rank: the basis is made anew of them.
+The folder has the name of that of the result and the ending ``.unfinished``. It holds every full
+solve, a file for each rank, of which the basis is rebuilt, and every finished line of points.
 """
 
 import json
@@ -35,19 +35,28 @@ class Store:
                 shutil.rmtree(self.folder, ignore_errors=True)
                 write_whole(told.encode(), file)
         comm.barrier()
-        while comm.allreduce(self._file(self.stored).is_file()) == comm.size:
+        while comm.allreduce(self._file(_solve(self.stored)).is_file()) == comm.size:
             self.stored += 1
         self._count = self.stored
 
-    def keep(self, solve: Snapshot) -> None:
+    def keep(self, name: str, made: Any) -> None:
+        """Store what this rank made under a name."""
+        write_whole(pickle.dumps(made), self._file(name))
+
+    def kept(self, name: str) -> Any:
+        """What this rank stored under a name; None where there is nothing."""
+        file = self._file(name)
+        return pickle.loads(file.read_bytes()) if file.is_file() else None
+
+    def keep_solve(self, solve: Snapshot) -> None:
         """Store a full solve; it counts once every rank has written."""
-        write_whole(pickle.dumps(solve), self._file(self._count))
+        self.keep(_solve(self._count), solve)
         self._count += 1
 
     def solves(self) -> Iterator[Snapshot]:
         """Full solves that were stored, in their order."""
         for number in range(self.stored):
-            yield pickle.loads(self._file(number).read_bytes())
+            yield self.kept(_solve(number))
 
     def discard(self) -> None:
         """Remove the folder: its sweep is finished."""
@@ -55,8 +64,12 @@ class Store:
         if self._comm.rank == 0:
             shutil.rmtree(self.folder, ignore_errors=True)
 
-    def _file(self, number: int) -> Path:
-        return self.folder / f"solve-{number:04d}.rank{self._comm.rank}"
+    def _file(self, name: str) -> Path:
+        return self.folder / f"{name}.rank{self._comm.rank}"
+
+
+def _solve(number: int) -> str:
+    return f"solve-{number:04d}"
 
 
 def fingerprint(scene: SweptScene) -> list[str]:

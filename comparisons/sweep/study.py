@@ -154,6 +154,7 @@ class _OnBasis:
         self, asked: Asked, scene: SweptScene, store: Store, progress: Callable[[str], None]
     ) -> None:
         self._asked, self._scene, self._progress = asked, scene, progress
+        self._store = store
         low, high = (scene.point(each) for each in zip(*scene.points.ends, strict=True))
         ends = {name: (low[name], high[name]) for name in low}
         top, low_growth = scene.window.max_frequency, scene.window.min_growth
@@ -161,7 +162,7 @@ class _OnBasis:
         level = scene.window.growth_threshold or 0.0
         self._window = replace(model.small.window, level=level)
         settings = asked.tolerance, asked.most, scene.warnings
-        self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep)
+        self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep_solve)
         for solve in store.solves():
             self.basis.take(solve)
 
@@ -234,8 +235,9 @@ class _OnBasis:
         self._progress(f"full solve: {shown}")
 
     def _made(self, missing: list[int]) -> dict[int, _Part]:
-        """Parts of the table of points, shared out among the ranks."""
+        """Parts of the table of points, shared out among the ranks; those stored are read."""
         comm, small = MPI.COMM_WORLD, self.basis.model.small
+        basis = f"{len(self.basis.solves)}-solves-{small.safety:g}"
         values, parts = self._scene.points.values, self._scene.points.parts
         made, middle = dict[int, _Part](), None
         if not self._asked.grid:
@@ -243,8 +245,12 @@ class _OnBasis:
             middle = small.at(self._values(int(nearest.max(axis=1).argmin())))
         with agreed(comm):
             for i in np.array_split(missing, comm.size)[comm.rank].tolist():
-                self._progress(f"{i + 1} of {len(parts)} lines or samples")
-                made[i] = self._part(parts[i], small, middle)
+                name = f"part-{i:05d}-of-{basis}"
+                if (part := self._store.kept(name)) is None:
+                    self._progress(f"{i + 1} of {len(parts)} lines or samples")
+                    part = self._part(parts[i], small, middle)
+                    self._store.keep(name, part)
+                made[i] = part
         return {i: part for share in comm.allgather(made) for i, part in share.items()}
 
     def _part(self, numbers: Ints, small: SmallPencil, middle: ReducedSpectrum | None) -> _Part:

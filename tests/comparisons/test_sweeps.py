@@ -132,9 +132,12 @@ def test_a_sweep_that_is_killed_goes_on_where_it_was(tmp_path):
 
 
 def test_what_was_solved_before_an_interruption_is_not_solved_again(tmp_path):
-    """Full solves that tested the map serve too."""
+    """Full solves, those that tested the map too, and finished lines serve again."""
     wanted = asked("iga", "mu=0:2:7", "P=0.5:50:log:3", checks=3, confirm=0)
-    first, again = (run(wanted, tmp_path / "out") for _ in range(2))
+    work = list[str](), list[str]()
+    first, again = (run(wanted, tmp_path / "out", steps.append) for steps in work)
+    assert sum("lines" in step for step in work[0]) >= 3
+    assert not work[1]
     again.store.discard()
     assert again.record["stored_before"] == len(first.record["snapshots"]) > 3
     assert again.record["snapshots"] == first.record["snapshots"]
