@@ -51,7 +51,7 @@ def folder(tmp_path_factory):
 
 def in_full(toml, axis, data):
     """A sweep that is solved in full at each value."""
-    return run_sweep(Asked(toml, (read_axis(axis),), data=data, why_in_full="--full"), Path(data))
+    return run_sweep(Asked(toml, (read_axis(axis),), data=data, full=True), Path(data))
 
 
 def at(swept, i):

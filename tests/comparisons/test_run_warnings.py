@@ -51,7 +51,7 @@ def kinds(warnings):
 def test_a_sweep_warns_of_what_its_runs_warn_of(file):
     """Of a rule too crude where the contact is soft, of what is uncovered everywhere."""
     axis = read_axis(f"{STIFFNESS}=1e11:1e15:2")
-    data, scene = run(Asked(file, (axis,), why_in_full="--full"), file).record, load_scene(file)
+    data, scene = run(Asked(file, (axis,), full=True), file).record, load_scene(file)
     fresh = {v: run_modes(scene.change(STIFFNESS, v)).warnings for v in (1e11, 1e15)}
     assert set(kinds(fresh[1e11])) != set(kinds(fresh[1e15]))
     for value, warnings in fresh.items():
@@ -85,7 +85,7 @@ def test_full_solves_of_a_map_warn_as_runs_do(file):
     scene = mapped(file, [read_axis(f"{P}=3e9:6e9:2")], [p], None)
     own = scene.pencil.parameters[P].value
     for value in (3e9, 6e9):
-        modes = scene.driver.solve(scene.max_frequency, {P: value})
+        modes = scene.driver.solve(scene.window.max_frequency, {P: value})
         warnings = scene.warnings(modes, {P: value})
         fresh = run_modes(load_scene(file).change(STIFFNESS, f"{value / own}*1e11*(1 + x)"))
         assert kinds(warnings) == kinds(fresh.warnings)
