@@ -142,6 +142,7 @@ OWN = {
     "growth_first": Column("growth rate", "1/s", decimals(2)),
 }
 PAIRED = OWN | {
+    "compared": Column("runs"),
     "frequency": Column("compared", "Hz", decimals(2)),
     "frequency_change": Column("change", "%", per_cent),
     "growth": Column("compared", "1/s", decimals(2)),
@@ -163,7 +164,6 @@ SECTIONS = [
                 "Unstable modes: those compared with, those compared, and the change.",
                 "agreement",
                 PAIRED,
-                "compared",
                 printed=True,
             ),
             Table("unstable_modes", "Unstable modes of every run.", unstable, OWN),

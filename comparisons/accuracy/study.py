@@ -190,7 +190,6 @@ SECTIONS = [
                 "singularity caps it; point rules have no order of their own.",
                 orders,
                 COLUMNS,
-                group="problem",
             ),
             Table("runs", "Every run.", "runs", COLUMNS, shown=False),
         ],

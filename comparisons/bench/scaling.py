@@ -142,7 +142,6 @@ STUDY = Study(
                     "ranks above that of the program.",
                     runs,
                     COLUMNS,
-                    group="row",
                     printed=True,
                 ),
                 Table(

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -68,8 +67,8 @@ def print_frame(table: "FrameTable", result: Any, to: Console = console) -> None
     from comparisons.study.page import table_cells
     from comparisons.study.sections import rows
 
-    made = table_cells(replace(table, group=""), rows(table.frame, result))
-    cells = [row["cells"] for _, own in made["groups"] for row in own]
+    made = table_cells(table, rows(table.frame, result))
+    cells = [row["cells"] for row in made["rows"]]
     columns = [
         (head.axis, [str(row[i][0]) for row in cells], head.number)
         for i, (_, head) in enumerate(made["heads"])

@@ -284,7 +284,7 @@ SECTIONS = [
         "(“own”).",
         headline,
         [
-            Table("patch_tests", "Errors for each P (N/m).", by_stiffness, OWN, "interface"),
+            Table("patch_tests", "Errors for each P (N/m).", by_stiffness, OWN),
         ],
         [
             Plot(
@@ -306,7 +306,7 @@ SECTIONS = [
         "Resultant force (linear) and moment (angular) of contact forces on both bodies together, "
         "relative to the largest that they could have. Where meshes of a curved interface leave "
         "gaps, friction has a moment.",
-        tables=[Table("momentum", "The largest over all meshes.", momentum, group="interface")],
+        tables=[Table("momentum", "The largest over all meshes.", momentum)],
         of="momentum",
     ),
 ]

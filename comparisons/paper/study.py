@@ -94,7 +94,7 @@ OWN = {
 
 
 def _table(name: str, caption: str, **options: Any) -> Table:
-    return Table(name, caption, **{"frame": name, "own": OWN, "group": "figure"} | options)
+    return Table(name, caption, **{"frame": name, "own": OWN} | options)
 
 
 def _plot(figure: str, frame: Frame, x: str, y: str, series: str, **more: Any) -> Plot:
@@ -118,7 +118,7 @@ SECTIONS = [
         "Claims",
         "What the paper says, and what the figures say of it on each kind of mesh.",
         headline,
-        [_table("claims", "Claims.", group="", frame=judged, printed=True)],
+        [_table("claims", "Claims.", frame=judged, printed=True)],
     ),
     Section(
         "Numbers of the paper",
@@ -196,7 +196,7 @@ SECTIONS = [
         "Each formulation in the state that it finds itself, beside the exact integration "
         "(segments) on the same mesh: pressure of the law at 9 × 60 points of the pad in the mean "
         "square, P the integral of p. Tetrahedra are hexahedra divided into six.",
-        tables=[_table("crowned", "Every case.", group="mesh")],
+        tables=[_table("crowned", "Every case.")],
         plots=[
             _by_load("pressure_off", "Distance of the pressure from segments.", "xy"),
             _by_load("closed", "Closed part of the pad."),

@@ -145,18 +145,13 @@ def _section(
 
 
 def table_cells(table: Table, frame: pd.DataFrame) -> dict[str, Any]:
-    """Columns by name; cells of rows by group, each a text and the number that scripts sort by."""
-    names = [name for name in frame if name not in ("shape", table.group)]
-    columns = {name: column(name, frame, table.own) for name in names}
-    groups = [("", frame)]
-    if table.group and not frame.empty:
-        group = column(table.group, frame, table.own)
-        groups = [(group.cell(v), own) for v, own in frame.groupby(table.group, sort=False)]
+    """Columns by name; cells of rows, each a text and the number that scripts sort by."""
+    columns = {name: column(name, frame, table.own) for name in frame if name != "shape"}
     return {
         "name": table.name,
         "caption": table.caption,
         "heads": columns.items(),
-        "groups": [(title, list(_rows(own, columns))) for title, own in groups],
+        "rows": list(_rows(frame, columns)),
     }
 
 

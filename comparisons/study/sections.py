@@ -28,7 +28,6 @@ class Table:
     caption: str
     frame: Frame
     own: Mapping[Any, Column] = field(default_factory=dict)  # columns that are not as in COLUMNS
-    group: str = ""  # column whose values stand as headings above their rows
     printed: bool = False  # whether the command prints it
     shown: bool = True  # whether the page shows it, or the CSV file alone is written
 

@@ -65,7 +65,7 @@ STUDY = Study(
             "Squares",
             "Text & more.",
             lambda result: f"The largest is {result.frame()['square'].max():g}.",
-            tables=[Table("squares", "All <squares>.", StudyResult.frame, OWN, group="kind")],
+            tables=[Table("squares", "All <squares>.", StudyResult.frame, OWN)],
             plots=[
                 Plot("squares", "Growth.", StudyResult.frame, "size", "square", ("kind",), log="y")
             ],

@@ -1,4 +1,4 @@
-// Tables: a button in each heading sorts the rows of every group by its column.
+// Tables: a button in each heading sorts the rows by its column.
 
 const RISING = "ascending";
 const FALLING = "descending";
@@ -22,12 +22,10 @@ function sortTable(table, heading) {
   const way = heading.getAttribute("aria-sort") === RISING ? FALLING : RISING;
   for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
   heading.setAttribute("aria-sort", way);
-  for (const body of table.tBodies) {
-    const rows = [...body.rows].filter((row) => !row.classList.contains("group"));
-    const values = new Map(rows.map((row) => [row, valueOf(row, heading.cellIndex)]));
-    rows.sort((a, b) => compared(values.get(a), values.get(b), way));
-    body.append(...rows);
-  }
+  const rows = [...table.tBodies[0].rows];
+  const values = new Map(rows.map((row) => [row, valueOf(row, heading.cellIndex)]));
+  rows.sort((a, b) => compared(values.get(a), values.get(b), way));
+  table.tBodies[0].append(...rows);
 }
 
 function makeSortable(table) {
