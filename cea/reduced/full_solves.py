@@ -181,7 +181,7 @@ def first_threshold(
         return dict.fromkeys(names, value)
 
     for value in (real, flutter):
-        driver.pencil.check(point(value))
+        driver.pencil.values(point(value))
     pencil, before = driver.pencil, (driver.solves, driver.factorisations)
     box = dict.fromkeys(names, (min(real, flutter), max(real, flutter)))
     model = ReducedModel(pencil, box, max_frequency)
@@ -220,7 +220,7 @@ def confirm(
     value, root, before = found.value, found.eigenvalue, np.inf
     for _ in range(_STEPS):
         try:
-            driver.pencil.check(point(value))
+            driver.pencil.values(point(value))
         except InputError:
             return None
         z = _nearest(driver, point(value), of, window, root)

@@ -84,18 +84,28 @@ class BodyTerms:
         piece = LowRank(modes.images, modes.weights, self.rows.start)
         return (UnformedTerm(piece, modes.coefficient),)
 
+    @cached_property
+    def _constants(self) -> Mapping[str, float]:
+        """Constants of the material that are parameters, by their names in it.
+
+        None where damping belongs to modes of the body, or a solid that has several constants
+        rotates with its damping.
+        """
+        motion, constants = self.motion, self.body.material.constants
+        fixed = motion.modal is not None or (motion.circulates and "E" not in constants)
+        return {} if fixed else constants
+
     def parameters(self) -> Iterator[Parameter]:
         """Parameters of the body."""
-        path, motion, material = self.path, self.motion, self.body.material
+        path, motion = self.path, self.motion
         convective = motion.rotation is not None and motion.rotation.convective_stiffness
-        if self._constant_by_constant or "E" in material.constants:
-            for name, value in material.constants.items():
-                positive, unit = name[0] in "EG", "1" if name[0] == "n" else "N/m^2"
-                own = f"{path}.material.{name}"
-                yield Parameter(own, value, unit, positive=positive, signed=not positive)
-        if self.with_mass or motion.circulates or convective:
-            rho = float(material.rho or 0)
-            yield Parameter(f"{path}.material.rho", rho, "kg/m^3", positive=True)
+        for name, value in self._constants.items():
+            positive, unit = name[0] in "EG", "1" if name[0] == "n" else "N/m^2"
+            own = f"{path}.material.{name}"
+            yield Parameter(own, value, unit, positive=positive, signed=not positive)
+        for name, (rho, _) in self._mass.monomials[0].powers.items():
+            if self.with_mass or motion.circulates or convective:
+                yield Parameter(name, rho, "kg/m^3", positive=True)
         if motion.damping is not None:
             yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
             yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
@@ -144,22 +154,16 @@ class BodyTerms:
 
     @property
     def _stiffness(self) -> Coefficient:
-        """Young's modulus, relative to its own; 1 of a solid that has several."""
-        E = self.body.material.constants.get("E")
-        return CONSTANT if E is None else Coefficient.of({f"{self.path}.material.E": (E, 1.0)})
-
-    @property
-    def _constant_by_constant(self) -> bool:
-        """Whether each constant of a solid that has several is a parameter.
-
-        Where damping depends on modes or rotates with the body it is not known at others.
-        """
-        several = bool(self.body.material.entries)
-        return several and not (self.motion.circulates or self.motion.modal)
+        """Young's modulus, relative to its own, where it is a parameter."""
+        if "E" not in self._constants:
+            return CONSTANT
+        return Coefficient.of({f"{self.path}.material.E": (self._constants["E"], 1.0)})
 
     @property
     def _mass(self) -> Coefficient:
-        """Density, relative to its own."""
+        """Density, relative to its own, where it is a parameter."""
+        if self.motion.modal is not None:
+            return CONSTANT
         rho = float(self.body.material.rho or 0)
         return Coefficient.of({f"{self.path}.material.rho": (rho, 1.0)})
 
@@ -190,7 +194,7 @@ class BodyTerms:
             entry = (material.matrix_of(own) - material.elasticity.matrix)[place]
             return entry * values[factor] if factor else entry
 
-        for place, own in material.entries.items() if self._constant_by_constant else ():
+        for place, own in material.entries.items() if self._constants else ():
             unit = np.zeros((6, 6))
             unit[place] = unit[place[::-1]] = 1.0
             make = cache(partial(self._stiffness_of, Elasticity(unit, material.axes)))

@@ -1,10 +1,10 @@
 """Modal damping as pieces of a pencil: elastic modes of a body alone, and what damps them.
 
 By the path of the body in a scene, ``bodies.<name>``, the parameter is ``.damping.modal.ratio``, or
-``.damping.modal.ratios``, a factor on these.
+``.damping.modal.ratios``, a factor on these. E and rho of the body are no parameters, for its modes
+would be others.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -35,36 +35,6 @@ _BEYOND = 1e-6  # what is searched beyond the last mode asked for, relative to i
 
 
 @dataclass(frozen=True)
-class _OfTheseModes:
-    """A coefficient of modes that are found anew where the material of their body changes."""
-
-    coefficient: Coefficient  # the coefficient, as long as it does not
-    found_at: Mapping[str, float]  # E and rho of the body, by their names
-
-    @property
-    def names(self) -> frozenset[str]:
-        """Parameters it depends on."""
-        return self.coefficient.names | frozenset(self.found_at)
-
-    def times(self, name: str) -> "_OfTheseModes":
-        """It times one more parameter."""
-        return _OfTheseModes(self.coefficient.times(name), self.found_at)
-
-    def at(self, values: Mapping[str, float]) -> float:
-        """Value at given parameters; refused where the modes would be others."""
-        for name, found_at in self.found_at.items():
-            same, allowed = values[name] == found_at, f"{found_at:g}, where damped modes were found"
-            require(same, name, values[name], allowed)
-        return self.coefficient.at(values)
-
-    def derivative(self, name: str, values: Mapping[str, float]) -> float:
-        """Derivative in one parameter; refused where the modes would move."""
-        stays = name not in self.found_at
-        require(stays, name, values[name], "left as it is: damped modes move with it")
-        return self.coefficient.derivative(name, values)
-
-
-@dataclass(frozen=True)
 class DampedModes:
     """Modes of a body that are damped: sum_j 2 zeta_j omega_j (M phi_j) (M phi_j)^T."""
 
@@ -72,7 +42,7 @@ class DampedModes:
     vectors: Floats
     images: Floats
     weights: Floats  # 2 zeta omega (1/s) at a parameter of 1, shape (n,)
-    coefficient: Coefficient | _OfTheseModes  # how it depends on the ratio, on E and on rho
+    coefficient: Coefficient  # its ratio, or the factor on its ratios
 
 
 def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
@@ -88,7 +58,7 @@ def damped_modes(path: str, body: Body, damping: ModalDamping) -> DampedModes:
     factors = _factors(path, damping, frequencies, np.maximum(_SAME * frequencies, reach))
     damped = factors > 0
     vectors, weights = vectors[:, damped], (4 * np.pi * factors * frequencies)[damped]
-    coefficient = _coefficient(path, body, damping)
+    coefficient = Coefficient.of({modal_parameter(path, damping).name: (1.0, 1.0)})
     return DampedModes(vectors, times(body.mass(), vectors), weights, coefficient)
 
 
@@ -97,21 +67,6 @@ def modal_parameter(path: str, damping: ModalDamping) -> Parameter:
     if damping.ratio is not None:
         return Parameter(f"{path}.damping.modal.ratio", damping.ratio)
     return Parameter(f"{path}.damping.modal.ratios", 1.0, "a factor on the ratios")
-
-
-def _coefficient(path: str, body: Body, damping: ModalDamping) -> Coefficient | _OfTheseModes:
-    """How modal damping depends on the ratio, on E and on rho.
-
-    Modes that are counted stay the same where E and rho change a body without springs, and
-    2 omega_j (M phi_j) (M phi_j)^T goes with the root of E rho.
-    """
-    material = {f"{path}.material.rho": float(body.material.rho or 0)}
-    if (E := body.material.constants.get("E")) is not None:
-        material[f"{path}.material.E"] = E
-    ratio = {modal_parameter(path, damping).name: (1.0, 1.0)}
-    if damping.end is None and body.spring_stiffness() is None:
-        return Coefficient.of(ratio | {name: (value, 0.5) for name, value in material.items()})
-    return _OfTheseModes(Coefficient.of(ratio), material)
 
 
 def _factors(path: str, damping: ModalDamping, frequencies: Floats, reach: Floats) -> Floats:
