@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.arrays import Floats, of_size_one
+from cea.arrays import Floats, arms_about, of_size_one
 from cea.errors import InputError, require
 from cea.expressions import Expression
 
@@ -67,9 +67,8 @@ class Circumferential:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
         dim = x.shape[1]
         self.check(dim, _FIELD)
-        arm = np.zeros((len(x), 3))
-        arm[:, :dim] = x - np.asarray(self.origin, dtype=float)[:dim]
-        return _tangent(np.cross(of_size_one(self.circumferential_about), arm)[:, :dim], normal)
+        axis, arm = arms_about(self.circumferential_about, self.origin, x)
+        return _tangent(np.cross(axis, arm)[:, :dim], normal)
 
 
 @dataclass(frozen=True)

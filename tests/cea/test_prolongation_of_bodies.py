@@ -14,7 +14,6 @@ from petsc_matrices import to_scipy
 from cea.errors import InputError
 from cea.nested.prolongation import of_body as prolongation
 from cea.supports.boundary import Support
-from cea.supports.frames import SurfaceNormal
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shape_mesh import shape_mesh
@@ -92,7 +91,7 @@ def odd():
     return pair
 
 
-HELD = [Support("z_min", (0, 2)), Support("x_max")]
+HELD = [Support("z_min", ("x", "z")), Support("x_max")]
 PAIRS = {
     "Q1 plane": lambda: divided("quadrilateral", 1),
     "Q2 plane": lambda: divided("quadrilateral", 2),
@@ -178,7 +177,7 @@ def test_a_higher_continuity_is_met_at_full_order():
 
 def test_supports_that_turn_along_a_face_are_told():
     """Radial rollers on a round rim are projected on each trace space: no function is common."""
-    plain, rollers = [Support("inner", (0,))], [Support("inner", (0,), SurfaceNormal())]
+    plain, rollers = [Support("inner", ("x",))], [Support("inner", ("normal",))]
     for supports, low, high in ((plain, 0.0, 1e-10), (rollers, 1e-6, 1.0)):
         coarse, fine = (body(Ring(0.8, 1.7), (n, 4 * n), (2, 2), supports=supports) for n in (2, 4))
         assert low <= prolongation(coarse, fine).defect < high
