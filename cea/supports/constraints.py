@@ -25,28 +25,27 @@ from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats, Ints
 from cea.matrices import distributed
-from cea.supports.directions import Directions, orthonormal
+from cea.supports.directions import Directions
 
-_RANK = 1e-10  # eigenvalue of a sum of projectors, relative to the largest, that is none
+_RANK = 1e-10  # eigenvalue of sum_k d_k d_k^T, relative to the largest, that is none
 
 
 @dataclass(frozen=True)
 class ConstraintForces:
     """How the forces of the constraints of a body are divided among its supports.
 
-    At a dof where supports hold single directions let V_s be the span of those of support s, P_s
-    the projector on it and S = sum_s P_s; of the force r there support s has f_s = P_s S^+ r, the
-    sum of least squares. A direction that two supports hold is shared evenly.
+    At a dof where supports hold single directions d_k the force is r = sum_k a_k d_k with the
+    amounts a_k of least squares: a direction that two supports hold is shared evenly.
 
     A projected constraint, a row of C u = c, has a multiplier l of its own. It is solved for the
     direction t at its anchor, which no single direction there has a part in: (C T)^T l = T^T r. It
     belongs to the supports whose faces it is the integral over, to each with its part C_s of it.
     """
 
-    # dof, from 0 to m - 1, and support of each space V_s, shape (n,)
+    # dof, from 0 to m - 1, and support of each direction, shape (n,)
     owner: Ints
     support: Ints
-    projector: Floats  # P_s, shape (n, dim, dim)
+    direction: Floats  # d_k, shape (n, dim)
     # T: displacement of the dofs along the anchors of the rows, shape (dim * m, rows)
     anchors: csr_array
     shares: Mapping[int, csr_array]  # C_s by support, shape (rows, dim * m); none without rows
@@ -69,11 +68,7 @@ class ConstraintForces:
         along = np.einsum("nki,ni->nk", span[owner], held.direction)
         direction = np.einsum("nk,nki->ni", along, span[owner])
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        pairs = np.column_stack([owner, held.support])
-        spaces, space = np.unique(pairs, axis=0, return_inverse=True)
-        basis = orthonormal(space.ravel(), direction, len(spaces))[0]
-        projector = np.einsum("nki,nkj->nij", basis, basis)
-        return cls(spaces[:, 0], spaces[:, 1], projector, anchors, shares)
+        return cls(owner, held.support, direction, anchors, shares)
 
     def split(self, force: Floats, supports: int) -> Floats:
         """Forces of each support (N), shape (supports, m, dim), of those at the dofs, (m, dim)."""
@@ -84,11 +79,11 @@ class ConstraintForces:
             for support, rows in self.shares.items():
                 parts[support] = (rows.T @ multiplier).reshape(force.shape)
         total = np.zeros((*force.shape, force.shape[1]))
-        np.add.at(total, self.owner, self.projector)
+        np.add.at(total, self.owner, self.direction[:, :, None] * self.direction[:, None])
         rest = force - parts.sum(axis=0)
         shared = np.linalg.pinv(total, rcond=_RANK, hermitian=True) @ rest[:, :, None]
-        own = (self.projector @ shared[self.owner])[:, :, 0]
-        np.add.at(parts, (self.support, self.owner), own)
+        amounts = np.einsum("ni,ni->n", self.direction, shared[self.owner, :, 0])
+        np.add.at(parts, (self.support, self.owner), amounts[:, None] * self.direction)
         return parts
 
 
