@@ -5,9 +5,8 @@
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +17,7 @@ from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
-from cea.matrices import applied, block_diagonal
+from cea.matrices import applied
 from cea.motion import Motion
 from cea.petsc import PETSc
 from cea.system.body_terms import BodyTerms
@@ -60,19 +59,6 @@ class CoupledSystem:
     def size(self) -> int:
         """Number of unknowns."""
         return int(self.template.getSize())
-
-    @cached_property
-    def stiffness(self) -> Any:
-        """K of all bodies, PETSc AIJ (N/m)."""
-        return self._diagonal(lambda body: body.stiffness())
-
-    @cached_property
-    def mass(self) -> Any | None:
-        """M of all bodies, PETSc AIJ (kg), None in static scenes."""
-        return self._diagonal(lambda body: body.mass()) if self.with_mass else None
-
-    def _diagonal(self, matrix_of: Callable[[Body], Any]) -> Any:
-        return block_diagonal([matrix_of(body) for body in self.bodies.values()]).convert("aij")
 
     @property
     def softens(self) -> bool:

@@ -59,7 +59,9 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
         analysis["geometric_stiffness"] = given["geometric_stiffness"]
     scene = read_scene({**data, "analysis": analysis, "contacts": contacts})
     system, _, _ = coupled(scene)
-    stiffness, mass = array(system.stiffness), array(system.mass)
+    bodies = system.bodies.values()
+    stiffness = block_diag(*(array(body.stiffness()) for body in bodies))
+    mass = block_diag(*(array(body.mass()) for body in bodies))
     compliant, stiff = [], []
     for contact in system.contacts:
         if contact.coupling == "lumped":
