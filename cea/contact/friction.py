@@ -34,7 +34,6 @@ class AlongVector:
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        self.check(x.shape[1], _FIELD)
         return _tangent(np.broadcast_to(of_size_one(self.vector), x.shape), normal)
 
 
@@ -65,10 +64,8 @@ class Circumferential:
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        dim = x.shape[1]
-        self.check(dim, _FIELD)
         axis, arm = arms_about(self.circumferential_about, self.origin, x)
-        return _tangent(np.cross(axis, arm)[:, :dim], normal)
+        return _tangent(np.cross(axis, arm)[:, : x.shape[1]], normal)
 
 
 @dataclass(frozen=True)
@@ -97,7 +94,6 @@ class AlongField:
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        self.check(x.shape[1], _FIELD)
         return _tangent(np.stack([Expression(text)(x) for text in self.field], axis=1), normal)
 
 

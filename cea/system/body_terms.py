@@ -3,13 +3,7 @@
 By the path of the body in a scene, ``bodies.<name>``, the parameters are ``.material.E`` and
 ``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``; modal damping has its own.
 
-Damping that rotates with its body makes of displacements at rest in space, with B = int rho v . R u
-of the rotation (:mod:`cea.motion`), the pieces of the stiffness
-
-    alpha Omega B,    beta Omega K M^-1 B,    Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T,
-
-the last two full (:mod:`cea.eigen.unformed`). K is without the springs of the body, which stay
-where they are in space.
+Damping that rotates with its body adds circulatory pieces to the stiffness (:mod:`cea.motion`).
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -82,7 +76,7 @@ class BodyTerms:
         if modes is None or not self.with_mass:
             return ()
         piece = LowRank(modes.images, modes.weights, self.rows.start)
-        return (UnformedTerm(piece, modes.coefficient),)
+        return (UnformedTerm(piece, self._modal_ratio),)
 
     @cached_property
     def _constants(self) -> Mapping[str, float]:
@@ -110,9 +104,8 @@ class BodyTerms:
             yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
             yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
         if motion.modal is not None:
-            from cea.system.modal_damping import modal_parameter
-
-            yield modal_parameter(path, motion.modal)
+            field, value = motion.modal.parameter
+            yield Parameter(f"{path}.damping.modal.{field}", value)
         if motion.rotation is not None:
             yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")
 
@@ -166,6 +159,13 @@ class BodyTerms:
             return CONSTANT
         rho = float(self.body.material.rho or 0)
         return Coefficient.of({f"{self.path}.material.rho": (rho, 1.0)})
+
+    @property
+    def _modal_ratio(self) -> Coefficient:
+        """The ratio of damped modes, or the factor on their ratios."""
+        assert self.motion.modal is not None
+        field, _ = self.motion.modal.parameter
+        return Coefficient.of({f"{self.path}.damping.modal.{field}": (1.0, 1.0)})
 
     def _of_body(self) -> Iterator[Term]:
         """K, M and their Rayleigh damping; springs do not grow with E."""
@@ -235,7 +235,7 @@ class BodyTerms:
             one = identity(left.getLocalSize()[1], left.comm)
             piece = Circulatory(left, one, turned.transpose(PETSc.Mat()))
             destroy(turned)
-            yield UnformedTerm(piece, modes.coefficient.times(rate))
+            yield UnformedTerm(piece, self._modal_ratio.times(rate))
         if damping is None:
             return
         K, springs = self.body.stiffness(), self.body.spring_stiffness()

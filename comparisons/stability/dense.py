@@ -276,10 +276,9 @@ def _of_body(spec: DampingSpec, M: Floats, K: Floats, springs: Floats) -> Floats
         frequencies, ratios = omega / (2 * np.pi), np.zeros_like(omega)
         if modal.max_frequency is not None:
             ratios[frequencies <= modal.max_frequency] = modal.ratio
-        elif modal.frequencies is None:
-            ratios[: len(modal.ratios or ())] = modal.ratios
         else:
-            ratios = np.interp(frequencies, modal.frequencies, modal.ratios or (), right=0.0)
+            table = modal.frequencies or (), modal.ratios or ()
+            ratios = np.interp(frequencies, *table, right=0.0)
         damping += (images * (2 * ratios * omega)) @ images.T
     return damping
 
