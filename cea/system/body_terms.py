@@ -32,7 +32,7 @@ from cea.matrices import (
     side_by_side,
     zeros,
 )
-from cea.motion import Motion
+from cea.motion import Motion, Rotation
 from cea.petsc import Mat, PETSc
 
 if TYPE_CHECKING:  # brought in where modes are damped
@@ -66,15 +66,21 @@ class BodyTerms:
     @cached_property
     def pieces(self) -> tuple[Term | UnformedTerm[Circulatory], ...]:
         """K and M, and what rotation and Rayleigh damping make of them."""
-        own = (*self._of_body(), *self._of_constants(), *self._of_rotation())
-        return (*own, *self._carried())
+        own: list[Term | UnformedTerm[Circulatory]] = [*self._of_body()]
+        if self.body.material.entries and self._constants:
+            own += self._of_constants()
+        if self.motion.rotation is not None:
+            own += self._of_rotation(self.motion.rotation)
+        if self.motion.circulates:
+            own += self._carried()
+        return tuple(own)
 
     @cached_property
     def modal(self) -> tuple[UnformedTerm[LowRank], ...]:
         """Modal damping."""
-        modes = self._damped_modes
-        if modes is None or not self.with_mass:
+        if self.motion.modal is None or not self.with_mass:
             return ()
+        modes = self._damped_modes
         piece = LowRank(modes.images, modes.weights, self.rows.start)
         return (UnformedTerm(piece, self._modal_ratio),)
 
@@ -194,7 +200,7 @@ class BodyTerms:
             entry = (material.matrix_of(own) - material.elasticity.matrix)[place]
             return entry * values[factor] if factor else entry
 
-        for place, own in material.entries.items() if self._constants else ():
+        for place, own in material.entries.items():
             unit = np.zeros((6, 6))
             unit[place] = unit[place[::-1]] = 1.0
             make = cache(partial(self._stiffness_of, Elasticity(unit, material.axes)))
@@ -208,25 +214,24 @@ class BodyTerms:
         """K of another law."""
         return self.placed(self.body.reduced(self.body.space.stiffness(law)))
 
-    def _of_rotation(self) -> Iterator[Term]:
+    def _of_rotation(self, rotation: Rotation) -> Iterator[Term]:
         """Omega Y and - Omega^2 Z."""
-        rotation, rate = self.motion.rotation, f"{self.path}.rotation.rate"
-        if rotation is not None and self.with_mass:
+        rate = f"{self.path}.rotation.rate"
+        if self.with_mass:
             Y = self.placed(self.body.gyroscopic(rotation))
             yield Term("damping", Y, self._mass.times(rate), symmetric=False)
-        if rotation is not None and rotation.convective_stiffness:
+        if rotation.convective_stiffness:
             Z = self.placed(self.body.convective_stiffness(rotation))
             yield Term("stiffness", Z, self._mass.times(rate, 2.0, factor=-1.0))
 
     def _carried(self) -> Iterator[Term | UnformedTerm[Circulatory]]:
         """What damping that a rotation carries along makes: the sparse piece, and full ones."""
-        rotation, damping, modes = self.motion.rotation, self.motion.damping, self._damped_modes
-        if rotation is None or not self.motion.circulates:
-            return
+        rotation, damping = self.motion.rotation, self.motion.damping
+        assert rotation is not None
         rate = f"{self.path}.rotation.rate"
         B = self.body.gyroscopic(rotation.of_material)
         B.scale(0.5)
-        if modes is not None and len(modes.weights):
+        if self.motion.modal is not None and len((modes := self._damped_modes).weights):
             layout, comm = (PETSc.DECIDE, len(modes.weights)), self.body.expansion.comm
             left, turned = (
                 self.placed(distributed(csr_array(columns), layout, comm), columns=False)
@@ -248,10 +253,9 @@ class BodyTerms:
         yield UnformedTerm(Circulatory(left, self.body.mass(), right), beta)
 
     @cached_property
-    def _damped_modes(self) -> "DampedModes | None":
-        """Modes that are damped one by one; None without modal damping."""
-        if self.motion.modal is None:
-            return None
+    def _damped_modes(self) -> "DampedModes":
+        """Modes that modal damping damps."""
+        assert self.motion.modal is not None
         from cea.system.modal_damping import damped_modes
 
         return damped_modes(self.path, self.body, self.motion.modal)

@@ -187,7 +187,7 @@ def _references(halves: Sequence[Contact]) -> dict[str, float]:
     references = {}
     for name in _KINDS:
         some = [half.sliding for half in halves if name != "speed" or half.slip is not None]
-        given = [values for each in some if (values := getattr(each, name, None)) is not None]
+        given = [values for each in some if (values := getattr(each, name)) is not None]
         if given:
             values = np.concatenate(given)
             references[name] = 1.0 if np.ptp(values) else float(values[0])
@@ -199,8 +199,7 @@ def _damping(
 ) -> Iterator[tuple[str, Any]]:
     """C of the turning direction, kind "speed", and of the slope of friction, PETSc AIJ (N s/m)."""
     sliding, interface = contact.sliding, contact.interface
-    if sliding is None:
-        return
+    assert sliding is not None
     points, rows, k = interface.local_points, interface.rows, contact.friction_direction()
     if sliding.pressure is not None:
         pressure = share * sliding.pressure

@@ -107,12 +107,11 @@ class CoupledSystem:
         for name, matrix in self.prestress.items():
             terms.append(Term("stiffness", self.pieces[name].placed(matrix)))
         terms += contact_terms(self.contacts, eliminate=eliminate)
-        if self.with_mass:
-            terms += sliding_terms(self.bodies, self.contacts)
+        sliding = [each for each in self.contacts if self.with_mass and each.sliding is not None]
+        terms += sliding_terms(self.bodies, sliding)
         parameters = [one for each in self.pieces.values() for one in each.parameters()]
         parameters += contact_parameters(self.contacts)
-        if self.with_mass:
-            parameters += sliding_parameters(self.contacts)
+        parameters += sliding_parameters(sliding)
         stiffness = stiffness_diagonal(self.bodies, {})
         return Pencil(
             terms,
