@@ -79,7 +79,7 @@ def test_a_dof_is_shared_along_what_each_support_holds():
     r = np.zeros((10, 3))
     np.add.at(r, dof, rng.normal(size=(len(dof), 1)) * direction)
     assert list(constraints.dofs) == [3, 5, 8]
-    parts = constraints.forces.split(r[constraints.dofs], 3)
+    parts = constraints.split(r[constraints.dofs], 3)
     for i, each in enumerate(constraints.dofs):
         amounts = np.linalg.lstsq(direction[dof == each].T, r[each], rcond=None)[0]
         forces = amounts[:, None] * direction[dof == each]
@@ -107,7 +107,7 @@ def test_projected_constraints_bear_the_forces_of_their_multipliers():
     for support, rows in shares.items():
         expected[support] = np.tensordot(multipliers, rows, 1)
     dofs = constraints.dofs
-    parts = constraints.forces.split(expected.sum(axis=0)[dofs], 3)
+    parts = constraints.split(expected.sum(axis=0)[dofs], 3)
     assert parts == pytest.approx(expected[:, dofs], abs=1e-12)
     assert np.abs(np.delete(expected, dofs, axis=1)).max() == 0
 
