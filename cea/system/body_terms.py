@@ -88,24 +88,25 @@ class BodyTerms:
     def _constants(self) -> Mapping[str, float]:
         """Constants of the material that are parameters, by their names in it.
 
-        None where damping belongs to modes of the body, or a solid that has several constants
-        rotates with its damping.
+        None of a solid that has several where damping belongs to its modes or rotates with it.
         """
         motion, constants = self.motion, self.body.material.constants
-        fixed = motion.modal is not None or (motion.circulates and "E" not in constants)
-        return {} if fixed else constants
+        unknown = motion.circulates or motion.modal is not None
+        return {} if unknown and "E" not in constants else constants
 
     def parameters(self) -> Iterator[Parameter]:
         """Parameters of the body."""
         path, motion = self.path, self.motion
+        fixed = motion.modal is not None  # modes of another material would be others
         convective = motion.rotation is not None and motion.rotation.convective_stiffness
         for name, value in self._constants.items():
             positive, unit = name[0] in "EG", "1" if name[0] == "n" else "N/m^2"
             own = f"{path}.material.{name}"
-            yield Parameter(own, value, unit, positive=positive, signed=not positive)
-        for name, (rho, _) in self._mass.monomials[0].powers.items():
-            if self.with_mass or motion.circulates or convective:
-                yield Parameter(name, rho, "kg/m^3", positive=True)
+            signs = {"positive": positive, "signed": not positive}
+            yield Parameter(own, value, unit, fixed=fixed, **signs)
+        if self.with_mass or motion.circulates or convective:
+            own, rho = f"{path}.material.rho", float(self.body.material.rho or 0)
+            yield Parameter(own, rho, "kg/m^3", positive=True, fixed=fixed)
         if motion.damping is not None:
             yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
             yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
@@ -153,14 +154,14 @@ class BodyTerms:
 
     @property
     def _stiffness(self) -> Coefficient:
-        """Young's modulus, relative to its own, where it is a parameter."""
-        if "E" not in self._constants:
+        """Young's modulus, relative to its own, where it may change."""
+        if "E" not in self._constants or self.motion.modal is not None:
             return CONSTANT
         return Coefficient.of({f"{self.path}.material.E": (self._constants["E"], 1.0)})
 
     @property
     def _mass(self) -> Coefficient:
-        """Density, relative to its own, where it is a parameter."""
+        """Density, relative to its own, where it may change."""
         if self.motion.modal is not None:
             return CONSTANT
         rho = float(self.body.material.rho or 0)

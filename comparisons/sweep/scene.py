@@ -111,7 +111,11 @@ def mapped(
     found = Mapped(driver, points, names, as_data(assembled.scene), *given, warnings)
     for values in (found.point(each) for each in zip(*points.ends, strict=True)):
         for name, value in values.items():
-            driver.pencil.parameter(name).check(value)
+            parameter = driver.pencil.parameter(name)
+            try:
+                parameter.check(value)
+            except InputError as error:
+                raise (no_map(error) if parameter.fixed else error) from error
     return found
 
 

@@ -225,6 +225,10 @@ class AssembledScene:
 
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
+        try:
+            self.driver.pencil.values(values)
+        except InputError:
+            return False
         left_open = [name for name, each in self.scene.contacts.items() if each.form is None]
         same = all(self._system.keeps_form(name, values) for name in left_open)
         return same and not self.depends_on_state(list(values))
