@@ -1,6 +1,6 @@
 """Kinds of arrays, arrays of plain numbers from whatever was given for one, chunks of arrays."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -47,6 +47,15 @@ def of_size_one(vector: ArrayLike) -> NDArray[np.float64]:
     """A vector scaled by a power of two, which rounds nothing: its length cannot overflow."""
     values = np.asarray(vector, dtype=np.float64)
     return np.ldexp(values, -int(np.frexp(np.abs(values).max())[1]))
+
+
+def arms_about(axis: ArrayLike, origin: Sequence[float], x: Floats) -> tuple[Floats, Floats]:
+    """Unit vector of an axis, (3,), and arms from it to positions x (m), (n, dim): (n, 3)."""
+    direction = of_size_one(axis)
+    direction /= np.linalg.norm(direction)
+    dim, arm = x.shape[1], np.zeros((len(x), 3))
+    arm[:, :dim] = x - np.asarray(origin[:dim] or np.zeros(dim), dtype=np.float64)
+    return direction, arm - np.outer(arm @ direction, direction)
 
 
 def is_number(value: object) -> bool:

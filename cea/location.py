@@ -37,45 +37,6 @@ def cross(tangents: Floats) -> Floats:
     return np.cross(tangents[:, :, 0], tangents[:, :, 1])
 
 
-def locate_along(
-    chart: "Chart", x: Floats, direction: Floats, reach: float, tolerance: float = TOLERANCE
-) -> Location:
-    """Locate points x (m) on a surface along unit directions, (n, dim) each, within a reach (m).
-
-    Of several hits the nearest along the direction wins, then that of the steepest incidence, as at
-    a corner of the surface, then the lowest element; of several misses the smallest. The miss
-    allowed, the tolerance, is relative to the local mesh size.
-    """
-    n = len(x)
-    at = SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, chart.dim - 1)))
-    missed = np.full(n, Status.MISSED, dtype=np.int8)
-    out = Location(at, np.full(n, np.nan), np.full(n, np.inf), missed, tolerance)
-    for rows in chunks(n, _PER_POINT):
-        point, element, xi = chart.candidates(x[rows], direction[rows], reach)
-        point = point + rows.start
-        aim = direction[point]
-        xi, distance, miss = _newton(chart, element, xi, x[point], aim, tolerance)
-        relative = miss / chart.size(element)
-        hit = (relative <= tolerance) & (np.abs(distance) <= reach)
-        # Hits before misses; hits by distance, then by 1 - cosine between line and normal, rounded
-        # so that one edge seen from two elements ties, and elements that meet smoothly do.
-        rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)
-        several = np.flatnonzero(hit & (np.bincount(point, hit)[point] > 1))
-        flat = np.zeros(len(hit))
-        normal = cross(chart.tangents(element[several], xi[several])[1])
-        length, along = np.linalg.norm(normal, axis=1), np.einsum("ni,ni->n", normal, aim[several])
-        flat[several] = np.round(1 - np.abs(along) / np.where(length > 0, length, 1.0), 6)
-        order = np.lexsort((element, flat, rank, ~hit, point))
-        found, first = np.unique(point[order], return_index=True)
-        best = order[first]
-        at.element[found], at.xi[found] = element[best], xi[best]
-        out.distance[found], out.miss[found] = distance[best], miss[best]
-        edge = chart.on_edge(element[best], xi[best], 10 * tolerance)
-        inside = np.where(edge, Status.EDGE, Status.INSIDE)
-        out.status[found] = np.where(hit[best], inside, Status.MISSED)
-    return out
-
-
 def _newton(
     chart: "Chart",
     element: Ints,
@@ -224,9 +185,46 @@ class Chart(ABC):
         """Dimension of space, 2 or 3."""
         return self.domains[0].shape[1] + 1
 
-    def locate(self, x: Floats, direction: Floats, reach: float) -> Location:
-        """Find points (m) along unit directions, (n, dim) each, within a reach (m) either way."""
-        return locate_along(self, x, direction, reach)
+    def locate(
+        self, x: Floats, direction: Floats, reach: float, tolerance: float = TOLERANCE
+    ) -> Location:
+        """Locate points x (m) along unit directions, (n, dim) each, within a reach (m) either way.
+
+        Of several hits the nearest along the direction wins, then that of the steepest incidence,
+        as at a corner of the surface, then the lowest element; of several misses the smallest. The
+        miss allowed, the tolerance, is relative to the local mesh size.
+        """
+        n = len(x)
+        at = SurfaceCoordinates(np.full(n, -1, dtype=np.int64), np.zeros((n, self.dim - 1)))
+        missed = np.full(n, Status.MISSED, dtype=np.int8)
+        out = Location(at, np.full(n, np.nan), np.full(n, np.inf), missed, tolerance)
+        for rows in chunks(n, _PER_POINT):
+            point, element, xi = self.candidates(x[rows], direction[rows], reach)
+            point = point + rows.start
+            aim = direction[point]
+            xi, distance, miss = _newton(self, element, xi, x[point], aim, tolerance)
+            relative = miss / self.size(element)
+            hit = (relative <= tolerance) & (np.abs(distance) <= reach)
+            # Hits before misses; hits by distance, then by 1 - cosine between line and normal,
+            # rounded so that one edge seen from two elements ties, and elements that meet smoothly.
+            rank = np.where(hit, np.round(np.abs(distance) / reach, 10), relative)
+            several = np.flatnonzero(hit & (np.bincount(point, hit)[point] > 1))
+            flat = np.zeros(len(hit))
+            normal = cross(self.tangents(element[several], xi[several])[1])
+            length, along = (
+                np.linalg.norm(normal, axis=1),
+                np.einsum("ni,ni->n", normal, aim[several]),
+            )
+            flat[several] = np.round(1 - np.abs(along) / np.where(length > 0, length, 1.0), 6)
+            order = np.lexsort((element, flat, rank, ~hit, point))
+            found, first = np.unique(point[order], return_index=True)
+            best = order[first]
+            at.element[found], at.xi[found] = element[best], xi[best]
+            out.distance[found], out.miss[found] = distance[best], miss[best]
+            edge = self.on_edge(element[best], xi[best], 10 * tolerance)
+            inside = np.where(edge, Status.EDGE, Status.INSIDE)
+            out.status[found] = np.where(hit[best], inside, Status.MISSED)
+        return out
 
     def candidates(self, x: Floats, direction: Floats, reach: float) -> tuple[Ints, Ints, Floats]:
         """Pairs worth trying: points, elements, starting xi; every true hit within reach is one."""

@@ -40,6 +40,7 @@ import numpy as np
 from cea.arrays import Floats, is_number, of_size_one
 from cea.errors import require
 
+_SAME = 1e-8  # relative distance of frequencies of one multiple eigenvalue
 _ROUNDING = 1e-15  # of ratios that are proportional to the frequency, or to its inverse
 
 
@@ -110,8 +111,7 @@ class ModalDamping:
     max_frequency
         Frequency (Hz) up to which modes are damped.
     ratios
-        Given instead: ratios of the lowest modes by rising frequency, rigid motions not counted;
-        or, with ``frequencies``, of modes at these, linear between them.
+        Given instead: ratios of modes at ``frequencies``, linear between them.
     frequencies
         Rising frequencies (Hz). Modes below the first have the first ratio, modes above the last
         none.
@@ -128,29 +128,40 @@ class ModalDamping:
     frequencies: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        ratio, ratios, table = self.ratio, self.ratios, self.frequencies
-        allowed = "one for all modes up to max_frequency, or ratios of the lowest modes"
-        require((ratio is None) != (ratios is None), "ratio", ratio, allowed)
-        highest = self.max_frequency
-        together = (ratio is None) == (highest is None)
-        require(together, "max_frequency", highest, "given where ratio is (Hz)")
-        beside = table is None or ratios is not None
-        require(beside, "frequencies", table, "given beside ratios alone")
-        positive = highest is None or _is_positive(highest)
-        require(positive, "max_frequency", highest, "positive, finite (Hz)")
-        require(ratio is None or _is_ratio(ratio), "ratio", ratio, _RATIO)
-        valid = ratios is None or (bool(ratios) and all(map(_is_ratio, ratios)))
+        allowed = "one for all modes up to max_frequency, or ratios at frequencies"
+        require((self.ratio is None) != (self.ratios is None), "ratio", self.ratio, allowed)
+        together = (self.ratio is None) == (self.max_frequency is None)
+        require(together, "max_frequency", self.max_frequency, "given where ratio is (Hz)")
+        together = (self.ratios is None) == (self.frequencies is None)
+        require(together, "frequencies", self.frequencies, "given where ratios are (Hz)")
+        positive = self.max_frequency is None or _is_positive(self.max_frequency)
+        require(positive, "max_frequency", self.max_frequency, "positive, finite (Hz)")
+        require(self.ratio is None or _is_ratio(self.ratio), "ratio", self.ratio, _RATIO)
+        ratios, table = self._table
+        valid = bool(ratios) and (self.ratios is None or all(map(_is_ratio, ratios)))
         require(valid, "ratios", ratios, f"one or more, each {_RATIO}")
-        if table is not None and ratios is not None:
-            rising = all(map(_is_positive, table)) and bool(np.all(np.diff(table) > 0))
-            require(rising, "frequencies", table, "positive, finite and rising (Hz)")
-            same = len(table) == len(ratios)
-            require(same, "frequencies", table, f"as many as ratios, {len(ratios)}")
+        rising = all(map(_is_positive, table)) and bool(np.all(np.diff(table) > 0))
+        require(rising, "frequencies", table, "positive, finite and rising (Hz)")
+        require(
+            len(table) == len(ratios), "frequencies", table, f"as many as ratios, {len(ratios)}"
+        )
 
     @property
-    def end(self) -> float | None:
-        """Frequency (Hz) above which no mode is damped; None where modes are counted instead."""
-        return self.max_frequency if self.frequencies is None else self.frequencies[-1]
+    def _table(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Ratios, relative to ``ratio`` where it is given, and their frequencies (Hz)."""
+        if self.max_frequency is not None:
+            return (1.0,), (self.max_frequency,)
+        return self.ratios or (), self.frequencies or ()
+
+    @property
+    def parameter(self) -> tuple[str, float]:
+        """Field that is a parameter of a pencil, and its value: a factor of a table."""
+        return ("ratios", 1.0) if self.ratio is None else ("ratio", self.ratio)
+
+    @property
+    def end(self) -> float:
+        """Frequency (Hz) above which no mode is damped."""
+        return self._table[1][-1]
 
     @property
     def acts(self) -> bool:
@@ -158,16 +169,11 @@ class ModalDamping:
         return bool(self.ratio) or any(self.ratios or ())
 
     def factors_at(self, frequencies: Floats) -> Floats:
-        """Damping ratios of the lowest elastic modes at frequencies (Hz), relative to ``ratio``."""
-        if self.max_frequency is not None:
-            return np.where(frequencies <= self.max_frequency, 1.0, 0.0)
-        ratios = np.asarray(self.ratios)
-        if self.frequencies is not None:
-            inside = frequencies <= self.frequencies[-1]
-            return np.where(inside, np.interp(frequencies, self.frequencies, ratios), 0.0)
-        factors = np.zeros(len(frequencies))
-        factors[: len(ratios)] = ratios[: len(factors)]
-        return factors
+        """Damping ratios of elastic modes at frequencies (Hz), relative to ``ratio``."""
+        ratios, table = self._table
+        # Modes of one frequency, which rounding sets apart, are damped alike.
+        inside = frequencies <= (1 + _SAME) * table[-1]
+        return np.where(inside, np.interp(frequencies, table, ratios), 0.0)
 
 
 _RATIO = "zero or more and below 1, which is critical: 0.01 is one per cent"

@@ -11,7 +11,6 @@ from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
 from cea.supports.directions import Directions, merged
 from cea.supports.elimination import constrain
-from cea.supports.frames import SurfaceNormal
 from fe_cea.facets import FacetBasis
 from fe_cea.surface import FESurface
 
@@ -40,7 +39,7 @@ def nodal_constraints(
     for number, support in enumerate(supports):
         dofs, x, normal = _nodes(surfaces[support.surface], points)
         values = support.values(dim)
-        if isinstance(support.frame, SurfaceNormal):
+        if "normal" in support.components:
             rollers.append(Directions.of(dofs, normal, values[0], number))
             continue
         nodes, first = np.unique(dofs, return_index=True)

@@ -12,7 +12,6 @@ from scipy.spatial import KDTree
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
-from cea.location import locate_along
 from cea.surface_points import connected
 from iga_cea.face import PatchFace
 from iga_cea.patch import subdivided
@@ -227,7 +226,7 @@ def _touch(a: _Side, b: _Side) -> bool:
     candidate[candidate] = b.may_hold(x[candidate], margin)
     if not candidate.any():
         return False
-    found = locate_along(b.chart, x[candidate], normal[candidate], reach, TOLERANCE)
+    found = b.chart.locate(x[candidate], normal[candidate], reach, TOLERANCE)
     hit = ~found.missed
     inside_b = ~b.chart.on_edge(found.at.element[hit], found.at.xi[hit], 10 * TOLERANCE)
     return bool(np.any(inside_b | ~edge_of_a[candidate][hit]))

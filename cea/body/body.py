@@ -220,7 +220,7 @@ class Body:
         along the directions that each holds and no other.
         """
         held = self.constraints
-        return held.dofs, held.forces.split(force[held.dofs], len(self.supports))
+        return held.dofs, held.split(force[held.dofs], len(self.supports))
 
     @_kept
     def load(self) -> Any:

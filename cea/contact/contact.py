@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from scipy.sparse import bsr_array, csr_array
+from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.body import Body
@@ -28,14 +28,13 @@ from cea.matrices import (
     applied,
     block_diagonal,
     destroy,
-    distributed,
     one_below_the_other,
     product,
     scaled_total,
     symmetric_product,
     symmetrised,
 )
-from cea.petsc import MPI, PETSc
+from cea.petsc import PETSc
 from cea.ranks import agreed
 
 type Powers = dict[str, tuple[float, float]]
@@ -345,34 +344,26 @@ def _lumped(
     left: Floats,
     right: Floats,
 ) -> Any:
-    """Jump along ``left`` against jump along ``right``, each side's own block lumped."""
-    rows, blocks = len(weight), []
-    for name, body in bodies.items():
-        whole = csr_array((body.dim * body.num_scalar_dofs,) * 2)
-        if name in traces:
-            whole = body.comm.allreduce(_block(traces[name], weight, left, right), MPI.SUM)
-        own = csr_array(whole[slice(*body.expansion.getOwnershipRange())])
-        matrix = distributed(own, body.expansion.getSizes()[0], body.comm)
-        blocks.append(body.reduced(matrix, exactly=lambda reduced: reduced))
-    parts = [block_diagonal(blocks).convert("aij")]
-    destroy(*blocks)
+    """Jump along ``left`` against jump along ``right``, each side's own block lumped.
+
+    Of a side's own block every value N_i(x_q) of its trace is a point of its own, with the weight
+    w p N_i(x_q), at which function i alone is one.
+    """
     one, other = traces
+    parts = []
     for test_side, trial_side in ((one, other), (other, one)):
-        test = system_operator(bodies, {test_side: along(traces[test_side], left)}, rows)
-        trial = system_operator(bodies, {trial_side: along(traces[trial_side], right)}, rows)
+        test = system_operator(bodies, {test_side: along(traces[test_side], left)}, len(weight))
+        trial = system_operator(bodies, {trial_side: along(traces[trial_side], right)}, len(weight))
         parts.append(product(test, trial, -weight))
+        destroy(test, trial)
+    for side, trace in traces.items():
+        point, count = np.repeat(np.arange(len(weight)), np.diff(trace.indptr)), trace.nnz
+        entries = (np.ones(count), trace.indices, np.arange(count + 1))
+        alone = csr_array(entries, shape=(count, trace.shape[1]))
+        test = system_operator(bodies, {side: along(alone, left[point])}, count)
+        trial = system_operator(bodies, {side: along(alone, right[point])}, count)
+        parts.append(product(test, trial, weight[point] * trace.data))
         destroy(test, trial)
     result = scaled_total([(1.0, part) for part in parts])
     destroy(*parts)
     return result
-
-
-def _block(trace: csr_array, weight: Floats, left: Floats, right: Floats) -> csr_array:
-    """Sum over points of w N_i l r^T on the diagonal block of scalar dof i."""
-    dim = left.shape[1]
-    outer = np.einsum("q,qc,qd->qcd", weight, left, right).reshape(len(weight), -1)
-    blocks = np.asarray(trace.T @ outer).reshape(-1, dim, dim)
-    n = len(blocks)
-    lumped = csr_array(bsr_array((blocks, np.arange(n), np.arange(n + 1))))
-    lumped.eliminate_zeros()
-    return lumped

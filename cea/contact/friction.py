@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cea.arrays import Floats, of_size_one
+from cea.arrays import Floats, arms_about, of_size_one
 from cea.errors import InputError, require
 from cea.expressions import Expression
 
@@ -34,7 +34,6 @@ class AlongVector:
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        self.check(x.shape[1], _FIELD)
         return _tangent(np.broadcast_to(of_size_one(self.vector), x.shape), normal)
 
 
@@ -65,11 +64,8 @@ class Circumferential:
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        dim = x.shape[1]
-        self.check(dim, _FIELD)
-        arm = np.zeros((len(x), 3))
-        arm[:, :dim] = x - np.asarray(self.origin, dtype=float)[:dim]
-        return _tangent(np.cross(of_size_one(self.circumferential_about), arm)[:, :dim], normal)
+        axis, arm = arms_about(self.circumferential_about, self.origin, x)
+        return _tangent(np.cross(axis, arm)[:, : x.shape[1]], normal)
 
 
 @dataclass(frozen=True)
@@ -98,7 +94,6 @@ class AlongField:
 
     def at(self, x: Floats, normal: Floats) -> Floats:
         """Unit tangents (n, dim) at positions x (m) with unit normals."""
-        self.check(x.shape[1], _FIELD)
         return _tangent(np.stack([Expression(text)(x) for text in self.field], axis=1), normal)
 
 

@@ -14,8 +14,6 @@ from scipy.sparse.linalg import splu
 
 from cea.arrays import Floats
 from cea.contact.interface import Interface
-from cea.surface import Surface
-from cea.surface_points import SurfaceCoordinates
 
 _HELD = 1e-6
 """Part of a trace that rounding, and the small shift below, may leave out of the other's."""
@@ -36,18 +34,9 @@ class Sampling:
 def sampling(interface: Interface) -> Sampling:
     """Count points and trace functions; collective."""
     covered = min(1.0, float(interface.points.weight.sum()) / interface.a.area)
-    functions = round(covered * _functions(interface.a), 6)
+    functions = round(covered * len(np.unique(interface.a.functions)), 6)
     a, b = (len(_touched(interface, trace)) for trace in _traces(interface))
     return Sampling(len(interface.points), max(a, int(functions)), b)
-
-
-def _functions(surface: Surface) -> int:
-    """Number of scalar trace functions of a surface: those of a point inside each cell."""
-    cells = surface.cells()
-    share = 1.0 + 0.3 * np.arange(cells.corners.shape[1])  # where no function has a zero
-    xi = np.einsum("j,ijk->ik", share / share.sum(), cells.corners)
-    trace = surface.split_trace(SurfaceCoordinates(cells.element, xi))
-    return len(np.unique(trace.indices[trace.data != 0]))
 
 
 def nested(interface: Interface) -> bool:

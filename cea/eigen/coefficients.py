@@ -14,7 +14,8 @@ class Parameter:
 
     Its name is the path of the field in a scene, e.g. ``contacts.pad_disc.mu``; its value holds
     where none is given. Zero is refused where it is to be positive, infinity where it is to be
-    finite; only signed ones may be below zero.
+    finite; only signed ones may be below zero. A fixed one keeps its value: what depends on it, as
+    modes that are damped one by one, was found at that.
     """
 
     name: str
@@ -23,9 +24,12 @@ class Parameter:
     positive: bool = False
     finite: bool = True
     signed: bool = False
+    fixed: bool = False
 
     def check(self, value: float) -> float:
         """The value, or a refusal of it."""
+        if self.fixed and value != self.value:
+            raise InputError(self.name, value, f"{self.value:g}, where damped modes were found")
         if self.signed:
             if not isfinite(value):
                 raise InputError(self.name, value, f"a finite number ({self.unit})")

@@ -86,7 +86,9 @@ class Modes(Spectrum):
         InputError
             When there is no such parameter, or no left vectors were asked for.
         """
-        name = self.pencil.parameter(parameter).name
+        name, fixed = self.pencil.parameter(parameter).name, self.pencil.parameter(parameter).fixed
+        if fixed:
+            raise InputError(name, self.values[name], "left as it is: damped modes move with it")
         if self.left is None:
             raise InputError("left", False, "True where modes are solved for, for sensitivities")
         lam, x, y, values = self.eigenvalues, self.vectors, self.left, self.values

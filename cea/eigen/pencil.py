@@ -226,12 +226,6 @@ class Pencil:
         """Parameters that its stiffness depends on, and so an equilibrium."""
         return self.at_rest().names
 
-    def check(self, changes: Mapping[str, float]) -> None:
-        """Refuse parameters at which a piece is not known, as modal damping of modes that move."""
-        values = self.values(changes)
-        for piece in self.low_rank:
-            piece.coefficient.at(values)
-
     def at(self, changes: Mapping[str, float] | None = None) -> Matrices:
         """Matrices at given parameters; those not named keep their values."""
         values = self.values(changes)

@@ -171,7 +171,7 @@ def first_threshold(
         return dict.fromkeys(names, value)
 
     for value in (real, flutter):
-        driver.pencil.check(point(value))
+        driver.pencil.values(point(value))
     pencil = driver.pencil
     box = dict.fromkeys(names, (min(real, flutter), max(real, flutter)))
     model = ReducedModel(pencil, box, max_frequency)
@@ -209,7 +209,7 @@ def confirm(
     value, root, before = found.value, found.eigenvalue, np.inf
     for _ in range(_STEPS):
         try:
-            driver.pencil.check(point(value))
+            driver.pencil.values(point(value))
         except InputError:
             return None
         z = _nearest(driver, point(value), of, window, root)

@@ -1,1 +1,1 @@
-"""What holds and loads a body: supports, springs, pressures, and the frames they are said in."""
+"""What holds and loads a body: supports, springs, pressures, forces."""

@@ -2,47 +2,69 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from cea.arrays import Floats
+from cea.arrays import Floats, arms_about
 from cea.errors import InputError, did_you_mean, require
-from cea.supports.frames import Cartesian, Cylindrical, Frame
 from cea.surface_points import SurfacePoints
 
-_CARTESIAN = Cartesian()
+Component = Literal["x", "y", "z", "radial", "circumferential", "axial", "normal"]
+_ABOUT_AXIS = ("radial", "circumferential", "axial")
+_FRAMES = (("x", "y", "z"), _ABOUT_AXIS, ("normal",))
+"""Components of each frame; a support names those of one."""
+_ON_AXIS = 1e-9
+"""Distance from an axis at which directions about it lose sense, relative to the surface."""
 
 
 @dataclass(frozen=True)
 class Support:
-    """Displacement components held on a surface, at zero or at given values.
+    """Displacement components held on a surface; every one when none is named.
 
     Parameters
     ----------
     surface
         Name of the surface.
     components
-        Held components, numbers from 0 in the order of the frame: x, y, z; radial,
-        circumferential, axial; normal. None holds every one.
-    frame
-        Frame of the components.
+        Some of x, y, z; or of radial, circumferential, axial; or normal, a roller.
+    axis
+        Direction of the axis of radial, circumferential, axial; left out in 2D.
+    origin
+        A point of it (m), by default the origin.
     value
-        Displacement along each held component (m), in the order of the frame, or one for all; None
-        holds all at zero. About an axis, radial and circumferential ones are not both held at
-        values.
+        Displacement (m) at which they are held: a number for each component named (for x, y, z
+        where none is), or one for all; by default zero. Small motions are held at zero.
     """
 
     surface: str
-    components: tuple[int, ...] | None = None
-    frame: Frame = _CARTESIAN
-    value: tuple[float, ...] | float | None = None
+    components: tuple[Component, ...] = ()
+    axis: tuple[float, float, float] | None = None
+    origin: tuple[float, ...] | None = None
+    value: float | tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        if self.components is not None:
-            known = bool(self.components) and set(self.components) <= {0, 1, 2}
-            require(known, "support.components", self.components, "one or more of 0, 1, 2")
+        components, count = list(self.components), len(self.components)
+        of_one = any(set(components) <= set(names) for names in _FRAMES)
+        frames = "of one frame: " + ", or ".join(", ".join(names) for names in _FRAMES)
+        require(of_one, "components", components, frames)
+        for name, vector in (("axis", self.axis), ("origin", self.origin)):
+            allowed = "left out beside components other than radial, circumferential, axial"
+            require(vector is None or self._about_axis, name, vector, allowed)
+            finite = vector is None or bool(np.isfinite(vector).all())
+            require(finite, name, vector, "finite coordinates (m)")
+        real = self.axis is None or any(self.axis)
+        require(real, "axis", self.axis, "a finite vector that is not zero")
         finite = self.value is None or bool(np.isfinite(self.value).all())
-        require(finite, "support.value", self.value, "finite numbers (m)")
+        require(finite, "value", self.value, "finite numbers (m)")
+        if isinstance(self.value, tuple) and count:
+            require(len(self.value) == count, "value", self.value, f"one number (m), or {count}")
+            allowed = "each once where each has a value"
+            require(len(set(components)) == count, "components", components, allowed)
+
+    @property
+    def _about_axis(self) -> bool:
+        return not set(self.components).isdisjoint(_ABOUT_AXIS)
 
     @property
     def prescribes(self) -> bool:
@@ -50,33 +72,69 @@ class Support:
         return self.value is not None and bool(np.any(self.value))
 
     def check(self, dim: int, field: str) -> None:
-        """Refuse components, frames and values that do not suit the dimension of space."""
-        self.frame.check(dim, field)
-        size, held = self.frame.size(dim), self._held(dim)
-        require(max(held) < size, f"{field}.components", self.components, f"below {size}")
+        """Refuse components, axes and values that do not suit the dimension of space."""
+        if self._about_axis:
+            allowed = "left out in the plane" if dim == 2 else "three numbers, the axis meant"
+            require((self.axis is None) == (dim == 2), f"{field}.axis", self.axis, allowed)
+            fits = self.origin is None or len(self.origin) == dim
+            require(fits, f"{field}.origin", self.origin, f"{dim} coordinates (m)")
+        beyond = {"z", "axial"} & set(self.components) if dim == 2 else set()
+        allowed = "those of the plane: x, y, radial, circumferential, normal"
+        require(not beyond, f"{field}.components", self.components, allowed)
+        held = self._held(dim)
         fits = not isinstance(self.value, tuple) or len(self.value) == len(held)
         allowed = f"a number (m) for each of the {len(held)} components held"
         require(fits, f"{field}.value", self.value, allowed)
-        if self.prescribes and isinstance(self.frame, Cylindrical) and {0, 1} <= set(held):
+        if self.prescribes and {"radial", "circumferential"} <= set(held):
             allowed = "zero where both radial and circumferential are held"
             raise InputError(f"{field}.value", self.value, allowed)
 
-    def _held(self, dim: int) -> tuple[int, ...]:
-        """Held components, in the order of the frame."""
-        components = self.components
-        if components is None:
-            components = tuple(range(self.frame.size(dim)))
-        return tuple(sorted(set(components)))
+    def _held(self, dim: int) -> tuple[str, ...]:
+        """Held components, each once."""
+        return tuple(dict.fromkeys(self.components or ("x", "y", "z")[:dim]))
 
     def values(self, dim: int) -> Floats:
         """Displacement along each of the held directions (m), shape (held components,)."""
-        held = self._held(dim)
         given = 0.0 if self.value is None else self.value
-        return np.array(np.broadcast_to(np.asarray(given, dtype=float), len(held)))
+        return np.array(np.broadcast_to(np.asarray(given, dtype=float), len(self._held(dim))))
 
     def directions(self, x: Floats, normal: Floats) -> Floats:
-        """Held unit directions at points x (m) of the surface with outward unit normals."""
-        return self.frame.directions(self._held(x.shape[1]), x, normal)
+        """Held unit directions at points x (m) of the surface with outward unit normals.
+
+        Shape (held components, n, dim). Radial and circumferential together hold the plane across
+        the axis, for which the same two directions serve everywhere; one alone is refused where a
+        point lies on the axis.
+        """
+        dim = x.shape[1]
+        held = self._held(dim)
+        if held == ("normal",):
+            return normal[None]
+        found: list[Floats] = []
+        axis, arm = arms_about(self.axis or (0.0, 0.0, 1.0), self.origin or (), x)
+        both = {"radial", "circumferential"} <= set(held)
+        if both:  # rows beyond the first are orthogonal to the axis
+            found.extend(np.linalg.svd(axis[None])[2][1:, :dim])
+        for name in held:
+            if name == "axial":
+                found.append(axis)
+            elif name in ("x", "y", "z"):
+                found.append(np.eye(dim)["xyz".index(name)])
+            elif not both:
+                distance = np.linalg.norm(arm, axis=1, keepdims=True)
+                _refuse_axis(x, distance[:, 0])
+                turned = np.cross(axis, arm) if name == "circumferential" else arm
+                found.append((turned / distance)[:, :dim])
+        return np.stack([np.broadcast_to(direction, x.shape) for direction in found])
+
+
+def _refuse_axis(x: Floats, distance: Floats) -> None:
+    """Refuse points (m) on the axis about which a support holds one direction."""
+    if len(x) and distance.min() <= _ON_AXIS * max(np.ptp(x, axis=0).max(), distance.max()):
+        raise InputError(
+            "support.components",
+            f"radial or circumferential at {x[distance.argmin()].tolist()}",
+            "both or neither on a surface that meets the axis",
+        )
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,12 @@ free directions B, directions T solved for, and held ones, so that u = B v + T s
 Where supports prescribe values, d . u_i = g and C u = c, a displacement u_D is added to that, zero
 but at held dofs, and the equilibrium of the free dofs is Z^T K Z v = Z^T F - Z^T K u_D.
 
-They are eliminated in :mod:`cea.supports.elimination`, and their forces divided among the
-supports here. Every rank holds all constraints: there are as many as a surface has dofs.
+They are eliminated in :mod:`cea.supports.elimination`. Every rank holds all constraints, as many as
+a surface has dofs.
+
+The force of constraints A u = b is A^T l, with the least multipliers l that give it: a direction
+that two supports hold is shared evenly. Projected rows are the sum of those of the supports whose
+faces they are integrals over, and each bears its part.
 """
 
 from collections.abc import Mapping
@@ -21,75 +25,12 @@ from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import lsqr
 
 from cea.arrays import Floats, Ints
 from cea.matrices import distributed
-from cea.supports.directions import Directions, orthonormal
 
-_RANK = 1e-10  # eigenvalue of a sum of projectors, relative to the largest, that is none
-
-
-@dataclass(frozen=True)
-class ConstraintForces:
-    """How the forces of the constraints of a body are divided among its supports.
-
-    At a dof where supports hold single directions let V_s be the span of those of support s, P_s
-    the projector on it and S = sum_s P_s; of the force r there support s has f_s = P_s S^+ r, the
-    sum of least squares. A direction that two supports hold is shared evenly.
-
-    A projected constraint, a row of C u = c, has a multiplier l of its own. It is solved for the
-    direction t at its anchor, which no single direction there has a part in: (C T)^T l = T^T r. It
-    belongs to the supports whose faces it is the integral over, to each with its part C_s of it.
-    """
-
-    # dof, from 0 to m - 1, and support of each space V_s, shape (n,)
-    owner: Ints
-    support: Ints
-    projector: Floats  # P_s, shape (n, dim, dim)
-    # T: displacement of the dofs along the anchors of the rows, shape (dim * m, rows)
-    anchors: csr_array
-    shares: Mapping[int, csr_array]  # C_s by support, shape (rows, dim * m); none without rows
-
-    @classmethod
-    def of(
-        cls,
-        held: Directions,
-        owner: Ints,
-        taken: Floats,
-        slot: Ints,
-        anchors: csr_array,
-        shares: Mapping[int, csr_array],
-    ) -> "ConstraintForces":
-        """The division where single directions are held, of which taken ones are independent."""
-        count, dim = taken.shape[:2]
-        number = np.bincount(owner[slot >= 0], minlength=count)
-        span = np.where(np.arange(dim)[:, None] < number[:, None, None], taken, 0.0)
-        # Directions that depend on others are held as far as the others span them.
-        along = np.einsum("nki,ni->nk", span[owner], held.direction)
-        direction = np.einsum("nk,nki->ni", along, span[owner])
-        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        pairs = np.column_stack([owner, held.support])
-        spaces, space = np.unique(pairs, axis=0, return_inverse=True)
-        basis = orthonormal(space.ravel(), direction, len(spaces))[0]
-        projector = np.einsum("nki,nkj->nij", basis, basis)
-        return cls(spaces[:, 0], spaces[:, 1], projector, anchors, shares)
-
-    def split(self, force: Floats, supports: int) -> Floats:
-        """Forces of each support (N), shape (supports, m, dim), of those at the dofs, (m, dim)."""
-        parts = np.zeros((supports, *force.shape))
-        if self.shares:
-            solved = csr_array(sum(self.shares.values()) @ self.anchors)
-            multiplier = splu(solved.T.tocsc()).solve(self.anchors.T @ force.ravel())
-            for support, rows in self.shares.items():
-                parts[support] = (rows.T @ multiplier).reshape(force.shape)
-        total = np.zeros((*force.shape, force.shape[1]))
-        np.add.at(total, self.owner, self.projector)
-        rest = force - parts.sum(axis=0)
-        shared = np.linalg.pinv(total, rcond=_RANK, hermitian=True) @ rest[:, :, None]
-        own = (self.projector @ shared[self.owner])[:, :, 0]
-        np.add.at(parts, (self.support, self.owner), own)
-        return parts
+_ROUNDING = 1e-16  # relative error at which multipliers are found
 
 
 @dataclass(frozen=True)
@@ -103,10 +44,23 @@ class Constraints:
     # their displacement components from the free unknowns, shape (dim * m, free unknowns)
     rows: csr_array
     frame: csr_array  # the same without what dependent dofs add: B at each of them
-    forces: ConstraintForces  # how the forces of the constraints are divided among the supports
+    # what each support has of A at these dofs, by its number, shape (constraints, dim * m)
+    shares: Mapping[int, csr_array]
     # displacement components of theirs that are prescribed (m), shape (dim * m,); None where all
     # is held at zero
     prescribed: Floats | None = None
+
+    def split(self, force: Floats, supports: int) -> Floats:
+        """Forces of each support (N), shape (supports, m, dim), of those at the dofs, (m, dim)."""
+        parts = np.zeros((supports, *force.shape))
+        if self.shares:
+            every = csr_array(sum(self.shares.values()))
+            multipliers = lsqr(every.T, force.ravel(), atol=_ROUNDING, btol=_ROUNDING, conlim=0.0)[
+                0
+            ]
+            for support, rows in self.shares.items():
+                parts[support] = (rows.T @ multipliers).reshape(force.shape)
+        return parts
 
     @cached_property
     def selects(self) -> bool:

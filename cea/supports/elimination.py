@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array, csr_array, hstack
-from scipy.sparse.linalg import splu
+from scipy.sparse import coo_array, csc_array, csr_array, diags_array, hstack, vstack
+from scipy.sparse.linalg import norm, splu
 
 from cea.arrays import Floats, Ints, chunks
 from cea.errors import InputError
-from cea.supports.constraints import ConstraintForces, Constraints, components, first_free_at
+from cea.supports.constraints import Constraints, components, first_free_at
 from cea.supports.directions import Directions, complement, orthonormal
 
 _NEGLIGIBLE = 1e-14
@@ -71,9 +71,25 @@ def constrain(
     free.data[np.abs(free.data) < _NEGLIGIBLE] = 0.0
     free.eliminate_zeros()
     free.sort_indices()
-    forces = ConstraintForces.of(held, owner[place], taken, slot[place], anchors, shares)
+    rows = _rows_by_support(held, components(owner[place], dim), dim * len(dofs), shares)
     prescribed = values if every.value.any() else None
-    return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, forces, prescribed)
+    return Constraints(dim, num_scalar_dofs, dofs, removed, free, frame, rows, prescribed)
+
+
+def _rows_by_support(
+    held: Directions, columns: Ints, width: int, shares: Mapping[int, csr_array]
+) -> dict[int, csr_array]:
+    """What each support has of all constraints: directions, and projected rows of length one."""
+    (n, dim), rows = held.direction.shape, {}
+    total = csr_array(sum(shares.values())) if shares else csr_array((0, width))
+    scale = diags_array(1 / norm(total, axis=1))
+    for support in sorted({*held.support.tolist(), *shares}):
+        own = np.where(held.support[:, None] == support, held.direction, 0.0)
+        points = csr_array((own.ravel(), columns, dim * np.arange(n + 1)), shape=(n, width))
+        projected = scale @ shares.get(support, csr_array(total.shape))
+        rows[support] = csr_array(vstack([points, projected]))
+        rows[support].eliminate_zeros()
+    return rows
 
 
 def _free_rows(frame: Floats, removed: Ints, first: Ints, total: int) -> csr_array:

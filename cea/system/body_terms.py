@@ -3,13 +3,7 @@
 By the path of the body in a scene, ``bodies.<name>``, the parameters are ``.material.E`` and
 ``.rho``, ``.damping.alpha`` and ``.beta``, ``.rotation.rate``; modal damping has its own.
 
-Damping that rotates with its body makes of displacements at rest in space, with B = int rho v . R u
-of the rotation (:mod:`cea.motion`), the pieces of the stiffness
-
-    alpha Omega B,    beta Omega K M^-1 B,    Omega sum_j 2 zeta_j omega_j (M phi_j) (B^T phi_j)^T,
-
-the last two full (:mod:`cea.eigen.unformed`). K is without the springs of the body, which stay
-where they are in space.
+Damping that rotates with its body adds circulatory pieces to the stiffness (:mod:`cea.motion`).
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -38,7 +32,7 @@ from cea.matrices import (
     side_by_side,
     zeros,
 )
-from cea.motion import Motion
+from cea.motion import Motion, Rotation
 from cea.petsc import Mat, PETSc
 
 if TYPE_CHECKING:  # brought in where modes are damped
@@ -72,37 +66,53 @@ class BodyTerms:
     @cached_property
     def pieces(self) -> tuple[Term | UnformedTerm[Circulatory], ...]:
         """K and M, and what rotation and Rayleigh damping make of them."""
-        own = (*self._of_body(), *self._of_constants(), *self._of_rotation())
-        return (*own, *self._carried())
+        own: list[Term | UnformedTerm[Circulatory]] = [*self._of_body()]
+        if self.body.material.entries and self._constants:
+            own += self._of_constants()
+        if self.motion.rotation is not None:
+            own += self._of_rotation(self.motion.rotation)
+        if self.motion.circulates:
+            own += self._carried()
+        return tuple(own)
 
     @cached_property
     def modal(self) -> tuple[UnformedTerm[LowRank], ...]:
         """Modal damping."""
-        modes = self._damped_modes
-        if modes is None or not self.with_mass:
+        if self.motion.modal is None or not self.with_mass:
             return ()
+        modes = self._damped_modes
         piece = LowRank(modes.images, modes.weights, self.rows.start)
-        return (UnformedTerm(piece, modes.coefficient),)
+        return (UnformedTerm(piece, self._modal_ratio),)
+
+    @cached_property
+    def _constants(self) -> Mapping[str, float]:
+        """Constants of the material that are parameters, by their names in it.
+
+        None of a solid that has several where damping belongs to its modes or rotates with it.
+        """
+        motion, constants = self.motion, self.body.material.constants
+        unknown = motion.circulates or motion.modal is not None
+        return {} if unknown and "E" not in constants else constants
 
     def parameters(self) -> Iterator[Parameter]:
         """Parameters of the body."""
-        path, motion, material = self.path, self.motion, self.body.material
+        path, motion = self.path, self.motion
+        fixed = motion.modal is not None  # modes of another material would be others
         convective = motion.rotation is not None and motion.rotation.convective_stiffness
-        if self._constant_by_constant or "E" in material.constants:
-            for name, value in material.constants.items():
-                positive, unit = name[0] in "EG", "1" if name[0] == "n" else "N/m^2"
-                own = f"{path}.material.{name}"
-                yield Parameter(own, value, unit, positive=positive, signed=not positive)
+        for name, value in self._constants.items():
+            positive, unit = name[0] in "EG", "1" if name[0] == "n" else "N/m^2"
+            own = f"{path}.material.{name}"
+            signs = {"positive": positive, "signed": not positive}
+            yield Parameter(own, value, unit, fixed=fixed, **signs)
         if self.with_mass or motion.circulates or convective:
-            rho = float(material.rho or 0)
-            yield Parameter(f"{path}.material.rho", rho, "kg/m^3", positive=True)
+            own, rho = f"{path}.material.rho", float(self.body.material.rho or 0)
+            yield Parameter(own, rho, "kg/m^3", positive=True, fixed=fixed)
         if motion.damping is not None:
             yield Parameter(f"{path}.damping.alpha", motion.damping.alpha, "1/s")
             yield Parameter(f"{path}.damping.beta", motion.damping.beta, "s")
         if motion.modal is not None:
-            from cea.system.modal_damping import modal_parameter
-
-            yield modal_parameter(path, motion.modal)
+            field, value = motion.modal.parameter
+            yield Parameter(f"{path}.damping.modal.{field}", value)
         if motion.rotation is not None:
             yield Parameter(f"{path}.rotation.rate", motion.rotation.rate, "rad/s")
 
@@ -144,24 +154,25 @@ class BodyTerms:
 
     @property
     def _stiffness(self) -> Coefficient:
-        """Young's modulus, relative to its own; 1 of a solid that has several."""
-        E = self.body.material.constants.get("E")
-        return CONSTANT if E is None else Coefficient.of({f"{self.path}.material.E": (E, 1.0)})
-
-    @property
-    def _constant_by_constant(self) -> bool:
-        """Whether each constant of a solid that has several is a parameter.
-
-        Where damping depends on modes or rotates with the body it is not known at others.
-        """
-        several = bool(self.body.material.entries)
-        return several and not (self.motion.circulates or self.motion.modal)
+        """Young's modulus, relative to its own, where it may change."""
+        if "E" not in self._constants or self.motion.modal is not None:
+            return CONSTANT
+        return Coefficient.of({f"{self.path}.material.E": (self._constants["E"], 1.0)})
 
     @property
     def _mass(self) -> Coefficient:
-        """Density, relative to its own."""
+        """Density, relative to its own, where it may change."""
+        if self.motion.modal is not None:
+            return CONSTANT
         rho = float(self.body.material.rho or 0)
         return Coefficient.of({f"{self.path}.material.rho": (rho, 1.0)})
+
+    @property
+    def _modal_ratio(self) -> Coefficient:
+        """The ratio of damped modes, or the factor on their ratios."""
+        assert self.motion.modal is not None
+        field, _ = self.motion.modal.parameter
+        return Coefficient.of({f"{self.path}.damping.modal.{field}": (1.0, 1.0)})
 
     def _of_body(self) -> Iterator[Term]:
         """K, M and their Rayleigh damping; springs do not grow with E."""
@@ -190,7 +201,7 @@ class BodyTerms:
             entry = (material.matrix_of(own) - material.elasticity.matrix)[place]
             return entry * values[factor] if factor else entry
 
-        for place, own in material.entries.items() if self._constant_by_constant else ():
+        for place, own in material.entries.items():
             unit = np.zeros((6, 6))
             unit[place] = unit[place[::-1]] = 1.0
             make = cache(partial(self._stiffness_of, Elasticity(unit, material.axes)))
@@ -204,25 +215,24 @@ class BodyTerms:
         """K of another law."""
         return self.placed(self.body.reduced(self.body.space.stiffness(law)))
 
-    def _of_rotation(self) -> Iterator[Term]:
+    def _of_rotation(self, rotation: Rotation) -> Iterator[Term]:
         """Omega Y and - Omega^2 Z."""
-        rotation, rate = self.motion.rotation, f"{self.path}.rotation.rate"
-        if rotation is not None and self.with_mass:
+        rate = f"{self.path}.rotation.rate"
+        if self.with_mass:
             Y = self.placed(self.body.gyroscopic(rotation))
             yield Term("damping", Y, self._mass.times(rate), symmetric=False)
-        if rotation is not None and rotation.convective_stiffness:
+        if rotation.convective_stiffness:
             Z = self.placed(self.body.convective_stiffness(rotation))
             yield Term("stiffness", Z, self._mass.times(rate, 2.0, factor=-1.0))
 
     def _carried(self) -> Iterator[Term | UnformedTerm[Circulatory]]:
         """What damping that a rotation carries along makes: the sparse piece, and full ones."""
-        rotation, damping, modes = self.motion.rotation, self.motion.damping, self._damped_modes
-        if rotation is None or not self.motion.circulates:
-            return
+        rotation, damping = self.motion.rotation, self.motion.damping
+        assert rotation is not None
         rate = f"{self.path}.rotation.rate"
         B = self.body.gyroscopic(rotation.of_material)
         B.scale(0.5)
-        if modes is not None and len(modes.weights):
+        if self.motion.modal is not None and len((modes := self._damped_modes).weights):
             layout, comm = (PETSc.DECIDE, len(modes.weights)), self.body.expansion.comm
             left, turned = (
                 self.placed(distributed(csr_array(columns), layout, comm), columns=False)
@@ -231,7 +241,7 @@ class BodyTerms:
             one = identity(left.getLocalSize()[1], left.comm)
             piece = Circulatory(left, one, turned.transpose(PETSc.Mat()))
             destroy(turned)
-            yield UnformedTerm(piece, modes.coefficient.times(rate))
+            yield UnformedTerm(piece, self._modal_ratio.times(rate))
         if damping is None:
             return
         K, springs = self.body.stiffness(), self.body.spring_stiffness()
@@ -244,10 +254,9 @@ class BodyTerms:
         yield UnformedTerm(Circulatory(left, self.body.mass(), right), beta)
 
     @cached_property
-    def _damped_modes(self) -> "DampedModes | None":
-        """Modes that are damped one by one; None without modal damping."""
-        if self.motion.modal is None:
-            return None
+    def _damped_modes(self) -> "DampedModes":
+        """Modes that modal damping damps."""
+        assert self.motion.modal is not None
         from cea.system.modal_damping import damped_modes
 
         return damped_modes(self.path, self.body, self.motion.modal)

@@ -1,6 +1,6 @@
-"""Normal stresses of both sides of a contact: over the surfaces, along a line and as maps."""
+"""Normal stresses of both sides of a contact: over the surfaces, along a line, at given points."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,7 +9,6 @@ import numpy as np
 from cea.arrays import Floats
 from cea.body import Body
 from cea.contact.contact import Contact
-from cea.errors import require
 from cea.material import Material
 from cea.surface import Surface
 from cea.surface_points import SurfaceCoordinates
@@ -39,18 +38,6 @@ class NormalStress:
         return self.max - self.min
 
 
-@dataclass(frozen=True)
-class StressMap:
-    """Normal stress of both sides of a flat contact at the same points of its plane."""
-
-    # coordinates in the plane (m), shapes (n,) and (n,), along :attr:`axes`
-    u: Floats
-    v: Floats
-    axes: Floats  # unit vectors of u and v, shape (2, 3)
-    # normal stress (N/m^2) of sides "a" and "b", each (n, n), v by rows; NaN beside a surface
-    sigma_n: Mapping[str, Floats]
-
-
 def contact_stresses(
     system: CoupledSystem, contact_name: str, x: Any, samples: int
 ) -> dict[str, NormalStress]:
@@ -67,24 +54,19 @@ def contact_stresses(
     return stresses
 
 
-def stress_map(system: CoupledSystem, contact_name: str, x: Any, samples: int) -> StressMap:
-    """Stresses of both sides of a flat contact on one grid over side a."""
+def stresses_at(
+    system: CoupledSystem, contact_name: str, x: Any, points: Floats
+) -> dict[str, Floats]:
+    """Stresses of sides "a" and "b" where points (m) lie on them along the mean normal of a.
+
+    Shape (n,) each, NaN beside a side.
+    """
     contact = _contact(system, contact_name)
-    a = contact.interface.a
-    require(a.dim == 3, "dim", a.dim, "3: the contact of bodies in the plane is a curve")
-    corners, normal = _corners(contact)
-    axes = _plane_axes(normal)
-    centre = corners.mean(axis=0)
-    low, high = (bound((corners - centre) @ axes.T, axis=0) for bound in (np.min, np.max))
-    u, v = (np.linspace(start, stop, samples) for start, stop in zip(low, high, strict=True))
-    grid = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    points = centre + grid @ axes
-    direction = np.broadcast_to(normal, points.shape)
-    maps = {
-        side: _stress_at(surface, body, moved, points, direction).reshape(samples, samples)
-        for side, surface, body, moved in _sides(system, contact, x)
+    direction = np.broadcast_to(_corners(contact)[1], points.shape)
+    return {
+        side: _stress_at(surface, body, displacement, points, direction)
+        for side, surface, body, displacement in _sides(system, contact, x)
     }
-    return StressMap(u + axes[0] @ centre, v + axes[1] @ centre, axes, maps)
 
 
 def pressure_along(
@@ -145,15 +127,6 @@ def _corners(contact: Contact) -> tuple[Floats, Floats]:
     points = contact.interface.a.grid(2)
     normal = points.normal.mean(axis=0)
     return points.x, normal / np.linalg.norm(normal)
-
-
-def _plane_axes(normal: Floats) -> Floats:
-    """Two unit vectors across a normal, near the coordinate axes least along it, shape (2, 3)."""
-    across = np.delete(np.eye(3), np.argmax(np.abs(normal)), axis=0)
-    first = across[0] - (across[0] @ normal) * normal
-    first /= np.linalg.norm(first)
-    second = np.cross(normal, first)
-    return np.stack([first, second * np.sign(second @ across[1])])
 
 
 def _diagonal(contact: Contact, samples: int) -> tuple[Floats, Floats, Floats]:

@@ -22,7 +22,7 @@ By the path of the contact in a scene, ``contacts.<name>``, the parameters of th
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import inf
+from math import inf, log10
 from typing import Any
 
 import numpy as np
@@ -74,32 +74,51 @@ def contact_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:
     yield from of_friction
 
 
-def penalty_digits(contacts: Sequence[Contact], stiffness: Floats) -> dict[str, float]:
-    """Digits that the penalty form costs, by contact; none where gaps are projected.
+def penalty_digits(
+    bodies: Mapping[str, Body], contacts: Sequence[Contact], values: Mapping[str, float]
+) -> dict[str, float]:
+    """Digits that the penalty form costs at some P and E, by contact; none of projected gaps.
 
     log10 of the largest diagonal entry of K_n relative to that of K, given by the rows of this
     rank; infinite where sides are tied.
     """
-    return {
-        name: max(0.0, *(_lost(half, stiffness) for half in halves))
-        for name, halves in by_pair(contacts).items()
-    }
+    stiffness, digits = stiffness_diagonal(bodies, values), {}
+    for name, halves in by_pair(contacts).items():
+        own = sum(half.P for half in halves)
+        changed = values.get(f"contacts.{name}.P")
+        factor = 1.0 if changed is None else changed / own
+        if halves[0].tied or factor == inf:
+            digits[name] = inf
+        else:
+            ratio = factor * max(_stiffness_ratio(half, stiffness) for half in halves)
+            digits[name] = max(0.0, log10(ratio))
+    return digits
 
 
-def _lost(contact: Contact, stiffness: Floats) -> float:
-    if contact.tied:
-        return inf
+def _stiffness_ratio(contact: Contact, stiffness: Floats) -> float:
+    """Largest entry of the diagonal of K_n relative to that of K, where it is known and added."""
+    least = float(np.finfo(float).tiny)
     if contact.awaits_state or (contact.is_projected and contact.law.linear):
-        return 0.0
+        return least
     if contact.penalty_only:
         own = diagonal_of(contact.K_n)
     else:
         squares = squared(contact.gap)
         own = applied(squares, contact.weight(contact.slope), transposed=True)
         destroy(squares)
-    least = float(np.finfo(float).tiny)
-    ratio = contact.interface.comm.allreduce((own / stiffness).max(initial=least), MPI.MAX)
-    return float(np.log10(ratio))
+    return contact.interface.comm.allreduce((own / stiffness).max(initial=least), MPI.MAX)
+
+
+def stiffness_diagonal(bodies: Mapping[str, Body], values: Mapping[str, float]) -> Floats:
+    """Diagonal of K of all bodies at some E (N/m), the rows of this rank; springs have none."""
+    parts = []
+    for name, body in bodies.items():
+        E = body.material.means[0]
+        factor = values.get(f"bodies.{name}.material.E", E) / E
+        parts.append(factor * diagonal_of(body.stiffness()))
+        if (springs := body.spring_stiffness()) is not None:
+            parts[-1] += (1.0 - factor) * diagonal_of(springs)
+    return np.concatenate(parts)
 
 
 def form_for(digits: float) -> Form:
@@ -107,13 +126,13 @@ def form_for(digits: float) -> Form:
     return "saddle" if digits > MOST_DIGITS else "penalty"
 
 
-def with_forms(contacts: Sequence[Contact], stiffness: Floats) -> tuple[Contact, ...]:
-    """Contacts whose forms are all chosen, with the diagonal of K as :func:`penalty_digits`.
+def with_forms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> tuple[Contact, ...]:
+    """Contacts whose forms are all chosen.
 
     Lumped ones have no other than the penalty. Where the stiffness of a contact is not known before
     a state of steady sliding is, the form stays open.
     """
-    digits, chosen = penalty_digits(contacts, stiffness), []
+    digits, chosen = penalty_digits(bodies, contacts, {}), []
     for contact in contacts:
         if contact.form is None and not contact.awaits_state:
             form = "penalty" if contact.penalty_only else form_for(digits[contact.pair])
@@ -168,7 +187,7 @@ def _references(halves: Sequence[Contact]) -> dict[str, float]:
     references = {}
     for name in _KINDS:
         some = [half.sliding for half in halves if name != "speed" or half.slip is not None]
-        given = [values for each in some if (values := getattr(each, name, None)) is not None]
+        given = [values for each in some if (values := getattr(each, name)) is not None]
         if given:
             values = np.concatenate(given)
             references[name] = 1.0 if np.ptp(values) else float(values[0])
@@ -180,8 +199,7 @@ def _damping(
 ) -> Iterator[tuple[str, Any]]:
     """C of the turning direction, kind "speed", and of the slope of friction, PETSc AIJ (N s/m)."""
     sliding, interface = contact.sliding, contact.interface
-    if sliding is None:
-        return
+    assert sliding is not None
     points, rows, k = interface.local_points, interface.rows, contact.friction_direction()
     if sliding.pressure is not None:
         pressure = share * sliding.pressure

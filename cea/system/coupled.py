@@ -5,10 +5,8 @@
 On every rank the unknowns are the free dofs of the first body, then those of the second, and so on.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
-from math import inf, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +17,7 @@ from cea.contact.contact import Contact, assembled, by_pair
 from cea.contact.saddle import forces_of_contacts
 from cea.eigen.pencil import Pencil, Term
 from cea.errors import InputError, ResultWarning
-from cea.matrices import applied, block_diagonal, diagonal_of
+from cea.matrices import applied
 from cea.motion import Motion
 from cea.petsc import PETSc
 from cea.system.body_terms import BodyTerms
@@ -31,6 +29,7 @@ from cea.system.contact_terms import (
     penalty_warnings,
     sliding_parameters,
     sliding_terms,
+    stiffness_diagonal,
     with_forms,
 )
 
@@ -61,19 +60,6 @@ class CoupledSystem:
         """Number of unknowns."""
         return int(self.template.getSize())
 
-    @cached_property
-    def stiffness(self) -> Any:
-        """K of all bodies, PETSc AIJ (N/m)."""
-        return self._diagonal(lambda body: body.stiffness())
-
-    @cached_property
-    def mass(self) -> Any | None:
-        """M of all bodies, PETSc AIJ (kg), None in static scenes."""
-        return self._diagonal(lambda body: body.mass()) if self.with_mass else None
-
-    def _diagonal(self, matrix_of: Callable[[Body], Any]) -> Any:
-        return block_diagonal([matrix_of(body) for body in self.bodies.values()]).convert("aij")
-
     @property
     def softens(self) -> bool:
         """Whether a rotation softens a body that is at rest in space."""
@@ -85,26 +71,14 @@ class CoupledSystem:
 
         Of kind ``penalty-rounding``.
         """
-        digits = {name: self._digits_at(name, values) for name in by_pair(self.contacts)}
+        digits = penalty_digits(self.bodies, self.contacts, values)
         return penalty_warnings(self.contacts, digits)
 
     def keeps_form(self, contact: str, values: Mapping[str, float]) -> bool:
         """Whether a contact would take the form it has if some parameters had other values."""
-        form = form_for(self._digits_at(contact, values))
         halves = by_pair(self.contacts)[contact]
+        form = form_for(penalty_digits(self.bodies, halves, values)[contact])
         return all(half.lumped is not None or half.form == form for half in halves)
-
-    def _digits_at(self, contact: str, values: Mapping[str, float]) -> float:
-        """Digits that the penalty form costs at other P and E; infinite where it is not known."""
-        halves = by_pair(self.contacts)[contact]
-        before = sum(half.P for half in halves)
-        P = values.get(f"contacts.{contact}.P", before)
-        if inf in (P, before):
-            return inf
-        if halves[0].is_projected and halves[0].law.linear:
-            return 0.0
-        stiffness = _stiffness_diagonal(self.bodies, values)
-        return penalty_digits(halves, stiffness)[contact] + log10(P / before)
 
     def vector(self) -> Any:
         """A new PETSc vector of unknowns, all zero."""
@@ -133,13 +107,12 @@ class CoupledSystem:
         for name, matrix in self.prestress.items():
             terms.append(Term("stiffness", self.pieces[name].placed(matrix)))
         terms += contact_terms(self.contacts, eliminate=eliminate)
-        if self.with_mass:
-            terms += sliding_terms(self.bodies, self.contacts)
+        sliding = [each for each in self.contacts if self.with_mass and each.sliding is not None]
+        terms += sliding_terms(self.bodies, sliding)
         parameters = [one for each in self.pieces.values() for one in each.parameters()]
         parameters += contact_parameters(self.contacts)
-        if self.with_mass:
-            parameters += sliding_parameters(self.contacts)
-        stiffness = _stiffness_diagonal(self.bodies, {})
+        parameters += sliding_parameters(sliding)
+        stiffness = stiffness_diagonal(self.bodies, {})
         return Pencil(
             terms,
             parameters,
@@ -162,7 +135,7 @@ class CoupledSystem:
             for name, body in self.bodies.items()
             if geometric_stiffness
         }
-        formed = with_forms(contacts, _stiffness_diagonal(self.bodies, {}))
+        formed = with_forms(self.bodies, contacts)
         return replace(self, contacts=formed, steady=steady, prestress=prestress)
 
     def displacement(self, x: Any, body: str, *, everywhere: bool = True) -> Floats:
@@ -206,24 +179,12 @@ def couple(
         pieces[name] = BodyTerms(name, body, motion, with_mass, sizes, number)
     return CoupledSystem(
         bodies=bodies,
-        contacts=with_forms(made, _stiffness_diagonal(bodies, {})),
+        contacts=with_forms(bodies, made),
         template=template,
         load=_load(bodies, made, template) if with_load else None,
         pieces=pieces,
         with_mass=with_mass,
     )
-
-
-def _stiffness_diagonal(bodies: Mapping[str, Body], values: Mapping[str, float]) -> Floats:
-    """Diagonal of K of all bodies at some E (N/m), the rows of this rank; springs have none."""
-    parts = []
-    for name, body in bodies.items():
-        E = body.material.means[0]
-        factor = values.get(f"bodies.{name}.material.E", E) / E
-        parts.append(factor * diagonal_of(body.stiffness()))
-        if (springs := body.spring_stiffness()) is not None:
-            parts[-1] += (1.0 - factor) * diagonal_of(springs)
-    return np.concatenate(parts)
 
 
 def _load(bodies: Mapping[str, Body], contacts: Iterable[Contact], template: Any) -> Any:

@@ -1,11 +1,9 @@
-"""Forces that supports bear, and the equilibrium of every body as a whole.
+"""Forces that supports bear, and the equilibrium of every body.
 
     r = K u - F - (forces of the contacts)
 
 over all dofs of a body is what its supports put on it: it is divided among them along the
-directions that each holds (:mod:`cea.supports.constraints`). The resultants of loads, springs,
-contacts and supports on a body, and their moments, add up to zero, and so do the forces of a
-contact on its two sides.
+directions that each holds (:mod:`cea.supports.constraints`), and nothing may be left over.
 
 Contacts are assembled on all dofs of the bodies, as if nothing held them. Where their forces are
 unknowns of what was solved they are taken from there, for gaps do not tell those of stiff and tied
@@ -18,8 +16,8 @@ forces are K (u + beta Omega M^-1 B u), K without springs. What modal damping do
 modes do not tell: M phi and K phi / omega^2 are the same at free dofs alone.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -34,21 +32,11 @@ from cea.matrices import applied, destroy, distributed, local_part, scaled_total
 from cea.system.body_terms import BodyTerms
 from cea.system.coupled import CoupledSystem
 
-_BALANCED = 1e-8  # sum of forces, relative to the largest of them, that counts as none
+_BALANCED = (
+    1e-8  # forces left over, relative to the largest that acts on a body, that count as none
+)
 _ROUNDING = 10.0 * float(np.finfo(float).eps)
 """The same relative to the sum of products of stiffnesses and displacements."""
-
-
-@dataclass(frozen=True)
-class SideForces:
-    """Forces of a contact on one of its bodies."""
-
-    contact: str  # name of the contact
-    body: str  # name of the body
-    forces: Floats  # on all its dofs (N), the same on every rank, shape (num_scalar_dofs, dim)
-    # sum of stiffness times displacements of the sides (N), of which forces are small differences
-    # where gaps tell them
-    size: float
 
 
 def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dict[str, Floats]:
@@ -62,114 +50,67 @@ def support_reactions(system: CoupledSystem, x: Any, multipliers: Floats) -> dic
     Raises
     ------
     ConvergenceError
-        When the forces on a body, or of a contact on its two sides, do not add up to zero; the
-        reactions are attached.
+        When the forces on a body are not in equilibrium; the reactions are attached.
     """
     moved = {name: system.displacement(x, name) for name in system.bodies}
-    sides = list(forces_on_bodies(system, moved, multipliers))
+    of_contacts, size = contact_forces(system, moved, multipliers)
     reactions, unbalanced = {}, []
     for name, pieces in system.pieces.items():
         if pieces.motion.modal is not None and pieces.motion.rotation is not None:
             continue
-        body, on_body = pieces.body, [side for side in sides if side.body == name]
-        supports, parts, size = _on_body(pieces, x, moved[name], on_body)
+        supports, left, allowed = _on_body(pieces, x, moved[name], of_contacts[name], size)
         if len(supports):
             reactions[name] = supports.sum(axis=1)
-        parts |= {f"support {number}": part for number, part in enumerate(supports)}
-        unbalanced += _unbalanced(name, parts, size, body.space.dof_positions)
-    for name in dict.fromkeys(side.contact for side in sides):
-        both = [side for side in sides if side.contact == name]
-        size = sum(float(np.abs(side.forces).sum()) + side.size for side in both)
-        on_sides: dict[str, Floats] = {}
-        for side in both:
-            label = f"on {side.body}"
-            on_sides[label] = on_sides.get(label, 0.0) + side.forces.sum(axis=0, keepdims=True)
-        unbalanced += _unbalanced(f"contact {name}", on_sides, size)
+        if left > allowed:
+            unbalanced.append(f"{left:.3g} N are left over on {name}, where {allowed:.1g} N may")
     # Sums of all ranks may differ by rounding from rank to rank.
     unbalanced = system.template.comm.tompi4py().bcast(unbalanced)
     if unbalanced:
-        message = "forces, or their moments, do not add up to zero"
-        raise ConvergenceError(f"{message}: {'; '.join(unbalanced)}", best=reactions)
+        raise ConvergenceError(f"forces do not balance: {'; '.join(unbalanced)}", best=reactions)
     return reactions
 
 
-def _unbalanced(
-    of: str, parts: Mapping[str, Floats], size: float, x: Floats | None = None
-) -> list[str]:
-    """What forces act on, with their resultants, if they do not add up to zero, or their moments.
-
-    Forces at dofs (N), shape (n, dim), by what puts them on, their positions (m) about whose middle
-    moments are taken, and what rounding is relative to. Without positions, as where the trial space
-    has no rotation, there are no moments.
-    """
-    forces = np.array([part.sum(axis=0) for part in parts.values()])
-    left = _left(forces, 0.0, size)
-    if x is not None:
-        arms = x - x.mean(axis=0)
-        radius = float(np.linalg.norm(arms, axis=1).max())
-        moments = np.array([_moment(arms, part) for part in parts.values()])
-        largest = float(np.linalg.norm(forces, axis=1).max(initial=0.0))
-        left = max(left, _left(moments, largest * radius, size * radius))
-    if left <= 1:
-        return []
-    shown = (", ".join(f"{component:.6g}" for component in force) for force in forces)
-    return [f"{of}: {', '.join(f'{p} ({f})' for p, f in zip(parts, shown, strict=True))} N"]
-
-
-def _left(vectors: Floats, largest: float, size: float) -> float:
-    """Length of a sum of vectors in parts of what counts as none: 1 or less."""
-    largest = max(largest, float(np.linalg.norm(vectors, axis=1).max(initial=0.0)))
-    allowed = _BALANCED * largest + _ROUNDING * size + np.finfo(float).tiny
-    return float(np.linalg.norm(vectors.sum(axis=0)) / allowed)
-
-
-def _moment(arms: Floats, force: Floats) -> Floats:
-    """Moment (N m) of forces at dofs (N), shape (n, dim), with their arms (m)."""
-    if force.shape[1] == 2:
-        return np.array([(arms[:, 0] * force[:, 1] - arms[:, 1] * force[:, 0]).sum()])
-    return np.asarray(np.cross(arms, force).sum(axis=0))
-
-
 def _on_body(
-    pieces: BodyTerms, x: Any, u: Floats, sides: Sequence[SideForces]
-) -> tuple[Floats, dict[str, Floats], float]:
+    pieces: BodyTerms, x: Any, u: Floats, of_contacts: Floats, size: float
+) -> tuple[Floats, float, float]:
     """Forces on a body at displacements x of all free dofs and u of its own, at all its dofs (N).
 
-    Those of each support, shape (supports, num_scalar_dofs, dim), the others by what puts them on,
-    and the sum of what all of them are small differences of.
+    Those of each support, shape (supports, num_scalar_dofs, dim), the norm of what is left over,
+    and what may be: forces of contacts are small differences of numbers of a size (N), others of
+    what is added to it.
     """
     body, load, strain = pieces.body, pieces.body.full_load(), pieces.strain(x)
-    parts = {"loads": np.concatenate(body.comm.allgather(load)).reshape(-1, body.dim)}
+    loads = np.concatenate(body.comm.allgather(load)).reshape(-1, body.dim)
     strained = u if strain is None else u + np.concatenate(body.comm.allgather(strain))
-    elastic, size = _times(body.space.stiffness(body.material.elasticity), strained, body)
-    for label, factor, matrix in _of_space(pieces):
-        product, of_product = _times(matrix, u, body)
-        parts[label] = factor * product
+    elastic, of_product = _times(body.space.stiffness(body.material.elasticity), strained, body)
+    parts, size = [elastic, -loads, -of_contacts], size + of_product
+    for factor, matrix in _of_space(pieces):
+        image, of_product = _times(matrix, u, body)
+        parts.append(-factor * image)
         size += abs(factor) * of_product
-    for side in sides:
-        label = f"contact {side.contact}"
-        parts[label] = parts.get(label, 0.0) + side.forces
-        size += side.size
-    size += sum(float(np.abs(part).sum()) for part in parts.values())
-    dofs, held = body.support_forces(elastic - sum(parts.values()))
-    supports = np.zeros((len(held), *elastic.shape))
+    rest = sum(parts, np.zeros_like(elastic))
+    dofs, held = body.support_forces(rest)
+    supports = np.zeros((len(held), *rest.shape))
     supports[:, dofs] = held
-    return supports, parts, size
+    largest = max(np.linalg.norm(part.sum(axis=0)) for part in (*parts[1:], *supports))
+    size += sum(float(np.abs(part).sum()) for part in parts)
+    allowed = _BALANCED * float(largest) + _ROUNDING * size
+    return supports, float(np.linalg.norm(rest - supports.sum(axis=0))), allowed
 
 
-def _of_space(pieces: BodyTerms) -> Iterator[tuple[str, float, Any]]:
-    """Forces of displacements at rest in space on a body: labels, and factors on matrices."""
+def _of_space(pieces: BodyTerms) -> Iterator[tuple[float, Any]]:
+    """Forces of displacements at rest in space on a body: factors on matrices."""
     body, rotation, damping = pieces.body, pieces.motion.rotation, pieces.motion.damping
     if (springs := body.full_spring_stiffness()) is not None:
-        yield "springs", -1.0, springs
+        yield -1.0, springs
     if rotation is None:
         return
     if rotation.convective_stiffness:
         matrix = body.space.convective(body.density, rotation)
-        yield "convective stiffness", rotation.rate**2, matrix
+        yield rotation.rate**2, matrix
     if damping is not None and damping.alpha:
         matrix = body.space.gyroscopic(body.density, rotation.of_material)
-        yield "damping", -0.5 * damping.alpha * rotation.rate, matrix
+        yield -0.5 * damping.alpha * rotation.rate, matrix
 
 
 def _times(matrix: Any, u: Floats, body: Body) -> tuple[Floats, float]:
@@ -181,35 +122,38 @@ def _times(matrix: Any, u: Floats, body: Body) -> tuple[Floats, float]:
     return image.reshape(-1, body.dim), size
 
 
-def forces_on_bodies(
+def contact_forces(
     system: CoupledSystem, moved: Mapping[str, Floats], multipliers: Floats
-) -> Iterator[SideForces]:
-    """Forces of contacts on both their sides in equilibrium, on held dofs too; collective."""
+) -> tuple[dict[str, Floats], float]:
+    """Forces (N) of all contacts on each body in equilibrium, on held dofs too; collective.
+
+    By body, on all its dofs, the same on every rank, shape (num_scalar_dofs, dim); and the sum of
+    the stiffnesses times displacements (N) of which they are small differences.
+    """
     bodies = {name: replace(body, supports=()) for name, body in system.bodies.items()}
     whole = {
         each.name: assembled(bodies, each, frictional=each.has_friction, leave_out=True)
         for each in system.contacts
     }
-    if not whole:
-        return
     own = {name: slice(*body.expansion.getOwnershipRange()) for name, body in bodies.items()}
     u = np.concatenate([moved[name][dofs] for name, dofs in own.items()])
+    against, size = np.zeros(len(u)), 0.0
     for contact in system.contacts:
         of_all = whole[contact.name]
         if of_all.lumped is not None:
             stiffness = _difference(*of_all.lumped)
-            force = applied(stiffness, u)
+            against += applied(stiffness, u)
             destroy(stiffness)
         elif not contact.law.linear:
             assert contact.closure is not None
-            force = of_all.force(contact.law.pressure(contact.closure))
+            against += of_all.force(contact.law.pressure(contact.closure))
         elif not contact.has_multipliers:
-            force = of_all.force(contact.slope * of_all.closing(u))
+            against += of_all.force(contact.slope * of_all.closing(u))
         elif contact.prescribed is not None:
-            force = of_all.force(contact.slope * contact.prescribed)
+            against += of_all.force(contact.slope * contact.prescribed)
         else:
             continue
-        yield from _on_sides(bodies, contact, force, _size(contact, moved))
+        size += _size(contact, moved)
     linear = [contact for contact in system.contacts if contact.law.linear]
     for halves in with_multipliers(linear).values():
         every = [whole[half.name] for half in halves]
@@ -220,11 +164,16 @@ def forces_on_bodies(
         rows = csr_array(vstack(parts))
         f, multipliers = np.split(multipliers, [rows.shape[0]])
         reaction = distributed(rows, reactions[0].getSizes()[1], reactions[0].comm)
-        force = applied(reaction, f, transposed=True)
+        against += applied(reaction, f, transposed=True)
         destroy(reaction, *reactions)
-        yield from _on_sides(bodies, halves[0], force)
     for each in whole.values():
         destroy(each.gap, *(m for m in (each.slip, *(each.lumped or ())) if m is not None))
+    ends = np.cumsum([dofs.stop - dofs.start for dofs in own.values()])
+    forces = {
+        name: np.concatenate(bodies[name].comm.allgather(-part)).reshape(-1, bodies[name].dim)
+        for name, part in zip(own, np.split(against, ends[:-1]), strict=True)
+    }
+    return forces, size
 
 
 def _difference(one: Any, other: Any | None) -> Any:
@@ -240,15 +189,3 @@ def _size(contact: Contact, moved: Mapping[str, Floats]) -> float:
     for name, trace in sides:
         lengths += abs(trace) @ np.linalg.norm(moved[name].reshape(trace.shape[1], -1), axis=1)
     return interface.comm.allreduce(float(contact.weight(contact.slope) @ lengths))
-
-
-def _on_sides(
-    bodies: Mapping[str, Body], contact: Contact, force: Floats, size: float = 0.0
-) -> Iterator[SideForces]:
-    """A force against the motion (N), the dofs of this rank of all bodies, on both bodies."""
-    ends = np.cumsum([body.expansion.getLocalSize()[0] for body in bodies.values()])
-    parts = dict(zip(bodies, np.split(-force, ends[:-1]), strict=True))
-    for name in (contact.a, contact.b):
-        body = bodies[name]
-        whole = np.concatenate(body.comm.allgather(parts[name])).reshape(-1, body.dim)
-        yield SideForces(contact.pair, name, whole, size)

@@ -109,7 +109,7 @@ def bodies_of(scene: Scene) -> dict[str, Body]:
                 body_mesh(name, spec, ()), degree=2, mass_quadrature=MASS_QUADRATURE
             ),
             spec.material,
-            supports=[each.support() for each in spec.supports],
+            supports=spec.supports,
         )
         for name, spec in scene.bodies.items()
     }

@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 
 from cea.arrays import Floats
 from cea.contact.formulations import Formulation, GaussPointToSurface, Greville, Grid
-from cea.system.contact_stresses import pressure_along, stress_map
+from cea.system.contact_stresses import pressure_along, stresses_at
 from cea.timing import StageTimer
 from comparisons.paper.figure import (
     BACKENDS,
@@ -138,7 +138,9 @@ def stresses(result: Result) -> tuple[Floats, Floats, Row]:
     sides, interface = result.stresses[INTERFACE], result.interfaces[INTERFACE]
     x, system, P = result.displacement, result.system, result.scene.contacts[INTERFACE].P
     assert P is not None
-    plane = stress_map(system, INTERFACE, x, _MAP_SAMPLES)
+    ticks = np.linspace(0.0, _WIDTH, _MAP_SAMPLES)
+    across = np.stack(np.meshgrid(ticks, ticks, interface.points.x[0, 2:]), axis=-1)
+    plane = stresses_at(system, INTERFACE, x, across.reshape(-1, 3))
     p_gap = pressure_along(system, INTERFACE, x, P / interface.a.area, result.analysis.samples)
     line = [sides["a"].arc, *(sides[side].sigma_n_along for side in "ab"), p_gap]
     a, b = (sides[side].oscillation for side in "ab")
@@ -153,7 +155,8 @@ def stresses(result: Result) -> tuple[Floats, Floats, Row]:
         "oscillation_p_gap": float(np.ptp(p_gap[np.isfinite(p_gap)])),
         "seconds": result.timer.total,
     }
-    return np.stack(line), np.stack([shown(plane.sigma_n[side]) for side in "ab"]), row
+    maps = [shown(plane[side]).reshape(_MAP_SAMPLES, -1) for side in "ab"]
+    return np.stack(line), np.stack(maps), row
 
 
 def shown(stress: Floats) -> Floats:

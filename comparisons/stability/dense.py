@@ -59,7 +59,9 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
         analysis["geometric_stiffness"] = given["geometric_stiffness"]
     scene = read_scene({**data, "analysis": analysis, "contacts": contacts})
     system, _, _ = coupled(scene)
-    stiffness, mass = array(system.stiffness), array(system.mass)
+    bodies = system.bodies.values()
+    stiffness = block_diag(*(array(body.stiffness()) for body in bodies))
+    mass = block_diag(*(array(body.mass()) for body in bodies))
     compliant, stiff = [], []
     for contact in system.contacts:
         if contact.coupling == "lumped":
@@ -274,10 +276,9 @@ def _of_body(spec: DampingSpec, M: Floats, K: Floats, springs: Floats) -> Floats
         frequencies, ratios = omega / (2 * np.pi), np.zeros_like(omega)
         if modal.max_frequency is not None:
             ratios[frequencies <= modal.max_frequency] = modal.ratio
-        elif modal.frequencies is None:
-            ratios[: len(modal.ratios or ())] = modal.ratios
         else:
-            ratios = np.interp(frequencies, modal.frequencies, modal.ratios or (), right=0.0)
+            table = modal.frequencies or (), modal.ratios or ()
+            ratios = np.interp(frequencies, *table, right=0.0)
         damping += (images * (2 * ratios * omega)) @ images.T
     return damping
 

@@ -1,7 +1,7 @@
 """What is swept: a scene whose pencil is solved at points, or that is run in full at each."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -116,9 +116,10 @@ def mapped(
     found = SweptScene(assembled, table_of(fields, least, *samples), tuple(names))
     for values in (found.point(each) for each in zip(*found.points.ends, strict=True)):
         for name, value in values.items():
-            pencil.parameter(name).check(value)
-        with _without_map():  # modes that are damped one by one may be others there
-            pencil.check(values)
+            parameter = pencil.parameter(name)
+            # Modes that are damped one by one may be others there.
+            with _without_map() if parameter.fixed else nullcontext():
+                parameter.check(value)
     return found
 
 

@@ -113,7 +113,7 @@ def build_body(
         name,
         space,
         spec.material,
-        supports=[each.support() for each in spec.supports],
+        supports=spec.supports,
         springs=spec.springs,
         pressures=[Pressure(at, each.pressure) for at, each in places if each.pressure is not None],
         forces=[Force(force, at) for at, force in forces if force is not None],

@@ -229,7 +229,7 @@ class AssembledScene:
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
         try:
-            self.driver.pencil.check(values)
+            self.driver.pencil.values(values)
         except InputError:
             return False
         left_open = [name for name, each in self.scene.contacts.items() if each.form is None]

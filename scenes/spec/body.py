@@ -11,7 +11,6 @@ from cea.errors import require
 from cea.material import AnisotropicMaterial, IsotropicMaterial, OrthotropicMaterial
 from cea.motion import ModalDamping, RayleighDamping, Rotation
 from cea.supports.boundary import Spring, Support
-from cea.supports.frames import Cartesian, Cylindrical, Frame, SurfaceNormal
 from meshes.mesh_file import MeshFile
 from meshes.patches import NurbsFile, Patches
 from meshes.placement import Placement
@@ -53,69 +52,6 @@ def backend_name(backend: str) -> str:
 def file_name(name: str) -> str:
     """Name of a scene as files bear it: signs but letters, digits, _ and - become _."""
     return "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "_" for c in name)
-
-
-Component = Literal["x", "y", "z", "radial", "circumferential", "axial", "normal"]
-_CYLINDRICAL = ("radial", "circumferential", "axial")
-_COMPONENTS = (("x", "y", "z"), _CYLINDRICAL, ("normal",))
-"""Components of each frame; a support names those of one."""
-
-
-@dataclass(frozen=True)
-class SupportSpec:
-    """Displacement components held on a surface; every one when none is named.
-
-    Parameters
-    ----------
-    surface
-        Name of the surface.
-    components
-        Some of x, y, z; or of radial, circumferential, axial; or normal, a roller.
-    axis
-        Direction of the axis of radial, circumferential, axial; left out in 2D.
-    origin
-        A point of it (m), by default the origin.
-    value
-        Displacement (m) at which they are held: a number for each component named (for x, y, z
-        where none is), or one for all; by default zero. Small motions are held at zero.
-    """
-
-    surface: str
-    components: tuple[Component, ...] = ()
-    axis: tuple[float, float, float] | None = None
-    origin: tuple[float, ...] | None = None
-    value: float | tuple[float, ...] | None = None
-
-    def __post_init__(self) -> None:
-        components, count = list(self.components), len(self.components)
-        of_one = any(set(components) <= set(names) for names in _COMPONENTS)
-        frames = "of one frame: " + ", or ".join(", ".join(names) for names in _COMPONENTS)
-        require(of_one, "components", components, frames)
-        for name, value in (("axis", self.axis), ("origin", self.origin)):
-            allowed = "left out beside components other than radial, circumferential, axial"
-            require(value is None or self._cylindrical, name, value, allowed)
-        if isinstance(self.value, tuple) and count:
-            require(len(self.value) == count, "value", self.value, f"one number (m), or {count}")
-            allowed = "each once where each has a value"
-            require(len(set(components)) == count, "components", components, allowed)
-        self.support()
-
-    @property
-    def _cylindrical(self) -> bool:
-        return bool(set(self.components) & set(_CYLINDRICAL))
-
-    def support(self) -> Support:
-        """The support as backends take it."""
-        if not self.components:
-            return Support(self.surface, value=self.value)
-        names = next(names for names in _COMPONENTS if self.components[0] in names)
-        numbers, value = tuple(map(names.index, self.components)), self.value
-        if isinstance(value, tuple):
-            value = tuple(each for _, each in sorted(zip(numbers, value, strict=True)))
-        frame: Frame = Cartesian() if "x" in names else SurfaceNormal()
-        if self._cylindrical:
-            frame = Cylindrical(self.origin or (), self.axis or ())
-        return Support(self.surface, numbers, frame, value)
 
 
 @dataclass(frozen=True)
@@ -222,7 +158,7 @@ class BodySpec:
     geometry: Annotated[Shape, Field(discriminator="shape")]
     material: Material
     mesh: MeshSpec = field(default_factory=MeshSpec)
-    supports: tuple[SupportSpec, ...] = ()
+    supports: tuple[Support, ...] = ()
     springs: tuple[Spring, ...] = ()
     placement: Placement = field(default_factory=Placement)
     damping: DampingSpec | None = None

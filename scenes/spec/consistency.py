@@ -143,7 +143,7 @@ def _body_checks(faults: Faults, place: str, body: BodySpec) -> None:
     faults.of(body.placement.check, dim, f"{place}.placement")
     faults.of(body.material.elasticity.check, dim, f"{place}.material")
     for i, support in enumerate(body.supports):
-        faults.of(support.support().check, dim, f"{place}.supports.{i}")
+        faults.of(support.check, dim, f"{place}.supports.{i}")
         faults.of(check_surface, support.surface, known, f"{place}.supports.{i}.surface")
     for i, spring in enumerate(body.springs):
         lists = {f"{place}.springs.{i}.stiffness": spring.stiffness}
@@ -184,18 +184,17 @@ def _rotation_checks(faults: Faults, place: str, body: BodySpec, rotation: Rotat
 
     alike, allowed = _turns(stress, rotation, dim), "the same all round the rotation"
     faults.require(alike, f"{place}.material", body.material.kind, allowed)
-    for i, spec in enumerate(body.supports):
-        support = spec.support()
+    for i, support in enumerate(body.supports):
         at_rest = not (body.rotates_in_equilibrium and support.prescribes)
         allowed = "zero where a body rotates with damping or convective stiffness"
-        faults.require(at_rest, f"{place}.supports.{i}.value", spec.value, allowed)
+        faults.require(at_rest, f"{place}.supports.{i}.value", support.value, allowed)
 
         def held(x: Floats, normal: Floats, _: Floats, support: Support = support) -> Floats:
             directions = support.directions(x, normal)[:, 0]
             return directions.T @ directions
 
         alike = damping is None or _turns(held, rotation, dim)
-        faults.require(alike, f"{place}.supports.{i}", list(spec.components), _ALIKE)
+        faults.require(alike, f"{place}.supports.{i}", list(support.components), _ALIKE)
     for i, spring in enumerate(body.springs if damping is not None and damping.modal else ()):
         stiffness = spring.stiffness
         alike = _turns(lambda *_, k=stiffness: np.diag(k), rotation, dim)

@@ -37,7 +37,7 @@ _LATER = {
     "Patches": ("merge_nodes",),
     "Scene": ("units",),
     "StaticAnalysis": ("load_steps",),
-    "SupportSpec": ("value",),
+    "Support": ("value",),
 }
 """Fields that came later than stored numbers, which are found by fingerprints of their scenes: they
 do not stand there where they have their defaults."""

@@ -191,7 +191,7 @@ class Scene:
     @property
     def prescribes(self) -> bool:
         """Whether a support holds anything elsewhere than at zero."""
-        supports = [each.support() for body in self.bodies.values() for each in body.supports]
+        supports = (each for body in self.bodies.values() for each in body.supports)
         return any(support.prescribes for support in supports)
 
     def change(self, field: str | Mapping[str, Any], value: Any = None) -> "Scene":

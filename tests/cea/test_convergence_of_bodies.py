@@ -24,7 +24,7 @@ def slow(*values):
 
 def sliding(shape):
     """Supports that let a box slide along its walls."""
-    return [Support(name, ("xyz".index(name[0]),)) for name in shape.surfaces]
+    return [Support(name, (name[0],)) for name in shape.surfaces]
 
 
 def torsion(inner, outer):
@@ -58,7 +58,7 @@ def breathing(inner, outer):
 
 SQUARE, CUBE = Rectangle((1.0, 1.0)), Box((1.0, 1.0, 0.2))
 PLATE, BLOCK = Rectangle((1.3, 1.0)), Box((1.3, 1.0, 0.9))
-FACES = [Support("outer", (0, 1)), Support("bottom", (2,)), Support("top", (2,))]
+FACES = [Support("outer", ("x", "y")), Support("bottom", ("z",)), Support("top", ("z",))]
 BODIES = {
     # shape, supports, exact kappa, elements of n
     "square": (SQUARE, sliding(SQUARE), SHEAR * 2 * np.pi**2, lambda n: (n, n)),
@@ -74,7 +74,7 @@ BODIES = {
     ),
     "held ring": (
         Ring(0.5, 1.0),
-        [Support("inner", (0, 1))],
+        [Support("inner", ("x", "y"))],
         torsion(0.5, 1.0),
         lambda n: (n, 12 * n),
     ),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from motions import dense
+from scipy.linalg import block_diag
 from scipy.sparse import csr_array
 
 from cea.contact.compression import compressed
@@ -45,11 +46,12 @@ def precise(result):
         full = {n: np.einsum("qi,qc->qic", t, direction) for n, t in traces.items()}
         parts = [f.reshape(len(p), -1) @ dense(system.bodies[n].expansion) for n, f in full.items()]
         jumps.append(np.hstack(parts))
+    K, mass = (
+        block_diag(*(dense(getattr(body, kind)()) for body in system.bodies.values()))
+        for kind in ("stiffness", "mass")
+    )
     with flint.ctx.workprec(BITS):
-        psi, gap, slip, K, mass = (
-            flint.arb_mat(m.tolist())
-            for m in (psi, *jumps, dense(system.stiffness), dense(system.mass))
-        )
+        psi, gap, slip, K, mass = (flint.arb_mat(m.tolist()) for m in (psi, *jumps, K, mass))
         weight = [flint.arb(w) for w in points.weight.tolist()]
         share = [w / flint.arb(q) for w, q in zip(weight, p.tolist(), strict=True)]
         M = psi.transpose() * diagonal(share) * psi

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from cea.location import TOLERANCE, Chart, near_boxes
+from cea.location import TOLERANCE, Chart
 from cea.surface_points import Status, SurfaceCells
 
 
@@ -155,18 +155,3 @@ def test_the_nearer_of_two_floors_is_met(height):
     assert not found.missed.any()
     nearest = min((-height, -Floors.depth - height), key=abs)
     np.testing.assert_allclose(found.distance, nearest, atol=1e-12)
-
-
-@pytest.mark.parametrize("dim", [2, 3])
-@pytest.mark.parametrize("reach", [0.0, 0.07])
-def test_boxes_of_any_size_are_those_found_one_by_one(dim, reach):
-    rng = np.random.default_rng(3)
-    centre, x = rng.uniform(size=(80, dim)), rng.uniform(-0.2, 1.2, size=(120, dim))
-    half = 10.0 ** rng.uniform(-3, -0.5, size=(80, dim))
-    low, high = centre - half, centre + half
-    point, box = near_boxes(low, high, x, reach)
-    found = np.zeros((120, 80), dtype=int)
-    np.add.at(found, (point, box), 1)  # none twice
-    beside = np.maximum(low - x[:, None], x[:, None] - high).max(axis=2)
-    np.testing.assert_array_equal(found, beside <= reach)
-    assert 0 < found.sum() < found.size

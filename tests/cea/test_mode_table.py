@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blocks import two_blocks
 
-from cea.eigen.classify import cannot_grow, classify, classify_run, counted_words
+from cea.eigen.classify import cannot_grow, classify, classify_run
 from cea.eigen.spectrum import Spectrum, Window
 from cea.mode_table import shown_cells
 from scenes import read_scene, run_modes
@@ -77,20 +77,6 @@ def test_kappa_that_cannot_grow(kappa, errors, symmetric, free):
 )
 def test_word_of_a_run(words, complete, missing, word):
     assert classify_run(words, complete=complete, missing=missing) == word
-
-
-def test_counts_name_the_fastest_and_the_threshold():
-    words = ["grows slowly"] * 11 + ["stable", "rigid", "unstable"]
-    growth = [1e-4] * 10 + [1.3e-4, 0.0, 0.0, 2.0]
-    told = counted_words(words, growth, None)
-    for part in (
-        "11 modes grow slowly (fastest +0.00013 1/s)",
-        "1 rigid",
-        "1 unstable (fastest +2 1/s)",
-        "threshold 1e-4 |lambda|",
-    ):
-        assert part in told
-    assert "threshold 50 1/s" in counted_words(words, growth, 50.0)
 
 
 WINDOW = Window(100.0, 1e5, inf, 5, 1, inf, True, False, 4e5, 5, None)

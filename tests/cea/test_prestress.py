@@ -21,7 +21,7 @@ def slab(backend, dim, *supports):
     """A box of which the faces hold some components."""
     shape = Box((0.7, HEIGHT, 0.5)) if dim == 3 else Rectangle((0.7, HEIGHT))
     cell = None if backend == "iga" else {2: "quadrilateral", 3: "hexahedron"}[dim]
-    held = [Support(face, tuple(map("xyz".index, axes))) for face, axes in supports]
+    held = [Support(face, tuple(axes)) for face, axes in supports]
     return shape_body(shape, cell, 3, (1, 5, 1)[:dim], supports=held)
 
 

@@ -91,7 +91,7 @@ def odd():
     return pair
 
 
-HELD = [Support("z_min", (0, 2)), Support("x_max")]
+HELD = [Support("z_min", ("x", "z")), Support("x_max")]
 PAIRS = {
     "Q1 plane": lambda: divided("quadrilateral", 1),
     "Q2 plane": lambda: divided("quadrilateral", 2),

@@ -32,7 +32,11 @@ KINDS = {
     "alpha": {"alpha": 0.03},
     "beta": {"beta": 0.05},
     "modal": {"modal": {"ratio": 0.02, "max_frequency": 0.6}},
-    "all": {"alpha": 0.01, "beta": 0.03, "modal": {"ratios": [0.02, 0.02, 0.01, 0.01]}},
+    "all": {
+        "alpha": 0.01,
+        "beta": 0.03,
+        "modal": {"ratios": [0.02, 0.01], "frequencies": [0.2, 0.6]},
+    },
 }
 RATE = "bodies.part.rotation.rate"
 

@@ -156,7 +156,7 @@ def points_of(surface):
 @pytest.mark.parametrize(
     ("field", "options"),
     [
-        ("supports[0].surface", {"supports": [Support("lid", (0,))]}),
+        ("supports[0].surface", {"supports": [Support("lid", ("x",))]}),
         ("springs[0].surface", {"springs": [Spring("lid", (1.0, 1.0, 1.0))]}),
         ("pressures[0].surface", {"pressures": [Pressure("lid", 1.0)]}),
         ("springs[0].stiffness", {"springs": [Spring("top", (1.0, 1.0))]}),
@@ -221,7 +221,7 @@ def test_springs_and_forces_have_their_sums(flat):
 def test_supports_leave_what_they_do_not_hold(flat):
     low, _ = ends(flat)
     last = len(flat[0].size) - 1
-    part = made(flat, supports=[Support(low, (last,))])
+    part = made(flat, supports=[Support(low, ("xyz"[last],))])
     Z = to_numpy(part.expansion)
     np.testing.assert_allclose(Z.T @ Z, np.eye(Z.shape[1]), atol=1e-14)
     K = Z.T @ to_numpy(part.full_stiffness()) @ Z
@@ -290,7 +290,7 @@ def test_frequencies_of_the_stub_converge_at_twice_the_degree():
     exact = (lam + 2 * mu) / MATERIAL.rho * (np.pi / 0.8) ** 2
     errors, counts = [], (2, 4, 8)
     for n in counts:
-        rollers = [Support(end, (1,)) for end in ("bottom", "top")]
+        rollers = [Support(end, ("y",)) for end in ("bottom", "top")]
         part = made((PLATE, "stub", 1, (1, n)), supports=rollers)
         K, M, Z = (to_numpy(m) for m in (part.stiffness(), part.mass(), part.expansion))
         # Uniform along x: one unknown for each row of nodes.

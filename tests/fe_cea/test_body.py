@@ -21,7 +21,6 @@ from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.mesh import Mesh
 from cea.supports.boundary import Spring, Support
-from cea.supports.frames import SurfaceNormal
 from cea.timing import StageTimer
 from fe_cea.cell_location import Cells
 from meshes.shape_mesh import shape_mesh
@@ -85,9 +84,9 @@ def independent(mesh, degree, springs, mass_quadrature):
 
 
 HELD = {
-    "one component": (Support("side", (1,)),),
+    "one component": (Support("side", ("y",)),),
     "all components": (Support("side"),),
-    "normals": (Support("side", frame=SurfaceNormal()),),
+    "normals": (Support("side", ("normal",)),),
 }
 
 

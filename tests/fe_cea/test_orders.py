@@ -14,7 +14,7 @@ from lagrange_bodies import DIMENSION, FLAT, MATERIAL, ROUND, body_of
 from mpi4py import MPI
 from scipy.sparse.linalg import spsolve
 
-from cea.location import locate_along
+from cea.location import Chart
 from cea.surface_points import SurfaceCoordinates
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
@@ -112,7 +112,7 @@ def test_location_agrees_with_brute_force_on_curved_surfaces(cell, name, count):
     found = surface.locate(x, aim, 0.1)
     assert 0.05 * count < found.missed.sum() < 0.9 * count
     for part in np.split(np.arange(count), range(2000, count, 2000)):
-        slow = locate_along(EveryPair(surface), x[part], aim[part], 0.1)
+        slow = Chart.locate(EveryPair(surface), x[part], aim[part], 0.1)
         assert np.array_equal(found.status[part], slow.status)
         hit = ~slow.missed
         np.testing.assert_allclose(found.distance[part][hit], slow.distance[hit], atol=1e-8)

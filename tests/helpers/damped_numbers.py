@@ -38,8 +38,9 @@ def damped_disc(backend, **fields):
 
 
 def modally_damped_disc(backend, **fields):
-    """The same with modal damping: one ratio of the disc, a list of the pad beside Rayleigh's."""
+    """The same with modal damping: one ratio of the disc, a table of the pad beside Rayleigh's."""
     data = damped_disc(backend, **fields)
     data["bodies"]["disc"]["damping"] = {"modal": {"ratio": 0.02, "max_frequency": 0.45}}
-    data["bodies"]["pad"]["damping"]["modal"] = {"ratios": [0.01, 0.0, 0.03, 1e-6, 0.02]}
+    table = {"ratios": [0.01, 0.0, 0.03], "frequencies": [0.1, 0.3, 0.5]}
+    data["bodies"]["pad"]["damping"]["modal"] = table
     return data

@@ -143,7 +143,7 @@ def facts(scene):
     matrices = [system.pencil().at().stiffness]
     matrices += [contact.K_n for contact in system.contacts if contact.has_pressure]
     matrices += [body.stiffness() for body in system.bodies.values()]
-    matrices += [] if system.mass is None else [system.mass]
+    matrices += [body.mass() for body in system.bodies.values() if system.with_mass]
     shown = {name: data.get(name) for name in ("contacts", "dofs", "stresses", "skipped")}
     shown["asymmetry"] = [asymmetry(matrix) for matrix in matrices]
     if result.spectrum is None:

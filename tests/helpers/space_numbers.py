@@ -40,7 +40,7 @@ def _conditions(surfaces, dim):
     held, pressed = surfaces[0], surfaces[-1]
     return {
         "material": PLASTIC,
-        "supports": [Support(held, (0,))],
+        "supports": [Support(held, ("x",))],
         "springs": [Spring(held, (1.0, 2.0, 3.0)[:dim])],
         "pressures": [Pressure(pressed, 0.3)],
         "forces": [Force((0.1, 0.0, 0.2)[:dim]), Force((0.1, 0.3, 0.0)[:dim], pressed)],

@@ -102,7 +102,7 @@ def ours(scene, quadrature, top):
             body_mesh(name, spec, ()),
             degree=spec.fe_degree,
             material=spec.material,
-            supports=[support.support() for support in spec.supports],
+            supports=spec.supports,
             mass_quadrature=quadrature,
         )
         for name, spec in scene.bodies.items()

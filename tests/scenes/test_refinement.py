@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from cea.errors import InputError
+from cea.supports.boundary import Support
 from meshes.breaks import breaks_of
 from meshes.edge_layers import RATIO
 from meshes.shapes import Hub
 from scenes import SceneError, load_scene, scene_names
 from scenes.refinement.meshes import Resolution, has_singular_edges, moved_to_mortar, refined
 from scenes.refinement.singular_edges import singular_edges
-from scenes.spec.body import SupportSpec
 from scenes.spec.plain import scene_text
 
 DISC_PAD = load_scene("disc_pad")
@@ -81,7 +81,7 @@ def test_rollers_and_closed_bodies_have_no_singular_edges(name):
 def test_the_edge_of_a_hub_is_re_entrant():
     hub = Hub(0.02, 0.04, 0.1, 0.0, 0.01, -0.02, 0.01)
     scene = load_scene("disc")
-    body = replace(scene.bodies["disc"], geometry=hub, supports=(SupportSpec("bore"),))
+    body = replace(scene.bodies["disc"], geometry=hub, supports=(Support("bore"),))
     found = singular_edges(replace(scene, bodies={"disc": body}), "disc")
     assert 0.04 in found.towards["r"]
     assert 0.0 in found.towards["z"]

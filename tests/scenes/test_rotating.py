@@ -37,7 +37,7 @@ CHANGES = {
         "contacts.interface.sliding.pressure": 0.04,
         "contacts.interface.sliding.mu_slope": 0.2,
     },
-    "modal": {"bodies.disc.damping.modal.ratio": 0.1, "bodies.pad.material.E": 1.3},
+    "modal": {"bodies.disc.damping.modal.ratio": 0.1, "contacts.interface.mu": 0.3},
 }
 
 
