@@ -15,7 +15,7 @@ from cea.errors import InputError
 from cea.surface_points import connected
 from iga_cea.face import PatchFace
 from iga_cea.patch import subdivided
-from iga_cea.splines import find_span, grid_points
+from iga_cea.splines import grid_points
 from iga_cea.surface import NurbsSurface
 
 TOLERANCE = 1e-7
@@ -23,9 +23,6 @@ TOLERANCE = 1e-7
 
 _NEAR = 1e-3
 """Gap of faces that were meant to be joined, at most, relative to the elements behind them."""
-
-_PARTS = 8
-"""Parts of a face, per direction, that have a box of their own."""
 
 _SAME_PARAMETER = 1e-9
 """Difference at which knots, or ratios of weights, are equal."""
@@ -38,25 +35,32 @@ def joined_dofs(faces: Sequence[PatchFace], field: str) -> Ints:
     flipped, their control points coincide, their knots are the same and their weights equal up to a
     factor.
     """
-    joints = []
-    for side_a, side_b in _neighbours([_Side(face) for face in faces]):
-        a, b = side_a.face, side_b.face
-        names, depth = f"{_name(a)} and {_name(b)}", min(side_a.depth, side_b.depth)
-        joint = _joint(a, b)
-        if joint is not None and joint.gap <= TOLERANCE * depth:
-            if not _face_each_other(a, b):
-                allowed = "patches beside each other, none given twice: these lie on each other"
-                raise InputError(field, names, allowed)
-            joints.append(joint)
-        elif joint is not None and joint.gap <= _NEAR * depth:
-            allowed = f"joined faces; these are {joint.gap:.3g} m apart: merge_nodes joins them"
-            raise InputError(field, names, allowed)
-        elif _touch(side_a, side_b) or _touch(side_b, side_a):
+    near = list(_neighbours([_Side(face) for face in faces]))
+    joints = [joint for a, b in near if (joint := _joined(a, b, field)) is not None]
+    inner = {id(face) for joint in joints for face in (joint.a, joint.b)}
+    for a, b in near:  # what lies on a joint lies in a patch, too: its own faces are seen
+        free = id(a.face) not in inner and id(b.face) not in inner
+        if free and (_touch(a, b) or _touch(b, a)):
             allowed = "joined faces with equal nets of control points, or faces apart"
-            raise InputError(field, names, allowed)
+            raise InputError(field, f"{_name(a.face)} and {_name(b.face)}", allowed)
     _check_pieces(faces, joints, field)
     pairs = [np.stack([j.a.dofs[..., 0].ravel(), j.order.ravel()], axis=1) for j in joints]
     return np.concatenate([np.empty((0, 2), dtype=np.int64), *pairs])
+
+
+def _joined(side_a: "_Side", side_b: "_Side", field: str) -> "_Joint | None":
+    """The joint of two faces, None where they are not alike or apart."""
+    a, b, depth = side_a.face, side_b.face, min(side_a.depth, side_b.depth)
+    joint, names = _joint(a, b), f"{_name(a)} and {_name(b)}"
+    if joint is None or joint.gap > _NEAR * depth:
+        return None
+    if joint.gap > TOLERANCE * depth:
+        allowed = f"joined faces; these are {joint.gap:.3g} m apart: merge_nodes joins them"
+        raise InputError(field, names, allowed)
+    if not _face_each_other(a, b):
+        allowed = "patches beside each other, none given twice: these lie on each other"
+        raise InputError(field, names, allowed)
+    return joint
 
 
 def _face_each_other(a: PatchFace, b: PatchFace) -> bool:
@@ -120,34 +124,6 @@ class _Side:
         x, normal, _ = face.normals(xi)
         ends = np.array([knots[[0, -1]] for knots in face.knots])
         return x, normal, ((xi == ends[:, 0]) | (xi == ends[:, 1])).any(axis=1)
-
-    @cached_property
-    def boxes(self) -> list[tuple[Floats, Floats, Floats, Floats]]:
-        """Around the control points of each part: middle, axes along its rows, least, greatest.
-
-        The axes are turned as the part lies, so that a curved face is in thin boxes.
-        """
-        face, along = self.face, []
-        for knots, p, breaks in zip(face.knots, face.degrees, face.breaks, strict=True):
-            first = find_span(knots, p, breaks[:-1]) - p
-            parts = np.array_split(first, min(_PARTS, len(first)))
-            along.append([slice(part[0], part[-1] + p + 1) for part in parts])
-        boxes = []
-        for part in product(*along):
-            points = face.control_points[..., 0, :][part].reshape(-1, face.dim)
-            middle = points.mean(axis=0)
-            axes = np.linalg.svd(points - middle, full_matrices=False)[2]
-            extent = (points - middle) @ axes.T
-            boxes.append((middle, axes, extent.min(axis=0), extent.max(axis=0)))
-        return boxes
-
-    def may_hold(self, x: Floats, margin: float) -> np.ndarray:
-        """True for points within a margin of a box of a part, shape (n,)."""
-        near = np.zeros(len(x), dtype=bool)
-        for middle, axes, low, high in self.boxes:
-            at = (x - middle) @ axes.T
-            near |= np.all((at >= low - margin) & (at <= high + margin), axis=1)
-        return near
 
     @cached_property
     def edge(self) -> KDTree:
@@ -221,9 +197,6 @@ def _touch(a: _Side, b: _Side) -> bool:
     # Most neighbours share the samples of an edge: no need to locate those.
     on_edges = np.flatnonzero(candidate & edge_of_a)
     candidate[on_edges] = b.edge.query(x[on_edges])[0] > reach
-    # Location costs most by far: only for points that a part of b may hold.
-    margin = reach + TOLERANCE * b.face.size
-    candidate[candidate] = b.may_hold(x[candidate], margin)
     if not candidate.any():
         return False
     found = b.chart.locate(x[candidate], normal[candidate], reach, TOLERANCE)

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.errors import InputError, require
+from cea.errors import InputError
 from iga_cea.collapse import COLLAPSED, Lines, collapsed_lines
 from iga_cea.splines import basis_matrix, elevation_matrix, insertion_matrix, knots_with_breaks
 
@@ -94,42 +94,7 @@ class Patch:
         )
 
 
-def check_geometry(geometry: PatchGeometry, field: str) -> None:
-    """Refuse a patch whose data do not fit together."""
-    dim = len(geometry.degrees)
-    counts = np.shape(geometry.weights)
-    if np.shape(geometry.control_points) != (*counts, dim) or len(counts) != dim:
-        shapes = f"{dim} axes of functions, then {dim} coordinates; weights without the latter"
-        raise InputError(f"{field}.control_points", np.shape(geometry.control_points), shapes)
-    finite = bool(np.isfinite(geometry.control_points).all())
-    require(finite, f"{field}.control_points", geometry.control_points, "finite numbers")
-    weights = np.asarray(geometry.weights)
-    positive = bool(np.isfinite(weights).all() and np.all(weights > 0))
-    require(positive, f"{field}.weights", weights, "positive numbers")
-    for axis, (knots, p, n) in enumerate(
-        zip(geometry.knots, geometry.degrees, counts, strict=True)
-    ):
-        _check_knots(knots, p, n, f"{field}.knots[{axis}]")
-        breaks = geometry.breaks[axis]
-        within = bool(np.all((breaks >= knots[0]) & (breaks <= knots[-1])))
-        allowed = f"parameters from {knots[0]} to {knots[-1]}"
-        require(within, f"{field}.breaks[{axis}]", breaks, allowed)
-    _check_map(geometry, field)
-
-
-def _check_knots(knots: Floats, degree: int, functions: int, field: str) -> None:
-    """Refuse knots that do not rise, are not open, or repeat an inner knot beyond the degree."""
-    n, p = functions, degree
-    ends = len(knots) == n + p + 1 and np.ptp(knots[: p + 1]) == np.ptp(knots[n:]) == 0
-    inner = knots[p + 1 : n]
-    inside = np.all((inner > knots[0]) & (inner < knots[-1])) and knots[0] < knots[-1]
-    continuous = not len(inner) or np.unique(inner, return_counts=True)[1].max() <= p
-    if not (ends and inside and continuous and np.all(np.diff(knots) >= 0)):
-        allowed = f"{n + p + 1} rising knots, ends {p + 1} times, others at most {p} times"
-        raise InputError(field, knots, allowed)
-
-
-def _check_map(geometry: PatchGeometry, field: str) -> None:
+def check_map(geometry: PatchGeometry, field: str) -> None:
     """Refuse a patch that is folded or collapsed, but for edges that are collapsed whole."""
     grid = [subdivided(np.unique(knots), _MAP_SAMPLES) for knots in geometry.knots]
     net = homogeneous(geometry)

@@ -9,7 +9,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats, Ints
 from cea.body.space import VolumeCells
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.petsc import MPI
 from cea.supports.boundary import Support
 from cea.supports.constraints import Constraints
@@ -17,13 +17,10 @@ from iga_cea.cells import bezier_cells
 from iga_cea.collapse import collapsed_lines, face_is_collapsed
 from iga_cea.matrices import NurbsMatrices
 from iga_cea.multipatch import End, join
-from iga_cea.patch import PatchGeometry, check_geometry, refine
+from iga_cea.patch import PatchGeometry, check_map, refine
 from iga_cea.prolongation import prolongation
 from iga_cea.supports import face_constraints
 from iga_cea.surface import NurbsSurface
-
-MAX_DEGREE = 8
-"""Highest degree of a trial space."""
 
 
 class NurbsSpace(NurbsMatrices):
@@ -36,7 +33,7 @@ class NurbsSpace(NurbsMatrices):
     faces
         Faces (patch, axis, side) of each named surface.
     degree
-        Degree along each parameter, 1 to 8, not below that of the geometry.
+        Degree along each parameter, not below that of the geometry.
     continuity
         Continuous derivatives at inserted breaks along each parameter; by default degree - 1.
     field
@@ -47,7 +44,8 @@ class NurbsSpace(NurbsMatrices):
     Raises
     ------
     InputError
-        When something does not fit, or patches touch that do not conform.
+        When a patch is folded, its degree or a face does not fit, or patches touch that do not
+        conform.
     """
 
     def __init__(
@@ -60,10 +58,12 @@ class NurbsSpace(NurbsMatrices):
         field: str = "body",
         comm: Any = MPI.COMM_WORLD,
     ) -> None:
-        dim = _check_patches(patches, f"{field}.patches")
-        self.degree = _checked_degree(degree, patches, f"{field}.degree")
-        self.continuity = _checked_continuity(continuity, self.degree, f"{field}.continuity")
-        _check_faces(faces, patches, dim, f"{field}.faces")
+        for number, patch in enumerate(patches):
+            check_map(patch, f"{field}.patches[{number}]")
+        self.degree = tuple(degree)
+        self.continuity = tuple(continuity or (q - 1 for q in degree))
+        _check_degree(self.degree, patches, f"{field}.degree")
+        _check_faces(faces, patches, f"{field}.faces")
         self._field = field
         refined = [refine(patch, self.degree, self.continuity) for patch in patches]
         super().__init__(join(refined, comm.size, f"{field}.patches"), comm)
@@ -103,60 +103,20 @@ class NurbsSpace(NurbsMatrices):
         return bezier_cells(self.multipatch)
 
 
-def _check_patches(patches: Sequence[PatchGeometry], field: str) -> int:
-    """Refuse patches that make no body; return their dimension."""
-    if not patches:
-        raise InputError(field, patches, "at least one patch")
-    dims = {len(patch.degrees) for patch in patches}
-    if len(dims) != 1 or not dims <= {2, 3}:
-        raise InputError(field, sorted(dims), "patches of one dimension, 2 or 3")
-    for number, patch in enumerate(patches):
-        check_geometry(patch, f"{field}[{number}]")
-    return dims.pop()
-
-
-def _checked_degree(
-    degree: Sequence[int], patches: Sequence[PatchGeometry], field: str
-) -> tuple[int, ...]:
-    """Degrees of the trial space, none below that of the geometry."""
-    dim = len(patches[0].degrees)
-    if not _whole_numbers(degree, dim) or not all(1 <= q <= MAX_DEGREE for q in degree):
-        raise InputError(field, degree, f"{dim} whole numbers from 1 to {MAX_DEGREE}")
+def _check_degree(degree: tuple[int, ...], patches: Sequence[PatchGeometry], field: str) -> None:
+    """Refuse degrees below that of the geometry."""
     lowest = np.max([patch.degrees for patch in patches], axis=0)
-    if np.any(np.asarray(degree) < lowest):
-        allowed = f"at least {tuple(lowest.tolist())}, the degree of the geometry"
-        raise InputError(field, degree, allowed)
-    return tuple(int(q) for q in degree)
-
-
-def _checked_continuity(
-    continuity: Sequence[int] | None, degree: tuple[int, ...], field: str
-) -> tuple[int, ...]:
-    """Continuity at inserted breaks, by default the highest."""
-    if continuity is None:
-        return tuple(q - 1 for q in degree)
-    whole = _whole_numbers(continuity, len(degree))
-    if not whole or not all(0 <= c < q for c, q in zip(continuity, degree, strict=True)):
-        allowed = f"{len(degree)} whole numbers from 0 to the degree {degree} less 1"
-        raise InputError(field, continuity, allowed)
-    return tuple(int(c) for c in continuity)
+    allowed = f"at least {tuple(lowest.tolist())}, the degree of the geometry"
+    require(bool(np.all(np.asarray(degree) >= lowest)), field, degree, allowed)
 
 
 def _check_faces(
-    faces: Mapping[str, Sequence[End]], patches: Sequence[PatchGeometry], dim: int, field: str
+    faces: Mapping[str, Sequence[End]], patches: Sequence[PatchGeometry], field: str
 ) -> None:
-    """Refuse surfaces with no faces, with some that do not exist, or with collapsed ones."""
+    """Refuse surfaces with collapsed faces."""
     collapsed = [collapsed_lines(patch.control_points) for patch in patches]
     for name, ends in faces.items():
-        real = [0 <= p < len(patches) and 0 <= a < dim and s in (0, 1) for p, a, s in ends]
-        if not real or not all(real) or len(set(ends)) != len(ends):
-            allowed = f"different (patch below {len(patches)}, axis below {dim}, side 0 or 1)"
-            raise InputError(f"{field}.{name}", tuple(ends), allowed)
         for patch, axis, side in ends:
             if face_is_collapsed(collapsed[patch], axis, side):
                 allowed = "faces that are not collapsed to an edge or a point"
                 raise InputError(f"{field}.{name}", (patch, axis, side), allowed)
-
-
-def _whole_numbers(values: Any, count: int) -> bool:
-    return len(values) == count and all(isinstance(v, int | np.integer) for v in values)

@@ -61,7 +61,7 @@ def check_breaks(shape: Shape, breaks: Breaks) -> None:
         fits = rising and np.allclose([values[0], values[-1]], [low, high], rtol=1e-12)
         require(bool(fits), f"breaks of {name}", values, f"rising, from {low} to {high}")
         joints = _joints(shape).get(name, ())
-        there = all(np.abs(np.subtract(values, joint)).min() <= _SNAP for joint in joints)
+        there = all(np.abs(values - joint).min() <= _SNAP for joint in joints)
         require(there, f"breaks of {name}", values, f"{joints} among them")
 
 

@@ -12,7 +12,6 @@ J. Res. Dev. 4, 1960).
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import pairwise, permutations, product
 
 import numpy as np
@@ -22,11 +21,10 @@ from scipy.special import roots_jacobi
 from cea.arrays import Floats, Ints
 from cea.errors import require
 from cea.mesh import Cell, Mesh, lattice
-from meshes.breaks import Breaks, blocks_of
+from meshes.breaks import Breaks, blocks_of, check_breaks
 from meshes.edge_layers import SAME, Edge, shortest_step, with_layers
 from meshes.files.content import first_of_near
 from meshes.patches import Faces
-from meshes.placement import Placement
 from meshes.shapes import Box, Disc, Rectangle, Shape
 
 
@@ -71,17 +69,12 @@ def _monomials(points: Floats, order: int) -> Floats:
 
 
 def structured_mesh(
-    shape: Shape,
-    breaks: Breaks,
-    order: int,
-    placement: Placement,
-    *,
-    edges: Sequence[Edge] = (),
-    layers: int = 0,
+    shape: Shape, breaks: Breaks, order: int, edges: Sequence[Edge] = (), layers: int = 0
 ) -> Mesh:
     """Mesh a shape with one cell between each two breaks, and layers around edges."""
-    dim, lines = len(shape.directions), tuple(np.asarray(each, dtype=float) for each in breaks)
-    blocks, faces = _blocks(shape, lines, order)
+    check_breaks(shape, breaks)
+    dim = len(shape.directions)
+    blocks, faces = _blocks(shape, breaks, order)
     every = np.concatenate([block.reshape(-1, dim) for block in blocks])
     first = first_of_near(every, SAME * shortest_step(blocks, range(dim)))
     used, number = np.unique(first, return_inverse=True)
@@ -101,9 +94,7 @@ def structured_mesh(
         cells=np.concatenate([_cells(node, order) for node in nodes]),
         surfaces=facets,
     )
-    if edges and layers:
-        mesh = with_layers(mesh, shape, edges, layers)
-    return replace(mesh, points=placement.apply(mesh.points))
+    return with_layers(mesh, shape, edges, layers) if edges and layers else mesh
 
 
 def _cells(nodes: Ints, order: int) -> Ints:

@@ -7,13 +7,12 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError, require
 from cea.mesh import Cell, Mesh, facet_nodes
+from cea.surface_points import connected
 from meshes.files.elements import CORNERS, FACES, KINDS, full_kind
 
 Role = Literal["solid", "mark", "structural"]
@@ -226,9 +225,7 @@ def shown(names: Iterable[str], limit: int = 20) -> str:
 def first_of_near(points: Floats, distance: float) -> Ints:
     """Number of the first of the points that a chain of steps below a distance joins to each."""
     pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
-    size = len(points)
-    links = coo_array((np.ones(len(pairs), dtype=bool), tuple(pairs.T)), shape=(size, size))
-    _, group = connected_components(links, directed=False)
+    group = connected(pairs, len(points))
     return np.unique(group, return_index=True)[1][group].astype(np.int64)
 
 

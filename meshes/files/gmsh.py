@@ -11,7 +11,7 @@ import numpy as np
 from cea.arrays import Ints
 from cea.errors import require
 from cea.mesh import SIMPLICES, lattice, matching_nodes
-from meshes.files.content import ElementBlock, FileContent, rows_of, without_copies
+from meshes.files.content import ElementBlock, FileContent, known_rows, rows_of, without_copies
 from meshes.files.elements import DIVIDED, full_kind
 from meshes.files.sandbox import arrays_of
 
@@ -44,33 +44,26 @@ def gmsh_content(file: Path) -> FileContent:
 
 def content_of(arrays: Mapping[str, Any]) -> FileContent:
     """Nodes, elements and physical groups of the arrays of a model."""
-    what, numbers = json.loads(arrays["what"].item()), arrays["tags"]
-    require(len(numbers) > 0, "file", "no nodes", "a mesh")
-    points = arrays["positions"].reshape(-1, 3)
+    kinds, groups = json.loads(arrays["what"].item())
+    nodes = arrays["tags"]
+    require(len(nodes) > 0, "file", "no nodes", "a mesh")
     blocks: list[ElementBlock] = []
-    places: dict[tuple[int, int], list[Ints]] = {}
-    count = 0
-    for i, (dim, entity, kind) in enumerate(what["blocks"]):
-        if dim:
-            name, order, per_element, local = what["kinds"][str(kind)]
-            ids, nodes = arrays[f"numbers {i}"], arrays[f"nodes {i}"].reshape(-1, per_element)
-            rows = rows_of(numbers, nodes, "a node")
-            blocks.append(_block(name, dim, order, local, ids, rows))
-            places.setdefault((dim, entity), []).append(np.arange(count, count + len(ids)))
-            count += len(ids)
-    sets: dict[str, list[Ints]] = {}  # groups of one name together
-    for dim, tag, name, entities in what["groups"]:
-        for entity in entities if dim else ():
-            members = places.get((dim, entity), [])
-            sets.setdefault(name or f"{_WORDS[dim]} {tag}", []).extend(members)
-    named = {name: np.concatenate(parts) for name, parts in sets.items() if parts}
-    return without_copies(FileContent(points, numbers, blocks, named))
+    for i, (name, dim, order, local) in enumerate(kinds):
+        rows = rows_of(nodes, arrays[f"nodes {i}"], "a node")
+        blocks.append(_block(name, dim, order, local, arrays[f"numbers {i}"], rows))
+    numbers = np.concatenate([np.empty(0, dtype=np.int64), *(block.numbers for block in blocks)])
+    sets: dict[str, Ints] = {}  # groups of one name together
+    for i, name in enumerate(groups):
+        members = known_rows(numbers, arrays[f"group {i}"])
+        sets[name] = np.concatenate([sets.get(name, members[:0]), members])
+    points = arrays["positions"].reshape(-1, 3)
+    return without_copies(FileContent(points, nodes, blocks, sets))
 
 
 def _block(
     name: str, dim: int, order: int, local: Sequence[float], ids: Ints, rows: Ints
 ) -> ElementBlock:
-    """Elements of one kind in one entity."""
+    """Elements of one kind."""
     cell = _CELLS.get(name.split()[0])
     full = order < 3 or len(lattice(dim, order, cell in SIMPLICES)) == rows.shape[1]
     if cell is None or not full or (order > 2 and cell in DIVIDED):
@@ -86,25 +79,26 @@ def _block(
 
 
 def arrays_of_model(model: Any) -> dict[str, Any]:
-    """Nodes, elements of each kind in each entity, kinds and physical groups of a gmsh model."""
+    """Nodes, elements of each kind and physical groups of a gmsh model."""
     tags, positions, _ = model.mesh.getNodes()
-    found: dict[str, Any] = {}
-    blocks: list[list[int]] = []
-    kinds: dict[str, list[object]] = {}
-    for dim, entity in model.getEntities():
-        for kind, numbers, nodes in zip(*model.mesh.getElements(dim, entity), strict=True):
-            found[f"numbers {len(blocks)}"] = numbers.astype(np.int64)
-            found[f"nodes {len(blocks)}"] = nodes.astype(np.int64)
-            blocks.append([dim, int(entity), int(kind)])
-            name, _, order, per_element, local, _ = model.mesh.getElementProperties(kind)
-            kinds[str(kind)] = [name, order, per_element, np.asarray(local).tolist()]
-    groups = []
+    found: dict[str, Any] = {"tags": tags.astype(np.int64), "positions": positions}
+    kinds: list[list[object]] = []
+    for kind in model.mesh.getElementTypes():
+        name, dim, order, per_element, local, _ = model.mesh.getElementProperties(kind)
+        if dim:
+            numbers, nodes = model.mesh.getElementsByType(kind)
+            found[f"numbers {len(kinds)}"] = numbers.astype(np.int64)
+            found[f"nodes {len(kinds)}"] = nodes.astype(np.int64).reshape(-1, per_element)
+            kinds.append([name, dim, order, np.asarray(local).tolist()])
+    groups: list[str] = []
     for dim, tag in model.getPhysicalGroups():
-        entities = model.getEntitiesForPhysicalGroup(dim, tag).tolist()
-        groups.append([int(dim), int(tag), model.getPhysicalName(dim, tag), entities])
-    what = json.dumps({"blocks": blocks, "kinds": kinds, "groups": groups})
-    tags = tags.astype(np.int64)
-    return found | {"tags": tags, "positions": positions, "what": np.array(what)}
+        members = [np.empty(0, dtype=np.int64)]
+        for entity in model.getEntitiesForPhysicalGroup(dim, tag) if dim else ():
+            members += [each.astype(np.int64) for each in model.mesh.getElements(dim, entity)[1]]
+        if len(members) > 1:
+            found[f"group {len(groups)}"] = np.concatenate(members)
+            groups.append(model.getPhysicalName(dim, tag) or f"{_WORDS[dim]} {tag}")
+    return found | {"what": np.array(json.dumps([kinds, groups]))}
 
 
 def _write_arrays(mesh: str, arrays: str) -> None:

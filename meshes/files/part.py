@@ -6,13 +6,12 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cea.arrays import Floats, Ints, chunks
 from cea.errors import InputError, require
 from cea.mesh import SIMPLICES, Cell, Mesh, facet_nodes, lattice, node_order, reference_nodes
+from cea.surface_points import connected
 from meshes.files.content import (
     ElementBlock,
     FileContent,
@@ -223,10 +222,9 @@ def _edges(points: Floats, corners: Ints) -> Floats:
 
 def _bodies(corners: Ints, n_points: int) -> int:
     """Number of groups of cells that share no nodes."""
-    n, size = len(corners), len(corners) + n_points
-    rows = np.repeat(np.arange(n), corners.shape[1])
-    links = np.ones(len(rows), dtype=bool), (rows, n + corners.ravel())
-    _, group = connected_components(coo_array(links, shape=(size, size)), directed=False)
+    n = len(corners)
+    cells = np.repeat(np.arange(n), corners.shape[1])
+    group = connected(np.column_stack([cells, n + corners.ravel()]), n + n_points)
     return len(np.unique(group[:n]))
 
 

@@ -1,7 +1,5 @@
 """NURBS bodies: joints, collapsed edges and axes, plate theory, refusals."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from bodies import nurbs_body
@@ -14,7 +12,6 @@ from scipy.sparse.linalg import eigsh
 from cea.errors import InputError
 from cea.material import IsotropicMaterial
 from cea.supports.boundary import Support
-from iga_cea.patch import check_geometry
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import NurbsPatch, nurbs_shape
 from meshes.placement import Placement
@@ -81,33 +78,10 @@ def test_thin_patches_are_not_taken_for_gaps_between_their_faces(thick: float) -
     assert part.num_scalar_dofs == 2 * 3 * 4 * 3 - 3 * 4
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"degree": (2, 1, 2)}, r"bodies.part.degree = \(2, 1, 2\): at least \(1, 2, 1\)"),
-        ({"degree": (2, 9, 2)}, "whole numbers from 1 to 8"),
-        ({"degree": (2, 2)}, "3 whole numbers"),
-        ({"degree": (2, 2, 2), "continuity": (2, 1, 1)}, "bodies.part.continuity"),
-    ],
-)
-def test_wrong_input_is_refused(options: dict, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        body(SECTOR, (1, 1, 1), **options)
-
-
-@pytest.mark.parametrize("knots", [[0, 0, 0.5, 1, 1], [0, 0, 0, 0.6, 1, 1, 0.9], [0] * 3 + [1] * 4])
-def test_knots_must_rise_and_join(knots) -> None:
-    patch = replace(box_patch(), degrees=(2, 1, 1))
-    with pytest.raises(InputError, match=r"patch.knots\[0\] = .*rising knots"):
-        check_geometry(replace(patch, knots=(np.array(knots, float), *patch.knots[1:])), "patch")
-
-
-@pytest.mark.parametrize("weight", [0.0, -1.0, np.nan])
-def test_weights_must_be_positive(weight) -> None:
-    patch = box_patch()
-    patch.weights[0, 0, 0] = weight
-    with pytest.raises(InputError, match=r"patch.weights.*positive"):
-        check_geometry(patch, "patch")
+def test_degrees_below_that_of_the_geometry_are_refused() -> None:
+    told = r"bodies.part.degree = \(2, 1, 2\): at least \(1, 2, 1\)"
+    with pytest.raises(InputError, match=told):
+        body(SECTOR, (1, 1, 1), degree=(2, 1, 2))
 
 
 @pytest.mark.parametrize(

@@ -57,11 +57,8 @@ def test_cells_fit_and_fill_the_shape(case, order, layers):
         (ANNULUS, (1, 4, 1), ({"r": 0.5, "z": 0.0}, {"r": 1.0, "z": 0.3}), "more elements"),
         (ANNULUS, (1, 4, 1), (*ENDS, {"r": 1.0, "z": 0.3}), "more elements"),
         (ANNULUS, (2, 4, 1), (ENDS[0], {"r": 0.5, "theta": 0.0}), "along the same two"),
-        (ANNULUS, (2, 4, 1), ({"r": 0.5},), "along the same two"),
-        (ANNULUS, (2, 4, 1), ({"r": 0.5, "x": 0.0},), "along the same two"),
         # Inside of a disc its lattice turns into that of a square.
         (DISC, (4, 8, 2), ({"r": 0.5, "z": 0.1},), "r of the rim, and z"),
-        (DISC, (4, 8, 2), ({"theta": 90.0, "z": 0.1},), "r of the rim, and z"),
     ],
 )
 def test_edges_without_room_for_layers_are_refused(shape, elements, edges, told):

@@ -254,11 +254,8 @@ GOOD = free(CARDS)
     [
         (GOOD.replace("GRID,3,,", "GRID,3,5,"), "CP 5'.* a coordinate system of the file"),
         (GOOD.replace("GRID,3,,", "GRID,2,,"), "numbers of a point that are there once"),
-        (GOOD.replace("GRID,3,,", "GRID,,,"), "a whole number in field 1 after"),
-        (GOOD.replace("GRID,3,,", "GRID,3,,1e999,"), "a number in field 3 after .* not '1e999'"),
         (GOOD.replace("GRID,3,,", "GRID,3,,nan,"), "a number in field 3 after .* not 'nan'"),
         (GOOD.replace("+,7,8", "+,7,9"), "a number of a point that the file has"),
-        (GOOD.replace("+,7,8", "+,7"), "a whole number in field 10 after"),
         (GOOD.replace("+,7,8", "+,7,8,1"), "8 or 20 points"),
         (GOOD.replace("+,7,8", "=,=,*(1)"), "the name of a card at the beginning"),
         (GOOD.replace("+,7,8", "+,7,8,,,,,,,,,1"), "at most 8 fields"),
@@ -272,13 +269,10 @@ GOOD = free(CARDS)
          "not on one line"),
         (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD2R,1,1,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\n",
          "not defined by itself"),
-        (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,3\n", "not defined by itself"),
         (GOOD.replace("GRID,3,,", "GRID,3,1,") + "CORD1R,1,1,2,99\n", "of the file, not 99"),
-        ("GRID 1 0. 0. 0.\n", "the name of a card at the beginning"),
         (" GRID          10       0" + "0.150001" * 3 + "\n", "begins in the first column"),
         ("GRID,1,,0.,0.,0.\n", "no elements"),
         ("CHEXA,1,1,1,2,3,4,5,6\n,7,8\n", "no GRID"),
-        ("BEGIN BULK\nENDDATA\n", "no GRID"),
     ],
 )  # fmt: skip
 def test_what_is_refused(tmp_path, text, words):

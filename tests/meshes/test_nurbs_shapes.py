@@ -114,19 +114,13 @@ SOLID = GivenPatch((1, 1, 1), (LINE, LINE, LINE), np.indices((2, 2, 2)).T.tolist
     ("change", "field"),
     [
         ({"degrees": (0, 1)}, "degrees"),
-        ({"degrees": (1, 1, 1, 1)}, "degrees"),
-        ({"knots": (LINE,)}, "knots"),
         ({"knots": ((0.0, 0.0, 1.0, 0.5), LINE)}, r"knots\[0\]"),
-        ({"knots": (LINE, (0.0, 0.5, 1.0, 1.0))}, r"knots\[1\]"),
-        ({"knots": (LINE, (0.0, 0.0, 0.0, 1.0, 1.0))}, r"knots\[1\]"),
-        ({"knots": (LINE, (0.0, 0.0, 0.0, 0.0))}, r"knots\[1\]"),
         ({"knots": (LINE, (0.0, 0.0, 0.5, 0.5, 1.0, 1.0))}, r"knots\[1\].*continuity 0"),
         ({"knots": (LINE, (0.0, 0.0, 0.5, 1.0, 1.0))}, r"control_points.*\(2, 3, 2\)"),
         ({"knots": (LINE, (0.0, 0.0, float("nan"), 1.0))}, r"knots\[1\]"),
         ({"control_points": (((0.0, 0.0), (0.0, 1.0)), ((1.0, 0.0),))}, "control_points"),
         ({"control_points": (((0.0, 0.0), (0.0, "y")), ((1.0, 0.0), (1.0, 1.0)))}, "control_p"),
         ({"weights": ((1.0, 1.0), (1.0, 0.0))}, "weights = 0.0: positive"),
-        ({"weights": ((1.0, 1.0),)}, "weights"),
     ],
 )
 def test_wrong_patches_are_refused(change: dict, field: str) -> None:
@@ -140,7 +134,6 @@ def test_wrong_patches_are_refused(change: dict, field: str) -> None:
         ((), {}, "patches"),
         ((PLAIN, SOLID), {}, r"patches = \[2, 3\]"),
         ((PLAIN,), {"left": ((1, 0, 0),)}, r"faces\[left\]"),
-        ((PLAIN,), {"left": ((0, 2, 0),)}, r"faces\[left\]"),
         ((PLAIN,), {"left": ((0, 0, 0), (0, 0, 0))}, r"faces\[left\]"),
         ((PLAIN,), {"left": ()}, r"faces\[left\]"),
     ],
