@@ -132,9 +132,6 @@ class Pencil:
         Contact forces that are unknowns, by contact.
     low_rank, circulatory
         Pieces of the damping of low rank, and circulatory ones of the stiffness.
-    leave_out
-        Whether pieces whose coefficient is zero are left out: without friction the problem is then
-        symmetric.
 
     Raises
     ------
@@ -149,10 +146,7 @@ class Pencil:
         forces: Sequence[ForcesOfContact] = (),
         low_rank: Iterable[UnformedTerm[LowRank]] = (),
         circulatory: Iterable[UnformedTerm[Circulatory]] = (),
-        *,
-        leave_out: bool = True,
     ) -> None:
-        self.leave_out = leave_out
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
@@ -185,7 +179,6 @@ class Pencil:
             self.parameters.values(),
             self.forces,
             circulatory=self.circulatory,
-            leave_out=self.leave_out,
         )
 
     @property
@@ -246,9 +239,7 @@ class Pencil:
             gyroscopic=self._sum("damping", values, symmetric=False),
             low_rank=self.low_rank_at(values),
             circulatory=self.circulatory_at(values),
-            multipliers=(
-                self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
-            ),
+            multipliers=self._all_forces.at(values) if self._all_forces else None,
         )
 
     def products(self) -> Iterator[tuple[Role, Dependence, Callable[[Any], Any]]]:
@@ -272,14 +263,12 @@ class Pencil:
         return low_rank_sum(parts, self.terms[0].matrix.getLocalSize()[0])
 
     def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Mat | None:
-        # What is damped by nothing is linear in kappa: that is never kept.
-        kept = not self.leave_out and role != "damping"
         parts = [
             (coefficient, term.matrix)
             for term in self.terms
             if term.role == role
             and term.symmetric == symmetric
-            and ((coefficient := term.coefficient.at(values)) != 0 or kept)
+            and (coefficient := term.coefficient.at(values)) != 0
         ]
         if not parts:
             return None

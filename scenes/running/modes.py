@@ -41,7 +41,7 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     _ = scene.window  # refused before work begins where the analysis gives no modes
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
-        pencil = system.pencil(leave_out=options.get("leave_out", True))
+        pencil = system.pencil()
     with EigenSolver(pencil) as driver:
         return solved(scene, system, interfaces, timer, driver, left=left)
 

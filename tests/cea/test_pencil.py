@@ -43,8 +43,8 @@ def assert_a_fresh_scene_is_the_same(data, name, value):
     """Matrices of a pencil where a parameter is changed are those of a scene assembled with it."""
     changed, fresh = deepcopy(data), {"leave_out": False}
     set_fields(changed, [f"{name}={value}"])
-    ours = assemble(data, **fresh).pencil(**fresh).at({name: value})
-    theirs = assemble(changed, **fresh).pencil(**fresh).at()
+    ours = assemble(data, **fresh).pencil().at({name: value})
+    theirs = assemble(changed, **fresh).pencil().at()
     for part in ("stiffness", "unsymmetric", "mass", "damping"):
         found, expected = getattr(ours, part), getattr(theirs, part)
         if expected is None or found is None:

@@ -179,7 +179,7 @@ def test_pairs_rise_with_the_imaginary_part_of_lambda():
 
 @pytest.mark.parametrize("order", ["F", "C"])
 def test_products_with_many_columns_are_those_column_by_column(order, monkeypatch):
-    monkeypatch.setattr("cea.eigen.block_products._NUMBERS", 1)  # 8 columns at a time
+    monkeypatch.setattr("cea.eigen.block_products._COLUMNS", 8)
     rng = np.random.default_rng(4)
     entries = rng.standard_normal((30, 30)) * (rng.random((30, 30)) < 0.3)
     matrix, columns = to_petsc(entries), np.array(rng.standard_normal((30, 19)), order=order)

@@ -80,7 +80,7 @@ def blocks_pencil(backend, *, method="gpts", stiffness=3.0, damping=None, **cont
         modal = {"ratio": ratio, "max_frequency": 0.7}
         scene["bodies"]["lower"]["damping"] = {"modal": modal}
     scene["contacts"]["interface"] |= contact
-    return assemble(scene, leave_out=False).pencil(leave_out=False)
+    return assemble(scene, leave_out=False).pencil()
 
 
 def plane_blocks_pencil(backend, contact, *, alpha=0.0):
@@ -102,7 +102,7 @@ def plane_blocks_pencil(backend, contact, *, alpha=0.0):
         "contacts": {"interface": interface},
         "analysis": {"kind": "cea", "max_frequency": 0.5},
     }
-    return assemble(data, leave_out=False).pencil(leave_out=False)
+    return assemble(data, leave_out=False).pencil()
 
 
 def random_pencil(seed, *, damped=False, equal=False, lowered=0.0):

@@ -277,7 +277,10 @@ def test_displacements_of_bodies_that_nothing_holds_are_refused(backend):
 def test_a_mode_that_rounding_moved_out_of_an_empty_window_is_told(options):
     """Rounding of 1e12 moves kappa = 1e-8 by 1e-4: it may lie anywhere about the window."""
     pencil = pencil_with([np.diag([1e-8, *np.logspace(6, 12, 29)])])
-    with EigenSolver(pencil, options) as driver, pytest.raises(ConvergenceError, match="rounding"):
+    with (
+        EigenSolver(pencil, options) as driver,
+        pytest.raises(ConvergenceError, match="rounding|inertia"),
+    ):
         driver.solve(1e-4 * HERTZ * 2, hints=True)
 
 

@@ -101,7 +101,7 @@ def test_thresholds_of_a_map_are_those_of_full_solves(made, backend):
         replace(each, value=chosen["P"]) if each.name == P else each
         for each in pencil.parameters.values()
     ]
-    driver = EigenSolver(Pencil(pencil.terms, parameters, pencil.forces, leave_out=False))
+    driver = EigenSolver(Pencil(pencil.terms, parameters, pencil.forces))
     near = (0.999 * chosen["value"], 1.001 * chosen["value"])
     frequency = chosen["im"] / (2 * np.pi)
     expected = first_threshold(driver, MU, *near, max_frequency=0.4, frequency=frequency)

@@ -25,7 +25,7 @@ def damped(pencil, alpha, beta, turning=0.0):
         terms.append(
             Term("damping", _skew(mass), Coefficient.of({}, factor=turning), symmetric=False)
         )
-    return Pencil(terms, pencil.parameters.values(), pencil.forces, leave_out=pencil.leave_out)
+    return Pencil(terms, pencil.parameters.values(), pencil.forces)
 
 
 def _skew(matrix):
