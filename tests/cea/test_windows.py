@@ -279,7 +279,7 @@ def test_a_mode_that_rounding_moved_out_of_an_empty_window_is_told(options):
     pencil = pencil_with([np.diag([1e-8, *np.logspace(6, 12, 29)])])
     with (
         EigenSolver(pencil, options) as driver,
-        pytest.raises(ConvergenceError, match="rounding|inertia"),
+        pytest.raises(ConvergenceError, match=r"rounding|inertia"),
     ):
         driver.solve(1e-4 * HERTZ * 2, hints=True)
 
