@@ -15,7 +15,6 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.errors import InputError
 
 DEGENERATE = 1e-8
 """Relative distance below which eigenvalues count as one of higher multiplicity."""
@@ -51,8 +50,6 @@ def group(values: Complexes, tolerance: float = DEGENERATE, least: float = 0.0) 
 
     The tolerance is relative to the larger of two, and to a least size: rigid motions touch.
     """
-    if not tolerance >= 0:
-        raise InputError("tolerance", tolerance, "zero or positive")
     sizes = np.maximum(np.abs(values), least)
     near = np.abs(values[:, None] - values) <= tolerance * np.maximum(sizes[:, None], sizes)
     return connected(near)
@@ -125,10 +122,6 @@ def match_spectrum(
     spurious. Partners are no farther than a ``reach`` relative to the exact one; exact ones within
     a relative tolerance are compared by their mean.
     """
-    if not band[0] < band[1]:
-        raise InputError("band", band, "a lowest below a highest")
-    if not reach > 0:
-        raise InputError("reach", reach, "positive")
     # A rigid motion has lambda = 0, found as rounding: nothing is relative to that.
     size = np.maximum(np.abs(exact), _RIGID * np.abs(exact).max(initial=1.0))
     distance = np.abs(computed[None, :] - exact[:, None]) / size[:, None]
@@ -145,16 +138,7 @@ def match_spectrum(
     return SpectrumMatch(exact, found, differences, spurious)
 
 
-def modal_assurance(left: Complexes, right: Complexes) -> Floats:
-    """Modal assurance criterion abs(x^H y)^2 / (x^H x y^H y), shape (modes_left, modes_right).
-
-    Displacements are at common points, shapes (n, modes_left) and (n, modes_right) (R. J. Allemang,
-    The modal assurance criterion - twenty years of use and abuse, Sound and Vibration 37 (2003)).
-    """
-    return subspace_assurance(left, right, list(np.arange(right.shape[1])[:, None]))
-
-
-def subspace_assurance(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
+def _assurance(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
     """Part norm(P x)^2 / norm(x)^2 of left modes in the space of groups of right modes.
 
     P projects on the group of the right mode, shape (modes_left, modes_right); of groups of one it
@@ -176,33 +160,26 @@ class ModeSet:
     eigenvalues: Complexes
     shapes: Complexes
 
-    def __post_init__(self) -> None:
-        if self.shapes.shape[1:] != self.eigenvalues.shape:
-            raise InputError("shapes", self.shapes.shape, f"{len(self.eigenvalues)} columns")
-
 
 @dataclass(frozen=True)
 class GroupMatch:
     """Numbers of modes of two runs that stand for one another, one of each, or groups.
 
-    With their mean eigenvalues, and the principal angles between the spaces they span (rad),
-    largest first: of single modes cos^2 of it is the modal assurance criterion.
+    With their mean eigenvalues, and the square of the cosine of the largest principal angle between
+    the spaces they span. Of single modes that is the modal assurance criterion abs(x^H y)^2 /
+    (x^H x y^H y) (R. J. Allemang, The modal assurance criterion - twenty years of use and abuse,
+    Sound and Vibration 37 (2003)).
     """
 
     first: Ints
     second: Ints
     means: tuple[complex, complex]
-    angles: Floats
+    assurance: float
 
     @property
     def distance(self) -> float:
         """Distance of the means relative to the second."""
         return float(abs(self.means[0] - self.means[1]) / abs(self.means[1]))
-
-    @property
-    def assurance(self) -> float:
-        """Square of the cosine of the largest principal angle."""
-        return float(np.cos(self.angles[0]) ** 2)
 
 
 @dataclass(frozen=True)
@@ -243,8 +220,8 @@ def _cost(
 ) -> Floats:
     """Unlikeness of shapes, plus distance of eigenvalues relative to the larger."""
     assurance = np.maximum(
-        subspace_assurance(first.shapes, second.shapes, second_groups),
-        subspace_assurance(second.shapes, first.shapes, first_groups).T,
+        _assurance(first.shapes, second.shapes, second_groups),
+        _assurance(second.shapes, first.shapes, first_groups).T,
     )
     one, other = first.eigenvalues[:, None], second.eigenvalues
     size = np.maximum(np.maximum(np.abs(one), np.abs(other)), np.finfo(float).tiny)
@@ -255,46 +232,4 @@ def _group_match(first: ModeSet, second: ModeSet, rows: Ints, columns: Ints) -> 
     rows, columns = np.sort(rows), np.sort(columns)
     angles = subspace_angles(first.shapes[:, rows], second.shapes[:, columns])
     means = (complex(s.eigenvalues[i].mean()) for s, i in ((first, rows), (second, columns)))
-    return GroupMatch(rows, columns, (next(means), next(means)), angles)
-
-
-@dataclass(frozen=True)
-class CircumferentialContent:
-    """Part of ``e^{i m theta}`` in complex modes of a body of revolution, m from -top to top.
-
-    The energy has shape (2 top + 1, modes); columns add up to 1.
-    """
-
-    energy: Floats
-
-    @property
-    def orders(self) -> Ints:
-        """Circumferential order abs(m) that holds most of each mode, shape (modes,)."""
-        return self._by_order.argmax(axis=0)
-
-    @property
-    def shares(self) -> Floats:
-        """Part of each mode in its order, m and -m together, shape (modes,)."""
-        return self._by_order.max(axis=0)
-
-    @property
-    def _by_order(self) -> Floats:
-        top = len(self.energy) // 2
-        both = self.energy[top:] + self.energy[top::-1]
-        both[0] /= 2
-        return both
-
-
-def circumferential_content(u: Complexes) -> CircumferentialContent:
-    """Fourier analysis in theta of displacements in cylindrical components.
-
-    They are given at equally spaced angles from 0 on circles about the axis, shape (circles,
-    angles, dim, modes).
-    """
-    angles = u.shape[1]
-    if angles < 3:
-        raise InputError("u", u.shape, "3 angles or more")
-    top = (angles - 1) // 2
-    power = (np.abs(np.fft.fft(u, axis=1)) ** 2).sum(axis=(0, 2))
-    energy = power[np.arange(-top, top + 1)]
-    return CircumferentialContent(energy / energy.sum(axis=0))
+    return GroupMatch(rows, columns, (next(means), next(means)), float(np.cos(angles[0]) ** 2))

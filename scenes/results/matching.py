@@ -6,15 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from cea.arrays import Complexes
-from cea.eigen.matching import (
-    CircumferentialContent,
-    ModeMatch,
-    ModeSet,
-    circumferential_content,
-    match_modes,
-    modal_assurance,
-)
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.matching import ModeMatch, ModeSet, match_modes
 from cea.errors import InputError
 from scenes.results.result import Result
 
@@ -46,16 +39,16 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
     unstable = (np.flatnonzero(result.unstable) for result in (first, second))
     sets = _mode_sets(first, second, *unstable)
     match = match_modes(*sets, near=0.0, limit=None)
-    assurance = modal_assurance(sets[0].shapes, sets[1].shapes)
     told = [
         [{"frequency": z.imag / (2 * np.pi), "growth": z.real} for z in each.eigenvalues.tolist()]
         for each in sets
     ]
     pairs = []
     # A group of one run is one mode here: groups are pairs, but for exact copies.
-    for i, j in ((i, j) for g in match.groups for i, j in zip(g.first, g.second, strict=True)):
-        both = {name: [told[0][i][name], told[1][j][name]] for name in ("frequency", "growth")}
-        pairs.append({**both, "modal_assurance": float(assurance[i, j])})
+    for group in match.groups:
+        for i, j in zip(group.first, group.second, strict=True):
+            both = {name: [told[0][i][name], told[1][j][name]] for name in ("frequency", "growth")}
+            pairs.append({**both, "modal_assurance": group.assurance})
     return {
         "pairs": pairs,
         "only_first": [told[0][i] for i in match.only_first],
@@ -63,14 +56,27 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
     }
 
 
-def circumferential_orders(result: Result) -> CircumferentialContent:
-    """Circumferential content of every mode of a run on both sides of every contact.
+def circumferential_energy(result: Result) -> Floats:
+    """Part of ``e^{i m theta}`` in every mode of a run, m from -31 to 31, shape (63, modes).
 
-    They are surfaces of revolution about the z axis; others are refused. Orders to 31 are told
-    apart. A mode that leaves them all at rest has no order.
+    It is that of both sides of every contact, surfaces of revolution about the z axis; others are
+    refused. Columns add up to 1, those of modes that leave them all at rest are NaN.
     """
     surfaces = dict.fromkeys(_places(result))
-    return circumferential_content(np.concatenate([_on_circles(result, s) for s in surfaces]))
+    u = np.concatenate([_on_circles(result, each) for each in surfaces])
+    top = (_ANGLES - 1) // 2
+    power = (np.abs(np.fft.fft(u, axis=1)) ** 2).sum(axis=(0, 2))
+    energy = power[np.arange(-top, top + 1)]
+    return np.asarray(energy / energy.sum(axis=0))
+
+
+def circumferential_orders(result: Result) -> Ints:
+    """Circumferential order abs(m) that holds most of every mode, m and -m together."""
+    energy = circumferential_energy(result)
+    top = len(energy) // 2
+    both = energy[top:] + energy[top::-1]
+    both[0] /= 2
+    return both.argmax(axis=0)
 
 
 def _on_circles(result: Result, surface: str) -> Complexes:
