@@ -1,19 +1,17 @@
 """Where friction can move eigenvalues, and how fast modes may grow: bounds by fields of values.
 
-With x^H M x = 1 an eigenvalue is kappa = x^H K x. Its real part is bounded by H = (K + K^T) / 2
-(Bendixson): where H + X M has no negative eigenvalue, none has Re kappa < -X. Its imaginary part is
-what N = (K - K^T) / 2 makes: with the smallest t for which abs(x^H N x) <= t x^H (H + X M) x holds
-for every x, kappa lies in the cone
+With x^H M x = 1 an eigenvalue is kappa = x^H K x. Where H + X M, H = (K + K^T) / 2, has no negative
+eigenvalue none has Re kappa < -X (Bendixson). With N = (K - K^T) / 2 and the smallest t for which
+abs(x^H N x) <= t x^H (H + X M) x holds for every x, kappa lies in the cone
 
     abs(Im kappa) <= t (Re kappa + X).
 
-Contact forces f that are unknowns enter H through M = (J + L) / 2 and D = (J - L) / 2,
+Multipliers f enter H through M = (J + L) / 2 and D = (J - L) / 2,
 
     H = K_b + M^T C^-1 M - D^T C^-1 D,
 
 as two sets of unknowns; where friction acts without compliance there is no bound. Of each set
-those that its closures leave open have rows of their own, and a negative eigenvalue. N has
-M^T C^-1 D - D^T C^-1 M of them. Circulatory pieces are unknowns of the same form.
+those that its closures leave open have rows of their own, and a negative eigenvalue.
 
 With damping let h + i n be x^H K x and c + i y be x^H (C + Y) x. An eigenvalue lambda = g + i w
 obeys x^H P(lambda) x = 0, of which the real part, as it is and divided by lambda, is
@@ -30,8 +28,7 @@ H and C are symmetric parts, Y the skew one. Pieces of C of low rank are positiv
 hold for the sum where they hold without them.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -39,7 +36,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.eigen.block_products import all_inner, combined, times, transposed_times
-from cea.eigen.multipliers import Multipliers, with_unformed
+from cea.eigen.multipliers import Multipliers
 from cea.eigen.mumps import Mumps, inertia
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, count_below
@@ -79,15 +76,14 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     """
     if matrices.symmetric:
         return None if count_below(matrices, -depth) else 0.0
-    slope = np.inf
-    with _all_unknowns(matrices) as forces:
-        factors = _definite(_hermitian_part(matrices, depth), forces)
-        if factors is None:
-            return None
-        loose = forces is None or not (forces.tied or forces.dependent)
-        if cone and loose and not factors.inertia()[1]:
-            slope = _SAFETY * _largest_slope(factors, matrices, forces)
-        factors.free()
+    slope, forces = np.inf, matrices.multipliers
+    factors = _definite(_hermitian_part(matrices, depth), forces)
+    if factors is None:
+        return None
+    loose = forces is None or not (forces.tied or forces.dependent)
+    if cone and loose and not factors.inertia()[1]:
+        slope = _SAFETY * _largest_slope(factors, matrices)
+    factors.free()
     return slope
 
 
@@ -117,23 +113,11 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
         parts.append((-end, _skew_row_sums(matrices.gyroscopic)))
     hermitian = _hermitian_part(matrices, growth**2 - end**2, parts)
     destroy(*(matrix for _, matrix in parts))
-    with _all_unknowns(matrices) as forces:
-        factors = _definite(hermitian, forces)
+    factors = _definite(hermitian, matrices.multipliers)
     if factors is None:
         return False
     factors.free()
     return True
-
-
-@contextmanager
-def _all_unknowns(matrices: Matrices) -> Iterator[Multipliers | None]:
-    """Contact forces that are unknowns, and those of circulatory pieces."""
-    circulatory = matrices.circulatory
-    unknowns = [] if circulatory is None else circulatory.unknowns()
-    forces = with_unformed(matrices.multipliers, unknowns)
-    yield forces
-    if forces is not None and forces is not matrices.multipliers:
-        forces.free()
 
 
 def _symmetric_damping(matrices: Matrices) -> Mat | None:
@@ -179,12 +163,13 @@ def _definite(hermitian: Mat, forces: Multipliers | None) -> Mumps | None:
     return None
 
 
-def _largest_slope(factors: Mumps, matrices: Matrices, forces: Multipliers | None) -> float:
+def _largest_slope(factors: Mumps, matrices: Matrices) -> float:
     """Estimate from below of the largest abs(x^H N x) / x^H (H + X M) x.
 
     The factors are those of H + X M. Infinite where the compliance of forces is singular.
     """
     rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
+    forces = matrices.multipliers
     compliance: Mumps | None = None
     if forces is not None:
         try:

@@ -90,8 +90,6 @@ class InvariantSubspace:
     @cached_property
     def _pairs(self) -> tuple[Complexes, Complexes]:
         values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
-        if not self.symmetric:
-            _tell_apart(self.projected, values, vectors)
         order = _rising(values)
         return values[order], vectors[:, order]
 

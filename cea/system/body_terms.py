@@ -13,7 +13,7 @@ where they are in space.
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +23,7 @@ from scipy.sparse import csr_array
 from cea.arrays import Floats
 from cea.body import Body
 from cea.eigen.block_products import times
-from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Monomial, Parameter
+from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm
 from cea.material import Elasticity
@@ -72,8 +72,8 @@ class BodyTerms:
     @cached_property
     def pieces(self) -> tuple[Term | UnformedTerm[Circulatory], ...]:
         """K and M, and what rotation and Rayleigh damping make of them."""
-        own = (*self._of_body(), *self._of_constants(), *self._of_rotation())
-        return (*own, *self._carried())
+        own = (*self._of_body(), *self._of_springs(), *self._of_constants())
+        return (*own, *self._of_rotation(), *self._carried())
 
     @cached_property
     def modal(self) -> tuple[UnformedTerm[LowRank], ...]:
@@ -146,7 +146,7 @@ class BodyTerms:
     def _stiffness(self) -> Coefficient:
         """Young's modulus, relative to its own; 1 of a solid that has several."""
         E = self.body.material.constants.get("E")
-        return CONSTANT if E is None else Coefficient.of({f"{self.path}.material.E": (E, 1.0)})
+        return CONSTANT if E is None else Coefficient({f"{self.path}.material.E": (E, 1.0)})
 
     @property
     def _constant_by_constant(self) -> bool:
@@ -161,16 +161,13 @@ class BodyTerms:
     def _mass(self) -> Coefficient:
         """Density, relative to its own."""
         rho = float(self.body.material.rho or 0)
-        return Coefficient.of({f"{self.path}.material.rho": (rho, 1.0)})
+        return Coefficient({f"{self.path}.material.rho": (rho, 1.0)})
 
     def _of_body(self) -> Iterator[Term]:
-        """K, M and their Rayleigh damping; springs do not grow with E."""
+        """K, M and their Rayleigh damping."""
         body, path = self.body, self.path
         pieces: list[tuple[Role, Mat, Coefficient]]
         pieces = [("stiffness", body.stiffness(), self._stiffness)]
-        if self._stiffness.names and (springs := body.spring_stiffness()) is not None:
-            less = replace(self._stiffness.monomials[0], factor=-1.0)
-            pieces.append(("stiffness", springs, Coefficient((Monomial(), less))))
         if self.with_mass:
             pieces.append(("mass", body.mass(), self._mass))
         for role, own, coefficient in pieces:
@@ -179,6 +176,18 @@ class BodyTerms:
             if self.with_mass and self.motion.damping is not None:
                 factor = {"mass": "alpha", "stiffness": "beta"}[role]
                 yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
+
+    def _of_springs(self) -> Iterator[Term]:
+        """What is taken back of K where E changes: springs do not grow with it."""
+        springs, name = self.body.spring_stiffness(), f"{self.path}.material.E"
+        E, beta = self.body.material.constants.get("E"), f"{self.path}.damping.beta"
+        if springs is None or E is None:
+            return
+        matrix = self.placed(springs)
+        yield Term("stiffness", matrix, Smooth(frozenset({name}), lambda t: 1.0 - t[name] / E))
+        if self.with_mass and self.motion.damping is not None:
+            damped = Smooth(frozenset({name, beta}), lambda t: t[beta] * (1.0 - t[name] / E))
+            yield Term("damping", matrix, damped)
 
     def _of_constants(self) -> Iterator[Term]:
         """What K grows by where constants of a solid that has several change."""

@@ -110,8 +110,8 @@ def _coefficient(path: str, body: Body, damping: ModalDamping) -> Coefficient | 
         material[f"{path}.material.E"] = E
     ratio = {modal_parameter(path, damping).name: (1.0, 1.0)}
     if damping.end is None and body.spring_stiffness() is None:
-        return Coefficient.of(ratio | {name: (value, 0.5) for name, value in material.items()})
-    return _OfTheseModes(Coefficient.of(ratio), material)
+        return Coefficient(ratio | {name: (value, 0.5) for name, value in material.items()})
+    return _OfTheseModes(Coefficient(ratio), material)
 
 
 def _factors(path: str, damping: ModalDamping, frequencies: Floats, reach: Floats) -> Floats:

@@ -165,18 +165,6 @@ def test_one_vector_twice_is_replaced(corner):
     assert np.abs(matrix @ vectors - vectors * values).max() < 1e3 * EPS
 
 
-def test_pairs_rise_with_the_imaginary_part_of_lambda():
-    """Equal complex pairs, and real kappa of both signs, between others."""
-    turn = [[2.0, -1.0], [1.0, 2.0]]
-    matrix = block_diag(3.0, turn, -4.0, 0.5, turn, -1.0, 1.9, 2.2)
-    values, vectors = pairs_of(matrix)
-    upper = np.flatnonzero(values.imag > 0)
-    np.testing.assert_array_equal(values[upper + 1], values[upper].conj())
-    assert np.abs(matrix @ vectors - vectors * values).max() < 100 * EPS
-    assert (np.diff(np.abs(np.sqrt(-values).imag)) >= -10 * EPS).all()
-    assert values[:2] == pytest.approx([-1.0, -4.0])
-
-
 @pytest.mark.parametrize("order", ["F", "C"])
 def test_products_with_many_columns_are_those_column_by_column(order, monkeypatch):
     monkeypatch.setattr("cea.eigen.block_products._COLUMNS", 8)

@@ -102,8 +102,8 @@ def test_divergence_is_no_flutter(soft):
 def test_flutter_may_lie_at_zero():
     """A second friction works against the first, and brings the pair to rest as it grows."""
     stiffness, mass, friction = lumped(1.0).pencil.terms
-    against = Term("stiffness", friction.matrix, Coefficient.of({"s": (1.0, 1.0)}), symmetric=False)
-    first = Term("stiffness", friction.matrix, Coefficient.of({}, factor=-1.0), symmetric=False)
+    against = Term("stiffness", friction.matrix, Coefficient({"s": (1.0, 1.0)}), symmetric=False)
+    first = Term("stiffness", friction.matrix, Coefficient({}, factor=-1.0), symmetric=False)
     driver = EigenSolver(Pencil([stiffness, mass, first, against], [Parameter("s", 0.0)]))
     threshold = first_threshold(driver, "s", real=0.9, flutter=0.0, max_frequency=TOP)
     assert threshold.value == pytest.approx(0.5, rel=1e-12)
