@@ -1,15 +1,10 @@
-"""Matching eigenvalues by distance, and complex modes by shape too, with multiplicities.
-
-Modes that nearly coalesce mix freely: what two discretisations agree on is the space they span and
-the mean of their eigenvalues, not its members. Such modes are paired as groups.
-"""
+"""Matching eigenvalues by distance, with multiplicities."""
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import orth, subspace_angles
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
@@ -23,12 +18,6 @@ _NO_GROWTH = 1e-9
 """Growth rates below this part of abs(lambda) are rounding."""
 _RIGID = 1e-6
 """Eigenvalues below this part of the largest stand for a rigid motion."""
-NEAR = 1e-3
-"""Relative distance below which eigenvalues of one run are compared as a group."""
-_FREQUENCY_SCALE = 0.02
-"""Relative difference of eigenvalues that counts as much as a modal assurance of zero."""
-ALONE = 2.0
-"""Cost at which a mode is rather left alone: other shape and 2 per cent away, or further."""
 
 
 def assign(cost: Floats, limit: float | None = None) -> tuple[Ints, Ints]:
@@ -136,100 +125,3 @@ def match_spectrum(
     for members in group(exact, tolerance):
         differences[members] = differences[members].mean()
     return SpectrumMatch(exact, found, differences, spurious)
-
-
-def _assurance(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
-    """Part norm(P x)^2 / norm(x)^2 of left modes in the space of groups of right modes.
-
-    P projects on the group of the right mode, shape (modes_left, modes_right); of groups of one it
-    is the modal assurance criterion.
-    """
-    left = left / np.linalg.norm(left, axis=0)
-    assurance = np.empty((left.shape[1], right.shape[1]))
-    for members in groups:
-        # members that are parallel to rounding count once
-        basis = orth(right[:, members] / np.linalg.norm(right[:, members], axis=0), rcond=1e-10)
-        assurance[:, members] = (np.abs(basis.conj().T @ left) ** 2).sum(axis=0)[:, None]
-    return assurance
-
-
-@dataclass(frozen=True)
-class ModeSet:
-    """Modes of one run: lambda (1/s), and displacements at common points."""
-
-    eigenvalues: Complexes
-    shapes: Complexes
-
-
-@dataclass(frozen=True)
-class GroupMatch:
-    """Numbers of modes of two runs that stand for one another, one of each, or groups.
-
-    With their mean eigenvalues, and the square of the cosine of the largest principal angle between
-    the spaces they span. Of single modes that is the modal assurance criterion abs(x^H y)^2 /
-    (x^H x y^H y) (R. J. Allemang, The modal assurance criterion - twenty years of use and abuse,
-    Sound and Vibration 37 (2003)).
-    """
-
-    first: Ints
-    second: Ints
-    means: tuple[complex, complex]
-    assurance: float
-
-    @property
-    def distance(self) -> float:
-        """Distance of the means relative to the second."""
-        return float(abs(self.means[0] - self.means[1]) / abs(self.means[1]))
-
-
-@dataclass(frozen=True)
-class ModeMatch:
-    """What was matched, and every mode that was not."""
-
-    groups: tuple[GroupMatch, ...]
-    only_first: Ints
-    only_second: Ints
-
-
-def match_modes(
-    first: ModeSet, second: ModeSet, near: float = NEAR, limit: float | None = ALONE
-) -> ModeMatch:
-    """Pair the modes of two runs so that shapes and eigenvalues agree best over all together.
-
-    Eigenvalues of one run up to a relative distance ``near`` are compared as a group; at a cost of
-    ``limit`` modes are rather left alone, without one as many are paired as there are.
-    """
-    groups = group(first.eigenvalues, near), group(second.eigenvalues, near)
-    rows, columns = assign(_cost(first, second, *groups), limit)
-    numbers = [np.empty(len(s.eigenvalues), np.int64) for s in (first, second)]
-    for number, members in zip(numbers, groups, strict=True):
-        for i, indices in enumerate(members):
-            number[indices] = i
-    # Pairs of one group, of either run, belong together.
-    a, b = numbers[0][rows], numbers[1][columns]
-    together = connected((a[:, None] == a) | (b[:, None] == b))
-    return ModeMatch(
-        tuple(_group_match(first, second, rows[pairs], columns[pairs]) for pairs in together),
-        np.setdiff1d(np.arange(len(first.eigenvalues)), rows),
-        np.setdiff1d(np.arange(len(second.eigenvalues)), columns),
-    )
-
-
-def _cost(
-    first: ModeSet, second: ModeSet, first_groups: list[Ints], second_groups: list[Ints]
-) -> Floats:
-    """Unlikeness of shapes, plus distance of eigenvalues relative to the larger."""
-    assurance = np.maximum(
-        _assurance(first.shapes, second.shapes, second_groups),
-        _assurance(second.shapes, first.shapes, first_groups).T,
-    )
-    one, other = first.eigenvalues[:, None], second.eigenvalues
-    size = np.maximum(np.maximum(np.abs(one), np.abs(other)), np.finfo(float).tiny)
-    return np.asarray(1 - assurance + np.abs(one - other) / size / _FREQUENCY_SCALE)
-
-
-def _group_match(first: ModeSet, second: ModeSet, rows: Ints, columns: Ints) -> GroupMatch:
-    rows, columns = np.sort(rows), np.sort(columns)
-    angles = subspace_angles(first.shapes[:, rows], second.shapes[:, columns])
-    means = (complex(s.eigenvalues[i].mean()) for s, i in ((first, rows), (second, columns)))
-    return GroupMatch(rows, columns, (next(means), next(means)), float(np.cos(angles[0]) ** 2))

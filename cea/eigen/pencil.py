@@ -207,11 +207,6 @@ class Pencil:
             raise InputError("parameter", name, f"one of {allowed}")
         return self.parameters[name]
 
-    @property
-    def stiffness_parameters(self) -> frozenset[str]:
-        """Parameters that its stiffness depends on, and so an equilibrium."""
-        return self.at_rest().names
-
     def check(self, changes: Mapping[str, float]) -> None:
         """Refuse parameters at which a piece is not known, as modal damping of modes that move."""
         values = self.values(changes)

@@ -22,7 +22,6 @@ from scipy.sparse.linalg import spsolve
 from cea.arrays import Floats
 from cea.body import Body
 from cea.eigen.block_products import columns_inner, times, transposed_times
-from cea.eigen.matching import ModeMatch
 from cea.matrices import destroy, scaled_total
 from cea.surface import Surface
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
@@ -31,6 +30,7 @@ from comparisons.paper.spectra import Spectrum, case_row, displacements, means_o
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
+from scenes.results.matching import ModeMatch
 from scenes.spec.reading import Scene
 
 P = 1e6  # contact stiffness of the figures (N/m)

@@ -90,7 +90,7 @@ def result_of_modes(
     warnings = list(modes.warnings)
     with timer("post-processing"):
         warnings += system_warnings(scene, system, modes.values)
-        moving = ", ".join(sorted(modes.pencil.stiffness_parameters))
+        moving = ", ".join(sorted(modes.pencil.at_rest().names))
         if system.steady is not None and modes.left is not None and moving:
             told = f"the state of steady sliding depends on {moving}, and is kept in derivatives"
             warnings.append(ResultWarning(STATE_KEPT, told, {"parameters": moving}))

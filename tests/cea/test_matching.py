@@ -4,14 +4,15 @@ import numpy as np
 import pytest
 from reference_data import DRUM_BODIES
 
-from cea.eigen.matching import (
-    ModeSet,
-    group,
-    match_modes,
-    match_spectrum,
-)
+from cea.eigen.matching import group, match_spectrum
 from scenes import run_scene
-from scenes.results.matching import circumferential_energy, circumferential_orders, match_runs
+from scenes.results.matching import (
+    ModeSet,
+    circumferential_energy,
+    circumferential_orders,
+    match_modes,
+    match_runs,
+)
 from scenes.spec.reading import load_scene
 
 RNG = np.random.default_rng(7)
