@@ -38,7 +38,7 @@ from cea.petsc import PETSc
 from cea.ranks import agreed
 
 type Powers = dict[str, tuple[float, float]]
-"""Reference and exponent by parameter (:class:`cea.eigen.coefficients.Monomial`)."""
+"""Reference and exponent by parameter (:class:`cea.eigen.coefficients.Coefficient`)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,10 +50,10 @@ def forces_of_contacts(contacts: Sequence[Contact], stiffness: Floats) -> Iterat
     for name, halves in with_multipliers(contacts).items():
         made = (_at_points if halves[0].projection is None else _projected)(halves)
         closure, slip, compliance = made
-        inverse = Coefficient.of({f"contacts.{name}.P": (1.0, -1.0)})
+        inverse = Coefficient({f"contacts.{name}.P": (1.0, -1.0)})
         if not halves[0].law.linear:
-            inverse = Coefficient.of({}, factor=1 / sum(half.P for half in halves))
-        mu = NOTHING if slip is None else Coefficient.of(powers_of(halves)[1])
+            inverse = Coefficient({}, factor=1 / sum(half.P for half in halves))
+        mu = NOTHING if slip is None else Coefficient(powers_of(halves)[1])
         soft = _body_stiffness(closure, compliance, stiffness)
         yield ForcesOfContact(closure, slip, compliance, inverse, mu, soft)
 

@@ -16,8 +16,6 @@ from cea.matrices import dense, destroy
 
 _COLUMNS = 64
 """Most columns at a time."""
-_NUMBERS, _LEAST = 800_000, 8
-"""Numbers of a product at a time, which stay in the cache, and least columns of them."""
 
 
 def column_blocks(columns: int) -> Iterator[slice]:
@@ -48,10 +46,7 @@ def _times(matrix: Any, vectors: Floats) -> Floats:
         return _one_by_one(matrix.mult, matrix.createVecRight(), matrix.createVecLeft(), vectors)
     rows, layout = matrix.getSizes()
     image = np.empty((rows[0], vectors.shape[1]), order="F")
-    size = max(*matrix.getSize(), 1)
-    at_once = min(_COLUMNS, max(_LEAST, _NUMBERS // size // _LEAST * _LEAST))
-    for start in range(0, vectors.shape[1], at_once):
-        columns = slice(start, start + at_once)
+    for columns in column_blocks(vectors.shape[1]):
         block = dense(vectors[:, columns], layout, matrix.comm)
         product = dense(image[:, columns], rows, matrix.comm)
         matrix.matMult(block, product)  # into the memory of the image

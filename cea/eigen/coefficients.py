@@ -59,14 +59,24 @@ class Dependence(Protocol):
 
 
 @dataclass(frozen=True)
-class Monomial:
-    """A factor times powers (t / reference)^exponent, given as (reference, exponent) by parameter.
+class Coefficient:
+    """A factor times powers (t / reference)^exponent of parameters, a :class:`Dependence`.
 
-    At its reference a parameter counts as 1 to the last bit.
+    Powers are given as (reference, exponent) by parameter. At its reference a parameter counts as 1
+    to the last bit.
     """
 
-    factor: float = 1.0
     powers: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    factor: float = 1.0
+
+    def times(self, name: str, exponent: float = 1.0, factor: float = 1.0) -> "Coefficient":
+        """The coefficient multiplied by factor * p**exponent of one more parameter."""
+        return Coefficient({**self.powers, name: (1.0, exponent)}, factor * self.factor)
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Parameters it depends on."""
+        return frozenset(self.powers)
 
     def at(self, values: Mapping[str, float]) -> float:
         """Value at given parameters."""
@@ -82,45 +92,11 @@ class Monomial:
             return 0.0
         reference, exponent = powers.pop(name)
         slope = exponent / reference * (values[name] / reference) ** (exponent - 1)
-        return slope * Monomial(self.factor, powers).at(values)
-
-
-@dataclass(frozen=True)
-class Coefficient:
-    """A sum of monomials in the parameters, a :class:`Dependence`."""
-
-    monomials: tuple[Monomial, ...] = (Monomial(),)
-
-    @classmethod
-    def of(cls, powers: Mapping[str, tuple[float, float]], factor: float = 1.0) -> "Coefficient":
-        """One monomial."""
-        return cls((Monomial(factor, powers),))
-
-    def times(self, name: str, exponent: float = 1.0, factor: float = 1.0) -> "Coefficient":
-        """It times a factor and a power of one more parameter."""
-        return Coefficient(
-            tuple(
-                Monomial(factor * each.factor, {**each.powers, name: (1.0, exponent)})
-                for each in self.monomials
-            )
-        )
-
-    @property
-    def names(self) -> frozenset[str]:
-        """Parameters it depends on."""
-        return frozenset(name for each in self.monomials for name in each.powers)
-
-    def at(self, values: Mapping[str, float]) -> float:
-        """Value at given parameters."""
-        return sum(each.at(values) for each in self.monomials)
-
-    def derivative(self, name: str, values: Mapping[str, float]) -> float:
-        """Derivative in one parameter."""
-        return sum(each.derivative(name, values) for each in self.monomials)
+        return slope * Coefficient(powers, self.factor).at(values)
 
 
 CONSTANT = Coefficient()
 """1, whatever the parameters."""
 
-NOTHING = Coefficient(())
+NOTHING = Coefficient(factor=0.0)
 """0, whatever the parameters."""

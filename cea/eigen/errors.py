@@ -1,38 +1,25 @@
 """Eigenpairs of an invariant subspace, with residuals, backward errors and condition numbers.
 
-With a left vector y, y^H (2 lambda M + D) x = 1, a change of the problem moves an eigenvalue by
+With a left vector y, y^H (2 lambda M + D) x = 1, a backward error e of lambda^2 moves an eigenvalue
+by || y ||_M e, and by no more than sqrt(e) where the two of a motion meet. Left vectors are those
+within the invariant subspace, unless they are searched, and never shorter than
+1 / || (2 lambda M + D) x ||. Without damping the eigenvalue is kappa = -lambda^2, and || y ||_M its
+condition number.
 
-    d lambda = - y^H (lambda^2 dM + lambda dD + dK) x,
-
-so that a backward error e of lambda^2 is worth || y ||_M e. Left vectors are those within the
-invariant subspace, unless they are searched. Where the other eigenvalue of a motion was not found,
-as of overdamped ones, they say too little:
-
-    || y ||_M >= 1 / || (2 lambda M + D) x ||,
-
-and e makes no more than sqrt(e) of the two of a motion where they meet. Without damping the
-eigenvalue is kappa = -lambda^2, and || y ||_M its condition number.
-
-With the residual r the backward error is || r || in the norm of M^-1, or nearly of the diagonal of
-M, or what it is in the inverse problem, which is the one that was solved: without damping
+The backward error is the norm of the residual r in M^-1, nearly, or what r is in the inverse
+problem, which is the one that was solved: without damping
 
     abs(kappa - sigma) || (K - sigma M)^-1 r ||_M.
 
-Far from the shift the first is the smaller one. Rounding of the entries adds
-u abs(x)^T abs(P) abs(x).
+The smaller one counts, and rounding of the entries: u abs(x)^T abs(P) abs(x).
 
-Of left vectors the invariant subspace of right ones knows no more than their projection. What it
-leaves out comes of one step of inverse iteration with the transposed matrix; friction between
-bodies makes it about as large as one. Where it is much larger, or conditions are bad, left vectors
-are searched themselves. With the residual r and rounding u of entries lambda is then in error by
+What the subspace of right vectors leaves out of left ones comes of one step of inverse iteration
+with the transposed matrix. Where it is large, or conditions are bad, left vectors are searched
+themselves. The error of lambda is then, however unknowns and equations are scaled,
 
     e / abs(y^H (2 lambda M + D) x),    e = abs(y)^T (abs(r) + u abs(P) abs(x)),
 
-to first order, however unknowns and equations are scaled, but by no more than
-sqrt(e / abs(y^H M x)), where the two eigenvalues of a motion meet. That holds as far as y is right.
-Left eigenvalues come of systems, start vectors and roundings of their own: by how much they and
-right ones differ is what both searches have made of the matrices, a backward error that is counted
-for every eigenvalue, times its condition.
+and the difference of left and right eigenvalues is a backward error that all of them share.
 """
 
 from collections.abc import Iterator
@@ -75,7 +62,7 @@ class Eigenpairs:
 
     values: Complexes  # kappa (1/s^2), or with damping or rotation lambda (1/s), shape (n,)
     vectors: Complexes  # eigenvectors with x^H M x = 1, rows of this rank, shape (n_local, n)
-    forces: Complexes  # contact forces that are unknowns, shape (multipliers of this rank, n)
+    forces: Complexes  # multipliers, those of contacts first, shape (of this rank, n)
     residuals: Floats  # as :class:`cea.eigen.spectrum.Spectrum` has them
     conditions: Floats  # condition numbers of the values within the invariant subspace
     # what a backward error is multiplied by: the condition number, with damping norm(y)_M (s)

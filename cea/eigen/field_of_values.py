@@ -1,21 +1,17 @@
 """Where friction can move eigenvalues, and how fast modes may grow: bounds by fields of values.
 
-With x^H M x = 1 an eigenvalue is kappa = x^H K x. Its real part is bounded by H = (K + K^T) / 2
-(Bendixson): where H + X M has no negative eigenvalue, none has Re kappa < -X. Its imaginary part is
-what N = (K - K^T) / 2 makes: with the smallest t for which abs(x^H N x) <= t x^H (H + X M) x holds
-for every x, kappa lies in the cone
+With x^H M x = 1 an eigenvalue is kappa = x^H K x. Where H + X M, H = (K + K^T) / 2, has no negative
+eigenvalue none has Re kappa < -X (Bendixson). With N = (K - K^T) / 2 and the smallest t for which
+abs(x^H N x) <= t x^H (H + X M) x holds for every x, kappa lies in the cone
 
     abs(Im kappa) <= t (Re kappa + X).
 
-Contact forces f that are unknowns enter H through M = (J + L) / 2 and D = (J - L) / 2,
+Multipliers f enter H through M = (J + L) / 2 and D = (J - L) / 2,
 
     H = K_b + M^T C^-1 M - D^T C^-1 D,
 
 as two sets of unknowns; where friction acts without compliance there is no bound. Of each set
-those that its closures leave open have rows of their own, and a negative eigenvalue. N has
-M^T C^-1 D - D^T C^-1 M of them. Circulatory pieces are not in the factors. Their skew part is in N;
-with the part s < 1 of H + X M that a mesh makes of their symmetric one, H + X M is no less than
-1 - s of what it is without, and the slope is greater by 1 / (1 - s).
+those that its closures leave open have rows of their own, and a negative eigenvalue.
 
 With damping let h + i n be x^H K x and c + i y be x^H (C + Y) x. An eigenvalue lambda = g + i w
 obeys x^H P(lambda) x = 0, of which the real part, as it is and divided by lambda, is
@@ -33,7 +29,6 @@ hold for the sum where they hold without them.
 """
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -41,7 +36,7 @@ from scipy.sparse import csr_array
 
 from cea.arrays import Floats
 from cea.eigen.block_products import all_inner, combined, times, transposed_times
-from cea.eigen.multipliers import Multipliers, with_unformed
+from cea.eigen.multipliers import Multipliers
 from cea.eigen.mumps import Mumps, inertia
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import bordered, count_below
@@ -77,21 +72,19 @@ def field_of_values(matrices: Matrices, depth: float, *, cone: bool = False) -> 
     """A slope with abs(Im kappa) <= slope (Re kappa + X) where Re kappa >= -X, else None.
 
     One factorisation at the depth X (1/s^2) says so; ConvergenceError when it fails. The slope is
-    told where a cone is asked for, and needed for a bound with circulatory pieces; it stays
-    infinite where forces are tied, or depend on each other.
+    told where a cone is asked for; it stays infinite where forces are tied or dependent.
     """
     if matrices.symmetric:
         return None if count_below(matrices, -depth) else 0.0
-    factors = _definite(_hermitian_part(matrices, depth), matrices.multipliers)
+    slope, forces = np.inf, matrices.multipliers
+    factors = _definite(_hermitian_part(matrices, depth), forces)
     if factors is None:
         return None
-    slope, share = np.inf, 0.0 if matrices.circulatory is None else np.inf
-    forces = matrices.multipliers
     loose = forces is None or not (forces.tied or forces.dependent)
     if cone and loose and not factors.inertia()[1]:
-        slope, share = (_SAFETY * each for each in _quotients(factors, matrices))
+        slope = _SAFETY * _largest_slope(factors, matrices)
     factors.free()
-    return slope / (1 - share) if share < 1 else None
+    return slope
 
 
 def largest_growth(matrices: Matrices, end: float) -> float:
@@ -120,12 +113,7 @@ def bounded_growth(matrices: Matrices, growth: float, end: float) -> bool:
         parts.append((-end, _skew_row_sums(matrices.gyroscopic)))
     hermitian = _hermitian_part(matrices, growth**2 - end**2, parts)
     destroy(*(matrix for _, matrix in parts))
-    circulatory = matrices.circulatory
-    unknowns = [] if circulatory is None else circulatory.unknowns()
-    forces = with_unformed(matrices.multipliers, unknowns)
-    factors = _definite(hermitian, forces)
-    if forces is not None and forces is not matrices.multipliers:
-        forces.free()
+    factors = _definite(hermitian, matrices.multipliers)
     if factors is None:
         return False
     factors.free()
@@ -175,20 +163,19 @@ def _definite(hermitian: Mat, forces: Multipliers | None) -> Mumps | None:
     return None
 
 
-def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
-    """Estimates from below of the largest abs(x^H N x) / x^H (H + X M) x and of another quotient.
+def _largest_slope(factors: Mumps, matrices: Matrices) -> float:
+    """Estimate from below of the largest abs(x^H N x) / x^H (H + X M) x.
 
-    That is the same with the symmetric part of circulatory pieces, which H is without, in the
-    place of N. The factors are those of H + X M.
+    The factors are those of H + X M. Infinite where the compliance of forces is singular.
     """
     rows, comm = matrices.stiffness.getLocalSize()[0], matrices.stiffness.comm
-    circulatory, forces = matrices.circulatory, matrices.multipliers
+    forces = matrices.multipliers
     compliance: Mumps | None = None
     if forces is not None:
         try:
             compliance = Mumps(forces.compliance.copy(), symmetric=True)
         except ConvergenceError:  # what shows nothing must not end a run
-            return np.inf, 0.0 if circulatory is None else np.inf
+            return np.inf
 
     def unsymmetric(x: Floats, *, transposed: bool = False) -> Floats:
         force = np.zeros_like(x)
@@ -198,31 +185,25 @@ def _quotients(factors: Mumps, matrices: Matrices) -> tuple[float, float]:
             both = (forces.reaction, forces.closure)
             J, L = both if transposed else both[::-1]
             force += transposed_times(L, compliance.solve_block(times(J, x)))
-        if circulatory is not None:
-            force += circulatory.times(x, transposed=transposed)
         return force
+
+    def skew(x: Floats) -> Floats:
+        return np.asfortranarray(0.5 * (unsymmetric(x) - unsymmetric(x, transposed=True)))
 
     def solve(b: Floats) -> Floats:
         return factors.solve_block(b)[:rows]
 
-    slope, share = _largest_quotient(solve, partial(_half, unsymmetric, -1.0), rows, comm), 0.0
-    if circulatory is not None:
-        share = _largest_quotient(solve, partial(_half, circulatory.times, 1.0), rows, comm)
+    slope = _largest_quotient(solve, skew, rows, comm)
     if compliance is not None:
         compliance.free()
-    return slope, share
-
-
-def _half(product: Callable[..., Floats], sign: float, x: Floats) -> Floats:
-    """Half of a product with x, and of plus or minus that with the transposed matrix."""
-    return np.asfortranarray(0.5 * (product(x) + sign * product(x, transposed=True)))
+    return slope
 
 
 def _largest_quotient(solve: Operation, skew: Operation, rows: int, comm: Any) -> float:
-    """Estimate from below of max abs(x^H N x) / x^H H x, N skew or symmetric, by block Krylov.
+    """Estimate from below of max abs(x^H N x) / x^H H x by block Krylov.
 
     ``solve`` and ``skew`` are H^-1 and N times a block. The vectors are orthonormal in H, with
-    which H^-1 N is skew, or symmetric.
+    which H^-1 N is skew.
     """
     most = _COLUMNS * _STEPS
     basis, images, skews = (np.empty((rows, most), order="F") for _ in range(3))

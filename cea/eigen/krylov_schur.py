@@ -36,8 +36,8 @@ from cea.eigen.subspace import (
 from cea.errors import ConvergenceError
 
 _POWERS = 3
-"""Times that OP is applied to the start block where nothing is locked: it costs less than a further
-block, and takes infinite eigenvalues and those far away out of all that follow."""
+"""Times that OP is applied to the start block: it costs less than a further block, and takes
+infinite eigenvalues and those far away out of all that follow."""
 _TINY = 1e-20
 """Square of a direction of start vectors, relative to the largest, from which on it is rounding."""
 _CLEAR = 3.0
@@ -175,7 +175,7 @@ def _started(
     """A space that begins with powers of OP on random vectors: infinite eigenvalues are gone."""
     space = KrylovSpace(op, locked.basis, op.rows - locked.size)
     start = _random_block(op, random, columns)
-    for _ in range(op.powers if locked.size else _POWERS):
+    for _ in range(_POWERS):
         image = op.image(start)  # the vectors are made orthonormal: none hides the others
         squares, axes = np.linalg.eigh(op.inner(start, image))
         turn = axes / np.sqrt(np.maximum(squares, _TINY * squares.max()))

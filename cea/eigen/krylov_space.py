@@ -16,14 +16,10 @@ from cea.petsc import PETSc, SLEPc
 
 _NOISE = 1e-12
 """Part of a vector that projections leave below which it lies in the space already."""
-_LEADING = 16
-"""First vectors whose images are kept."""
 _LEFT = 0.3
 """Part of a direction that a further projection leaves below which it was rounding."""
-_FELL = 0.1
-"""Part of each direction that a projection leaves at which no other is needed."""
-_MOST_PROJECTIONS = 3
-"""The third for what the first leaves of small vectors, far from orthogonal."""
+_PROJECTIONS = 3
+"""Most projections: the third for what the first leaves of small vectors, far from orthogonal."""
 _FIRST, _GROWTH = 128, 1.3
 """Least room for vectors, and its growth where it becomes too small."""
 _ORTHONORMAL = 1e-12
@@ -50,8 +46,7 @@ class KrylovSpace:
         self.size = self.next = 0
         self._basis = self._vectors(self._locked + _FIRST)
         self._put(0, locked)
-        self._images: list[tuple[int, Floats]] = []
-        self._keep_first()
+        self._image: Floats = np.empty((op.local, 0))  # of U
         self.operator: Floats = np.empty((0, 0))
         self.coupling: Floats = np.empty((self._locked, 0))
 
@@ -73,7 +68,7 @@ class KrylovSpace:
         """Take U into V, and OP U beside them as the next U."""
         size, columns = self.size, self.next
         first = self._locked + size
-        product = self._op.apply(self._take(first, first + columns), self._images[-1][1])
+        product = self._op.apply(self._take(first, first + columns), self._image)
         self.size += columns
         coefficients = self._append(np.asfortranarray(product))
         whole: Floats = np.zeros((self.size + self.next, self.size))
@@ -87,11 +82,10 @@ class KrylovSpace:
 
         The block is in Fortran order, the rows of this rank.
         """
-        images, columns = self._images, self.next
+        image, columns = self._image, self.next
         self.size += columns
         self._append(block)
-        start, image = images[-1]
-        self._images = [*images[:-1], (start, beside(image, self._images[-1][1]))]
+        self._image = beside(image, self._image)
         self.size -= columns
         self.operator = np.pad(self.operator, ((0, self.next), (0, 0)))
         self.next += columns
@@ -114,8 +108,6 @@ class KrylovSpace:
         destroy(coefficients)
         self._put(end, block)
         self.operator = np.vstack([form, rest])
-        self._images = [(end, self._images[-1][1])]
-        self._keep_first()
         self.coupling = self.coupling @ vectors
 
     def _vectors(self, columns: int) -> Any:
@@ -167,17 +159,9 @@ class KrylovSpace:
         op, first = self._op, self._locked + self.size
         most = self._room - self.size  # more directions there are not, but of rounding
         inside: Floats = np.zeros((first, w.shape[1]))
-        # OP is selfadjoint but for friction, and what it makes of a block lies in the last two, but
-        # for that and for rounding. Both are largest along the eigenvectors nearest to the shift,
-        # which the first vectors hold.
-        for start, image in self._images:
-            own = slice(start, start + image.shape[1])
-            inside[own] = op.inner(image, w)
-            w -= combined(self._take(own.start, own.stop), inside[own])
-        u, image = w, op.image(w)
-        rest: Floats = np.eye(w.shape[1])
+        u, image, rest = w, op.image(w), np.eye(w.shape[1])
         whole: Floats = np.empty(0)
-        for again in range(_MOST_PROJECTIONS):
+        for again in range(_PROJECTIONS):
             part = self._project(u, image, first)
             inside += part @ rest
             image = op.image(u)
@@ -202,20 +186,12 @@ class KrylovSpace:
             u /= lengths[kept]
             image /= lengths[kept]
             rest = rest[kept]
-            if not len(kept) or (not again and lengths[kept].min() >= _FELL):
+            if not len(kept):
                 break
-        # The images of the first vectors, of the last block and of this one are kept.
-        leading = [each for each in self._images[:-1] if each[0] < _LEADING]
-        self._images = [*leading, *self._images[-1:], (first, image)]
+        self._image = image
         self.next = u.shape[1]
         self._put(first, u)
         return np.vstack([inside, rest])
-
-    def _keep_first(self) -> None:
-        """Find the image of the first vectors, if there are any."""
-        first = self._take(0, min(_LEADING, self._locked + self.size))
-        if first.shape[1]:
-            self._images.insert(0, (0, self._op.image(first)))
 
 
 def _lengths(gram: Floats, projected: Floats | None = None) -> Floats:

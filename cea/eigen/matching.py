@@ -1,21 +1,15 @@
-"""Matching eigenvalues by distance, and complex modes by shape too, with multiplicities.
-
-Modes that nearly coalesce mix freely: what two discretisations agree on is the space they span and
-the mean of their eigenvalues, not its members. Such modes are paired as groups.
-"""
+"""Matching eigenvalues by distance, with multiplicities."""
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import orth, subspace_angles
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.errors import InputError
 
 DEGENERATE = 1e-8
 """Relative distance below which eigenvalues count as one of higher multiplicity."""
@@ -24,12 +18,6 @@ _NO_GROWTH = 1e-9
 """Growth rates below this part of abs(lambda) are rounding."""
 _RIGID = 1e-6
 """Eigenvalues below this part of the largest stand for a rigid motion."""
-NEAR = 1e-3
-"""Relative distance below which eigenvalues of one run are compared as a group."""
-_FREQUENCY_SCALE = 0.02
-"""Relative difference of eigenvalues that counts as much as a modal assurance of zero."""
-ALONE = 2.0
-"""Cost at which a mode is rather left alone: other shape and 2 per cent away, or further."""
 
 
 def assign(cost: Floats, limit: float | None = None) -> tuple[Ints, Ints]:
@@ -51,8 +39,6 @@ def group(values: Complexes, tolerance: float = DEGENERATE, least: float = 0.0) 
 
     The tolerance is relative to the larger of two, and to a least size: rigid motions touch.
     """
-    if not tolerance >= 0:
-        raise InputError("tolerance", tolerance, "zero or positive")
     sizes = np.maximum(np.abs(values), least)
     near = np.abs(values[:, None] - values) <= tolerance * np.maximum(sizes[:, None], sizes)
     return connected(near)
@@ -125,10 +111,6 @@ def match_spectrum(
     spurious. Partners are no farther than a ``reach`` relative to the exact one; exact ones within
     a relative tolerance are compared by their mean.
     """
-    if not band[0] < band[1]:
-        raise InputError("band", band, "a lowest below a highest")
-    if not reach > 0:
-        raise InputError("reach", reach, "positive")
     # A rigid motion has lambda = 0, found as rounding: nothing is relative to that.
     size = np.maximum(np.abs(exact), _RIGID * np.abs(exact).max(initial=1.0))
     distance = np.abs(computed[None, :] - exact[:, None]) / size[:, None]
@@ -143,158 +125,3 @@ def match_spectrum(
     for members in group(exact, tolerance):
         differences[members] = differences[members].mean()
     return SpectrumMatch(exact, found, differences, spurious)
-
-
-def modal_assurance(left: Complexes, right: Complexes) -> Floats:
-    """Modal assurance criterion abs(x^H y)^2 / (x^H x y^H y), shape (modes_left, modes_right).
-
-    Displacements are at common points, shapes (n, modes_left) and (n, modes_right) (R. J. Allemang,
-    The modal assurance criterion - twenty years of use and abuse, Sound and Vibration 37 (2003)).
-    """
-    return subspace_assurance(left, right, list(np.arange(right.shape[1])[:, None]))
-
-
-def subspace_assurance(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
-    """Part norm(P x)^2 / norm(x)^2 of left modes in the space of groups of right modes.
-
-    P projects on the group of the right mode, shape (modes_left, modes_right); of groups of one it
-    is the modal assurance criterion.
-    """
-    left = left / np.linalg.norm(left, axis=0)
-    assurance = np.empty((left.shape[1], right.shape[1]))
-    for members in groups:
-        # members that are parallel to rounding count once
-        basis = orth(right[:, members] / np.linalg.norm(right[:, members], axis=0), rcond=1e-10)
-        assurance[:, members] = (np.abs(basis.conj().T @ left) ** 2).sum(axis=0)[:, None]
-    return assurance
-
-
-@dataclass(frozen=True)
-class ModeSet:
-    """Modes of one run: lambda (1/s), and displacements at common points."""
-
-    eigenvalues: Complexes
-    shapes: Complexes
-
-    def __post_init__(self) -> None:
-        if self.shapes.shape[1:] != self.eigenvalues.shape:
-            raise InputError("shapes", self.shapes.shape, f"{len(self.eigenvalues)} columns")
-
-
-@dataclass(frozen=True)
-class GroupMatch:
-    """Numbers of modes of two runs that stand for one another, one of each, or groups.
-
-    With their mean eigenvalues, and the principal angles between the spaces they span (rad),
-    largest first: of single modes cos^2 of it is the modal assurance criterion.
-    """
-
-    first: Ints
-    second: Ints
-    means: tuple[complex, complex]
-    angles: Floats
-
-    @property
-    def distance(self) -> float:
-        """Distance of the means relative to the second."""
-        return float(abs(self.means[0] - self.means[1]) / abs(self.means[1]))
-
-    @property
-    def assurance(self) -> float:
-        """Square of the cosine of the largest principal angle."""
-        return float(np.cos(self.angles[0]) ** 2)
-
-
-@dataclass(frozen=True)
-class ModeMatch:
-    """What was matched, and every mode that was not."""
-
-    groups: tuple[GroupMatch, ...]
-    only_first: Ints
-    only_second: Ints
-
-
-def match_modes(
-    first: ModeSet, second: ModeSet, near: float = NEAR, limit: float | None = ALONE
-) -> ModeMatch:
-    """Pair the modes of two runs so that shapes and eigenvalues agree best over all together.
-
-    Eigenvalues of one run up to a relative distance ``near`` are compared as a group; at a cost of
-    ``limit`` modes are rather left alone, without one as many are paired as there are.
-    """
-    groups = group(first.eigenvalues, near), group(second.eigenvalues, near)
-    rows, columns = assign(_cost(first, second, *groups), limit)
-    numbers = [np.empty(len(s.eigenvalues), np.int64) for s in (first, second)]
-    for number, members in zip(numbers, groups, strict=True):
-        for i, indices in enumerate(members):
-            number[indices] = i
-    # Pairs of one group, of either run, belong together.
-    a, b = numbers[0][rows], numbers[1][columns]
-    together = connected((a[:, None] == a) | (b[:, None] == b))
-    return ModeMatch(
-        tuple(_group_match(first, second, rows[pairs], columns[pairs]) for pairs in together),
-        np.setdiff1d(np.arange(len(first.eigenvalues)), rows),
-        np.setdiff1d(np.arange(len(second.eigenvalues)), columns),
-    )
-
-
-def _cost(
-    first: ModeSet, second: ModeSet, first_groups: list[Ints], second_groups: list[Ints]
-) -> Floats:
-    """Unlikeness of shapes, plus distance of eigenvalues relative to the larger."""
-    assurance = np.maximum(
-        subspace_assurance(first.shapes, second.shapes, second_groups),
-        subspace_assurance(second.shapes, first.shapes, first_groups).T,
-    )
-    one, other = first.eigenvalues[:, None], second.eigenvalues
-    size = np.maximum(np.maximum(np.abs(one), np.abs(other)), np.finfo(float).tiny)
-    return np.asarray(1 - assurance + np.abs(one - other) / size / _FREQUENCY_SCALE)
-
-
-def _group_match(first: ModeSet, second: ModeSet, rows: Ints, columns: Ints) -> GroupMatch:
-    rows, columns = np.sort(rows), np.sort(columns)
-    angles = subspace_angles(first.shapes[:, rows], second.shapes[:, columns])
-    means = (complex(s.eigenvalues[i].mean()) for s, i in ((first, rows), (second, columns)))
-    return GroupMatch(rows, columns, (next(means), next(means)), angles)
-
-
-@dataclass(frozen=True)
-class CircumferentialContent:
-    """Part of ``e^{i m theta}`` in complex modes of a body of revolution, m from -top to top.
-
-    The energy has shape (2 top + 1, modes); columns add up to 1.
-    """
-
-    energy: Floats
-
-    @property
-    def orders(self) -> Ints:
-        """Circumferential order abs(m) that holds most of each mode, shape (modes,)."""
-        return self._by_order.argmax(axis=0)
-
-    @property
-    def shares(self) -> Floats:
-        """Part of each mode in its order, m and -m together, shape (modes,)."""
-        return self._by_order.max(axis=0)
-
-    @property
-    def _by_order(self) -> Floats:
-        top = len(self.energy) // 2
-        both = self.energy[top:] + self.energy[top::-1]
-        both[0] /= 2
-        return both
-
-
-def circumferential_content(u: Complexes) -> CircumferentialContent:
-    """Fourier analysis in theta of displacements in cylindrical components.
-
-    They are given at equally spaced angles from 0 on circles about the axis, shape (circles,
-    angles, dim, modes).
-    """
-    angles = u.shape[1]
-    if angles < 3:
-        raise InputError("u", u.shape, "3 angles or more")
-    top = (angles - 1) // 2
-    power = (np.abs(np.fft.fft(u, axis=1)) ** 2).sum(axis=(0, 2))
-    energy = power[np.arange(-top, top + 1)]
-    return CircumferentialContent(energy / energy.sum(axis=0))

@@ -29,7 +29,7 @@ class Modes(Spectrum):
     vectors
         Eigenvectors x with x^H M x = 1, the rows of this rank, shape (n_local, n).
     forces
-        Their contact forces where these are unknowns, shape (multipliers of this rank, n).
+        Their multipliers, those of contacts first, shape (multipliers of this rank, n).
     left
         Left eigenvectors; None where they were not asked for.
     template

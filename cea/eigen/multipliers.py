@@ -45,10 +45,10 @@ class ForcesOfContact:
     # P (N/m) at which it is where it is stiffest, and softest, about as stiff as the bodies
     body_stiffness: tuple[float, float]
 
-    def reaction(self, values: Mapping[str, float], *, leave_out: bool) -> Mat | None:
-        """L at given parameters; None without friction, if what is zero is left out."""
+    def reaction(self, values: Mapping[str, float]) -> Mat | None:
+        """L at given parameters; None without friction."""
         factor = self.friction.at(values)
-        if self.slip is None or (factor == 0 and leave_out):
+        if self.slip is None or not factor:
             return None
         return scaled_total([(1.0, self.closure), (-factor, self.slip)])
 
@@ -98,13 +98,13 @@ class AllForces:
         self.parts = tuple(parts)
         self._dependences: dict[float, Dependence] = {}
 
-    def at(self, values: Mapping[str, float], *, leave_out: bool = True) -> Multipliers:
+    def at(self, values: Mapping[str, float]) -> Multipliers:
         """Matrices at given parameters, those of several contacts one below the other."""
         scales = [part.inverse_stiffness.at(values) for part in self.parts]
         held = [part.is_tied(values) for part in self.parts]
         closures = [part.closure for part in self.parts]
         closure = reaction = one_below_the_other(closures)
-        reactions = [part.reaction(values, leave_out=leave_out) for part in self.parts]
+        reactions = [part.reaction(values) for part in self.parts]
         if made := [each for each in reactions if each is not None]:
             both = zip(reactions, closures, strict=True)
             reaction = one_below_the_other([J if L is None else L for L, J in both])

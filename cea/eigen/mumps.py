@@ -2,19 +2,16 @@
 
 What is factorised inside of :func:`factors_on_disk` is written to files of a temporary folder, each
 rank's to its own, and read again at every solve; the system keeps as much of them in memory as is
-left. A folder is locked while it is in use: those that killed programs left behind are removed.
+left.
 """
 
 import resource
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from fcntl import LOCK_EX, LOCK_NB, flock
 from functools import partial
 from pathlib import Path
-from shutil import rmtree
-from tempfile import TemporaryDirectory, gettempdir
-from time import time
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -37,12 +34,7 @@ _FILL, _ENTRY, _MEGABYTE = 100.0, 12, 1e6
 """Memory of factors over that of their matrix at most, bytes of an entry of it, and of a MB."""
 _FOLDER = "mat_mumps_ooc_tmpdir"
 """Option of PETSc that names the folder of factors on disk."""
-_LARGE = 10_000
-"""Unknowns from which on inertia is found in panels."""
 _FOLDER_OF_FACTORS: ContextVar[Path | None] = ContextVar("folder of factors", default=None)
-_PREFIX, _LOCK = "factors-", "in_use"
-_NEW = 60.0
-"""Age (s) up to which a folder may be about to be locked."""
 
 
 class SingularError(ConvergenceError):
@@ -102,7 +94,7 @@ class Mumps:
     def _fail(self) -> None:
         """Free what there is, and raise what ended the factorisation."""
         free = self.matrix.comm.getSize() * free_memory(self.matrix.comm.tompi4py())
-        rows, code, entries = matrix_size(self.matrix), self._infog(1), self._infog(3)
+        rows, code, entries = self.matrix.getSize()[0], self._infog(1), self._infog(3)
         memory, with_files = (_MEGABYTE * self._infog(number) for number in (17, 27))
         files = 8.0 * (entries if entries >= 0 else -1e6 * entries)
         self.free()
@@ -140,9 +132,6 @@ class Mumps:
         if self._inertia:
             factor.setMumpsIcntl(13, 1)  # a parallel root hides its inertia
             factor.setMumpsIcntl(24, 1)
-            if matrix_size(self.matrix) >= _LARGE:  # none of which is compressed
-                factor.setMumpsIcntl(35, 2)
-                factor.setMumpsCntl(7, 0.0)
         elif not self._symmetric:
             factor.setMumpsIcntl(33, 1)  # its determinant
         return pc
@@ -212,11 +201,6 @@ def inertia(matrix: Any) -> tuple[int, int]:
     return found
 
 
-def matrix_size(matrix: Any) -> int:
-    """Number of rows over all ranks."""
-    return int(matrix.getSize()[0])
-
-
 def folder_of_factors() -> Path | None:
     """Where factors are written now; None where they stay in memory."""
     return _FOLDER_OF_FACTORS.get()
@@ -225,21 +209,9 @@ def folder_of_factors() -> Path | None:
 @contextmanager
 def factors_on_disk() -> Iterator[Path]:
     """Keep factors on disk while this lasts; they must be freed before it ends."""
-    _remove_left_behind(Path(gettempdir()))
-    with TemporaryDirectory(prefix=_PREFIX) as name, (Path(name) / _LOCK).open("w") as lock:
-        flock(lock, LOCK_EX)
+    with TemporaryDirectory(prefix="factors-") as name:
         token = _FOLDER_OF_FACTORS.set(Path(name))
         try:
             yield Path(name)
         finally:
             _FOLDER_OF_FACTORS.reset(token)
-
-
-def _remove_left_behind(parent: Path) -> None:
-    """Remove folders of factors that no program uses any more."""
-    for path in parent.glob(f"{_PREFIX}*/{_LOCK}"):
-        with suppress(OSError):  # in use, of somebody else, or just removed
-            if time() - path.stat().st_mtime > _NEW:
-                with path.open() as lock:
-                    flock(lock, LOCK_EX | LOCK_NB)
-                    rmtree(path.parent)

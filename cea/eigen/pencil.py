@@ -20,14 +20,8 @@ from numpy.typing import NDArray
 from cea.arrays import Floats
 from cea.eigen.block_products import times, transposed_times
 from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
-from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers
-from cea.eigen.unformed import (
-    Circulatory,
-    CirculatorySum,
-    LowRank,
-    UnformedTerm,
-    low_rank_sum,
-)
+from cea.eigen.multipliers import AllForces, ForcesOfContact, Multipliers, with_unformed
+from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm, Unknowns, low_rank_sum
 from cea.errors import InputError
 from cea.matrices import absolute, destroy, scaled_total
 from cea.petsc import Mat
@@ -58,18 +52,17 @@ class Matrices:
     stiffness: Mat  # symmetric part S of K (N/m)
     unsymmetric: Mat | None  # the rest of K, which friction and damping of rotating bodies make
     mass: Any  # M (kg), symmetric positive definite; None in statics
-    multipliers: Multipliers | None  # contact forces that are unknowns
+    contacts: Multipliers | None  # contact forces that are unknowns
+    multipliers: Multipliers | None  # the same, and below them the unknowns of circulatory pieces
     damping: Mat | None = None  # symmetric part of C (N s/m)
     gyroscopic: Mat | None = None  # the rest of C, which rotation makes (N s/m)
-    # pieces of C of low rank (N s/m) and circulatory ones of K (N/m), which are not in these
-    low_rank: LowRank | None = None
-    circulatory: CirculatorySum | None = None
+    low_rank: LowRank | None = None  # pieces of C of low rank (N s/m), which are not in these
 
     @property
     def symmetric(self) -> bool:
         """True without friction and circulatory pieces: S and the multipliers are symmetric."""
-        unsymmetric = self.unsymmetric is not None or self.circulatory is not None
-        return not unsymmetric and (self.multipliers is None or self.multipliers.symmetric)
+        forces = self.multipliers
+        return self.unsymmetric is None and (forces is None or forces.symmetric)
 
     @property
     def conservative(self) -> bool:
@@ -132,9 +125,6 @@ class Pencil:
         Contact forces that are unknowns, by contact.
     low_rank, circulatory
         Pieces of the damping of low rank, and circulatory ones of the stiffness.
-    leave_out
-        Whether pieces whose coefficient is zero are left out: without friction the problem is then
-        symmetric.
 
     Raises
     ------
@@ -149,10 +139,7 @@ class Pencil:
         forces: Sequence[ForcesOfContact] = (),
         low_rank: Iterable[UnformedTerm[LowRank]] = (),
         circulatory: Iterable[UnformedTerm[Circulatory]] = (),
-        *,
-        leave_out: bool = True,
     ) -> None:
-        self.leave_out = leave_out
         self.terms = tuple(terms)
         self.parameters = {parameter.name: parameter for parameter in parameters}
         self.forces = tuple(forces)
@@ -174,7 +161,7 @@ class Pencil:
             terms.append(Term("mass", mass))
         if friction is None:
             return cls(terms)
-        coefficient = Coefficient.of({FRICTION: (1.0, 1.0)}, factor=-1.0)
+        coefficient = Coefficient({FRICTION: (1.0, 1.0)}, factor=-1.0)
         terms.append(Term("stiffness", friction, coefficient, symmetric=False))
         return cls(terms, [Parameter(FRICTION, 1.0)])
 
@@ -185,7 +172,6 @@ class Pencil:
             self.parameters.values(),
             self.forces,
             circulatory=self.circulatory,
-            leave_out=self.leave_out,
         )
 
     @property
@@ -221,17 +207,13 @@ class Pencil:
             raise InputError("parameter", name, f"one of {allowed}")
         return self.parameters[name]
 
-    @property
-    def stiffness_parameters(self) -> frozenset[str]:
-        """Parameters that its stiffness depends on, and so an equilibrium."""
-        return self.at_rest().names
-
     def at(self, changes: Mapping[str, float] | None = None) -> Matrices:
         """Matrices at given parameters; those not named keep their values."""
         values = self.values(changes)
         stiffness = self._sum("stiffness", values, symmetric=True)
         if stiffness is None:
             raise InputError("terms", len(self.terms), "a symmetric piece of the stiffness")
+        contacts = self._all_forces.at(values) if self._all_forces else None
         return Matrices(
             stiffness=stiffness,
             unsymmetric=self._sum("stiffness", values, symmetric=False),
@@ -239,10 +221,8 @@ class Pencil:
             damping=self._sum("damping", values, symmetric=True),
             gyroscopic=self._sum("damping", values, symmetric=False),
             low_rank=self.low_rank_at(values),
-            circulatory=self.circulatory_at(values),
-            multipliers=(
-                self._all_forces.at(values, leave_out=self.leave_out) if self._all_forces else None
-            ),
+            contacts=contacts,
+            multipliers=with_unformed(contacts, self.circulatory_unknowns(values)),
         )
 
     def products(self) -> Iterator[tuple[Role, Dependence, Callable[[Any], Any]]]:
@@ -254,11 +234,10 @@ class Pencil:
         for of_modes in self.low_rank:
             yield "damping", of_modes.coefficient, partial(of_modes.piece.times, comm=self.comm)
 
-    def circulatory_at(self, values: Mapping[str, float]) -> CirculatorySum | None:
-        """Circulatory pieces at given values of all parameters; None where all vanish."""
+    def circulatory_unknowns(self, values: Mapping[str, float]) -> list[Unknowns]:
+        """Unknowns of circulatory pieces that do not vanish at values of all parameters."""
         parts = [(term.coefficient.at(values), term.piece) for term in self.circulatory]
-        kept = tuple(part for part in parts if part[0])
-        return CirculatorySum(kept) if kept else None
+        return [piece.unknowns(factor) for factor, piece in parts if factor]
 
     def low_rank_at(self, values: Mapping[str, float]) -> LowRank | None:
         """Sum B B^T of pieces of low rank at values of all parameters; None where all vanish."""
@@ -266,14 +245,12 @@ class Pencil:
         return low_rank_sum(parts, self.terms[0].matrix.getLocalSize()[0])
 
     def _sum(self, role: Role, values: Mapping[str, float], *, symmetric: bool) -> Mat | None:
-        # What is damped by nothing is linear in kappa: that is never kept.
-        kept = not self.leave_out and role != "damping"
         parts = [
             (coefficient, term.matrix)
             for term in self.terms
             if term.role == role
             and term.symmetric == symmetric
-            and ((coefficient := term.coefficient.at(values)) != 0 or kept)
+            and (coefficient := term.coefficient.at(values)) != 0
         ]
         if not parts:
             return None
@@ -287,19 +264,20 @@ def release(matrices: Matrices) -> None:
     """Free the sums of a pencil, not its pieces."""
     sums = (matrices.stiffness, matrices.unsymmetric, matrices.mass)
     destroy(*(m for m in (*sums, matrices.damping, matrices.gyroscopic) if m))
-    if matrices.multipliers is not None:
-        matrices.multipliers.free()
+    contacts, multipliers = matrices.contacts, matrices.multipliers
+    if contacts is not None:
+        contacts.free()
+    if multipliers is not None and multipliers is not contacts:
+        multipliers.free()
 
 
 def internal_forces(
     matrices: Matrices, x: NDArray[Any], f: NDArray[Any], *, transposed: bool = False
 ) -> NDArray[Any]:
-    """K x + L^T f, or K^T x + J^T f, of displacements and contact forces, in blocks of columns."""
+    """K x + L^T f, or K^T x + J^T f, of displacements and multipliers, in blocks of columns."""
     force = times(matrices.stiffness, x)
     if matrices.unsymmetric is not None:
         force += (transposed_times if transposed else times)(matrices.unsymmetric, x)
-    if matrices.circulatory is not None:
-        force += matrices.circulatory.times(x, transposed=transposed)
     if (forces := matrices.multipliers) is not None:
         force += transposed_times(forces.closure if transposed else forces.reaction, f)
     return force
@@ -314,7 +292,7 @@ class Sizes:
         self._damping = _absolute(matrices.damping, matrices.gyroscopic)
         self._mass = _absolute(matrices.mass)
         self._reaction = _absolute(None if forces is None else forces.reaction)
-        self._circulatory, self._low_rank = matrices.circulatory, matrices.low_rank
+        self._low_rank = matrices.low_rank
         self._comm = matrices.stiffness.comm
 
     def forces(
@@ -325,8 +303,6 @@ class Sizes:
         total = np.zeros(size.shape, order="F")
         for part in self._stiffness:
             total += times(part, size)
-        if self._circulatory is not None:
-            total += self._circulatory.sizes(x)
         for part in self._reaction:
             total += transposed_times(part, np.abs(f))
         if not np.any(speed):

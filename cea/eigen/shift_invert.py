@@ -44,13 +44,11 @@ class ShiftInvert:
         Rows of its vectors on all ranks and on this one, and number of finite eigenvalues.
     scale, reach
         omega (1/s), and the end of the window (1/s), infinite where all of a disc is wanted.
-    powers
-        Times that OP must be applied to take infinite eigenvalues out of a vector.
     negligible
         theta times the shift from which down eigenvalues count as infinite.
     """
 
-    damped, powers, negligible = False, 1, 1e-10
+    damped, negligible = False, 1e-10
 
     def __init__(
         self,
@@ -136,7 +134,7 @@ class Companion(ShiftInvert):
     Eigenvalues down to a decay (1/s) are of the window.
     """
 
-    damped, powers, negligible = True, 2, 1e-6
+    damped, negligible = True, 1e-6
 
     def __init__(self, matrices: Matrices, *places: float) -> None:
         super().__init__(matrices, *places)

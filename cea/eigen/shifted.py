@@ -33,10 +33,9 @@ class Shifted:
         self._local = matrices.stiffness.getLocalSize()[0]
         turns = bool(rate) and matrices.gyroscopic is not None
         self._symmetric = symmetric = matrices.symmetric and not turns
-        circulatory, low_rank = matrices.circulatory, matrices.low_rank
-        unknowns = [] if circulatory is None else circulatory.unknowns()
-        if rate and low_rank is not None:
-            unknowns.append(low_rank.unknowns(rate, matrices.mass.comm))
+        unknowns = []
+        if rate and matrices.low_rank is not None:
+            unknowns.append(matrices.low_rank.unknowns(rate, matrices.mass.comm))
         self._forces = with_unformed(matrices.multipliers, unknowns)
         whole = bordered(matrices.operator(kappa, rate=rate), self._forces, symmetric=symmetric)
         self._factors = Mumps(whole, symmetric=symmetric)
@@ -48,7 +47,7 @@ class Shifted:
 
     @property
     def multipliers(self) -> int:
-        """Number of contact forces on this rank that are unknowns."""
+        """Number of multipliers on this rank."""
         forces = self.matrices.multipliers
         return 0 if forces is None else int(forces.compliance.getLocalSize()[0])
 
@@ -59,7 +58,7 @@ class Shifted:
     def solve_with_forces(
         self, b: NDArray[Any], *, transposed: bool = False
     ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Displacements and contact forces for every column of forces, the rows of this rank.
+        """Displacements and multipliers for every column of forces, the rows of this rank.
 
         They are real or complex; the matrix may be the transposed one.
         """
@@ -91,7 +90,7 @@ def count_below(matrices: Matrices, kappa: float) -> int:
     Each multiplier adds one negative eigenvalue to those of S - kappa M; so it does beside a row
     of Z^T, which takes one of its own sign and one of the other.
     """
-    forces, shifted = matrices.multipliers, matrices.operator(kappa, symmetric_part=True)
+    forces, shifted = matrices.contacts, matrices.operator(kappa, symmetric_part=True)
     negative, _ = inertia(bordered(shifted, forces, symmetric=True))
     return negative - (0 if forces is None else forces.size)
 

@@ -18,16 +18,11 @@ from scipy.linalg.lapack import dtrsen
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.block_products import beside, column_blocks, combined
-from cea.eigen.matching import connected
 from cea.eigen.shift_invert import ShiftInvert
 
 type Radius = Callable[[float, Complexes], float]
 """Radius of the disc about a shift that is searched, from the theta that are known."""
 
-_EQUAL = 1e3
-"""Distance of eigenvalues, in rounding of the matrix, up to which they may be equal."""
-_APART = 1e-2
-"""Least singular value of unit eigenvectors that are told from each other."""
 _ROUNDING = 1e-13
 """theta relative to the largest that may be rounding of zero."""
 _GRADED = 64.0
@@ -90,8 +85,6 @@ class InvariantSubspace:
     @cached_property
     def _pairs(self) -> tuple[Complexes, Complexes]:
         values, vectors = small_eigenpairs(self.projected, symmetric=self.symmetric)
-        if not self.symmetric:
-            _tell_apart(self.projected, values, vectors)
         order = _rising(values)
         return values[order], vectors[:, order]
 
@@ -130,30 +123,6 @@ def _rising(values: Complexes) -> Ints:
     followed = np.isin(firsts + 1, twins)
     pairs = np.stack([firsts, np.where(followed, firsts + 1, -1)], axis=1).ravel()
     return pairs[pairs >= 0]
-
-
-def _tell_apart(matrix: Floats, values: Complexes, vectors: Complexes) -> None:
-    """Mend vectors of equal eigenvalues of an unsymmetric matrix.
-
-    Those of rigid motions, say, are what rounding makes of them, which may be one vector twice.
-    Where that is so orthonormal ones of least residual stand for them, if they are as good.
-    """
-    rounding = _EQUAL * np.finfo(float).eps * float(np.linalg.norm(matrix))
-    for members in connected(np.abs(values[:, None] - values) <= rounding):
-        if len(members) == 1 or np.linalg.svd(vectors[:, members], compute_uv=False)[-1] >= _APART:
-            continue
-        mean = values[members].mean()
-        if mean.imag < -rounding:
-            continue  # corrected with their conjugates
-        real = mean.imag <= rounding
-        shifted = matrix - (mean.real if real else mean) * np.eye(len(matrix))
-        own = svd(shifted, lapack_driver="gesvd")[2][-len(members) :].conj().T
-        image = matrix @ own
-        found = np.einsum("ij,ij->j", own.conj(), image)
-        if np.linalg.norm(image - own * found, axis=0).max() <= rounding:
-            vectors[:, members], values[members] = own, found
-            if not real:
-                vectors[:, members + 1], values[members + 1] = own.conj(), found.conj()
 
 
 def dense_subspace(

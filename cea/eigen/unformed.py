@@ -18,7 +18,7 @@ from cea.arrays import Floats
 from cea.eigen.block_products import by_parts, times, transposed_times
 from cea.eigen.coefficients import CONSTANT, Dependence
 from cea.eigen.mumps import Mumps
-from cea.matrices import absolute, destroy, distributed, identity, scaled_total
+from cea.matrices import destroy, distributed, identity, scaled_total
 from cea.petsc import Mat, PETSc
 
 type Unknowns = tuple[Mat, Mat, Mat]
@@ -107,13 +107,6 @@ class Circulatory:
         """N^-1 J times a block of vectors, the rows of this rank."""
         return self._factors.solve_block(times(self.right, x))
 
-    def sizes(self, x: NDArray[Any]) -> Floats:
-        """abs(L) abs(N^-1 J x), what the parts of its product with a block come to."""
-        left = absolute(self.left)
-        size = times(left, np.abs(self.inner(x)))
-        destroy(left)
-        return size
-
     def unknowns(self, factor: float) -> Unknowns:
         """Those of a factor times it: L and J share the factor so that both are of one size."""
         left, right = (float(np.max(matrix.norm())) for matrix in (self.left, self.right))
@@ -125,24 +118,3 @@ class Circulatory:
     @cached_property
     def _factors(self) -> Mumps:
         return Mumps(self.middle.copy(), symmetric=True)
-
-
-@dataclass(frozen=True)
-class CirculatorySum:
-    """A sum of factors above zero times circulatory pieces, at least one."""
-
-    parts: tuple[tuple[float, Circulatory], ...]
-
-    def times(self, x: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
-        """It, or its transpose, times a block of vectors, the rows of this rank."""
-        images = [factor * piece.times(x, transposed=transposed) for factor, piece in self.parts]
-        return np.asfortranarray(sum(images[1:], images[0]))
-
-    def unknowns(self) -> list[Unknowns]:
-        """Unknowns of every piece."""
-        return [piece.unknowns(factor) for factor, piece in self.parts]
-
-    def sizes(self, x: NDArray[Any]) -> Floats:
-        """What the parts of its product with a block come to."""
-        sizes = [factor * piece.sizes(x) for factor, piece in self.parts]
-        return np.asarray(sum(sizes[1:], sizes[0]))

@@ -76,8 +76,9 @@ class Snapshot:
             "warnings": [warning.plain() for warning in warnings],
         }
         values = modes.eigenvalues, modes.speeds, modes.growth_uncertainties, modes.conditions
-        vectors = modes.vectors, modes.left.vectors, modes.forces, modes.left.forces
-        return cls(about, *values, *vectors)
+        contacts = sum(each.closure.getLocalSize()[0] for each in modes.pencil.forces)
+        forces = modes.forces[:contacts], modes.left.forces[:contacts]
+        return cls(about, *values, modes.vectors, modes.left.vectors, *forces)
 
     def real_vectors(self, norm: InnerProduct, *, damped: bool) -> Floats:
         """States of real and imaginary parts of all vectors, each complex one of length one.

@@ -162,5 +162,4 @@ class Pieces:
 
 
 def _negative(coefficient: Coefficient) -> Coefficient:
-    parts = (replace(each, factor=-each.factor) for each in coefficient.monomials)
-    return Coefficient(tuple(parts))
+    return replace(coefficient, factor=-coefficient.factor)

@@ -7,7 +7,7 @@ Damping that rotates with its body adds circulatory pieces to the stiffness (:mo
 """
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ from scipy.sparse import csr_array
 from cea.arrays import Floats
 from cea.body import Body
 from cea.eigen.block_products import times
-from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Monomial, Parameter
+from cea.eigen.coefficients import CONSTANT, Coefficient, Dependence, Parameter
 from cea.eigen.pencil import Role, Term
 from cea.eigen.unformed import Circulatory, LowRank, UnformedTerm
 from cea.material import Elasticity
@@ -66,7 +66,7 @@ class BodyTerms:
     @cached_property
     def pieces(self) -> tuple[Term | UnformedTerm[Circulatory], ...]:
         """K and M, and what rotation and Rayleigh damping make of them."""
-        own: list[Term | UnformedTerm[Circulatory]] = [*self._of_body()]
+        own: list[Term | UnformedTerm[Circulatory]] = [*self._of_body(), *self._of_springs()]
         if self.body.material.entries and self._constants:
             own += self._of_constants()
         if self.motion.rotation is not None:
@@ -157,7 +157,7 @@ class BodyTerms:
         """Young's modulus, relative to its own, where it may change."""
         if "E" not in self._constants or self.motion.modal is not None:
             return CONSTANT
-        return Coefficient.of({f"{self.path}.material.E": (self._constants["E"], 1.0)})
+        return Coefficient({f"{self.path}.material.E": (self._constants["E"], 1.0)})
 
     @property
     def _mass(self) -> Coefficient:
@@ -165,23 +165,20 @@ class BodyTerms:
         if self.motion.modal is not None:
             return CONSTANT
         rho = float(self.body.material.rho or 0)
-        return Coefficient.of({f"{self.path}.material.rho": (rho, 1.0)})
+        return Coefficient({f"{self.path}.material.rho": (rho, 1.0)})
 
     @property
     def _modal_ratio(self) -> Coefficient:
         """The ratio of damped modes, or the factor on their ratios."""
         assert self.motion.modal is not None
         field, _ = self.motion.modal.parameter
-        return Coefficient.of({f"{self.path}.damping.modal.{field}": (1.0, 1.0)})
+        return Coefficient({f"{self.path}.damping.modal.{field}": (1.0, 1.0)})
 
     def _of_body(self) -> Iterator[Term]:
-        """K, M and their Rayleigh damping; springs do not grow with E."""
+        """K, M and their Rayleigh damping."""
         body, path = self.body, self.path
         pieces: list[tuple[Role, Mat, Coefficient]]
         pieces = [("stiffness", body.stiffness(), self._stiffness)]
-        if self._stiffness.names and (springs := body.spring_stiffness()) is not None:
-            less = replace(self._stiffness.monomials[0], factor=-1.0)
-            pieces.append(("stiffness", springs, Coefficient((Monomial(), less))))
         if self.with_mass:
             pieces.append(("mass", body.mass(), self._mass))
         for role, own, coefficient in pieces:
@@ -190,6 +187,18 @@ class BodyTerms:
             if self.with_mass and self.motion.damping is not None:
                 factor = {"mass": "alpha", "stiffness": "beta"}[role]
                 yield Term("damping", matrix, coefficient.times(f"{path}.damping.{factor}"))
+
+    def _of_springs(self) -> Iterator[Term]:
+        """What is taken back of K where E changes: springs do not grow with it."""
+        springs, name = self.body.spring_stiffness(), f"{self.path}.material.E"
+        if springs is None or name not in self._stiffness.names:
+            return
+        E, beta = self._constants["E"], f"{self.path}.damping.beta"
+        matrix = self.placed(springs)
+        yield Term("stiffness", matrix, Smooth(frozenset({name}), lambda t: 1.0 - t[name] / E))
+        if self.with_mass and self.motion.damping is not None:
+            damped = Smooth(frozenset({name, beta}), lambda t: t[beta] * (1.0 - t[name] / E))
+            yield Term("damping", matrix, damped)
 
     def _of_constants(self) -> Iterator[Term]:
         """What K grows by where constants of a solid that has several change."""

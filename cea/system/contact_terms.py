@@ -54,9 +54,9 @@ def contact_terms(contacts: Sequence[Contact], *, eliminate: bool) -> Iterator[T
         for half in halves:
             if half.has_multipliers and not eliminate:
                 continue
-            yield Term("stiffness", half.K_n, Coefficient.of(P), contact=True)
+            yield Term("stiffness", half.K_n, Coefficient(P), contact=True)
             if half.K_f is not None:
-                both = Coefficient.of(P | mu, factor=-1.0)
+                both = Coefficient(P | mu, factor=-1.0)
                 yield Term("stiffness", half.K_f, both, symmetric=False, contact=True)
 
 
@@ -170,7 +170,7 @@ def sliding_terms(bodies: Mapping[str, Body], contacts: Sequence[Contact]) -> It
                     if references.get(each)
                 }
                 both = powers | (mu if kind == "speed" else {})
-                yield Term("damping", matrix, Coefficient.of(both))
+                yield Term("damping", matrix, Coefficient(both))
 
 
 def sliding_parameters(contacts: Sequence[Contact]) -> Iterator[Parameter]:

@@ -86,7 +86,7 @@ class CoupledSystem:
         vector.set(0.0)
         return vector
 
-    def pencil(self, *, leave_out: bool = True, eliminate: bool = False) -> Pencil:
+    def pencil(self, *, eliminate: bool = False) -> Pencil:
         """The parametric pencil of the system, whose matrices are its pieces.
 
         Its parameters are ``bodies.<name>.material.E`` and ``.rho``, and of each contact
@@ -97,8 +97,6 @@ class CoupledSystem:
 
         Parameters
         ----------
-        leave_out
-            Whether friction that is zero is left out of what is solved.
         eliminate
             Whether all contact forces are eliminated; no contact is tied.
         """
@@ -119,7 +117,6 @@ class CoupledSystem:
             list(forces_of_contacts(() if eliminate else self.contacts, stiffness)),
             [term for each in self.pieces.values() for term in each.modal],
             [piece for piece in pieces if not isinstance(piece, Term)],
-            leave_out=leave_out,
         )
 
     def linearised(

@@ -109,7 +109,7 @@ def evaluate_no_flutter(case: Case, session: Session) -> dict[str, list[dict[str
     mirrored = problem.name == "blocks"
     result = run_modes(scene_of(problem, case, _REFINEMENT, _MIRRORED if mirrored else None))
     modes = result.modes
-    chosen = slice(None) if mirrored else circumferential_orders(result).orders == 0
+    chosen = slice(None) if mirrored else circumferential_orders(result) == 0
     size = np.abs(modes.eigenvalues[chosen])
     rates, explained = np.abs(modes.growth_rates[chosen]), modes.growth_uncertainties[chosen]
     worst = int(np.argmax(rates / size))

@@ -20,7 +20,6 @@ from matplotlib.figure import Figure as Picture
 from cea.arrays import Floats
 from cea.body import Body
 from cea.eigen.block_products import columns_inner, times, transposed_times
-from cea.eigen.matching import ModeMatch
 from cea.matrices import destroy, scaled_total
 from comparisons.paper.disc_pad import DISC, GPTS, LUMPED, PAD
 from comparisons.paper.figure import Figure, Mesh, Tables, quoted, rows_of
@@ -28,6 +27,7 @@ from comparisons.paper.spectra import Spectrum, case_row, displacements, means_o
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
+from scenes.results.matching import ModeMatch
 from scenes.spec.reading import Scene
 
 P = 1e6  # contact stiffness of the figures (N/m)

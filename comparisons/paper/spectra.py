@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from cea.arrays import Complexes, Floats, Ints
-from cea.eigen.matching import NEAR, ModeMatch, ModeSet, match_modes
 from cea.errors import require
 from comparisons.paper.disc_pad import DISC, PAD, DiscPad
 from comparisons.paper.figure import Figure, Mesh, Row, Tables, polar_points, sector_points
 from comparisons.study.study import Session
 from meshes.shapes import Annulus, Sector
 from scenes import Result
+from scenes.results.matching import NEAR, ModeMatch, ModeSet, match_modes
 from scenes.spec.reading import Scene
 
 WITHIN = 0.01  # relative difference below which modes coincide

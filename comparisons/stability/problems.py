@@ -128,7 +128,7 @@ class OfMap:
         scene = _read(self.data, max_frequency)
         system = coupled(scene, leave_out=False)[0]
         analysis: Any = scene.analysis
-        pencil, top = system.pencil(leave_out=False), analysis.max_frequency
+        pencil, top = system.pencil(), analysis.max_frequency
         box = {name: (min(values), max(values)) for name, values in self.axes.items()}
         model = ReducedModel(pencil, box, top, analysis.min_growth)
         built = Enrichment(model, EigenSolver(pencil))

@@ -1,26 +1,93 @@
-"""Matching modes of two runs of one scene on points that both can locate."""
+"""Matching modes of two runs of one scene by shape and eigenvalue, on points that both can locate.
 
+Modes that nearly coalesce mix freely: what two discretisations agree on is the space they span and
+the mean of their eigenvalues, not its members. Such modes are paired as groups.
+"""
+
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import orth, subspace_angles
 from scipy.spatial.transform import Rotation
 
-from cea.arrays import Complexes
-from cea.eigen.matching import (
-    CircumferentialContent,
-    ModeMatch,
-    ModeSet,
-    circumferential_content,
-    match_modes,
-    modal_assurance,
-)
+from cea.arrays import Complexes, Floats, Ints
+from cea.eigen.matching import assign, connected, group
 from cea.errors import InputError
 from scenes.results.result import Result
 
+NEAR = 1e-3
+"""Relative distance below which eigenvalues of one run are compared as a group."""
+_FREQUENCY_SCALE = 0.02
+"""Relative difference of eigenvalues that counts as much as a modal assurance of zero."""
+ALONE = 2.0
+"""Cost at which a mode is rather left alone: other shape and 2 per cent away, or further."""
 _SAMPLES = 15
 _ANGLES, _CIRCLES = 64, 3
 """Points around the axis, and circles at most on each surface, by which orders are told."""
+
+
+@dataclass(frozen=True)
+class ModeSet:
+    """Modes of one run: lambda (1/s), and displacements at common points."""
+
+    eigenvalues: Complexes
+    shapes: Complexes
+
+
+@dataclass(frozen=True)
+class GroupMatch:
+    """Numbers of modes of two runs that stand for one another, one of each, or groups.
+
+    With their mean eigenvalues, and the square of the cosine of the largest principal angle between
+    the spaces they span. Of single modes that is the modal assurance criterion abs(x^H y)^2 /
+    (x^H x y^H y) (R. J. Allemang, The modal assurance criterion - twenty years of use and abuse,
+    Sound and Vibration 37 (2003)).
+    """
+
+    first: Ints
+    second: Ints
+    means: tuple[complex, complex]
+    assurance: float
+
+    @property
+    def distance(self) -> float:
+        """Distance of the means relative to the second."""
+        return float(abs(self.means[0] - self.means[1]) / abs(self.means[1]))
+
+
+@dataclass(frozen=True)
+class ModeMatch:
+    """What was matched, and every mode that was not."""
+
+    groups: tuple[GroupMatch, ...]
+    only_first: Ints
+    only_second: Ints
+
+
+def match_modes(
+    first: ModeSet, second: ModeSet, near: float = NEAR, limit: float | None = ALONE
+) -> ModeMatch:
+    """Pair the modes of two runs so that shapes and eigenvalues agree best over all together.
+
+    Eigenvalues of one run up to a relative distance ``near`` are compared as a group; at a cost of
+    ``limit`` modes are rather left alone, without one as many are paired as there are.
+    """
+    groups = group(first.eigenvalues, near), group(second.eigenvalues, near)
+    rows, columns = assign(_cost(first, second, *groups), limit)
+    numbers = [np.empty(len(s.eigenvalues), np.int64) for s in (first, second)]
+    for number, members in zip(numbers, groups, strict=True):
+        for i, indices in enumerate(members):
+            number[indices] = i
+    # Pairs of one group, of either run, belong together.
+    a, b = numbers[0][rows], numbers[1][columns]
+    together = connected((a[:, None] == a) | (b[:, None] == b))
+    return ModeMatch(
+        tuple(_group_match(first, second, rows[pairs], columns[pairs]) for pairs in together),
+        np.setdiff1d(np.arange(len(first.eigenvalues)), rows),
+        np.setdiff1d(np.arange(len(second.eigenvalues)), columns),
+    )
 
 
 def match_runs(
@@ -46,16 +113,16 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
     unstable = (np.flatnonzero(result.unstable) for result in (first, second))
     sets = _mode_sets(first, second, *unstable)
     match = match_modes(*sets, near=0.0, limit=None)
-    assurance = modal_assurance(sets[0].shapes, sets[1].shapes)
     told = [
         [{"frequency": z.imag / (2 * np.pi), "growth": z.real} for z in each.eigenvalues.tolist()]
         for each in sets
     ]
     pairs = []
     # A group of one run is one mode here: groups are pairs, but for exact copies.
-    for i, j in ((i, j) for g in match.groups for i, j in zip(g.first, g.second, strict=True)):
-        both = {name: [told[0][i][name], told[1][j][name]] for name in ("frequency", "growth")}
-        pairs.append({**both, "modal_assurance": float(assurance[i, j])})
+    for pair in match.groups:
+        for i, j in zip(pair.first, pair.second, strict=True):
+            both = {name: [told[0][i][name], told[1][j][name]] for name in ("frequency", "growth")}
+            pairs.append({**both, "modal_assurance": pair.assurance})
     return {
         "pairs": pairs,
         "only_first": [told[0][i] for i in match.only_first],
@@ -63,14 +130,27 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
     }
 
 
-def circumferential_orders(result: Result) -> CircumferentialContent:
-    """Circumferential content of every mode of a run on both sides of every contact.
+def circumferential_energy(result: Result) -> Floats:
+    """Part of ``e^{i m theta}`` in every mode of a run, m from -31 to 31, shape (63, modes).
 
-    They are surfaces of revolution about the z axis; others are refused. Orders to 31 are told
-    apart. A mode that leaves them all at rest has no order.
+    It is that of both sides of every contact, surfaces of revolution about the z axis; others are
+    refused. Columns add up to 1, those of modes that leave them all at rest are NaN.
     """
     surfaces = dict.fromkeys(_places(result))
-    return circumferential_content(np.concatenate([_on_circles(result, s) for s in surfaces]))
+    u = np.concatenate([_on_circles(result, each) for each in surfaces])
+    top = (_ANGLES - 1) // 2
+    power = (np.abs(np.fft.fft(u, axis=1)) ** 2).sum(axis=(0, 2))
+    energy = power[np.arange(-top, top + 1)]
+    return np.asarray(energy / energy.sum(axis=0))
+
+
+def circumferential_orders(result: Result) -> Ints:
+    """Circumferential order abs(m) that holds most of every mode, m and -m together."""
+    energy = circumferential_energy(result)
+    top = len(energy) // 2
+    both = energy[top:] + energy[top::-1]
+    both[0] /= 2
+    return both.argmax(axis=0)
 
 
 def _on_circles(result: Result, surface: str) -> Complexes:
@@ -143,3 +223,38 @@ def _rows(shapes: list[Complexes]) -> Complexes:
     """Displacements of several surfaces, a row for each component of each point."""
     every = np.concatenate(shapes)
     return every.reshape(len(every) * every.shape[1], every.shape[-1])
+
+
+def _cost(
+    first: ModeSet, second: ModeSet, first_groups: list[Ints], second_groups: list[Ints]
+) -> Floats:
+    """Unlikeness of shapes, plus distance of eigenvalues relative to the larger."""
+    assurance = np.maximum(
+        _assurance(first.shapes, second.shapes, second_groups),
+        _assurance(second.shapes, first.shapes, first_groups).T,
+    )
+    one, other = first.eigenvalues[:, None], second.eigenvalues
+    size = np.maximum(np.maximum(np.abs(one), np.abs(other)), np.finfo(float).tiny)
+    return np.asarray(1 - assurance + np.abs(one - other) / size / _FREQUENCY_SCALE)
+
+
+def _group_match(first: ModeSet, second: ModeSet, rows: Ints, columns: Ints) -> GroupMatch:
+    rows, columns = np.sort(rows), np.sort(columns)
+    angles = subspace_angles(first.shapes[:, rows], second.shapes[:, columns])
+    means = (complex(s.eigenvalues[i].mean()) for s, i in ((first, rows), (second, columns)))
+    return GroupMatch(rows, columns, (next(means), next(means)), float(np.cos(angles[0]) ** 2))
+
+
+def _assurance(left: Complexes, right: Complexes, groups: list[Ints]) -> Floats:
+    """Part norm(P x)^2 / norm(x)^2 of left modes in the space of groups of right modes.
+
+    P projects on the group of the right mode, shape (modes_left, modes_right); of groups of one it
+    is the modal assurance criterion.
+    """
+    left = left / np.linalg.norm(left, axis=0)
+    assurance = np.empty((left.shape[1], right.shape[1]))
+    for members in groups:
+        # members that are parallel to rounding count once
+        basis = orth(right[:, members] / np.linalg.norm(right[:, members], axis=0), rcond=1e-10)
+        assurance[:, members] = (np.abs(basis.conj().T @ left) ** 2).sum(axis=0)[:, None]
+    return assurance

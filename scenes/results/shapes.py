@@ -82,12 +82,10 @@ def system_matrices(system: CoupledSystem, values: Mapping[str, float]) -> dict[
     has_mass = any(term.role == "mass" for term in pencil.terms)
     names = ("K", "M", "K_n", "K_f") if has_mass else ("K", "K_n", "K_f")
     sums = _sums(pencil.terms, values, system.template, _name, names)
-    low_rank, circulatory = pencil.low_rank_at(values), pencil.circulatory_at(values)
+    low_rank, circulatory = pencil.low_rank_at(values), pencil.circulatory_unknowns(values)
     if low_rank is not None:
         sums |= _whole("W", csr_array(low_rank.vectors), comm)
-    if circulatory is not None:
-        full = with_unformed(None, circulatory.unknowns())
-        assert full is not None
+    if (full := with_unformed(None, circulatory)) is not None:
         left = full.reaction.transpose(PETSc.Mat())
         for name, matrix in (("L", left), ("N", full.compliance), ("J", full.closure)):
             sums |= _whole(name, local_part(matrix), comm)

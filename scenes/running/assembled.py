@@ -77,7 +77,7 @@ class AssembledScene:
 
     def depends_on_state(self, names: Sequence[str]) -> bool:
         """Whether parameters move a state of steady sliding that the pencil is linearised about."""
-        moving = self.driver.pencil.stiffness_parameters
+        moving = self.driver.pencil.at_rest().names
         return self.scene.slides_steadily and not moving.isdisjoint(names)
 
     def modes(

@@ -41,7 +41,7 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     _ = scene.window  # refused before work begins where the analysis gives no modes
     system, interfaces, timer = coupled(scene, **options)
     with timer("assembly"):
-        pencil = system.pencil(leave_out=options.get("leave_out", True))
+        pencil = system.pencil()
     with EigenSolver(pencil) as driver:
         return solved(scene, system, interfaces, timer, driver, left=left)
 
@@ -90,7 +90,7 @@ def result_of_modes(
     warnings = list(modes.warnings)
     with timer("post-processing"):
         warnings += system_warnings(scene, system, modes.values)
-        moving = ", ".join(sorted(modes.pencil.stiffness_parameters))
+        moving = ", ".join(sorted(modes.pencil.at_rest().names))
         if system.steady is not None and modes.left is not None and moving:
             told = f"the state of steady sliding depends on {moving}, and is kept in derivatives"
             warnings.append(ResultWarning(STATE_KEPT, told, {"parameters": moving}))

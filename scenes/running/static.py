@@ -29,7 +29,7 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
         x, reactions = system.steady.displacement, system.steady.reactions
     else:
         with timer("assembly"):
-            pencil = system.pencil(leave_out=options.get("leave_out", True))
+            pencil = system.pencil()
         with factors_of(scene):
             equilibrium = solve_static(pencil, system.load, timer)
         x = equilibrium.displacement

@@ -27,8 +27,8 @@ class RunOptions(TypedDict, total=False):
         Contact points of an earlier run: those of the same sides of these bodies, formulation,
         reach and ``max_missed`` are used again, others are located.
     leave_out
-        Whether friction is left out where mu = 0, as it is by default; False measures what that
-        saves.
+        Whether friction is left out where mu = 0, as it is by default; changes of mu from there
+        need it.
     listener
         Called with the name of each stage as it begins.
     """

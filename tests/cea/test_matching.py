@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 from reference_data import DRUM_BODIES
 
-from cea.eigen.matching import (
-    ModeSet,
-    circumferential_content,
-    group,
-    match_modes,
-    match_spectrum,
-)
-from cea.errors import InputError
+from cea.eigen.matching import group, match_spectrum
 from scenes import run_scene
-from scenes.results.matching import circumferential_orders, match_runs
+from scenes.results.matching import (
+    ModeSet,
+    circumferential_energy,
+    circumferential_orders,
+    match_modes,
+    match_runs,
+)
 from scenes.spec.reading import load_scene
 
 RNG = np.random.default_rng(7)
@@ -31,8 +30,6 @@ def test_groups_are_chains_of_neighbours():
     values = np.array([1j, 1.0005j, 2j, 1.001j, 3j + 1e-4, 3j - 1e-4])
     assert [g.tolist() for g in group(values, 6e-4)] == [[0, 1, 3], [2], [4, 5]]
     assert [g.tolist() for g in group(values, 0.0)] == [[i] for i in range(6)]
-    with pytest.raises(InputError, match="tolerance"):
-        group(values, -1.0)
 
 
 def test_spectrum_respects_multiplicities():
@@ -67,12 +64,6 @@ def test_spectrum_errors_of_frequency_and_growth_apart():
     assert matched([0.01 + 2j], [2j]).growth_errors == pytest.approx([0.005])
 
 
-@pytest.mark.parametrize(("band", "reach"), [((2.0, 1.0), 0.1), ((0.0, 1.0), 0.0)])
-def test_spectrum_refuses_wrong_input(band, reach):
-    with pytest.raises(InputError):
-        matched([1j], [1j], band, reach=reach)
-
-
 def test_modes_that_nearly_coalesce_are_matched_as_a_group():
     """The same shape far away in frequency is not the same mode."""
     shapes = random_shapes(40, 4)
@@ -86,26 +77,6 @@ def test_modes_that_nearly_coalesce_are_matched_as_a_group():
     assert pair.assurance == pytest.approx(1, abs=1e-8)
     assert pair.distance == pytest.approx(1e-4, rel=1e-3)
     assert match.only_first.tolist() == match.only_second.tolist() == [3]
-
-
-def travelling(content):
-    """1 where all of the order of a mode is e^{+i m theta}, -1 where all is e^{-i m theta}."""
-    top, modes = len(content.energy) // 2, np.arange(content.energy.shape[1])
-    forward, backward = (content.energy[top + s * content.orders, modes] for s in (1, -1))
-    return (forward - backward) / (forward + backward)
-
-
-def test_circumferential_content_tells_order_share_and_sense():
-    theta = 2 * np.pi * np.arange(16) / 16
-    standing = np.cos(2 * theta) + 0.5 * np.cos(5 * theta)
-    waves = [np.exp(3j * theta), np.exp(-3j * theta), standing, np.ones(16)]
-    u = np.stack(waves, axis=-1)[None, :, None, :] * np.array([1.0, 2j])[:, None]
-    content = circumferential_content(u.reshape(1, 16, 2, 4))
-    assert content.orders.tolist() == [3, 3, 2, 0]
-    assert content.shares == pytest.approx([1, 1, 0.8, 1])
-    assert travelling(content) == pytest.approx([1, -1, 0, 0], abs=1e-12)
-    with pytest.raises(InputError, match="angles"):
-        circumferential_content(u[:, :2].reshape(1, 2, 2, 4))
 
 
 @pytest.fixture(scope="module")
@@ -126,10 +97,13 @@ def test_drum_modes_have_their_exact_orders(drums):
     of these orders grow, and their mirror images decay.
     """
     for result in drums:
-        content = circumferential_orders(result)
-        orders, sense = content.orders, travelling(content)
+        energy, orders = circumferential_energy(result), circumferential_orders(result)
+        top, modes = len(energy) // 2, np.arange(len(orders))
+        forward, backward = energy[top + orders, modes], energy[top - orders, modes]
+        share = np.where(orders > 0, forward + backward, forward)
+        sense = (forward - backward) / (forward + backward)
         assert {m: (orders == m).sum() for m in set(orders.tolist())} == {0: 2, 1: 4, 2: 2, 3: 2}
-        assert (content.shares > 0.99).all()
+        assert (share > 0.99).all()
         growth = result.modes.growth_rates
         growing = np.abs(growth) > 1e-3
         assert (np.abs(sense[growing]) > 0.99).all()

@@ -41,8 +41,8 @@ def assert_a_fresh_scene_is_the_same(data, name, value):
     """Matrices of a pencil where a parameter is changed are those of a scene assembled with it."""
     changed, fresh = deepcopy(data), {"leave_out": False}
     set_fields(changed, [f"{name}={value}"])
-    ours = assemble(data, **fresh).pencil(**fresh).at({name: value})
-    theirs = assemble(changed, **fresh).pencil(**fresh).at()
+    ours = assemble(data, **fresh).pencil().at({name: value})
+    theirs = assemble(changed, **fresh).pencil().at()
     for part in ("stiffness", "unsymmetric", "mass", "damping"):
         found, expected = getattr(ours, part), getattr(theirs, part)
         if expected is None or found is None:
@@ -100,7 +100,7 @@ def test_parameters_that_cannot_be_are_refused(name, value, told):
 
 def test_a_coefficient_must_name_parameters_that_are_there():
     with pytest.raises(InputError, match="Omega"):
-        Pencil([Term("stiffness", to_petsc(np.eye(2)), Coefficient.of({"Omega": (1.0, 2.0)}))])
+        Pencil([Term("stiffness", to_petsc(np.eye(2)), Coefficient({"Omega": (1.0, 2.0)}))])
 
 
 def test_given_matrices_have_one_parameter():
@@ -113,7 +113,7 @@ def test_given_matrices_have_one_parameter():
 def test_damping_and_rotation_are_sums_too():
     M, K, C, Y = np.random.default_rng(4).standard_normal((4, 5, 5))
     M, K, C, Y = M @ M.T, K @ K.T, C @ C.T, Y - Y.T
-    omega = Coefficient.of({"Omega": (1.0, 1.0)})
+    omega = Coefficient({"Omega": (1.0, 1.0)})
     terms = [
         Term("mass", to_petsc(M)),
         Term("damping", to_petsc(C)),

@@ -52,7 +52,7 @@ def test_lumped_systems_to_twelve_digits(entry):
 
 def hulten(c1, c2):
     """The Hulten model with mu as its parameter."""
-    mu = Coefficient.of({"mu": (1.0, 1.0)})
+    mu = Coefficient({"mu": (1.0, 1.0)})
     return Pencil(
         [
             Term("mass", to_petsc(np.eye(2))),
@@ -125,7 +125,7 @@ def test_derivatives_are_those_of_differences():
     D = 0.02 * np.eye(8) + 0.01 * turn @ turn.T + 0.1 * (whole - whole.T)
     piece = LowRank(random.standard_normal((8, 2)), np.array([0.02, 0.1]))
     names = ("mass", "damping", "stiffness", "low rank")
-    by_name = {name: Coefficient.of({name: (1.0, 1.0)}) for name in names}
+    by_name = {name: Coefficient({name: (1.0, 1.0)}) for name in names}
     terms = [replace(t, coefficient=by_name[t.role]) for t in pencil_of(M, D, K).terms]
     parameters = [Parameter(name, 1.0) for name in names]
     low_rank = [UnformedTerm(piece, by_name["low rank"])]

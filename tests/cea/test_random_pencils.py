@@ -1,4 +1,4 @@
-"""Random and graded pencils beside dense eigenvalues; subspaces, products with many columns."""
+"""Random and graded pencils beside dense eigenvalues; products with many columns."""
 
 from functools import partial
 
@@ -18,13 +18,11 @@ from random_pencils import (
     sheared,
 )
 from random_runs import judged, pencil_outcome
-from scipy.linalg import block_diag
 
 from cea.eigen import driver
 from cea.eigen.block_products import times
 from cea.eigen.driver import solve_modes
 from cea.eigen.krylov_schur import KrylovOptions
-from cea.eigen.subspace import InvariantSubspace
 from cea.errors import ConvergenceError
 
 PENCILS = {
@@ -86,9 +84,6 @@ def test_krylov_spaces_find_all_of_them_too(kind, seeds, monkeypatch):
     check(kind, seeds, refused=0.01)
 
 
-EPS = np.finfo(float).eps
-
-
 def test_what_no_scaling_mends_is_owned_to():
     """Eigenvalues are whole numbers, and known to what the result says, or it is refused."""
     known = 0
@@ -146,40 +141,9 @@ def test_ranks_agree(ranks, seed, damped):
         assert several[part] == pytest.approx(alone[part], rel=1e-8, abs=1e-10)
 
 
-def pairs_of(projected):
-    """Eigenvalues and vectors of a subspace that is all there is."""
-    made = InvariantSubspace(np.eye(len(projected)), projected, symmetric=False)
-    return made.eigenpairs()
-
-
-@pytest.mark.parametrize("corner", [0.0, 1e-6 * EPS, -1e-6 * EPS])
-def test_one_vector_twice_is_replaced(corner):
-    """A Jordan block that is nothing but rounding, or nearly so, as of rigid motions."""
-    matrix = block_diag([[0.0, 30 * EPS], [corner, 0.0]], 1.0, 2.0, 3.0)
-    own = np.linalg.eig(matrix)[1]
-    values, vectors = pairs_of(matrix)
-    slow = np.abs(values) < 1e-9
-    assert slow.sum() == 2
-    assert np.linalg.svd(own[:, slow], compute_uv=False)[-1] < 1e-2
-    assert np.linalg.svd(vectors[:, slow], compute_uv=False)[-1] > 0.9
-    assert np.abs(matrix @ vectors - vectors * values).max() < 1e3 * EPS
-
-
-def test_pairs_rise_with_the_imaginary_part_of_lambda():
-    """Equal complex pairs, and real kappa of both signs, between others."""
-    turn = [[2.0, -1.0], [1.0, 2.0]]
-    matrix = block_diag(3.0, turn, -4.0, 0.5, turn, -1.0, 1.9, 2.2)
-    values, vectors = pairs_of(matrix)
-    upper = np.flatnonzero(values.imag > 0)
-    np.testing.assert_array_equal(values[upper + 1], values[upper].conj())
-    assert np.abs(matrix @ vectors - vectors * values).max() < 100 * EPS
-    assert (np.diff(np.abs(np.sqrt(-values).imag)) >= -10 * EPS).all()
-    assert values[:2] == pytest.approx([-1.0, -4.0])
-
-
 @pytest.mark.parametrize("order", ["F", "C"])
 def test_products_with_many_columns_are_those_column_by_column(order, monkeypatch):
-    monkeypatch.setattr("cea.eigen.block_products._NUMBERS", 1)  # 8 columns at a time
+    monkeypatch.setattr("cea.eigen.block_products._COLUMNS", 8)
     rng = np.random.default_rng(4)
     entries = rng.standard_normal((30, 30)) * (rng.random((30, 30)) < 0.3)
     matrix, columns = to_petsc(entries), np.array(rng.standard_normal((30, 19)), order=order)

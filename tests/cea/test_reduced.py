@@ -59,7 +59,7 @@ def blocks_pencil(kind, backend):
         scene["bodies"]["upper"]["damping"] = {"alpha": 0.05, "beta": 0.0}
         modal = {"ratio": 0.02, "max_frequency": 0.7}
         scene["bodies"]["lower"]["damping"] = {"modal": modal}
-    return assemble(scene, leave_out=False).pencil(leave_out=False)
+    return assemble(scene, leave_out=False).pencil()
 
 
 def random_pencil(seed, *, damped=False, equal=False, lowered=0.0):
@@ -85,7 +85,7 @@ def random_pencil(seed, *, damped=False, equal=False, lowered=0.0):
         return Pencil.of(to_petsc(S), to_petsc(M), to_petsc(F)), lambda s: eig(S - s * F, M)[0]
     part = rng.standard_normal((n, n)) / n
     C, G = (0.04 * M, 0 * M) if equal else (0.02 * M + part @ part.T, part - part.T)
-    s, turning = Coefficient.of({FRICTION: (1.0, 1.0)}, -1.0), Coefficient.of({"Omega": (1.0, 1.0)})
+    s, turning = Coefficient({FRICTION: (1.0, 1.0)}, -1.0), Coefficient({"Omega": (1.0, 1.0)})
     terms = [
         Term("stiffness", to_petsc(S)),
         Term("mass", to_petsc(M)),

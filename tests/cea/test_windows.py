@@ -14,9 +14,8 @@ from random_pencils import pencil_of
 from cea.eigen import window
 from cea.eigen.driver import EigenSolver, solve_modes
 from cea.eigen.field_of_values import field_of_values
-from cea.eigen.krylov_schur import KrylovOptions, krylov_schur
+from cea.eigen.krylov_schur import KrylovOptions
 from cea.eigen.regions import distance_of_cone, distance_within, touching_disc
-from cea.eigen.shift_invert import ShiftInvert
 from cea.eigen.shifted import Shifted
 from cea.eigen.static import solve_static
 from cea.errors import ConvergenceError
@@ -235,17 +234,6 @@ def test_krylov_schur_finds_what_lapack_finds(backend, mu):
     assert (distance <= errors + 1e-12).all()
 
 
-def test_what_is_known_does_not_change_where_a_far_search_adds_to_it():
-    matrices = pencil_with([*band(100), pair(2.0, 0.1), [[-1e14]]]).at()
-    known = krylov_schur(ShiftInvert(matrices, 1.0, np.inf), 5.0, KRYLOV)
-    before = np.sort_complex(known.eigenvalues)
-    both = krylov_schur(ShiftInvert(matrices, -1.2e14, np.inf), 0.5e14, KRYLOV, known)
-    assert both.size == known.size + 1
-    after = np.sort_complex(both.eigenvalues)
-    assert after[0] == pytest.approx(-1e14)
-    assert after[1:] == pytest.approx(before, rel=1e-12)
-
-
 def test_verdicts_leave_open_what_errors_do():
     blocks = [*band(40, low=1.1), np.array([[0.5, 1.0], [-1e-18, 0.5]])]  # a pair that coalesces
     modes = solve_modes(pencil_with(blocks), HERTZ)
@@ -277,7 +265,10 @@ def test_displacements_of_bodies_that_nothing_holds_are_refused(backend):
 def test_a_mode_that_rounding_moved_out_of_an_empty_window_is_told(options):
     """Rounding of 1e12 moves kappa = 1e-8 by 1e-4: it may lie anywhere about the window."""
     pencil = pencil_with([np.diag([1e-8, *np.logspace(6, 12, 29)])])
-    with EigenSolver(pencil, options) as driver, pytest.raises(ConvergenceError, match="rounding"):
+    with (
+        EigenSolver(pencil, options) as driver,
+        pytest.raises(ConvergenceError, match=r"rounding|inertia"),
+    ):
         driver.solve(1e-4 * HERTZ * 2, hints=True)
 
 

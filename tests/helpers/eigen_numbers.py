@@ -16,16 +16,13 @@ def damped(pencil, alpha, beta, turning=0.0):
     for term in pencil.terms:
         rate = {"mass": alpha, "stiffness": beta}[term.role]
         if rate and term.symmetric:
-            c = Coefficient(
-                tuple(type(m)(rate * m.factor, m.powers) for m in term.coefficient.monomials)
-            )
+            c = term.coefficient
+            c = Coefficient(c.powers, rate * c.factor)
             terms.append(Term("damping", term.matrix, c))
     if turning:
         mass = next(t for t in pencil.terms if t.role == "mass").matrix
-        terms.append(
-            Term("damping", _skew(mass), Coefficient.of({}, factor=turning), symmetric=False)
-        )
-    return Pencil(terms, pencil.parameters.values(), pencil.forces, leave_out=pencil.leave_out)
+        terms.append(Term("damping", _skew(mass), Coefficient({}, factor=turning), symmetric=False))
+    return Pencil(terms, pencil.parameters.values(), pencil.forces)
 
 
 def _skew(matrix):

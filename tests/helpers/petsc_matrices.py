@@ -30,9 +30,6 @@ def dense_pencil(matrices):
     if (forces := matrices.multipliers) is not None:
         J, L, C = (to_numpy(m) for m in (forces.closure, forces.reaction, forces.compliance))
         K += L.T @ np.linalg.solve(C, J)
-    for factor, piece in matrices.circulatory.parts if matrices.circulatory else ():
-        L, N, J = (to_numpy(m) for m in (piece.left, piece.middle, piece.right))
-        K += factor * L @ np.linalg.solve(N, J)
     D = np.zeros_like(K)
     for part in (matrices.damping, matrices.gyroscopic):
         if part is not None:
