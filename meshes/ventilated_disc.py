@@ -134,11 +134,6 @@ class VentilatedDisc:
         """
         return 1 / hypot(1 / size, 1 / (_COARSEST * (self.wall_outer - self.wall_inner)))
 
-    def depth(self, surface: str) -> float | None:
-        """Thickness (m) of the ring behind a face that pads slide on; None of other surfaces."""
-        upper = self.upper_top - self.upper_bottom
-        return {"lower_face": self.ring_height, "upper_face": upper}.get(surface)
-
 
 MAX_CURVED = 2
 """Highest order of its curved cells."""

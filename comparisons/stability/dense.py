@@ -58,7 +58,7 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
     if "geometric_stiffness" in given:
         analysis["geometric_stiffness"] = given["geometric_stiffness"]
     scene = read_scene({**data, "analysis": analysis, "contacts": contacts})
-    system, _, _ = coupled(scene)
+    system, _ = coupled(scene)
     stiffness, mass = array(system.stiffness), array(system.mass)
     compliant, stiff = [], []
     for contact in system.contacts:

@@ -4,9 +4,6 @@ from collections.abc import Sequence
 from math import inf
 
 from cea.contact.contact import Contact
-from cea.expressions import Expression, evaluate
-from meshes.shapes import VentilatedDisc
-from scenes.spec.body import BodySpec
 from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
@@ -45,40 +42,20 @@ def limit_of(scene: Scene, spec: ContactSpec) -> float:
     return _COLLOCATION.get((kind, side.dim), 0.0)
 
 
-def relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact]) -> float:
+def relative_stiffness(scene: Scene, halves: Sequence[Contact]) -> float:
     """P (L_a / E_a + L_b / E_b): how much more the bodies yield than the contact.
 
-    L is the depth of a body behind the contact, or the width of the contact where that is less or
-    the depth is not known; p the mean contact stiffness (N/m^3), of both halves of a full pass.
+    L is the least length of a body, or the width of the contact where that is less; p the mean
+    contact stiffness (N/m^3).
     """
-    interface = halves[0].interface
-    width = float(interface.points.weight.sum()) ** (1 / (interface.a.dim - 1))
-    compliance = 0.0
-    for side in (spec.a, spec.b):
-        body, surface = side.split(".")
-        depth = _depth(scene.bodies[body], surface) or width
-        compliance += min(depth, width) / scene.bodies[body].material.means[0]
-    return mean_stiffness(spec, halves) * compliance
+    half, compliance = halves[0], 0.0
+    width = float(half.interface.points.weight.sum()) ** (1 / (half.interface.a.dim - 1))
+    for name in (half.a, half.b):
+        body = scene.bodies[name]
+        compliance += min(*body.lengths, width) / body.material.means[0]
+    return mean_stiffness(halves) * compliance
 
 
-def mean_stiffness(spec: ContactSpec, halves: Sequence[Contact]) -> float:
+def mean_stiffness(halves: Sequence[Contact]) -> float:
     """Mean contact stiffness p (N/m^3), of steady sliding where a law makes it, open parts too."""
-    points = halves[0].interface.points
-    area = float(points.weight.sum())
-    if spec.c_n is not None:
-        return sum(half.P for half in halves) / area
-    if isinstance(spec.p, str):
-        return float(points.weight @ evaluate(Expression(spec.p), points.x)) / area
-    return spec.p if spec.p is not None else (spec.P or 0.0) / area
-
-
-def _depth(body: BodySpec, surface: str) -> float | None:
-    """Extent (m) of a body across one of its surfaces; None where its shape does not say."""
-    shape, face = body.geometry, body.faces.get(surface)
-    if isinstance(shape, VentilatedDisc):
-        return shape.depth(surface)
-    direction = face.direction if face is not None else {"hub_side": "r"}.get(surface)
-    if direction is None or direction == "theta":
-        return None
-    low, high = shape.extent[shape.directions.index(direction)]
-    return high - low
+    return sum(half.P / float(half.interface.points.weight.sum()) for half in halves)

@@ -326,7 +326,7 @@ def _sampled(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     # P h / E with the mesh size h and E of the side for which h / E is larger
     sides = ((half.a, half.interface.a), (half.b, half.interface.b))
     yields = (s.mesh_size / scene.bodies[body].material.means[0] for body, s in sides)
-    stiffness = mean_stiffness(spec, halves) * max(yields)
+    stiffness = mean_stiffness(halves) * max(yields)
     if points > most and stiffness > _LOCKS and not nested(half.interface):
         told = "{points} points of contacts.{contact} lock its trace functions, by body "
         told += "{functions}; mortar does not"
@@ -339,7 +339,7 @@ def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     coupling, of_modes = spec.formulation.coupling, scene.analysis.kind == "cea"
     if coupling in _PROJECTED or half.awaits_state or not spec.mu or not of_modes:
         return
-    stiffness, limit = relative_stiffness(scene, spec, halves), limit_of(scene, spec)
+    stiffness, limit = relative_stiffness(scene, halves), limit_of(scene, spec)
     if (stiffness > limit) if coupling == "lumped" else (stiffness < limit):
         fine = "below" if coupling == "lumped" else "above"
         told = "{rule} in contacts.{contact} is too crude for growth rates at "

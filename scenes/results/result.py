@@ -58,8 +58,6 @@ class Result:
     reactions
         Forces (N) of each support on its body in equilibrium with the loads, by body, shape
         (supports, dim), in the order of the scene; empty where no equilibrium is sought.
-    interfaces
-        Contact points by name of the half pass.
     pieces
         Matrices as read, by name, of a scene of matrices.
     coupled
@@ -79,7 +77,6 @@ class Result:
     spectrum: Spectrum | None = None
     stresses: Mapping[str, Mapping[str, "NormalStress"]] = field(default_factory=dict)
     reactions: Mapping[str, Floats] = field(default_factory=dict)
-    interfaces: Mapping[str, Interface] = field(default_factory=dict)
     pieces: Mapping[str, Any] = field(default_factory=dict)
     coupled: CoupledSystem | None = None
     solution: Any = None
@@ -128,6 +125,11 @@ class Result:
     def bodies(self) -> Mapping[str, Body]:
         """Bodies by name; refused where the result was read back."""
         return self.system.bodies
+
+    @property
+    def interfaces(self) -> dict[str, Interface]:
+        """Contact points by name of the half pass; refused where the result was read back."""
+        return {contact.name: contact.interface for contact in self.system.contacts}
 
     @property
     def steady(self) -> "SteadySliding | None":

@@ -39,8 +39,7 @@ def run_scene(scene: "Scene | MatrixScene", **options: Any) -> Result:
     Raises
     ------
     InputError
-        When bodies or interfaces have other names than those of the scene, or the machine has not
-        the memory it takes.
+        When the machine has not the memory it takes.
     """
     module, name = ANALYSES[scene.analysis.kind if isinstance(scene, Scene) else "matrices"]
     return cast(Result, getattr(import_module(module), name)(scene, **options))

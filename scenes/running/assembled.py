@@ -24,7 +24,7 @@ from cea.timing import StageTimer
 from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.swept import at_parameters, in_saddle_form, parameters_changed, parameters_meant
-from scenes.running.system import RunOptions, coupled, system_warnings
+from scenes.running.system import coupled, system_warnings
 from scenes.spec.reading import Scene
 
 _STEP = 1e-5
@@ -37,8 +37,8 @@ class AssembledScene:
     Modes of the scene with fields changed are those of a fresh run. At another E or rho, damping or
     rate of rotation of a body, at another P or mu, pressure, speed or slope of friction of a
     contact, that needs no assembly, as far as the state of steady sliding and the forms of contacts
-    stay. Other changes build again what they touch: bodies, contact points, the state of steady
-    sliding, or the contact matrices alone.
+    stay. Other changes build again the bodies that they touch, the contacts and the state of steady
+    sliding.
 
     Parameters
     ----------
@@ -49,8 +49,8 @@ class AssembledScene:
 
     Attributes
     ----------
-    bodies, interfaces
-        Its bodies by name, and its contact points by name of the half pass.
+    bodies
+        Its bodies by name.
     driver
         What solves its pencil.
     timer
@@ -61,11 +61,8 @@ class AssembledScene:
         self.scene = scene
         _ = scene.window  # refused where the analysis gives no modes
         # Friction is kept where mu = 0: a sweep may begin there.
-        self._system, self.interfaces, self.timer = coupled(
-            scene, leave_out=False, listener=listener
-        )
+        self._system, self.timer = coupled(scene, leave_out=False, listener=listener)
         self.bodies = self._system.bodies
-        self._built: RunOptions = {"bodies": self.bodies, "interfaces": self.interfaces}
         with self.timer("assembly"):
             self.driver = EigenSolver(self._system.pencil())
 
@@ -145,10 +142,8 @@ class AssembledScene:
     ) -> Result:
         """Modes of another scene, that of the pencil at some parameters where these are given."""
         if values is None or not self._holds_at(values):
-            options: RunOptions = {"listener": listener, **self._built}
-            return run_modes(scene, left=left, **options)
-        known = self._system, self.interfaces, StageTimer(listener)
-        return solved(scene, *known, self.driver, values, left=left)
+            return run_modes(scene, left=left, bodies=self.bodies, listener=listener)
+        return solved(scene, self._system, StageTimer(listener), self.driver, values, left=left)
 
     def warnings(
         self, modes: Modes, max_frequency: float, values: Mapping[str, float]
@@ -156,8 +151,7 @@ class AssembledScene:
         """What modes up to a frequency (Hz) must be read with at other parameters; collective."""
         scene = at_parameters(self.scene, self.driver.pencil, values)
         inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
-        known = self._system, self.interfaces, StageTimer()
-        return result_of_modes(scene, *known, inside).warnings
+        return result_of_modes(scene, self._system, StageTimer(), inside).warnings
 
     def threshold(
         self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
@@ -210,11 +204,10 @@ class AssembledScene:
     ) -> ConfirmedThreshold:
         """A threshold with the state of steady sliding sought anew at every value on the way."""
         pencil = self.driver.pencil
-        options: RunOptions = {"leave_out": False, **self._built}
 
         def at(value: float) -> tuple[Scene, CoupledSystem]:
             changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
-            return changed, coupled(changed, **options)[0]
+            return changed, coupled(changed, leave_out=False, bodies=self.bodies)[0]
 
         state = _FollowedState(max(abs(real), abs(flutter)), lambda value: at(value)[1].pencil())
         window = Window.up_to(self.scene.window.max_frequency, damped=pencil.damped)

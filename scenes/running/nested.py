@@ -8,12 +8,12 @@ from cea.eigen.pencil import release
 from cea.errors import InputError
 from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import Prolongation, of_body, of_system
-from scenes.building.build import Built, made_of
+from scenes.building.build import made_of
 from scenes.checking.memory import factors_of
 from scenes.results.result import Result
 from scenes.running.enrich import richer_scene
 from scenes.running.modes import run_modes
-from scenes.running.system import RunOptions, coupled
+from scenes.running.system import coupled
 from scenes.spec.reading import Scene
 
 
@@ -59,11 +59,9 @@ def estimate_errors(
     own = result.scene
     one_sided = own.damped or own.rotates or own.has_friction
     if one_sided and result.modes.left is None and len(result.modes):
-        known: RunOptions = {"bodies": result.bodies, "interfaces": result.interfaces}
-        known["listener"] = listener
-        result = run_modes(own, left=True, **known)
-    same = Built(result.bodies, {name: made_of(own, name) for name in own.bodies})
-    system, _, timer = coupled(scene, bodies=same, listener=listener)
+        result = run_modes(own, left=True, bodies=result.bodies, listener=listener)
+    same = {n: b for n, b in result.bodies.items() if made_of(own, n) == made_of(scene, n)}
+    system, timer = coupled(scene, bodies=same, listener=listener)
     with timer("assembly"):
         matrices = system.pencil().at()
         step = prolongation(result.bodies, system.bodies)
