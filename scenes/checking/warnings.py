@@ -16,7 +16,6 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import Body
@@ -46,15 +45,6 @@ _LENGTHS = (1e-5, 100.0)
 _NEAR_ONE = (1e-3, 1e2)
 """Range of E and rho in scenes without units."""
 _UNITS = "; a scene whose numbers are not in SI units says units = 'other'"
-_FLAT = 1e-12
-"""Volume of a simplex, relative to a cube about it, below which it is one of a collapsed cell."""
-_SIMPLICES = {
-    (2, 3): [[0, 1, 2]],
-    (2, 4): [[0, 1, 2], [0, 2, 3]],
-    (3, 4): [[0, 1, 2, 3]],
-    (3, 8): [[0, 6, i, j] for i, j in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1))],
-}
-"""Corners of the simplices of a cell by dimension and number of its points, in VTK order."""
 _SURFACE_WAVES = 0.8
 """Speed relative to shear waves from which rims may outrun surface waves: those of Rayleigh travel
 at 0.87 (nu = 0) to 0.96 (nu = 0.5), short ones of a mesh a little slower."""
@@ -151,26 +141,15 @@ def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
 
 
 def _middles_inside(one: StraightCells, other: StraightCells) -> int:
-    return _inside(one, other) + _inside(other, one)
+    """How many cells of each have their middle in straight cells of the other."""
+    from scenes.pictures.grids import in_space, straight_grid  # brings pyvista
 
-
-def _inside(one: StraightCells, other: StraightCells) -> int:
-    """How many cells of one have their middle in straight cells of the other."""
-    middles = one.points[one.cells].mean(axis=1)
-    dim = middles.shape[1]
-    simplices = other.cells[:, _SIMPLICES[dim, other.cells.shape[1]]].reshape(-1, dim + 1)
-    corners = other.points[simplices]
-    centres = corners.mean(axis=1)
-    radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
-    edges = (corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
-    solid = np.abs(np.linalg.det(edges)) > _FLAT * radii**dim
-    near = KDTree(middles).query_ball_point(centres[solid], radii[solid])
-    point = np.array([i for some in near for i in some], dtype=np.int64)
-    simplex = np.flatnonzero(solid).repeat([len(some) for some in near])
-    away = (middles[point] - corners[simplex, 0])[:, :, None]
-    parts = np.linalg.solve(edges[simplex], away)[:, :, 0]
-    within = (parts > 0).all(axis=1) & (parts.sum(axis=1) < 1)
-    return len(np.unique(point[within]))
+    found = 0
+    for cells, around in ((one, other), (other, one)):
+        middles = in_space(cells.points[cells.cells].mean(axis=1))
+        inside = straight_grid(around.points, around.cells).find_containing_cell(middles)
+        found += int((np.asarray(inside) >= 0).sum())
+    return found
 
 
 def _volumetric_locking(scene: Scene, _bodies: Bodies) -> Warnings:

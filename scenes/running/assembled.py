@@ -1,25 +1,15 @@
 """A scene assembled once and solved many times: sweeps over friction, stiffness, materials."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes
-from cea.eigen.block_products import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil, internal_forces, release
-from cea.errors import ConvergenceError, InputError, ResultWarning
-from cea.reduced.full_solves import (
-    ConfirmedThreshold,
-    first_threshold,
-    line_in_full,
-    threshold_between,
-)
-from cea.reduced.window import Window
-from cea.system.coupled import CoupledSystem
+from cea.errors import InputError, ResultWarning, require
+from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
@@ -27,8 +17,10 @@ from scenes.running.swept import at_parameters, in_saddle_form, parameters_chang
 from scenes.running.system import coupled, system_warnings
 from scenes.spec.reading import Scene
 
-_STEP = 1e-5
-"""Step of difference quotients of matrices, relative to the value."""
+_SAMPLES = 5
+"""Values at which growth is sought before a threshold is bisected."""
+_RESOLVED = 1e-8
+"""Relative width of an interval that is bisected no more."""
 
 
 class AssembledScene:
@@ -160,7 +152,8 @@ class AssembledScene:
 
         With damping or rotation it is where a growth rate passes through zero. Thresholds are
         sought on a reduced model between both values, and confirmed by full solves. Where the state
-        of steady sliding depends on the parameter, both are sought anew at every value on the way.
+        of steady sliding depends on the parameter, both are sought anew at every value, and the
+        threshold is bisected: the first one that values a quarter of the way apart tell of.
 
         Parameters
         ----------
@@ -183,7 +176,9 @@ class AssembledScene:
         """
         names = parameters_meant(self.driver.pencil, parameter)
         if self.depends_on_state(names):
-            return self._followed_threshold(names, real, flutter, frequency)
+            allowed = "left out where the state of steady sliding depends on the parameter"
+            require(frequency is None, "frequency", frequency, allowed)
+            return self._bisected_threshold(names, real, flutter)
         saddle = in_saddle_form(self.scene)
         other = self if saddle == self.scene else AssembledScene(saddle)
         top = self.scene.window.max_frequency
@@ -199,22 +194,36 @@ class AssembledScene:
                 other.free()
         return replace(found, warnings=(*found.warnings, *told))
 
-    def _followed_threshold(
-        self, names: Sequence[str], real: float, flutter: float, frequency: float | None
+    def _bisected_threshold(
+        self, names: Sequence[str], real: float, flutter: float
     ) -> ConfirmedThreshold:
-        """A threshold with the state of steady sliding sought anew at every value on the way."""
-        pencil = self.driver.pencil
+        """A threshold by bisection, the state of steady sliding sought anew at every value."""
 
-        def at(value: float) -> tuple[Scene, CoupledSystem]:
-            changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
-            return changed, coupled(changed, leave_out=False, bodies=self.bodies)[0]
+        def at(value: float) -> tuple[Result, bool]:
+            scene = at_parameters(self.scene, self.driver.pencil, dict.fromkeys(names, value))
+            result = run_modes(scene, bodies=self.bodies)
+            return result, bool(result.modes.unstable(threshold=0.0).any())
 
-        state = _FollowedState(max(abs(real), abs(flutter)), lambda value: at(value)[1].pencil())
-        window = Window.up_to(self.scene.window.max_frequency, damped=pencil.damped)
-        found = threshold_between(line_in_full(state, window), real, flutter, frequency)
-        told = tuple(system_warnings(*at(found.value)))
-        parameter, spent = ", ".join(names), (state.solves, state.factorisations)
-        return ConfirmedThreshold(parameter, found.value, found.eigenvalue, *spent, told)
+        low, solves = real, 0
+        for high in np.linspace(real, flutter, _SAMPLES).tolist():
+            found, grows = at(high)
+            solves += 1
+            if grows:
+                break
+            low = high
+        if low == high:  # a mode grows at once, or none does
+            allowed = f"a value on the way to which from {real:g} a mode begins to grow"
+            raise InputError("flutter", flutter, allowed)
+        while abs(high - low) > _RESOLVED * abs(high):
+            middle = 0.5 * (low + high)
+            between, grows = at(middle)
+            solves += 1
+            if grows:
+                found, high = between, middle
+            else:
+                low = middle
+        fastest = complex(found.eigenvalues[found.growth_rates.argmax()])
+        return ConfirmedThreshold(", ".join(names), high, fastest, solves, found.warnings)
 
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
@@ -234,44 +243,3 @@ class AssembledScene:
 def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:
     """Assemble a scene to be solved many times; parameters and errors of the class."""
     return AssembledScene(scene, listener)
-
-
-@dataclass
-class _FollowedState:
-    """Full solves of a pencil linearised about its state of steady sliding at each value."""
-
-    scale: float
-    pencil_at: Callable[[float], Pencil]
-    solves: int = field(default=0, init=False)
-    factorisations: int = field(default=0, init=False)
-
-    def __call__(self, value: float, max_frequency: float) -> tuple[Modes, Complexes]:
-        """All modes up to a frequency (Hz), with left vectors, and derivatives of their lambda.
-
-        Derivatives are made of difference quotients of the matrices, shape (n,).
-        """
-        with EigenSolver(self.pencil_at(value)) as driver:
-            modes = driver.solve(max_frequency, left=True)
-            self.solves += driver.solves
-            self.factorisations += driver.factorisations
-        step = _STEP * self.scale
-        low, high = (_works(self.pencil_at(value + way * step), modes) for way in (-1.0, 1.0))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return modes, (low - high) / (2 * step) / (2 * modes.eigenvalues)
-
-
-def _works(pencil: Pencil, modes: Modes) -> Complexes:
-    """y^H P(lambda) x of another pencil at modes and their contact forces, shape (n,)."""
-    assert modes.left is not None
-    matrices, x, f = pencil.at(), modes.vectors, modes.forces
-    y, g, roots = modes.left.vectors, modes.left.forces, modes.eigenvalues
-    contacts = matrices.multipliers
-    if len(f) != (0 if contacts is None else contacts.closure.getLocalSize()[0]):
-        raise ConvergenceError("the form of a contact changes with the parameter: fix it")
-    force = internal_forces(matrices, x, f) + times(matrices.mass, x) * roots**2
-    works = np.diag(all_inner(y, force + matrices.drag(x) * roots, pencil.comm)).copy()
-    if contacts is not None:
-        gap = times(contacts.closure, x) - times(contacts.compliance, f)
-        works += np.diag(all_inner(g, gap, pencil.comm))
-    release(matrices)
-    return works
