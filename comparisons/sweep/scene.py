@@ -99,7 +99,7 @@ def mapped(
 
     def warnings(modes: Modes, at: Mapping[str, float]) -> tuple[ResultWarning, ...]:
         if isinstance(assembled, AssembledMatrices):
-            return assembled.warnings(modes)
+            return modes.warnings
         return assembled.warnings(modes, window.max_frequency, at)
 
     for each in names:

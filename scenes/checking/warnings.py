@@ -16,6 +16,7 @@ from math import inf
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from cea.arrays import Floats
 from cea.body import Body
@@ -27,7 +28,7 @@ from cea.motion import Rotation
 from cea.ranks import agreed, made_on_first
 from meshes.mesh_file import MeshFile
 from scenes.building.build import used_surfaces
-from scenes.checking.stiffness import limit_of, mean_stiffness, relative_stiffness
+from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
 Bodies = Mapping[str, Body]
@@ -45,6 +46,15 @@ _LENGTHS = (1e-5, 100.0)
 _NEAR_ONE = (1e-3, 1e2)
 """Range of E and rho in scenes without units."""
 _UNITS = "; a scene whose numbers are not in SI units says units = 'other'"
+_FLAT = 1e-12
+"""Volume of a simplex, relative to a cube about it, below which it is one of a collapsed cell."""
+_SIMPLICES = {
+    (2, 3): [[0, 1, 2]],
+    (2, 4): [[0, 1, 2], [0, 2, 3]],
+    (3, 4): [[0, 1, 2, 3]],
+    (3, 8): [[0, 6, i, j] for i, j in ((1, 2), (2, 3), (3, 7), (7, 4), (4, 5), (5, 1))],
+}
+"""Corners of the simplices of a cell by dimension and number of its points, in VTK order."""
 _SURFACE_WAVES = 0.8
 """Speed relative to shear waves from which rims may outrun surface waves: those of Rayleigh travel
 at 0.87 (nu = 0) to 0.96 (nu = 0.5), short ones of a mesh a little slower."""
@@ -69,6 +79,28 @@ _ROUNDED = 1e-9
 """Distance, relative to the mesh size, that is rounding of the numbers in a mesh file."""
 _LOCKS = 500.0
 """p h / E from which too many points lock: at 55 they did not, at 5500 errors were 20 %."""
+
+_COLLOCATION: dict[tuple[str, int], float] = {
+    ("equal", 2): 600.0,  # abscissae of NURBS: 2 % at 60, 0.02 % at 6000
+    ("equal", 3): inf,
+    ("area", 3): inf,  # 3 to 90 % from 0.1 to 1100; in the plane about 1 %
+    ("nodes", 2): 30.0,  # nodes of equal weights: 10 % at 6, 0.9 % at 60
+    ("nodes", 3): 30.0,
+    ("grid", 2): 30.0,  # 9 % at 6, 0.5 % at 60
+    ("grid", 3): 600.0,  # 5 % at 11, 0.7 % at 1100
+}
+"""Relative stiffness of a contact below which points of a rule are too crude, by dimension."""
+_LUMPED: dict[tuple[str, int], float] = {
+    ("iga", 2): 0.0,  # 2 % at 0.6, 9 % at 6, 70 % at 60
+    ("iga", 3): 0.0,
+    ("fe", 2): 60.0,  # 0.5 % at 60, 11 % at 6000
+    ("fe", 3): 3.0,  # 0.8 % at 1, modes lost at 11
+}
+"""The same above which lumping is too crude, by backend of side a and dimension.
+
+Both are errors of growth rates in `uses.csv` of `cea study accuracy`, where p in units of each
+problem is a relative stiffness of 6 in blocks and drum, of 1 in ring.
+"""
 
 _PROJECTED = ("mortar", "bonded")
 """Couplings that take no gaps at points."""
@@ -141,15 +173,26 @@ def _overlapping(scene: Scene, bodies: Bodies) -> Warnings:
 
 
 def _middles_inside(one: StraightCells, other: StraightCells) -> int:
-    """How many cells of each have their middle in straight cells of the other."""
-    from scenes.pictures.grids import in_space, straight_grid  # brings pyvista
+    return _inside(one, other) + _inside(other, one)
 
-    found = 0
-    for cells, around in ((one, other), (other, one)):
-        middles = in_space(cells.points[cells.cells].mean(axis=1))
-        inside = straight_grid(around.points, around.cells).find_containing_cell(middles)
-        found += int((np.asarray(inside) >= 0).sum())
-    return found
+
+def _inside(one: StraightCells, other: StraightCells) -> int:
+    """How many cells of one have their middle in straight cells of the other."""
+    middles = one.points[one.cells].mean(axis=1)
+    dim = middles.shape[1]
+    simplices = other.cells[:, _SIMPLICES[dim, other.cells.shape[1]]].reshape(-1, dim + 1)
+    corners = other.points[simplices]
+    centres = corners.mean(axis=1)
+    radii = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
+    edges = (corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
+    solid = np.abs(np.linalg.det(edges)) > _FLAT * radii**dim
+    near = KDTree(middles).query_ball_point(centres[solid], radii[solid])
+    point = np.array([i for some in near for i in some], dtype=np.int64)
+    simplex = np.flatnonzero(solid).repeat([len(some) for some in near])
+    away = (middles[point] - corners[simplex, 0])[:, :, None]
+    parts = np.linalg.solve(edges[simplex], away)[:, :, 0]
+    within = (parts > 0).all(axis=1) & (parts.sum(axis=1) < 1)
+    return len(np.unique(point[within]))
 
 
 def _volumetric_locking(scene: Scene, _bodies: Bodies) -> Warnings:
@@ -328,6 +371,37 @@ def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
             told += "any stiffness, here p L / E = {stiffness:.2g}"
         about = {"contact": name, "rule": spec.formulation.label}
         yield warning("point-rule", told, **about, stiffness=stiffness, limit=limit)
+
+
+def limit_of(scene: Scene, spec: ContactSpec) -> float:
+    """Relative stiffness below which a rule of points is too crude, above which lumping is."""
+    side, rule = scene.bodies[spec.a.split(".")[0]], spec.formulation
+    if rule.coupling == "lumped":
+        return _LUMPED[side.backend, side.dim]
+    weights = getattr(rule, "weights", "")
+    of_nodes = {"node_to_surface/equal": "nodes", "grid/": "grid"}
+    abscissae = weights if rule.method in ("greville", "botella") else ""
+    kind = of_nodes.get(f"{rule.method}/{weights}", abscissae)
+    return _COLLOCATION.get((kind, side.dim), 0.0)
+
+
+def relative_stiffness(scene: Scene, halves: Sequence[Contact]) -> float:
+    """P (L_a / E_a + L_b / E_b): how much more the bodies yield than the contact.
+
+    L is the least length of a body, or the width of the contact where that is less; p the mean
+    contact stiffness (N/m^3).
+    """
+    half, compliance = halves[0], 0.0
+    width = float(half.interface.points.weight.sum()) ** (1 / (half.interface.a.dim - 1))
+    for name in (half.a, half.b):
+        body = scene.bodies[name]
+        compliance += min(*body.lengths, width) / body.material.means[0]
+    return mean_stiffness(halves) * compliance
+
+
+def mean_stiffness(halves: Sequence[Contact]) -> float:
+    """Mean contact stiffness p (N/m^3), of steady sliding where a law makes it, open parts too."""
+    return sum(half.P / float(half.interface.points.weight.sum()) for half in halves)
 
 
 OF_CONTACTS: list[Callable[[Scene, str, Sequence[Contact]], Warnings]] = [

@@ -31,13 +31,6 @@ _CELL_TYPES = {
     ("bezier", False, 3): pyvista.CellType.BEZIER_HEXAHEDRON,
 }
 
-_STRAIGHT_TYPES = {
-    (2, 3): pyvista.CellType.TRIANGLE,
-    (2, 4): pyvista.CellType.QUAD,
-    (3, 4): pyvista.CellType.TETRA,
-    (3, 8): pyvista.CellType.HEXAHEDRON,
-}
-"""Straight cells by dimension and number of points."""
 _MERGED, _OFF_GRID = 1e-6, 0.2113
 """Points nearer than this, relative to the diagonal of a body, are one point; and the shift of the
 lattice on which they are merged, which round numbers fall on no border of."""
@@ -100,15 +93,10 @@ def outside(cells: VolumeCells, fields: Mapping[str, Floats], subdivisions: int)
     return surface.triangulate()
 
 
-def straight_grid(points: Floats, cells: Ints) -> Any:
-    """Straight cells by their points (pyvista ``UnstructuredGrid``)."""
-    kind = _STRAIGHT_TYPES[points.shape[1], cells.shape[1]]
-    return pyvista.UnstructuredGrid({kind: cells}, in_space(points))
-
-
 def straight_outside(points: Floats, cells: Ints, displacement: Floats) -> Any:
     """Outside of straight cells in space with real displacements of their points."""
-    grid = straight_grid(points, cells)
+    kind = {4: pyvista.CellType.TETRA, 8: pyvista.CellType.HEXAHEDRON}[cells.shape[1]]
+    grid = pyvista.UnstructuredGrid({kind: cells}, points)
     grid.point_data["real"], grid.point_data["imaginary"] = displacement, 0 * displacement
     return grid.extract_surface(algorithm="dataset_surface").triangulate()
 

@@ -10,7 +10,7 @@ from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeTo
 from cea.timing import StageTimer
 from scenes import load_scene, read_scene, run_modes, run_scene
 from scenes.building.build import build_bodies, build_contacts, build_system
-from scenes.spec.reading import on_backend, with_contact
+from scenes.spec.reading import with_contact
 
 
 def system_of(scene):
@@ -127,7 +127,7 @@ def test_layers_that_mirror_each_other_do_not_flutter(backend, formulation, full
 
 
 def patch_test_stresses(backend, formulation, P):
-    scene = on_backend(load_scene("patch_test"), backend)
+    scene = load_scene("patch_test").on(backend)
     return run_scene(with_contact(scene, formulation=formulation, P=P)).stresses["interface"]
 
 
