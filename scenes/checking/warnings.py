@@ -24,6 +24,7 @@ from cea.body.space import StraightCells
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
 from cea.errors import ResultWarning
+from cea.expressions import Expression, evaluate
 from cea.motion import Rotation
 from cea.ranks import agreed, made_on_first
 from meshes.mesh_file import MeshFile
@@ -348,7 +349,7 @@ def _sampled(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     # P h / E with the mesh size h and E of the side for which h / E is larger
     sides = ((half.a, half.interface.a), (half.b, half.interface.b))
     yields = (s.mesh_size / scene.bodies[body].material.means[0] for body, s in sides)
-    stiffness = mean_stiffness(halves) * max(yields)
+    stiffness = mean_stiffness(spec, halves) * max(yields)
     if points > most and stiffness > _LOCKS and not nested(half.interface):
         told = "{points} points of contacts.{contact} lock its trace functions, by body "
         told += "{functions}; mortar does not"
@@ -361,7 +362,7 @@ def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
     coupling, of_modes = spec.formulation.coupling, scene.analysis.kind == "cea"
     if coupling in _PROJECTED or half.awaits_state or not spec.mu or not of_modes:
         return
-    stiffness, limit = relative_stiffness(scene, halves), limit_of(scene, spec)
+    stiffness, limit = relative_stiffness(scene, spec, halves), limit_of(scene, spec)
     if (stiffness > limit) if coupling == "lumped" else (stiffness < limit):
         fine = "below" if coupling == "lumped" else "above"
         told = "{rule} in contacts.{contact} is too crude for growth rates at "
@@ -385,7 +386,7 @@ def limit_of(scene: Scene, spec: ContactSpec) -> float:
     return _COLLOCATION.get((kind, side.dim), 0.0)
 
 
-def relative_stiffness(scene: Scene, halves: Sequence[Contact]) -> float:
+def relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact]) -> float:
     """P (L_a / E_a + L_b / E_b): how much more the bodies yield than the contact.
 
     L is the least length of a body, or the width of the contact where that is less; p the mean
@@ -396,12 +397,18 @@ def relative_stiffness(scene: Scene, halves: Sequence[Contact]) -> float:
     for name in (half.a, half.b):
         body = scene.bodies[name]
         compliance += min(*body.lengths, width) / body.material.means[0]
-    return mean_stiffness(halves) * compliance
+    return mean_stiffness(spec, halves) * compliance
 
 
-def mean_stiffness(halves: Sequence[Contact]) -> float:
+def mean_stiffness(spec: ContactSpec, halves: Sequence[Contact]) -> float:
     """Mean contact stiffness p (N/m^3), of steady sliding where a law makes it, open parts too."""
-    return sum(half.P / float(half.interface.points.weight.sum()) for half in halves)
+    points = halves[0].interface.points
+    area = float(points.weight.sum())
+    if spec.c_n is not None:
+        return sum(half.P for half in halves) / area
+    if isinstance(spec.p, str):
+        return float(points.weight @ evaluate(Expression(spec.p), points.x)) / area
+    return spec.p if spec.p is not None else (spec.P or 0.0) / area
 
 
 OF_CONTACTS: list[Callable[[Scene, str, Sequence[Contact]], Warnings]] = [

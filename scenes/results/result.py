@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -18,7 +17,7 @@ from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
 from cea.errors import InputError, ResultWarning
 from cea.files import write_whole
-from cea.mode_table import SIGNS, html_table
+from cea.mode_table import SIGNS
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
@@ -43,8 +42,7 @@ class Result:
     Parameters
     ----------
     scene
-        The scene as run: :class:`scenes.Scene` or :class:`scenes.MatrixScene`; None of a record
-        that no run made.
+        The scene as run: :class:`scenes.Scene` or :class:`scenes.MatrixScene`.
     timer
         Seconds by stage.
     skipped
@@ -328,30 +326,18 @@ class Result:
         ]
 
     def __repr__(self) -> str:
-        if self.scene is None:
-            made = self.provenance
-            return f"{made['command']}, {made['commit']}: {', '.join(self.data)}"
         if self.spectrum is not None:
-            head, notes = self._around_table()
-            return "\n".join([*head, repr(self.table()), *notes])
+            window, warnings = self.modes.window, self.warnings
+            lines = [self.summary, *window.hints, repr(self.table()), SIGNS]
+            lines += [f"{self.dofs} dofs", f"window: {window.evidence}", *self.steady_lines()]
+            lines += [f"warning ({warning.kind}): {warning.message}" for warning in warnings]
+            return "\n".join(lines)
         lines = [f"{self.scene.name}: static analysis", *self.steady_lines()]
         for row in self.table():
             low, high, oscillation = (f"{row[n]:.6g}" for n in ("min", "max", "oscillation"))
             of = f"{row['contact']}, side {row['side']}: sigma_n from {low} to {high}"
             lines.append(f"{of}, oscillation {oscillation} N/m^2")
         return "\n".join(lines)
-
-    def _around_table(self) -> tuple[list[str], list[str]]:
-        """What stands above a table of modes, and below: signs, dofs, evidence, state, warnings."""
-        warnings = [f"warning ({warning.kind}): {warning.message}" for warning in self.warnings]
-        facts = [SIGNS, f"{self.dofs} dofs", f"window: {self.modes.window.evidence}"]
-        return [self.summary, *self.modes.window.hints], [*facts, *self.steady_lines(), *warnings]
-
-    def _repr_html_(self) -> str:
-        if self.spectrum is None:
-            return f"<pre>{escape(repr(self))}</pre>"
-        head, notes = ("<br>".join(map(escape, lines)) for lines in self._around_table())
-        return f"<p><b>{head}</b></p>{html_table(self.table())}<p>{notes}</p>"
 
 
 def _there[T](value: T | None, name: str, allowed: str) -> T:
