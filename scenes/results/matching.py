@@ -4,23 +4,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from cea.arrays import Complexes
-from cea.eigen.matching import (
-    CircumferentialContent,
-    ModeMatch,
-    ModeSet,
-    circumferential_content,
-    match_modes,
-    modal_assurance,
-)
-from cea.errors import InputError
+from cea.eigen.matching import ModeMatch, ModeSet, match_modes, modal_assurance
 from scenes.results.result import Result
 
 _SAMPLES = 15
-_ANGLES, _CIRCLES = 64, 3
-"""Points around the axis, and circles at most on each surface, by which orders are told."""
 
 
 def match_runs(
@@ -61,46 +50,6 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
         "only_first": [told[0][i] for i in match.only_first],
         "only_second": [told[1][j] for j in match.only_second],
     }
-
-
-def circumferential_orders(result: Result) -> CircumferentialContent:
-    """Circumferential content of every mode of a run on both sides of every contact.
-
-    They are surfaces of revolution about the z axis; others are refused. Orders to 31 are told
-    apart. A mode that leaves them all at rest has no order.
-    """
-    surfaces = dict.fromkeys(_places(result))
-    return circumferential_content(np.concatenate([_on_circles(result, s) for s in surfaces]))
-
-
-def _on_circles(result: Result, surface: str) -> Complexes:
-    """Displacements of every mode in cylindrical components, (circles, angles, dim, modes).
-
-    Points lie on circles about z through Gauss points.
-    """
-    body, name = surface.split(".")
-    side = result.system.bodies[body].surfaces[name]
-    points = side.gauss_points(2)
-    radius = np.hypot(points.x[:, 0], points.x[:, 1])
-    profile = np.column_stack([radius, points.x[:, 2:]])
-    _, distinct = np.unique(np.round(profile / profile.max(), 6), axis=0, return_index=True)
-    even = np.linspace(0, len(distinct) - 1, _CIRCLES).round().astype(int)
-    chosen = distinct[np.unique(even)]
-    start = -np.arctan2(points.x[chosen, 1], points.x[chosen, 0])
-    to_zero, turns = (
-        Rotation.from_euler("z", angles[:, None]).as_matrix()[:, : side.dim, : side.dim]
-        for angles in (start, 2 * np.pi * np.arange(_ANGLES) / _ANGLES)
-    )
-    x, normal = (
-        np.einsum("aij,cjk,ck->cai", turns, to_zero, vectors[chosen]).reshape(-1, side.dim)
-        for vectors in (points.x, points.normal)
-    )
-    found = side.locate(x, normal, side.mesh_size)
-    if found.missed.any():
-        raise InputError("surfaces", surface, "surfaces of revolution about the z axis")
-    u = result.mode_shapes(surface, found.at)
-    # Turned back by its angle, each point's components are radial and circumferential.
-    return np.einsum("aji,cajm->caim", turns, u.reshape(-1, _ANGLES, *u.shape[1:]))
 
 
 def _mode_sets(

@@ -6,14 +6,13 @@ from reference_data import DRUM_BODIES
 
 from cea.eigen.matching import (
     ModeSet,
-    circumferential_content,
     group,
     match_modes,
     match_spectrum,
 )
 from cea.errors import InputError
 from scenes import run_scene
-from scenes.results.matching import circumferential_orders, match_runs
+from scenes.results.matching import match_runs
 from scenes.spec.reading import load_scene
 
 RNG = np.random.default_rng(7)
@@ -88,26 +87,6 @@ def test_modes_that_nearly_coalesce_are_matched_as_a_group():
     assert match.only_first.tolist() == match.only_second.tolist() == [3]
 
 
-def travelling(content):
-    """1 where all of the order of a mode is e^{+i m theta}, -1 where all is e^{-i m theta}."""
-    top, modes = len(content.energy) // 2, np.arange(content.energy.shape[1])
-    forward, backward = (content.energy[top + s * content.orders, modes] for s in (1, -1))
-    return (forward - backward) / (forward + backward)
-
-
-def test_circumferential_content_tells_order_share_and_sense():
-    theta = 2 * np.pi * np.arange(16) / 16
-    standing = np.cos(2 * theta) + 0.5 * np.cos(5 * theta)
-    waves = [np.exp(3j * theta), np.exp(-3j * theta), standing, np.ones(16)]
-    u = np.stack(waves, axis=-1)[None, :, None, :] * np.array([1.0, 2j])[:, None]
-    content = circumferential_content(u.reshape(1, 16, 2, 4))
-    assert content.orders.tolist() == [3, 3, 2, 0]
-    assert content.shares == pytest.approx([1, 1, 0.8, 1])
-    assert travelling(content) == pytest.approx([1, -1, 0, 0], abs=1e-12)
-    with pytest.raises(InputError, match="angles"):
-        circumferential_content(u[:, :2].reshape(1, 2, 2, 4))
-
-
 @pytest.fixture(scope="module")
 def drums():
     """Runs of a drum on both backends."""
@@ -117,25 +96,6 @@ def drums():
         overrides.append("analysis.max_frequency=0.33")
         results.append(run_scene(load_scene("drum", overrides, backend)))
     return results
-
-
-def test_drum_modes_have_their_exact_orders(drums):
-    """One axisymmetric pair and a doublet of every order.
-
-    Friction sends each of the doublet's members round one way. Exact eigenvalues e^{+i m theta}
-    of these orders grow, and their mirror images decay.
-    """
-    for result in drums:
-        content = circumferential_orders(result)
-        orders, sense = content.orders, travelling(content)
-        assert {m: (orders == m).sum() for m in set(orders.tolist())} == {0: 2, 1: 4, 2: 2, 3: 2}
-        assert (content.shares > 0.99).all()
-        growth = result.modes.growth_rates
-        growing = np.abs(growth) > 1e-3
-        assert (np.abs(sense[growing]) > 0.99).all()
-        assert (orders[~growing] == 0).all()
-        first = growing & (orders <= 3)
-        assert (np.sign(sense[first]) == np.sign(growth[first])).all()
 
 
 def test_drum_modes_match_across_backends(drums):
