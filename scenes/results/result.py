@@ -62,10 +62,8 @@ class Result:
         The coupled matrices of bodies and contacts.
     solution
         Unknowns of a static analysis, PETSc vector.
-    provenance
-        What made its record, where it was read back: command, inputs, versions and so on.
-    stored
-        What else its record holds.
+    record
+        Its record, where it was read back.
     """
 
     scene: Any
@@ -78,13 +76,12 @@ class Result:
     pieces: Mapping[str, Any] = field(default_factory=dict)
     coupled: CoupledSystem | None = None
     solution: Any = None
-    provenance: Mapping[str, Any] = field(default_factory=dict)
-    stored: Mapping[str, Any] = field(default_factory=dict)
+    record: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def data(self) -> Mapping[str, Any]:
         """What its record holds (`docs/result_json.md`), fresh or read back; collective."""
-        return self.stored if self.provenance else described(self)
+        return self.record or described(self)
 
     @property
     def system(self) -> CoupledSystem:
@@ -109,8 +106,8 @@ class Result:
     @property
     def dofs(self) -> int:
         """Free dofs."""
-        if self.provenance:
-            return int(self.stored["dofs"]["free"])
+        if self.record:
+            return int(self.record["dofs"]["free"])
         return int(self.modes.template.getSize() if self.coupled is None else self.coupled.size)
 
     @property

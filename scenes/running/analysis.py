@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from cea.errors import InputError
 from cea.timing import StageTimer
 from scenes.results.data import RunRecord, opened
-from scenes.results.record import PROVENANCE, read_record
+from scenes.results.record import read_record
 from scenes.results.result import Result
 from scenes.spec.problems import problems
 from scenes.spec.reading import Scene, read_scene
@@ -65,8 +65,6 @@ def open_result(file: str | Path) -> Result:
     except ValidationError as error:
         first = problems(error, data, {})[0]
         raise InputError("file", str(file), f"a stored result; broken at {first}") from error
-    made = {name: data[name] for name in PROVENANCE}
-    stored = {name: value for name, value in data.items() if name not in PROVENANCE}
     from scenes.spec.matrices import read_matrix_scene
 
     read: Any = read_matrix_scene if "files" in record.scene else read_scene
@@ -78,6 +76,5 @@ def open_result(file: str | Path) -> Result:
         record.skipped,
         record.warnings,
         **opened(record, scene.analysis.kind),
-        provenance=made,
-        stored=stored,
+        record=data,
     )

@@ -112,7 +112,7 @@ def test_modes_open_as_they_were(backend, tmp_path):
     assert str(opened) == str(result)
     assert opened.dofs == result.system.size
     assert opened.timer.seconds == result.timer.seconds
-    assert opened.provenance["seconds"] == result.timer.total
+    assert opened.record["seconds"] == result.timer.total
     assert opened.skipped == result.skipped
     with pytest.raises(InputError, match="a fresh run"):
         opened.matrices()
