@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 from cea.body import Body
 from cea.eigen.pencil import release
-from cea.errors import InputError
+from cea.errors import InputError, require
 from cea.nested.estimate import ErrorEstimate, error_estimate
 from cea.nested.prolongation import Prolongation, of_body, of_system
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
@@ -27,8 +27,6 @@ _HIGHEST = {"fe": 4, "iga": 8}
 
 def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolongation:
     """Prolongation from the free displacements of a scene to those of a finer one; collective."""
-    if list(coarse) != list(fine):
-        raise InputError("bodies", list(fine), f"those of the coarse scene: {', '.join(coarse)}")
     return of_system([of_body(coarse[name], fine[name]) for name in fine])
 
 
@@ -64,7 +62,9 @@ def estimate_errors(
         When there are no modes, or the scenes are not of the same bodies.
     """
     scene = richer if richer is not None else richer_scene(result.scene)
-    own = result.scene
+    own, names = result.scene, list(scene.bodies)
+    allowed = f"those of the coarse scene: {', '.join(own.bodies)}"
+    require(names == list(own.bodies), "bodies", names, allowed)
     one_sided = own.damped or own.rotates or own.has_friction
     if one_sided and result.modes.left is None and len(result.modes):
         result = run_modes(own, left=True, bodies=result.bodies, listener=listener)
