@@ -47,8 +47,6 @@ class ConfirmedThreshold:
         Its value there.
     eigenvalue
         lambda there (1/s), of two modes that coalesce their mean.
-    solves
-        Eigenvalue problems solved on the way.
     warnings
         What the value must be read with.
     """
@@ -56,7 +54,6 @@ class ConfirmedThreshold:
     parameter: str
     value: float
     eigenvalue: complex
-    solves: int
     warnings: tuple[ResultWarning, ...] = ()
 
     @property
@@ -77,7 +74,7 @@ def line_of_model(
     ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
     more than ``level`` (1/s) count.
     """
-    window = replace(small.settings.window, level=level)
+    window = replace(small.window, level=level)
 
     def at(value: float) -> Sample:
         values = parameters(value)
@@ -145,7 +142,7 @@ def first_threshold(
 
     for value in (real, flutter):
         driver.pencil.check(point(value))
-    pencil, before = driver.pencil, driver.solves
+    pencil = driver.pencil
     box = dict.fromkeys(names, (min(real, flutter), max(real, flutter)))
     model = ReducedModel(pencil, box, max_frequency)
     try:
@@ -158,7 +155,7 @@ def first_threshold(
     found = threshold_between(line, real, flutter, frequency)
     told = confirm(driver, point, found, line.window)
     value, root = told or (found.value, found.eigenvalue)
-    return ConfirmedThreshold(", ".join(names), value, root, driver.solves - before)
+    return ConfirmedThreshold(", ".join(names), value, root)
 
 
 def confirm(

@@ -204,10 +204,9 @@ class AssembledScene:
             result = run_modes(scene, bodies=self.bodies)
             return result, bool(result.modes.unstable(threshold=0.0).any())
 
-        low, solves = real, 0
+        low = real
         for high in np.linspace(real, flutter, _SAMPLES).tolist():
             found, grows = at(high)
-            solves += 1
             if grows:
                 break
             low = high
@@ -217,13 +216,12 @@ class AssembledScene:
         while abs(high - low) > _RESOLVED * abs(high):
             middle = 0.5 * (low + high)
             between, grows = at(middle)
-            solves += 1
             if grows:
                 found, high = between, middle
             else:
                 low = middle
         fastest = complex(found.eigenvalues[found.growth_rates.argmax()])
-        return ConfirmedThreshold(", ".join(names), high, fastest, solves, found.warnings)
+        return ConfirmedThreshold(", ".join(names), high, fastest, found.warnings)
 
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""

@@ -2,13 +2,14 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 from cea.body import Body
 from cea.eigen.pencil import release
 from cea.errors import InputError, require
+from cea.matrices import destroy
 from cea.nested.estimate import ErrorEstimate, error_estimate
-from cea.nested.prolongation import Prolongation, of_body, of_system
+from cea.nested.prolongation import of_body, of_system
 from meshes.ventilated_disc import MAX_CURVED, VentilatedDisc
 from scenes.building.build import made_of
 from scenes.checking.memory import factors_of
@@ -25,7 +26,7 @@ _HIGHEST = {"fe": 4, "iga": 8}
 """Highest degrees of the backends."""
 
 
-def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolongation:
+def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Any:
     """Prolongation from the free displacements of a scene to those of a finer one; collective."""
     return of_system([of_body(coarse[name], fine[name]) for name in fine])
 
@@ -75,10 +76,9 @@ def estimate_errors(
         step = prolongation(result.bodies, system.bodies)
     try:
         with timer("krylov"), factors_of(scene):
-            found = error_estimate(result.modes, matrices, step, steps=steps)
-            return replace(found, growth_threshold=result.analysis.growth_threshold)
+            return error_estimate(result.modes, matrices, step, steps=steps)
     finally:
-        step.free()
+        destroy(step)
         release(matrices)
 
 

@@ -7,6 +7,6 @@ from comparisons.study.session import Progress
 
 def blocks_to_three_digits():
     """What is held, and frequencies and growth rates with their bars."""
-    data = run_converge(Request("blocks"), Progress(step=lambda _: None, stage=lambda _: None))
+    data = run_converge(Request("blocks"), Progress())
     names = ("frequency", "frequency_bar", "growth", "growth_bar")
     return {"first": data["first"], "values": [[m[name] for name in names] for m in data["modes"]]}
