@@ -1,10 +1,9 @@
-"""Tables of modes: rows for programs, text for a terminal, HTML for a notebook.
+"""Tables of modes: rows for programs, text for a terminal or a notebook.
 
-Modes bear numbers from 1 wherever one is told. Colour is never the only sign of a verdict.
+Modes bear numbers from 1 wherever one is told.
 """
 
 from collections.abc import Mapping, Sequence
-from html import escape
 from importlib import import_module
 from math import floor, log10
 from typing import Any
@@ -38,8 +37,6 @@ _DIGITS = 0.01  # growth rate (1/s) below which three digits after the point sho
 _RATIO = 1e-3  # damping ratio below which four do
 _FEWEST, _MOST = 3, 9
 """Digits after the point of frequencies (Hz)."""
-_COLOURS = {"unstable": "#c0392b", "grows slowly": "#b3541e", "undecided": "#9a6700"}
-"""Of rows in HTML."""
 
 
 class ModeTable(list[dict[str, Any]]):
@@ -62,9 +59,6 @@ class ModeTable(list[dict[str, Any]]):
 
     def __repr__(self) -> str:
         return "\n".join(aligned(self))
-
-    def _repr_html_(self) -> str:
-        return html_table(self)
 
 
 def shown_cells(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, str]]:
@@ -105,18 +99,6 @@ def aligned(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         "  ".join([mark, *(text.rjust(width) for text, width in zip(line, widths, strict=True))])
         for mark, line in zip(marks, cells, strict=True)
     ]
-
-
-def html_table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """A table of modes in HTML."""
-    head = "".join(f"<th>{escape(title)}</th>" for title in ("", *TITLES.values()))
-    lines = []
-    for row, cells in zip(rows, shown_cells(rows), strict=True):
-        colour = _COLOURS.get(row["verdict"])
-        style = f' style="color:{colour};font-weight:bold"' if colour else ""
-        parts = [MARKS.get(row["verdict"], ""), *(escape(text) for text in cells.values())]
-        lines.append(f"<tr{style}>{''.join(f'<td>{part}</td>' for part in parts)}</tr>")
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
 
 
 def _places(highest: float) -> int:

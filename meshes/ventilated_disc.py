@@ -1,7 +1,7 @@
 """A ventilated brake disc: two rings joined by vanes, the lower one on a hat with a hub plate."""
 
 from dataclasses import dataclass
-from math import asin, cos, hypot, pi, radians, sin, sqrt
+from math import asin, cos, pi, radians, sin, sqrt
 from typing import ClassVar, Literal
 
 from cea.errors import require
@@ -127,23 +127,9 @@ class VentilatedDisc:
         around = pi * (self.outer_radius + self.wall_inner)
         return self.volume / (around * self.ring_height), around, self.ring_height
 
-    def mean_size(self, size: float) -> float:
-        """Mean length (m) of elements where ``size`` is asked for, and less of it near the hat.
-
-        A fit to meshes of the disc with sizes from 5 to 20 mm, right to 3 per cent there.
-        """
-        return 1 / hypot(1 / size, 1 / (_COARSEST * (self.wall_outer - self.wall_inner)))
-
-    def depth(self, surface: str) -> float | None:
-        """Thickness (m) of the ring behind a face that pads slide on; None of other surfaces."""
-        upper = self.upper_top - self.upper_bottom
-        return {"lower_face": self.ring_height, "upper_face": upper}.get(surface)
-
 
 MAX_CURVED = 2
 """Highest order of its curved cells."""
-_COARSEST = 1.52
-"""Mean length of elements where any is allowed, relative to the thickness of the wall."""
 _MOST = 200
 """Holes and vanes, so many at most."""
 

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from scenes.running.analysis import run_scene as run_scene
     from scenes.running.assembled import AssembledScene as AssembledScene
     from scenes.running.assembled import assemble as assemble
-    from scenes.running.enrich import richer_scene as richer_scene
     from scenes.running.matrices import AssembledMatrices as AssembledMatrices
     from scenes.running.matrices import run_matrices as run_matrices
     from scenes.running.modes import run_modes as run_modes
     from scenes.running.nested import estimate_errors as estimate_errors
+    from scenes.running.nested import richer_scene as richer_scene
     from scenes.running.static import run_static as run_static
     from scenes.spec.matrices import MatrixScene as MatrixScene
     from scenes.spec.matrices import load_matrices as load_matrices
@@ -39,10 +39,9 @@ _OWNERS = {
     "scenes.results.result": ("Result",),
     "scenes.running.analysis": ("open_result", "run_scene"),
     "scenes.running.assembled": ("AssembledScene", "assemble"),
-    "scenes.running.enrich": ("richer_scene",),
     "scenes.running.matrices": ("AssembledMatrices", "run_matrices"),
     "scenes.running.modes": ("run_modes",),
-    "scenes.running.nested": ("estimate_errors",),
+    "scenes.running.nested": ("estimate_errors", "richer_scene"),
     "scenes.running.static": ("run_static",),
     "scenes.spec.plain": ("scene_names",),
     "scenes.spec.matrices": ("MatrixScene", "load_matrices", "read_matrix_scene"),

@@ -63,6 +63,8 @@ class Body:
         Material.
     supports, springs, pressures, forces
         What holds and loads the named surfaces; springs are part of the stiffness.
+    made_of
+        What it was made of: where a scene makes a body of the same, it is used again.
 
     Raises
     ------
@@ -92,6 +94,7 @@ class Body:
     springs: Sequence[Spring] = ()
     pressures: Sequence[Pressure] = ()
     forces: Sequence[Force] = ()
+    made_of: Any = None
 
     def __post_init__(self) -> None:
         for kind in ("supports", "springs", "pressures", "forces"):

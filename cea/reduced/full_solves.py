@@ -1,4 +1,4 @@
-"""Spectra along a line, on a model or by full solves, and thresholds that full solves confirm.
+"""Spectra of a reduced model along a line, and thresholds that full solves confirm.
 
 At a threshold found what passes zero, the half distance squared of a pair or a growth rate, is
 computed on the pencil itself, and again where its slope takes it: Newton's method with the slope
@@ -12,10 +12,7 @@ from types import MappingProxyType
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.eigen.block_products import all_inner, times
 from cea.eigen.driver import EigenSolver
-from cea.eigen.modes import Modes
-from cea.eigen.pencil import release
 from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.crossings import Quantity, Threshold, growing_root, passing
 from cea.reduced.following import Sample
@@ -24,7 +21,7 @@ from cea.reduced.model import ReducedModel
 from cea.reduced.pieces import Values
 from cea.reduced.spectrum import ReducedSpectrum, SmallPencil
 from cea.reduced.thresholds import Line, thresholds_along
-from cea.reduced.window import MARGIN, Window
+from cea.reduced.window import Window
 
 _ASIDE = 1e-3
 """Relative distance from a pair at which it is looked for: a pencil is singular on it."""
@@ -65,10 +62,6 @@ class ConfirmedThreshold:
         return self.eigenvalue.imag / (2 * np.pi)
 
 
-Solve = Callable[[float, float], tuple[Modes, Complexes]]
-"""Modes at a value up to a frequency (Hz), with left vectors, and derivatives of their lambda."""
-
-
 def line_of_model(
     small: SmallPencil,
     parameters: Callable[[float], Values],
@@ -94,40 +87,17 @@ def line_of_model(
     return Line(window, at)
 
 
-def line_in_full(solve: Solve, window: Window) -> Line:
-    """Spectra by full solves; vectors are told by their parts along the modes solved first."""
-    first: list[Complexes] = []
-
-    def at(value: float) -> Sample:
-        modes, slopes = solve(value, MARGIN * window.max_frequency)
-        z, errors = modes.eigenvalues, modes.growth_uncertainties
-        if not first:
-            matrices = modes.pencil.at(modes.values)
-            first.append(times(matrices.mass, modes.vectors))
-            release(matrices)
-        vectors = all_inner(first[0], modes.vectors, modes.pencil.comm)
-        vectors = vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny)
-        numbers = np.arange(len(z))
-        if not window.damped:
-            errors = errors * (2 * np.abs(z) + errors)
-            z, slopes = -(z**2), -2 * z * slopes
-        return Sample(value, z, slopes, errors, errors, numbers, vectors)
-
-    return Line(window, at)
-
-
 def threshold_between(
-    line: Line, real: float, flutter: float, frequency: float | None = None, count: int = 3
+    line: Line, real: float, flutter: float, frequency: float | None
 ) -> Threshold:
     """The first threshold from one value on at which a mode begins to grow; without damping a pair.
 
-    Spectra are made at ``count`` values first. That nearest to a frequency (Hz) is taken where one
-    is given. InputError is raised when nothing begins to grow, ConvergenceError when an interval
-    before it is not resolved.
+    That nearest to a frequency (Hz) is taken where one is given. InputError is raised when nothing
+    begins to grow, ConvergenceError when an interval before it is not resolved.
     """
     if real == flutter:
         raise InputError("flutter", flutter, "another value than real")
-    found = thresholds_along(line, np.linspace(real, flutter, count).tolist())
+    found = thresholds_along(line, np.linspace(real, flutter, _TRAINING).tolist())
     kinds = ("flutter", "divergence") if line.window.damped else ("flutter",)
     way = 1.0 if flutter > real else -1.0
     begins = [each for each in found.thresholds if way * each.change > 0 and each.kind in kinds]
@@ -182,7 +152,7 @@ def first_threshold(
         model.free()
     rates = dict.fromkeys(names, 1.0)
     line = line_of_model(model.small, lambda value: pencil.values(point(value)), rates)
-    found = threshold_between(line, real, flutter, frequency, _TRAINING)
+    found = threshold_between(line, real, flutter, frequency)
     told = confirm(driver, point, found, line.window)
     value, root = told or (found.value, found.eigenvalue)
     return ConfirmedThreshold(", ".join(names), value, root)

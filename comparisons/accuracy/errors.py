@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
+from math import tau
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,8 @@ from comparisons.accuracy.cases import methods, refinements, scene_of
 from comparisons.accuracy.problems import PROBLEMS, exact
 from comparisons.study.measure import measured
 from comparisons.study.study import Case, Session
+from exact_cea.reference import exact_eigenvalues
 from scenes import run_modes
-from scenes.results.matching import circumferential_orders
 
 REACH = 0.25  # relative distance at which a computed eigenvalue no longer stands for an exact one
 _DIGITS = 4  # significant digits of run times, memory and errors
@@ -109,7 +110,12 @@ def evaluate_no_flutter(case: Case, session: Session) -> dict[str, list[dict[str
     mirrored = problem.name == "blocks"
     result = run_modes(scene_of(problem, case, _REFINEMENT, _MIRRORED if mirrored else None))
     modes = result.modes
-    chosen = slice(None) if mirrored else circumferential_orders(result) == 0
+    chosen: Any = slice(None)
+    if not mirrored:  # those next to exact eigenvalues of m = 0
+        top = tau * result.analysis.max_frequency
+        known = {"p": case["p"] * problem.unit, "mu": problem.mu}
+        axisymmetric = exact_eigenvalues("drum", m=0, max_frequency=top, **known)
+        chosen = np.abs(modes.eigenvalues[:, None] - axisymmetric).argmin(axis=0)
     size = np.abs(modes.eigenvalues[chosen])
     rates, explained = np.abs(modes.growth_rates[chosen]), modes.growth_uncertainties[chosen]
     worst = int(np.argmax(rates / size))

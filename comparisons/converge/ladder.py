@@ -27,8 +27,7 @@ from scenes.refinement.meshes import (
     on_backend_of_shapes,
     refined,
 )
-from scenes.running.enrich import richer_scene
-from scenes.running.nested import estimate_errors
+from scenes.running.nested import estimate_errors, richer_scene
 from scenes.spec.body import Backend
 from scenes.spec.reading import Scene
 

@@ -175,10 +175,10 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
         own_error = error_of(alone, scenes[options.P[0]], options.samples)
     errors, momentum, bodies = [], [], None
     for label, variant in offered(options, meshes).items():
-        system, interfaces, _ = coupled(variant.of(free, P=options.P[0]), bodies=bodies)
+        system, _ = coupled(variant.of(free, P=options.P[0]), bodies=bodies)
         bodies = system.bodies
         momentum.append({"formulation": label} | momentum_defects(system))
-        points = sum(len(interface.points) for interface in interfaces.values())
+        points = sum(len(contact.interface.points) for contact in system.contacts)
         labels = {"formulation": label, "points": points, "own_error": own_error}
         for P, scene in scenes.items():
             error: float | None = None

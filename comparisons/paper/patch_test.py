@@ -34,9 +34,9 @@ from comparisons.study.plots import BLUE, GREY, VERMILION
 from comparisons.study.result import StudyResult
 from comparisons.study.session import Session
 from scenes import Result
-from scenes.building.build import build_bodies, build_interfaces
+from scenes.building.build import build_bodies, half_passes
 from scenes.spec.mesh import FeMesh, IgaMesh, MeshSpec
-from scenes.spec.reading import Scene, StaticAnalysis, load_scene, with_contact
+from scenes.spec.reading import Scene, StaticAnalysis, load_scene
 
 EXACT = -1000.0  # normal stress on the interface (N/m^2)
 INTERFACE = "interface"  # name of the contact in the scene
@@ -252,8 +252,9 @@ class Setting(Figure):
         ]
         for what, rule in _POINTS.items():
             own = rule if mesh == "NURBS" else as_lagrange(rule)
-            with_rule = with_contact(scene, formulation=own)
-            points = len(build_interfaces(with_rule, bodies, StageTimer())[INTERFACE].points)
+            contact = replace(scene.contacts[INTERFACE], formulation=own)
+            (half,) = half_passes(INTERFACE, contact, bodies)
+            points = len(half.interface.points)
             numbers.append((what, points, "", "" if own is rule else own.label))
         return {"numbers": [quoted(each[0], paper.get(each[0]), *each[1:]) for each in numbers]}
 

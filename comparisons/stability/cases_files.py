@@ -159,13 +159,13 @@ def _clusters() -> Runs:
 
 def _rounding() -> Runs:
     symmetric = tuple(Block(block.k, block.c) for block in _DAMPED)
-    for row, blocks, warnings in (
-        ("unsymmetric by friction and by rounding", _DAMPED, ()),
-        ("symmetric but for rounding", symmetric, ("symmetrised",)),
+    for row, blocks in (
+        ("unsymmetric by friction and by rounding", _DAMPED),
+        ("symmetric but for rounding", symmetric),
     ):
         rounded = _transformed(_matrices(blocks), _MIXED)
         rounded["K"] = rounded["K"] * (1 + 2e-16 * np.sign(np.tri(_N) - 0.5))
-        yield _run(row, blocks, rounded, warnings=warnings)
+        yield _run(row, blocks, rounded)
 
 
 def matrices_from_files() -> Runs:

@@ -58,7 +58,7 @@ def dense_eigenvalues(data: Mapping[str, Any]) -> Complexes:
     if "geometric_stiffness" in given:
         analysis["geometric_stiffness"] = given["geometric_stiffness"]
     scene = read_scene({**data, "analysis": analysis, "contacts": contacts})
-    system, _, _ = coupled(scene)
+    system, _ = coupled(scene)
     bodies = system.bodies.values()
     stiffness = block_diag(*(array(body.stiffness()) for body in bodies))
     mass = block_diag(*(array(body.mass()) for body in bodies))

@@ -45,8 +45,8 @@ class Session:
     def solve(self, scene: Scene | None = None, **options: Any) -> Any:
         """Run a scene, that of the case by default, with options of :func:`scenes.run_scene`.
 
-        Bodies and contact points of earlier runs are used again where their specifications are
-        equal; the very scene of the last run is not run again.
+        Bodies of earlier runs are used again where their specifications are equal; the very scene
+        of the last run is not run again.
         """
         scene = scene or self.scene
         assert scene is not None, "the study gives no scene for its cases"
@@ -55,7 +55,7 @@ class Session:
         given: dict[str, Any] = {"listener": self.stage}
         for earlier in self._earlier:
             if earlier.scene.bodies == scene.bodies:
-                given |= {"bodies": earlier.bodies, "interfaces": earlier.interfaces}
+                given["bodies"] = earlier.bodies
         result = run_scene(scene, **(given | options))
         kept = [each for each in self._earlier if each.scene.bodies != scene.bodies]
         self._earlier = [result, *kept][:_REMEMBERED]

@@ -73,7 +73,7 @@ class SweptScene:
     def warnings(self, modes: Modes, at: Mapping[str, float]) -> tuple[ResultWarning, ...]:
         """What modes must be read with at some parameters."""
         if isinstance(self.assembled, AssembledMatrices):
-            return self.assembled.warnings(modes)
+            return modes.warnings
         return self.assembled.warnings(modes, self.window.max_frequency, at)
 
     def run(self, values: Sequence[float]) -> Result:

@@ -1,13 +1,8 @@
-"""Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it.
-
-What a body or the points of a half pass are made of is kept beside them: scenes in which it is
-equal have the same bodies, or points.
-"""
+"""Bodies and coupled systems from scenes. A backend is imported only by a scene that uses it."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,16 +10,15 @@ from cea.arrays import Floats
 from cea.body import Body, Space
 from cea.contact.contact import Contact
 from cea.contact.friction import Friction
-from cea.contact.interface import Interface, default_reach, pair
+from cea.contact.interface import default_reach, pair
 from cea.contact.laws import LinearLaw, NormalLaw, Sliding
-from cea.errors import InputError, require
+from cea.errors import InputError
 from cea.expressions import Expression, evaluate
 from cea.mesh import Mesh
 from cea.motion import Motion
 from cea.petsc import MPI
 from cea.ranks import made_on_first
 from cea.supports.boundary import Force, Pressure
-from cea.surface import Surface
 from cea.system.coupled import CoupledSystem, couple
 from cea.timing import StageTimer
 from meshes.breaks import breaks_of
@@ -36,20 +30,6 @@ from scenes.spec.reading import Scene
 
 _ROUNDING = 1e-14
 """Friction below this part of the largest counts as zero."""
-
-
-class Built[Part](dict[str, Part]):
-    """Bodies or contact points by name, with what each was made of."""
-
-    def __init__(self, parts: Mapping[str, Part], made_of: Mapping[str, Any]) -> None:
-        super().__init__(parts)
-        self.made_of = dict(made_of)
-
-
-def _alike[Part](given: Mapping[str, Part] | None, wanted: Mapping[str, Any]) -> dict[str, Part]:
-    if not isinstance(given, Built):
-        return {}
-    return {name: given[name] for name in wanted if given.made_of.get(name) == wanted[name]}
 
 
 def made_of(scene: Scene, name: str) -> tuple[BodySpec, tuple[LoadSpec, ...], tuple[str, ...]]:
@@ -65,22 +45,20 @@ def made_of(scene: Scene, name: str) -> tuple[BodySpec, tuple[LoadSpec, ...], tu
 
 def build_bodies(
     scene: Scene, timer: StageTimer, given: Mapping[str, Body] | None = None
-) -> Mapping[str, Body]:
-    """Bodies of a scene by name; of those given they are used again that are made of the same.
+) -> dict[str, Body]:
+    """Bodies of a scene by name.
 
-    Bodies that no scene built are taken all, and refused where their names are others.
+    Of those given, the ones that no scene built are taken as they are, and those that a scene
+    built of the same.
     """
-    if given is not None and not isinstance(given, Built):
-        names, allowed = list(scene.bodies), f"those of the scene: {', '.join(scene.bodies)}"
-        require(list(given) == names, "bodies", list(given), allowed)
-        return given
-    wanted = {name: made_of(scene, name) for name in scene.bodies}
-    alike = _alike(given, wanted)
-    if list(alike) == list(wanted):
-        return Built(alike, wanted)
-    with timer("meshing"):
-        bodies = {n: alike.get(n) or build_body(n, *parts) for n, parts in wanted.items()}
-    return Built(bodies, wanted)
+    bodies = {}
+    for name in scene.bodies:
+        wanted, body = made_of(scene, name), (given or {}).get(name)
+        if body is None or body.made_of not in (None, wanted):
+            with timer("meshing"):
+                body = replace(build_body(name, *wanted), made_of=wanted)
+        bodies[name] = body
+    return bodies
 
 
 def build_body(
@@ -156,87 +134,43 @@ def body_mesh(body: str, spec: BodySpec, surfaces: Iterable[str]) -> Mesh:
     )
 
 
-@dataclass(frozen=True)
-class _Half:
-    """One half of a contact: its points lie on ``a``; ``share`` of the stiffness is its own."""
-
-    name: str
-    pair: str
-    spec: ContactSpec
-    a: str
-    b: str
-    share: float = 1.0
-    reverse: bool = False  # whether the points lie on side b of the contact
-
-    @property
-    def made_of(self) -> tuple[Any, ...]:
-        """What its points are made of, beside the two bodies."""
-        spec = self.spec
-        return self.a, self.b, spec.formulation, spec.reach, spec.max_missed, spec.full_pass
-
-    def surfaces(self, bodies: Mapping[str, Body]) -> tuple[Surface, Surface]:
-        """Side a and side b."""
-        (body_a, a), (body_b, b) = self.a.split("."), self.b.split(".")
-        return bodies[body_a].surfaces[a], bodies[body_b].surfaces[b]
-
-
-def _halves(contacts: Mapping[str, ContactSpec]) -> Iterator[_Half]:
-    """The one half of each half pass, both halves of each full pass."""
-    for name, spec in contacts.items():
-        share = 0.5 if spec.full_pass else 1.0
-        yield _Half(name, name, spec, spec.a, spec.b, share)
-        if spec.full_pass:
-            yield _Half(f"{name}, b on a", name, spec, spec.b, spec.a, share, reverse=True)
-
-
-def build_interfaces(
-    scene: Scene,
-    bodies: Mapping[str, Body],
-    timer: StageTimer,
-    given: Mapping[str, Interface] | None = None,
-) -> Mapping[str, Interface]:
-    """Contact points of a scene, located on their opposite sides, by name of the half pass.
-
-    Of those given they are used again that are made of the same, between these bodies.
-    """
-    halves = {half.name: half for half in _halves(scene.contacts)}
-    wanted = {name: half.made_of for name, half in halves.items()}
-    alike = {
-        name: interface
-        for name, interface in _alike(given, wanted).items()
-        if (interface.a, interface.b) == halves[name].surfaces(bodies)
-    }
-    if alike and list(alike) == list(halves):
-        return Built(alike, wanted)
+def build_contacts(scene: Scene, bodies: Mapping[str, Body], timer: StageTimer) -> list[Contact]:
+    """The half passes of a scene, their points located on the opposite sides, without operators."""
     with timer("search"):
-        found = {n: alike.get(n) or _located(half, bodies) for n, half in halves.items()}
-    return Built(found, wanted)
+        return [
+            half
+            for name, spec in scene.contacts.items()
+            for half in half_passes(name, spec, bodies)
+        ]
 
 
-def _located(half: _Half, bodies: Mapping[str, Body]) -> Interface:
-    """Points of a half pass; of the larger side of a full pass those that find nothing go."""
-    spec, (a, b) = half.spec, half.surfaces(bodies)
-    points = spec.formulation.points_on(a, b, spec.reach or default_reach(a, b))
+def half_passes(name: str, spec: ContactSpec, bodies: Mapping[str, Body]) -> list[Contact]:
+    """The half pass of a contact with its points on side a; of a full pass, on side b too."""
+    sides = [(spec.a, spec.b), (spec.b, spec.a)] if spec.full_pass else [(spec.a, spec.b)]
+    return [_half_pass(name, spec, bodies, *each) for each in sides]
+
+
+def _half_pass(
+    name: str, spec: ContactSpec, bodies: Mapping[str, Body], side_a: str, side_b: str
+) -> Contact:
+    """Points on one side, with stiffness and friction; P is spread evenly over those that touch.
+
+    Of the larger side of a full pass, points that find nothing opposite go.
+    """
+    (body_a, _, on_a), (body_b, _, on_b) = side_a.partition("."), side_b.partition(".")
+    a, b = bodies[body_a].surfaces[on_a], bodies[body_b].surfaces[on_b]
+    rule = spec.formulation.points_on(a, b, spec.reach or default_reach(a, b))
     missed = 1.0 if spec.full_pass and a.area > b.area else spec.max_missed
-    field = f"contacts.{half.pair}"
-    return pair(a, b, points, field=field, reach=spec.reach, max_missed=missed)
-
-
-def build_contacts(scene: Scene, interfaces: Mapping[str, Interface]) -> list[Contact]:
-    """The half passes of a scene, without operators."""
-    return [_contact(half, interfaces[half.name]) for half in _halves(scene.contacts)]
-
-
-def _contact(half: _Half, interface: Interface) -> Contact:
-    """Stiffness and friction at the points; P is spread evenly over those that touch."""
-    spec, points = half.spec, interface.points
-    with below(f"contacts.{half.pair}"):
+    field = f"contacts.{name}"
+    interface = pair(a, b, rule, field=field, reach=spec.reach, max_missed=missed)
+    points, share, reverse = interface.points, 0.5 if spec.full_pass else 1.0, side_a != spec.a
+    with below(field):
         law: NormalLaw
         if spec.law is not None:
-            law = replace(spec.law, c=half.share * spec.law.c)
+            law = replace(spec.law, c=share * spec.law.c)
         else:
             p = spec.p if spec.p is not None else (spec.P or 0.0) / float(points.weight.sum())
-            law = LinearLaw(half.share * _values("p", p, points.x))
+            law = LinearLaw(share * _values("p", p, points.x))
         sliding = None
         if spec.sliding is not None:
             given = {n: value for n, value in spec.sliding.fields.items() if value is not None}
@@ -247,12 +181,12 @@ def _contact(half: _Half, interface: Interface) -> Contact:
             # what rounding leaves where an expression vanishes counts as zero
             negligible = np.abs(mu) < _ROUNDING * np.abs(mu).max(initial=0.0)
             mu = np.where(negligible, 0.0, mu)
-            friction = Friction(mu, spec.friction_direction_on_a, half.reverse)
+            friction = Friction(mu, spec.friction_direction_on_a, reverse)
         return Contact(
-            name=half.name,
-            pair=half.pair,
-            a=half.a.split(".")[0],
-            b=half.b.split(".")[0],
+            name=f"{name}, b on a" if reverse else name,
+            pair=name,
+            a=body_a,
+            b=body_b,
             interface=interface,
             law=law,
             friction=friction,
@@ -282,13 +216,12 @@ def _values(name: str, field: float | str, x: Floats) -> Floats:
 def build_system(
     scene: Scene,
     bodies: Mapping[str, Body],
-    interfaces: Mapping[str, Interface],
+    contacts: Sequence[Contact],
     timer: StageTimer,
     *,
     leave_out: bool = True,
 ) -> CoupledSystem:
     """Coupled matrices of a scene: mass only for eigenvalues, loads only where they matter."""
-    contacts = build_contacts(scene, interfaces)
     static = scene.analysis.kind == "static"
     motions = {}
     for name, body in scene.bodies.items():

@@ -1,7 +1,7 @@
 """A scene looked at before it is run: bodies meshed, contact points searched, nothing solved."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from cea.body import Body
 from cea.contact.contact import Contact
 from cea.errors import InputError, ResultWarning
 from cea.timing import StageTimer
-from scenes.building.build import below, build_bodies, build_contacts, build_interfaces
+from scenes.building.build import below, build_bodies, half_passes
 from scenes.checking.memory import check_memory, dofs_of
 from scenes.checking.skipped import skipped_by
 from scenes.checking.warnings import doubtful_numbers, warnings_of
@@ -70,9 +70,8 @@ def inspect_scene(scene: Scene) -> Inspection:
     except InputError as error:
         faults.append(error)
     for name, contact in scene.contacts.items() if bodies else ():
-        alone = replace(scene, contacts={name: contact})
         try:
-            contacts = build_contacts(alone, build_interfaces(alone, bodies, StageTimer()))
+            contacts = half_passes(name, contact, bodies)
             for half in contacts:
                 if half.friction is not None:  # it has a direction everywhere
                     points = half.interface.points

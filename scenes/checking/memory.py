@@ -7,7 +7,7 @@ fit into is refused before work starts.
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from math import factorial, inf, prod
+from math import inf, prod
 from shutil import disk_usage
 from tempfile import gettempdir
 from typing import Any
@@ -20,7 +20,6 @@ from cea.errors import InputError, ResultWarning
 from cea.petsc import MPI, give_back
 from meshes.mesh_file import MeshFile
 from meshes.patches import NurbsFile, Patches
-from meshes.shapes import VentilatedDisc
 from scenes.spec.body import BodySpec
 from scenes.spec.mesh import FeMesh
 from scenes.spec.reading import Scene
@@ -35,15 +34,10 @@ def dofs_of(body: BodySpec) -> float:
     if isinstance(shape, MeshFile):
         own = shape.elements
         degree = body.fe_degree or own.order
-        nodes = len(own.used) * (degree / own.order) ** dim
-        if own.incomplete:
-            cubes = own.num_cells / (factorial(dim) if own.is_divided else 1)
-            nodes = max(nodes, cubes * degree**dim)
-        return dim * nodes
+        return dim * len(own.used) * (degree / own.order) ** dim
     if isinstance(mesh, FeMesh):
         # boxes of the target edge length have about as many nodes as unstructured tetrahedra
-        size = shape.mean_size(mesh.size or inf) if isinstance(shape, VentilatedDisc) else mesh.size
-        along = mesh.elements or [max(1.0, length / (size or inf)) for length in body.lengths]
+        along = mesh.elements or [max(1.0, length / (mesh.size or inf)) for length in body.lengths]
         return dim * prod(mesh.degree * n + 1.0 for n in along)
     if mesh is None:
         return 0.0

@@ -24,11 +24,12 @@ from cea.body.space import StraightCells
 from cea.contact.contact import Contact
 from cea.contact.sampling import nested, sampling
 from cea.errors import ResultWarning
+from cea.expressions import Expression, evaluate
 from cea.motion import Rotation
 from cea.ranks import agreed, made_on_first
 from meshes.mesh_file import MeshFile
 from scenes.building.build import used_surfaces
-from scenes.checking.stiffness import limit_of, mean_stiffness, relative_stiffness
+from scenes.spec.contact import ContactSpec
 from scenes.spec.reading import Scene
 
 Bodies = Mapping[str, Body]
@@ -79,6 +80,28 @@ _ROUNDED = 1e-9
 """Distance, relative to the mesh size, that is rounding of the numbers in a mesh file."""
 _LOCKS = 500.0
 """p h / E from which too many points lock: at 55 they did not, at 5500 errors were 20 %."""
+
+_COLLOCATION: dict[tuple[str, int], float] = {
+    ("equal", 2): 600.0,  # abscissae of NURBS: 2 % at 60, 0.02 % at 6000
+    ("equal", 3): inf,
+    ("area", 3): inf,  # 3 to 90 % from 0.1 to 1100; in the plane about 1 %
+    ("nodes", 2): 30.0,  # nodes of equal weights: 10 % at 6, 0.9 % at 60
+    ("nodes", 3): 30.0,
+    ("grid", 2): 30.0,  # 9 % at 6, 0.5 % at 60
+    ("grid", 3): 600.0,  # 5 % at 11, 0.7 % at 1100
+}
+"""Relative stiffness of a contact below which points of a rule are too crude, by dimension."""
+_LUMPED: dict[tuple[str, int], float] = {
+    ("iga", 2): 0.0,  # 2 % at 0.6, 9 % at 6, 70 % at 60
+    ("iga", 3): 0.0,
+    ("fe", 2): 60.0,  # 0.5 % at 60, 11 % at 6000
+    ("fe", 3): 3.0,  # 0.8 % at 1, modes lost at 11
+}
+"""The same above which lumping is too crude, by backend of side a and dimension.
+
+Both are errors of growth rates in `uses.csv` of `cea study accuracy`, where p in units of each
+problem is a relative stiffness of 6 in blocks and drum, of 1 in ring.
+"""
 
 _PROJECTED = ("mortar", "bonded")
 """Couplings that take no gaps at points."""
@@ -349,6 +372,43 @@ def point_rule(scene: Scene, name: str, halves: Sequence[Contact]) -> Warnings:
             told += "any stiffness, here p L / E = {stiffness:.2g}"
         about = {"contact": name, "rule": spec.formulation.label}
         yield warning("point-rule", told, **about, stiffness=stiffness, limit=limit)
+
+
+def limit_of(scene: Scene, spec: ContactSpec) -> float:
+    """Relative stiffness below which a rule of points is too crude, above which lumping is."""
+    side, rule = scene.bodies[spec.a.split(".")[0]], spec.formulation
+    if rule.coupling == "lumped":
+        return _LUMPED[side.backend, side.dim]
+    weights = getattr(rule, "weights", "")
+    of_nodes = {"node_to_surface/equal": "nodes", "grid/": "grid"}
+    abscissae = weights if rule.method in ("greville", "botella") else ""
+    kind = of_nodes.get(f"{rule.method}/{weights}", abscissae)
+    return _COLLOCATION.get((kind, side.dim), 0.0)
+
+
+def relative_stiffness(scene: Scene, spec: ContactSpec, halves: Sequence[Contact]) -> float:
+    """P (L_a / E_a + L_b / E_b): how much more the bodies yield than the contact.
+
+    L is the least length of a body, or the width of the contact where that is less; p the mean
+    contact stiffness (N/m^3).
+    """
+    half, compliance = halves[0], 0.0
+    width = float(half.interface.points.weight.sum()) ** (1 / (half.interface.a.dim - 1))
+    for name in (half.a, half.b):
+        body = scene.bodies[name]
+        compliance += min(*body.lengths, width) / body.material.means[0]
+    return mean_stiffness(spec, halves) * compliance
+
+
+def mean_stiffness(spec: ContactSpec, halves: Sequence[Contact]) -> float:
+    """Mean contact stiffness p (N/m^3), of steady sliding where a law makes it, open parts too."""
+    points = halves[0].interface.points
+    area = float(points.weight.sum())
+    if spec.c_n is not None:
+        return sum(half.P for half in halves) / area
+    if isinstance(spec.p, str):
+        return float(points.weight @ evaluate(Expression(spec.p), points.x)) / area
+    return spec.p if spec.p is not None else (spec.P or 0.0) / area
 
 
 OF_CONTACTS: list[Callable[[Scene, str, Sequence[Contact]], Warnings]] = [

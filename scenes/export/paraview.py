@@ -37,10 +37,11 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
     """Write modes, or the displacement of a static analysis, as files for ParaView.
 
     Points of the bodies bear ``displacement`` (m); those of the contacts ``normal``, ``weight``
-    (m^2), ``gap`` (m, penetration positive) and, where a penalty makes one of the gap,
-    ``pressure`` (N/m^2). Of modes these are complex: names end in ``_real`` and ``_imag``. Where a
-    state of steady sliding was sought the points bear its ``contact pressure`` (N/m^2), ``closure``
-    (m) and ``contact stiffness`` (N/m^3) too, the same beside every mode.
+    (m^2) and ``gap`` (m, penetration positive). Of modes displacements and gaps are complex: names
+    end in ``_real`` and ``_imag``. In a static analysis points bear ``pressure`` (N/m^2) where a
+    penalty makes one of the gap. Where a state of steady sliding was sought they bear its
+    ``contact pressure`` (N/m^2), ``closure`` (m) and ``contact stiffness`` (N/m^3) too, the same
+    beside every mode.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def write_paraview(result: Result, count: int, out: Path) -> list[Path]:
             grid, own = _points(each), steady.get(each.name)
             grid.point_data.update({} if own is None else _carried(own))
             gaps = {"gap": _gaps(result, each, modes)}
-            grids[each.name] = grid, gaps | _pressures(result, each, modes)
+            grids[each.name] = grid, gaps | _static_pressure(result, each)
         files.append(_write(out / "contacts.pvd", result, frames, grids))
     return files
 
@@ -197,26 +198,11 @@ def _gaps(result: Result, contact: Contact, modes: list[int]) -> Any:
     return np.concatenate(contact.interface.comm.allgather(gap))
 
 
-def _pressures(result: Result, contact: Contact, modes: list[int]) -> dict[str, Any]:
-    """Pressures (N/m^2) at all points of a contact that has any, on every rank."""
-    if not contact.has_pressure:
+def _static_pressure(result: Result, contact: Contact) -> dict[str, Any]:
+    """Pressure (N/m^2) at all points of a contact of a known stiffness, (points, 1)."""
+    if result.spectrum is not None or not (contact.has_pressure and contact.law.linear):
         return {}
-    if result.spectrum is None:
-        if not contact.law.linear:
-            return {}  # the contact pressure of the state stands there
-        pressure = contact.pressure(result.displacement)
-        if contact.prescribed is not None:
-            pressure = pressure + contact.slope * contact.prescribed
-        return {"pressure": pressure[:, None]}
-    name, of = f"contacts.{contact.pair}.P", result.modes
-    # Where steady sliding makes P, and nothing changes it, it is no parameter.
-    solved = of.values.get(name)
-    stiffness = 1.0 if solved is None else solved / of.pencil.parameters[name].value
-    if not np.isfinite(stiffness):
-        return {}
-    pressures: Any = np.empty((len(contact.interface.points), len(modes)), dtype=complex)
-    for i, mode in enumerate(modes):
-        real, imaginary = of.vector(mode)
-        pressures[:, i] = contact.pressure(real) + 1j * contact.pressure(imaginary)
-        destroy(real, imaginary)
-    return {"pressure": stiffness * pressures}
+    pressure = contact.pressure(result.displacement)
+    if contact.prescribed is not None:
+        pressure = pressure + contact.slope * contact.prescribed
+    return {"pressure": pressure[:, None]}

@@ -10,7 +10,7 @@ from scipy.sparse import csr_array
 from cea.arrays import Ints
 from cea.eigen.mumps import inertia
 from cea.eigen.pencil import Pencil, Term
-from cea.errors import InputError, ResultWarning
+from cea.errors import InputError
 from cea.matrices import destroy, distributed, zeros
 from cea.petsc import MPI, Mat, PETSc
 from cea.ranks import local_rows, made_on_first
@@ -137,20 +137,3 @@ def check_mass(mass: Any, names: str) -> None:
     if negative:
         value = f"{names}: {negative} eigenvalues that are zero or negative"
         raise InputError("mass", value, allowed)
-
-
-def symmetrised_pieces(pieces: Mapping[str, Piece]) -> tuple[ResultWarning, ...]:
-    """What matrices that are symmetric but for rounding must be read with."""
-    found = {
-        name: piece.asymmetry
-        for name, piece in pieces.items()
-        if piece.symmetry == "symmetric to rounding"
-    }
-    if not found:
-        return ()
-    worst = max(found.values())
-    message = (
-        f"{', '.join(found)}: symmetric but for rounding (by {worst:.1e} of entries), taken as the "
-        "mean with the transpose"
-    )
-    return (ResultWarning("symmetrised", message, {"asymmetry": found}),)

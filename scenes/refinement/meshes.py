@@ -37,11 +37,8 @@ class Resolution:
 
 def on_backend_of_shapes(scene: Scene, backend: Backend) -> Scene:
     """The scene with every shape on one backend; bodies of mesh files stay Lagrange elements."""
-    bodies = {
-        name: body if from_file(body) else replace(body, backend=backend)
-        for name, body in scene.bodies.items()
-    }
-    return consistent(replace(scene, bodies=bodies))
+    shapes = [name for name, body in scene.bodies.items() if not from_file(body)]
+    return scene.change({f"bodies.{name}.backend": backend for name in shapes})
 
 
 def from_file(body: BodySpec) -> bool:

@@ -1,12 +1,11 @@
 """Results as the plain data of their records, and the data of records as results again."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import BaseModel, TypeAdapter
+from pydantic import BaseModel
 
 from cea.contact.interface import Interface
 from cea.eigen.spectrum import Spectrum, Window
@@ -66,11 +65,6 @@ class RunRecord(Record):
     eigenvalues: list[Eigenvalue] | None = None
     window: Window | None = None
     stresses: dict[str, dict[str, SideStress]] | None = None
-
-
-def checked_record[T: Record](kind: type[T], data: Mapping[str, Any]) -> T:
-    """Plain data as a record: no text for numbers, no list for tables."""
-    return TypeAdapter(kind).validate_json(json.dumps(data), strict=True)
 
 
 def opened(record: RunRecord, kind: str) -> dict[str, Any]:

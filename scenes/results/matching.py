@@ -10,11 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import orth, subspace_angles
-from scipy.spatial.transform import Rotation
 
 from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import assign, connected, group
-from cea.errors import InputError
 from scenes.results.result import Result
 
 NEAR = 1e-3
@@ -24,8 +22,6 @@ _FREQUENCY_SCALE = 0.02
 ALONE = 2.0
 """Cost at which a mode is rather left alone: other shape and 2 per cent away, or further."""
 _SAMPLES = 15
-_ANGLES, _CIRCLES = 64, 3
-"""Points around the axis, and circles at most on each surface, by which orders are told."""
 
 
 @dataclass(frozen=True)
@@ -128,59 +124,6 @@ def match_unstable(first: Result, second: Result) -> dict[str, Any]:
         "only_first": [told[0][i] for i in match.only_first],
         "only_second": [told[1][j] for j in match.only_second],
     }
-
-
-def circumferential_energy(result: Result) -> Floats:
-    """Part of ``e^{i m theta}`` in every mode of a run, m from -31 to 31, shape (63, modes).
-
-    It is that of both sides of every contact, surfaces of revolution about the z axis; others are
-    refused. Columns add up to 1, those of modes that leave them all at rest are NaN.
-    """
-    surfaces = dict.fromkeys(_places(result))
-    u = np.concatenate([_on_circles(result, each) for each in surfaces])
-    top = (_ANGLES - 1) // 2
-    power = (np.abs(np.fft.fft(u, axis=1)) ** 2).sum(axis=(0, 2))
-    energy = power[np.arange(-top, top + 1)]
-    return np.asarray(energy / energy.sum(axis=0))
-
-
-def circumferential_orders(result: Result) -> Ints:
-    """Circumferential order abs(m) that holds most of every mode, m and -m together."""
-    energy = circumferential_energy(result)
-    top = len(energy) // 2
-    both = energy[top:] + energy[top::-1]
-    both[0] /= 2
-    return both.argmax(axis=0)
-
-
-def _on_circles(result: Result, surface: str) -> Complexes:
-    """Displacements of every mode in cylindrical components, (circles, angles, dim, modes).
-
-    Points lie on circles about z through Gauss points.
-    """
-    body, name = surface.split(".")
-    side = result.system.bodies[body].surfaces[name]
-    points = side.gauss_points(2)
-    radius = np.hypot(points.x[:, 0], points.x[:, 1])
-    profile = np.column_stack([radius, points.x[:, 2:]])
-    _, distinct = np.unique(np.round(profile / profile.max(), 6), axis=0, return_index=True)
-    even = np.linspace(0, len(distinct) - 1, _CIRCLES).round().astype(int)
-    chosen = distinct[np.unique(even)]
-    start = -np.arctan2(points.x[chosen, 1], points.x[chosen, 0])
-    to_zero, turns = (
-        Rotation.from_euler("z", angles[:, None]).as_matrix()[:, : side.dim, : side.dim]
-        for angles in (start, 2 * np.pi * np.arange(_ANGLES) / _ANGLES)
-    )
-    x, normal = (
-        np.einsum("aij,cjk,ck->cai", turns, to_zero, vectors[chosen]).reshape(-1, side.dim)
-        for vectors in (points.x, points.normal)
-    )
-    found = side.locate(x, normal, side.mesh_size)
-    if found.missed.any():
-        raise InputError("surfaces", surface, "surfaces of revolution about the z axis")
-    u = result.mode_shapes(surface, found.at)
-    # Turned back by its angle, each point's components are radial and circumferential.
-    return np.einsum("aji,cajm->caim", turns, u.reshape(-1, _ANGLES, *u.shape[1:]))
 
 
 def _mode_sets(

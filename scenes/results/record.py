@@ -68,7 +68,7 @@ def save_result(
     InputError
         When the result was read back.
     """
-    require(not result.provenance, "result", result.scene.name, "a fresh run, not one read back")
+    require(not result.record, "result", result.scene.name, "a fresh run, not one read back")
     path, described = Path(file), dict(result.data)
     seconds = described.pop("seconds")
     if result.comm.rank == 0:

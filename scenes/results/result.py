@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -18,7 +17,7 @@ from cea.eigen.modes import Modes
 from cea.eigen.spectrum import Spectrum
 from cea.errors import InputError, ResultWarning
 from cea.files import write_whole
-from cea.mode_table import SIGNS, html_table
+from cea.mode_table import SIGNS
 from cea.surface_points import SurfaceCoordinates
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
@@ -43,8 +42,7 @@ class Result:
     Parameters
     ----------
     scene
-        The scene as run: :class:`scenes.Scene` or :class:`scenes.MatrixScene`; None of a record
-        that no run made.
+        The scene as run: :class:`scenes.Scene` or :class:`scenes.MatrixScene`.
     timer
         Seconds by stage.
     skipped
@@ -58,18 +56,14 @@ class Result:
     reactions
         Forces (N) of each support on its body in equilibrium with the loads, by body, shape
         (supports, dim), in the order of the scene; empty where no equilibrium is sought.
-    interfaces
-        Contact points by name of the half pass.
     pieces
         Matrices as read, by name, of a scene of matrices.
     coupled
         The coupled matrices of bodies and contacts.
     solution
         Unknowns of a static analysis, PETSc vector.
-    provenance
-        What made its record, where it was read back: command, inputs, versions and so on.
-    stored
-        What else its record holds.
+    record
+        Its record, where it was read back.
     """
 
     scene: Any
@@ -79,17 +73,15 @@ class Result:
     spectrum: Spectrum | None = None
     stresses: Mapping[str, Mapping[str, "NormalStress"]] = field(default_factory=dict)
     reactions: Mapping[str, Floats] = field(default_factory=dict)
-    interfaces: Mapping[str, Interface] = field(default_factory=dict)
     pieces: Mapping[str, Any] = field(default_factory=dict)
     coupled: CoupledSystem | None = None
     solution: Any = None
-    provenance: Mapping[str, Any] = field(default_factory=dict)
-    stored: Mapping[str, Any] = field(default_factory=dict)
+    record: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def data(self) -> Mapping[str, Any]:
         """What its record holds (`docs/result_json.md`), fresh or read back; collective."""
-        return self.stored if self.provenance else described(self)
+        return self.record or described(self)
 
     @property
     def system(self) -> CoupledSystem:
@@ -114,8 +106,8 @@ class Result:
     @property
     def dofs(self) -> int:
         """Free dofs."""
-        if self.provenance:
-            return int(self.stored["dofs"]["free"])
+        if self.record:
+            return int(self.record["dofs"]["free"])
         return int(self.modes.template.getSize() if self.coupled is None else self.coupled.size)
 
     @property
@@ -128,6 +120,11 @@ class Result:
     def bodies(self) -> Mapping[str, Body]:
         """Bodies by name; refused where the result was read back."""
         return self.system.bodies
+
+    @property
+    def interfaces(self) -> dict[str, Interface]:
+        """Contact points by name of the half pass; refused where the result was read back."""
+        return {contact.name: contact.interface for contact in self.system.contacts}
 
     @property
     def steady(self) -> "SteadySliding | None":
@@ -326,30 +323,18 @@ class Result:
         ]
 
     def __repr__(self) -> str:
-        if self.scene is None:
-            made = self.provenance
-            return f"{made['command']}, {made['commit']}: {', '.join(self.data)}"
         if self.spectrum is not None:
-            head, notes = self._around_table()
-            return "\n".join([*head, repr(self.table()), *notes])
+            window, warnings = self.modes.window, self.warnings
+            lines = [self.summary, *window.hints, repr(self.table()), SIGNS]
+            lines += [f"{self.dofs} dofs", f"window: {window.evidence}", *self.steady_lines()]
+            lines += [f"warning ({warning.kind}): {warning.message}" for warning in warnings]
+            return "\n".join(lines)
         lines = [f"{self.scene.name}: static analysis", *self.steady_lines()]
         for row in self.table():
             low, high, oscillation = (f"{row[n]:.6g}" for n in ("min", "max", "oscillation"))
             of = f"{row['contact']}, side {row['side']}: sigma_n from {low} to {high}"
             lines.append(f"{of}, oscillation {oscillation} N/m^2")
         return "\n".join(lines)
-
-    def _around_table(self) -> tuple[list[str], list[str]]:
-        """What stands above a table of modes, and below: signs, dofs, evidence, state, warnings."""
-        warnings = [f"warning ({warning.kind}): {warning.message}" for warning in self.warnings]
-        facts = [SIGNS, f"{self.dofs} dofs", f"window: {self.modes.window.evidence}"]
-        return [self.summary, *self.modes.window.hints], [*facts, *self.steady_lines(), *warnings]
-
-    def _repr_html_(self) -> str:
-        if self.spectrum is None:
-            return f"<pre>{escape(repr(self))}</pre>"
-        head, notes = ("<br>".join(map(escape, lines)) for lines in self._around_table())
-        return f"<p><b>{head}</b></p>{html_table(self.table())}<p>{notes}</p>"
 
 
 def _there[T](value: T | None, name: str, allowed: str) -> T:

@@ -1,15 +1,16 @@
 """Scenes run by their kind of analysis, and results opened again."""
 
+import json
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from pydantic import ValidationError
 
-from cea.errors import InputError, require
+from cea.errors import InputError
 from cea.timing import StageTimer
-from scenes.results.data import Record, RunRecord, checked_record, opened
-from scenes.results.record import PROVENANCE, read_record
+from scenes.results.data import RunRecord, opened
+from scenes.results.record import read_record
 from scenes.results.result import Result
 from scenes.spec.problems import problems
 from scenes.spec.reading import Scene, read_scene
@@ -39,56 +40,41 @@ def run_scene(scene: "Scene | MatrixScene", **options: Any) -> Result:
     Raises
     ------
     InputError
-        When bodies or interfaces have other names than those of the scene, or the machine has not
-        the memory it takes.
+        When the machine has not the memory it takes.
     """
     module, name = ANALYSES[scene.analysis.kind if isinstance(scene, Scene) else "matrices"]
     return cast(Result, getattr(import_module(module), name)(scene, **options))
 
 
 def open_result(file: str | Path) -> Result:
-    """Open what a command stored.
+    """Open the record of a run.
 
     Parameters
     ----------
     file
-        A ``result.json``, or any other record of a command; compressed where it ends in ``.gz``.
-
-    Returns
-    -------
-    Result
-        Of a run with its eigenvalues or stresses; of any other command with ``data`` alone.
+        A ``result.json``; compressed where it ends in ``.gz``.
 
     Raises
     ------
     InputError
-        When there is no such file, or it is no record.
+        When there is no such file, or it is no record of a run.
     """
     data = read_record(file)
-    missing = [name for name in PROVENANCE if name not in data]
-    allowed = f"a stored result; {', '.join(missing)} not in it"
-    require(not missing, "file", str(file), allowed)
-    made = {name: data[name] for name in PROVENANCE}
-    stored = {name: value for name, value in data.items() if name not in PROVENANCE}
-    timer, of_run = StageTimer(), "scene" in data and {"eigenvalues", "stresses"} & data.keys()
     try:
-        if not of_run:
-            made |= checked_record(Record, data)
-            return Result(None, timer, {}, provenance=made, stored=stored)
-        record = checked_record(RunRecord, data)
+        record = RunRecord.model_validate_json(json.dumps(data), strict=True)
     except ValidationError as error:
         first = problems(error, data, {})[0]
         raise InputError("file", str(file), f"a stored result; broken at {first}") from error
     from scenes.spec.matrices import read_matrix_scene
 
     read: Any = read_matrix_scene if "files" in record.scene else read_scene
-    scene, timer.seconds = read(record.scene), record.timings
+    scene, timer = read(record.scene), StageTimer()
+    timer.seconds = record.timings
     return Result(
         scene,
         timer,
         record.skipped,
         record.warnings,
         **opened(record, scene.analysis.kind),
-        provenance=made,
-        stored=stored,
+        record=data,
     )

@@ -6,29 +6,21 @@ from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes
-from cea.eigen.block_products import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
-from cea.eigen.pencil import Pencil, internal_forces, release
-from cea.errors import ConvergenceError, InputError, ResultWarning
-from cea.reduced.full_solves import (
-    ConfirmedThreshold,
-    first_threshold,
-    line_in_full,
-    threshold_between,
-)
-from cea.reduced.window import Window
-from cea.system.coupled import CoupledSystem
+from cea.errors import InputError, ResultWarning, require
+from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from scenes.results.result import Result
 from scenes.running.modes import result_of_modes, run_modes, solved
 from scenes.running.swept import at_parameters, in_saddle_form, parameters_changed, parameters_meant
-from scenes.running.system import RunOptions, coupled, system_warnings
+from scenes.running.system import coupled, system_warnings
 from scenes.spec.reading import Scene
 
-_STEP = 1e-5
-"""Step of difference quotients of matrices, relative to the value."""
+_SAMPLES = 5
+"""Values at which growth is sought before a threshold is bisected."""
+_RESOLVED = 1e-8
+"""Relative width of an interval that is bisected no more."""
 
 
 class AssembledScene:
@@ -37,8 +29,8 @@ class AssembledScene:
     Modes of the scene with fields changed are those of a fresh run. At another E or rho, damping or
     rate of rotation of a body, at another P or mu, pressure, speed or slope of friction of a
     contact, that needs no assembly, as far as the state of steady sliding and the forms of contacts
-    stay. Other changes build again what they touch: bodies, contact points, the state of steady
-    sliding, or the contact matrices alone.
+    stay. Other changes build again the bodies that they touch, the contacts and the state of steady
+    sliding.
 
     Parameters
     ----------
@@ -49,8 +41,8 @@ class AssembledScene:
 
     Attributes
     ----------
-    bodies, interfaces
-        Its bodies by name, and its contact points by name of the half pass.
+    bodies
+        Its bodies by name.
     driver
         What solves its pencil.
     timer
@@ -61,11 +53,8 @@ class AssembledScene:
         self.scene = scene
         _ = scene.window  # refused where the analysis gives no modes
         # Friction is kept where mu = 0: a sweep may begin there.
-        self._system, self.interfaces, self.timer = coupled(
-            scene, leave_out=False, listener=listener
-        )
+        self._system, self.timer = coupled(scene, leave_out=False, listener=listener)
         self.bodies = self._system.bodies
-        self._built: RunOptions = {"bodies": self.bodies, "interfaces": self.interfaces}
         with self.timer("assembly"):
             self.driver = EigenSolver(self._system.pencil())
 
@@ -145,10 +134,8 @@ class AssembledScene:
     ) -> Result:
         """Modes of another scene, that of the pencil at some parameters where these are given."""
         if values is None or not self._holds_at(values):
-            options: RunOptions = {"listener": listener, **self._built}
-            return run_modes(scene, left=left, **options)
-        known = self._system, self.interfaces, StageTimer(listener)
-        return solved(scene, *known, self.driver, values, left=left)
+            return run_modes(scene, left=left, bodies=self.bodies, listener=listener)
+        return solved(scene, self._system, StageTimer(listener), self.driver, values, left=left)
 
     def warnings(
         self, modes: Modes, max_frequency: float, values: Mapping[str, float]
@@ -156,8 +143,7 @@ class AssembledScene:
         """What modes up to a frequency (Hz) must be read with at other parameters; collective."""
         scene = at_parameters(self.scene, self.driver.pencil, values)
         inside = modes[np.flatnonzero(modes.frequencies <= max_frequency)]
-        known = self._system, self.interfaces, StageTimer()
-        return result_of_modes(scene, *known, inside).warnings
+        return result_of_modes(scene, self._system, StageTimer(), inside).warnings
 
     def threshold(
         self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
@@ -166,7 +152,8 @@ class AssembledScene:
 
         With damping or rotation it is where a growth rate passes through zero. Thresholds are
         sought on a reduced model between both values, and confirmed by full solves. Where the state
-        of steady sliding depends on the parameter, both are sought anew at every value on the way.
+        of steady sliding depends on the parameter, both are sought anew at every value, and the
+        threshold is bisected: the first one that values a quarter of the way apart tell of.
 
         Parameters
         ----------
@@ -189,7 +176,9 @@ class AssembledScene:
         """
         names = parameters_meant(self.driver.pencil, parameter)
         if self.depends_on_state(names):
-            return self._followed_threshold(names, real, flutter, frequency)
+            allowed = "left out where the state of steady sliding depends on the parameter"
+            require(frequency is None, "frequency", frequency, allowed)
+            return self._bisected_threshold(names, real, flutter)
         saddle = in_saddle_form(self.scene)
         other = self if saddle == self.scene else AssembledScene(saddle)
         top = self.scene.window.max_frequency
@@ -205,26 +194,34 @@ class AssembledScene:
                 other.free()
         return replace(found, warnings=(*found.warnings, *told))
 
-    def _followed_threshold(
-        self, names: Sequence[str], real: float, flutter: float, frequency: float | None
+    def _bisected_threshold(
+        self, names: Sequence[str], real: float, flutter: float
     ) -> ConfirmedThreshold:
-        """A threshold with the state of steady sliding sought anew at every value on the way."""
-        pencil = self.driver.pencil
-        options: RunOptions = {"leave_out": False, **self._built}
+        """A threshold by bisection, the state of steady sliding sought anew at every value."""
 
-        def at(value: float) -> tuple[Scene, CoupledSystem]:
-            changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
-            return changed, coupled(changed, **options)[0]
+        def at(value: float) -> tuple[Result, bool]:
+            scene = at_parameters(self.scene, self.driver.pencil, dict.fromkeys(names, value))
+            result = run_modes(scene, bodies=self.bodies)
+            return result, bool(result.modes.unstable(threshold=0.0).any())
 
-        scale = max(abs(real), abs(flutter))
-
-        def state(value: float, max_frequency: float) -> tuple[Modes, Complexes]:
-            return _followed(lambda each: at(each)[1].pencil(), value, max_frequency, scale)
-
-        window = Window.up_to(self.scene.window.max_frequency, damped=pencil.damped)
-        found = threshold_between(line_in_full(state, window), real, flutter, frequency)
-        told = tuple(system_warnings(*at(found.value)))
-        return ConfirmedThreshold(", ".join(names), found.value, found.eigenvalue, told)
+        low = real
+        for high in np.linspace(real, flutter, _SAMPLES).tolist():
+            found, grows = at(high)
+            if grows:
+                break
+            low = high
+        if low == high:  # a mode grows at once, or none does
+            allowed = f"a value on the way to which from {real:g} a mode begins to grow"
+            raise InputError("flutter", flutter, allowed)
+        while abs(high - low) > _RESOLVED * abs(high):
+            middle = 0.5 * (low + high)
+            between, grows = at(middle)
+            if grows:
+                found, high = between, middle
+            else:
+                low = middle
+        fastest = complex(found.eigenvalues[found.growth_rates.argmax()])
+        return ConfirmedThreshold(", ".join(names), high, fastest, found.warnings)
 
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
@@ -244,36 +241,3 @@ class AssembledScene:
 def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> AssembledScene:
     """Assemble a scene to be solved many times; parameters and errors of the class."""
     return AssembledScene(scene, listener)
-
-
-def _followed(
-    pencil_at: Callable[[float], Pencil], value: float, max_frequency: float, scale: float
-) -> tuple[Modes, Complexes]:
-    """All modes up to a frequency (Hz) of a pencil linearised about steady sliding at a value.
-
-    With left vectors, and derivatives of their lambda, made of difference quotients of the matrices
-    over steps relative to a scale, shape (n,).
-    """
-    with EigenSolver(pencil_at(value)) as driver:
-        modes = driver.solve(max_frequency, left=True)
-    step = _STEP * scale
-    low, high = (_works(pencil_at(value + way * step), modes) for way in (-1.0, 1.0))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return modes, (low - high) / (2 * step) / (2 * modes.eigenvalues)
-
-
-def _works(pencil: Pencil, modes: Modes) -> Complexes:
-    """y^H P(lambda) x of another pencil at modes and their contact forces, shape (n,)."""
-    assert modes.left is not None
-    matrices, x, f = pencil.at(), modes.vectors, modes.forces
-    y, g, roots = modes.left.vectors, modes.left.forces, modes.eigenvalues
-    contacts = matrices.multipliers
-    if len(f) != (0 if contacts is None else contacts.closure.getLocalSize()[0]):
-        raise ConvergenceError("the form of a contact changes with the parameter: fix it")
-    force = internal_forces(matrices, x, f) + times(matrices.mass, x) * roots**2
-    works = np.diag(all_inner(y, force + matrices.drag(x) * roots, pencil.comm)).copy()
-    if contacts is not None:
-        gap = times(contacts.closure, x) - times(contacts.compliance, f)
-        works += np.diag(all_inner(g, gap, pencil.comm))
-    release(matrices)
-    return works

@@ -1,23 +1,15 @@
 """Scenes of matrices from files to modes: one run, or many at other parameters."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any
 
 from cea.eigen.driver import EigenSolver
-from cea.eigen.modes import Modes
-from cea.errors import ResultWarning, require
+from cea.errors import require
 from cea.petsc import MPI
 from cea.reduced.full_solves import ConfirmedThreshold, first_threshold
 from cea.timing import StageTimer
 from scenes.checking.skipped import GIVEN
-from scenes.matrices.pencil import (
-    Piece,
-    check_mass,
-    matrix_pencil,
-    read_pieces,
-    symmetrised_pieces,
-)
+from scenes.matrices.pencil import Piece, check_mass, matrix_pencil, read_pieces
 from scenes.results.result import Result
 from scenes.spec.matrices import ROLES, MatrixScene
 
@@ -60,11 +52,7 @@ class AssembledMatrices:
         options: Any = {"min_growth": low, "left": left, "timer": timer}
         modes = self.driver.solve(top, scene.values, hints=True, **options)
         known = scene, timer, skipped_by(scene, self.pieces)
-        return Result(*known, self.warnings(modes), spectrum=modes, pieces=self.pieces)
-
-    def warnings(self, modes: Modes) -> tuple[ResultWarning, ...]:
-        """What modes of its pencil must be read with."""
-        return (*modes.warnings, *symmetrised_pieces(self.pieces))
+        return Result(*known, modes.warnings, spectrum=modes, pieces=self.pieces)
 
     def threshold(
         self, parameter: str, real: float, flutter: float, *, frequency: float | None = None
@@ -77,10 +65,9 @@ class AssembledMatrices:
         for value in (real, flutter):
             self._check_mass(self.scene.change({parameter: value}).values, StageTimer())
         name, top = self.driver.pencil.parameter(parameter).name, self.scene.window.max_frequency
-        found = first_threshold(
+        return first_threshold(
             self.driver, name, real, flutter, max_frequency=top, frequency=frequency
         )
-        return replace(found, warnings=(*found.warnings, *symmetrised_pieces(self.pieces)))
 
     def _check_mass(self, values: Mapping[str, float], timer: StageTimer) -> None:
         """Refuse a mass that is not positive definite, once for equal coefficients."""

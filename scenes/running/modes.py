@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Unpack
 
-from cea.contact.interface import Interface
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
 from cea.errors import ResultWarning
@@ -36,20 +35,19 @@ def run_modes(scene: Scene, *, left: bool = False, **options: Unpack[RunOptions]
     Raises
     ------
     InputError
-        When the analysis is another, or bodies or interfaces have other names than the scene's.
+        When the analysis is another.
     """
     _ = scene.window  # refused before work begins where the analysis gives no modes
-    system, interfaces, timer = coupled(scene, **options)
+    system, timer = coupled(scene, **options)
     with timer("assembly"):
         pencil = system.pencil()
     with EigenSolver(pencil) as driver:
-        return solved(scene, system, interfaces, timer, driver, left=left)
+        return solved(scene, system, timer, driver, left=left)
 
 
 def solved(
     scene: Scene,
     system: CoupledSystem,
-    interfaces: Mapping[str, Interface],
     timer: StageTimer,
     driver: EigenSolver,
     values: Mapping[str, float] | None = None,
@@ -64,13 +62,12 @@ def solved(
 
     modes, on_disk = in_memory_or_on_disk(scene, driver, solve)
     modes = replace(modes, warnings=(*modes.warnings, *on_disk))
-    return result_of_modes(scene, system, interfaces, timer, modes)
+    return result_of_modes(scene, system, timer, modes)
 
 
 def result_of_modes(
     scene: Scene,
     system: CoupledSystem,
-    interfaces: Mapping[str, Interface],
     timer: StageTimer,
     modes: Modes,
 ) -> Result:
@@ -84,7 +81,6 @@ def result_of_modes(
         skipped_by(scene),
         spectrum=modes,
         reactions={} if system.steady is None else system.steady.reactions,
-        interfaces=interfaces,
         coupled=system,
     )
     warnings = list(modes.warnings)

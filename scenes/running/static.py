@@ -20,11 +20,11 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
     Raises
     ------
     InputError
-        When the analysis is another, or bodies or interfaces have other names than the scene's.
+        When the analysis is another.
     """
     if not isinstance(scene.analysis, StaticAnalysis):
         raise InputError("analysis.kind", scene.analysis.kind, "'static'")
-    system, interfaces, timer = coupled(scene, **options)
+    system, timer = coupled(scene, **options)
     if system.steady is not None:
         x, reactions = system.steady.displacement, system.steady.reactions
     else:
@@ -50,7 +50,6 @@ def run_static(scene: Scene, **options: Unpack[RunOptions]) -> Result:
         warnings,
         stresses=stresses,
         reactions=reactions,
-        interfaces=interfaces,
         coupled=system,
         solution=x,
     )

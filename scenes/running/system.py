@@ -5,11 +5,10 @@ from dataclasses import replace
 from typing import TypedDict, Unpack
 
 from cea.body import Body
-from cea.contact.interface import Interface
 from cea.errors import ResultWarning
 from cea.system.coupled import CoupledSystem
 from cea.timing import StageTimer
-from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.building.build import build_bodies, build_contacts, build_system
 from scenes.checking.memory import check_memory, factors_of
 from scenes.checking.warnings import warnings_of
 from scenes.spec.reading import Scene
@@ -23,9 +22,6 @@ class RunOptions(TypedDict, total=False):
     bodies
         Bodies of an earlier run: those that the scene makes of the same mesh, material, supports,
         springs and loads are used again with their matrices, others are built.
-    interfaces
-        Contact points of an earlier run: those of the same sides of these bodies, formulation,
-        reach and ``max_missed`` are used again, others are located.
     leave_out
         Whether friction is left out where mu = 0, as it is by default; changes of mu from there
         need it.
@@ -34,24 +30,21 @@ class RunOptions(TypedDict, total=False):
     """
 
     bodies: Mapping[str, Body] | None
-    interfaces: Mapping[str, Interface] | None
     leave_out: bool
     listener: Callable[[str], None] | None
 
 
-def coupled(
-    scene: Scene, **options: Unpack[RunOptions]
-) -> tuple[CoupledSystem, Mapping[str, Interface], StageTimer]:
-    """Coupled matrices of a scene, its contact points and the seconds they took; collective.
+def coupled(scene: Scene, **options: Unpack[RunOptions]) -> tuple[CoupledSystem, StageTimer]:
+    """Coupled matrices of a scene and the seconds they took; collective.
 
     They are linearised about steady sliding, which they keep, where a contact has a law.
     """
     timer = StageTimer(options.get("listener"))
     check_memory(scene)
     bodies = build_bodies(scene, timer, options.get("bodies"))
-    interfaces = build_interfaces(scene, bodies, timer, options.get("interfaces"))
+    contacts = build_contacts(scene, bodies, timer)
     leave_out = options.get("leave_out", True)
-    system = build_system(scene, bodies, interfaces, timer, leave_out=leave_out)
+    system = build_system(scene, bodies, contacts, timer, leave_out=leave_out)
     if scene.slides_steadily:
         from cea.system.steady_path import steady_sliding
         from cea.system.support_forces import support_reactions
@@ -64,7 +57,7 @@ def coupled(
         with timer("post-processing"):
             reactions = support_reactions(system, steady.displacement, steady.forces)
         system = replace(system, steady=replace(steady, reactions=reactions))
-    return system, interfaces, timer
+    return system, timer
 
 
 def system_warnings(

@@ -37,11 +37,6 @@ _LONGEST = 100
 """Characters of a name."""
 _PARTING = set(".,[] ")
 """Characters that part the names of a path, which no name may hold."""
-_SCALES = (
-    *("E", "rho", "P", "p", "c_n", "max_frequency", "speed", "frequencies"),
-    *("size", "inner_radius", "outer_radius", "bore", "hub_radius", "reach"),
-)
-"""Fields that set scales, and may not be next to nothing; coordinates and the like may."""
 _LARGEST_OF = {"c_n": 1e90, "m_n": 20.0}
 """Fields of another range: c_n is a pressure over a small length to the power of m_n."""
 _THIN = 1e-12
@@ -112,8 +107,7 @@ def _limit_checks(faults: Faults, scene: Scene) -> None:
             field = next(part for part in reversed(place.split(".")) if not part.isdecimal())
             largest, tied = _LARGEST_OF.get(field, LARGEST), field in ("P", "p") and number == inf
             need(abs(number) <= largest or tied, place, number, f"at most {largest:g}")
-            vanishes = field in _SCALES and 0 < abs(number) < SMALLEST
-            need(not vanishes, place, number, f"at least {SMALLEST:g}")
+            need(not 0 < abs(number) < SMALLEST, place, number, f"zero, or {SMALLEST:g} or more")
 
 
 def check_scene_name(faults: Faults, name: str) -> None:

@@ -9,10 +9,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from sys import float_info
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
-from pydantic import ConfigDict, SkipValidation, TypeAdapter
+from pydantic import ConfigDict, TypeAdapter
 
 from cea.eigen.coefficients import Parameter
 from cea.errors import InputError
@@ -35,8 +34,8 @@ ROLES: tuple[Role, ...] = ("mass", "damping", "stiffness")
 PARAMETERS = "parameters"
 """Section whose entries are the parameters of the pencil, by their paths."""
 
-Number = Annotated[float | str, SkipValidation]
-"""A number, or arithmetic as text; looked at by :func:`_checks`, under its own name."""
+Number = float | str
+"""A number, or arithmetic as text."""
 
 
 @dataclass(frozen=True)
@@ -211,13 +210,8 @@ def _sum_checks(faults: Faults, scene: MatrixScene) -> None:
         faults.require(named, f"files.{name}", file, "named in a sum, or left out")
 
 
-def _formula(value: Any, names: Mapping[str, str], place: str) -> Formula:
-    if isinstance(value, str):
-        return Formula(value, names, place)
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if not (number and abs(value) <= float_info.max):  # whole numbers may be beyond all others
-        raise InputError(place, value, "a finite number, or arithmetic as text")
-    return Formula(repr(float(value)), names, place)
+def _formula(value: float | str, names: Mapping[str, str], place: str) -> Formula:
+    return Formula(value if isinstance(value, str) else repr(value), names, place)
 
 
 def split_name(text: str) -> tuple[str, str | None]:

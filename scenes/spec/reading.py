@@ -219,12 +219,7 @@ class Scene:
         SceneError
             When a body has no mesh there, or a formulation does not suit it.
         """
-        return consistent(on_backend(self, backend))
-
-
-def on_backend(scene: Scene, backend: Backend) -> Scene:
-    """The scene with every body on one backend, not checked."""
-    return replace(scene, bodies={n: replace(b, backend=backend) for n, b in scene.bodies.items()})
+        return self.change({f"bodies.{name}.backend": backend for name in self.bodies})
 
 
 def with_contact(scene: Scene, **changes: Any) -> Scene:

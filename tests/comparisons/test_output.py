@@ -47,8 +47,7 @@ def result():
         {"newton": "known stiffness"},
         modes.warnings,
         spectrum=modes,
-        provenance={"command": "run"},
-        stored={"dofs": {"free": 1234}},
+        record={"command": "run", "dofs": {"free": 1234}},
     )
 
 

@@ -3,7 +3,7 @@
 from pydantic import TypeAdapter
 
 from cea.timing import StageTimer
-from scenes.building.build import build_bodies, build_interfaces, build_system
+from scenes.building.build import build_bodies, build_contacts, build_system
 from scenes.spec.plain import checked
 from scenes.spec.reading import Scene, read_scene
 
@@ -106,5 +106,5 @@ def assemble(data, *, together=True, **options):
     """
     scene, timer = read_scene(data) if together else checked(SECTIONS, data), StageTimer()
     bodies = build_bodies(scene, timer)
-    interfaces = build_interfaces(scene, bodies, timer)
-    return build_system(scene, bodies, interfaces, timer, **options)
+    contacts = build_contacts(scene, bodies, timer)
+    return build_system(scene, bodies, contacts, timer, **options)

@@ -9,8 +9,7 @@ from scipy.linalg import eigvals
 
 from cea.eigen.matching import assign
 from scenes import run_modes
-from scenes.running.enrich import richer_scene
-from scenes.running.nested import estimate_errors, prolongation
+from scenes.running.nested import estimate_errors, prolongation, richer_scene
 from scenes.spec.reading import load_scene
 
 MESHES = {

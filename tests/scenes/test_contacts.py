@@ -9,16 +9,15 @@ from motions import resultant
 from cea.contact.formulations import GaussPointToSurface, Greville, Grid, NodeToSurface
 from cea.timing import StageTimer
 from scenes import load_scene, read_scene, run_modes, run_scene
-from scenes.building.build import build_bodies, build_interfaces, build_system
-from scenes.spec.reading import on_backend, with_contact
+from scenes.building.build import build_bodies, build_contacts, build_system
+from scenes.spec.reading import with_contact
 
 
 def system_of(scene):
-    """The system of a scene, before steady sliding is sought, and its interfaces."""
+    """The system of a scene, before steady sliding is sought."""
     timer = StageTimer()
     bodies = build_bodies(scene, timer)
-    interfaces = build_interfaces(scene, bodies, timer)
-    return build_system(scene, bodies, interfaces, timer), interfaces
+    return build_system(scene, bodies, build_contacts(scene, bodies, timer), timer)
 
 
 @pytest.mark.parametrize(
@@ -48,7 +47,7 @@ FORCE = [0.3, -0.7, 1.1]
 def test_a_force_is_the_sum_of_its_nodal_forces(backend, load, volume, placement):
     """On a surface, or on every part of a body."""
     body = block(backend, [0.5, 0.6, 0.3], [0.0, 0.0, 0.0], [3, 2, 1], placement=placement)
-    system, _ = system_of(read_scene(alone(body, None) | {"loads": [load]}))
+    system = system_of(read_scene(alone(body, None) | {"loads": [load]}))
     found = resultant(system, system.load, "part")[0]
     assert found == pytest.approx(volume * np.array(FORCE), rel=1e-12)
 
@@ -58,8 +57,8 @@ def test_rounding_where_friction_vanishes_is_not_negative_friction(backend):
     method = {"fe": "node_to_surface", "iga": "greville"}[backend]
     changes = {"mu": "0.3*sin(pi*x/2)", "formulation": {"method": method}}
     changes = {f"contacts.interface.{name}": value for name, value in changes.items()}
-    system, interfaces = system_of(load_scene("blocks_3d", backend=backend).change(changes))
-    mu, x = system.contacts[0].friction.mu, interfaces["interface"].points.x[:, 0]
+    system = system_of(load_scene("blocks_3d", backend=backend).change(changes))
+    mu, x = system.contacts[0].friction.mu, system.contacts[0].interface.points.x[:, 0]
     assert x.max() == pytest.approx(2)
     assert mu == pytest.approx(0.3 * np.sin(np.pi * x / 2), abs=1e-15)
     assert mu.min() == 0
@@ -76,8 +75,8 @@ def test_a_direction_by_expressions_is_the_circumferential_one():
         {"field": ["-y", "x", "0"]},
     ):
         changes["contacts.pad_disc.friction_direction_on_a"] = direction
-        system, interfaces = system_of(load_scene("disc_pad", backend="fe").change(changes))
-        points = interfaces["pad_disc"].points
+        system = system_of(load_scene("disc_pad", backend="fe").change(changes))
+        points = system.contacts[0].interface.points
         both.append(system.contacts[0].friction.along(points.x, points.normal))
     assert both[1] == pytest.approx(both[0], abs=1e-14)
     assert np.ptp(both[0][:, 0]) > 0.3
@@ -128,7 +127,7 @@ def test_layers_that_mirror_each_other_do_not_flutter(backend, formulation, full
 
 
 def patch_test_stresses(backend, formulation, P):
-    scene = on_backend(load_scene("patch_test"), backend)
+    scene = load_scene("patch_test").on(backend)
     return run_scene(with_contact(scene, formulation=formulation, P=P)).stresses["interface"]
 
 

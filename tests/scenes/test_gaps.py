@@ -15,15 +15,15 @@ from cea.timing import StageTimer
 from meshes.breaks import breaks_of
 from meshes.shape_mesh import shape_mesh
 from scenes import load_scene, read_scene, run_static
-from scenes.building.build import build_bodies, build_interfaces
+from scenes.building.build import build_bodies, build_contacts
 
 MORTAR, SEGMENTS = {"method": "mortar"}, {"method": "segments"}
 
 
 def interface(scene):
     """The one contact of a scene, matched."""
-    (found,) = build_interfaces(scene, build_bodies(scene, StageTimer()), StageTimer()).values()
-    return found
+    (found,) = build_contacts(scene, build_bodies(scene, StageTimer()), StageTimer())
+    return found.interface
 
 
 @pytest.mark.parametrize("formulation", [{"method": "gpts", "points": 4}, MORTAR])

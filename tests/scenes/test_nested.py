@@ -18,8 +18,7 @@ from exact_cea.reference import exact_eigenvalues
 from scenes import run_modes
 from scenes.building import build
 from scenes.running import nested
-from scenes.running.enrich import richer_scene
-from scenes.running.nested import estimate_errors
+from scenes.running.nested import estimate_errors, richer_scene
 from scenes.spec.reading import load_scene, read_scene
 
 BACKENDS = ("iga", "fe")

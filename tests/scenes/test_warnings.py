@@ -29,7 +29,7 @@ def kinds(warnings):
 
 def told(scene):
     """Warnings of bodies and contacts by kind; nothing is solved."""
-    system, _, _ = coupled(scene)
+    system, _ = coupled(scene)
     found = warnings_of(scene, system.bodies, system.contacts)
     return {warning.kind: warning.data for warning in found}
 

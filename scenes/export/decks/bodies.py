@@ -1,10 +1,9 @@
 """Bodies of a scene as a deck has them: numbered nodes and elements, and their surfaces."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cea.arrays import Floats, Ints
 from cea.errors import InputError
@@ -57,6 +56,7 @@ def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
     node = element = 1
     for name, spec in scene.bodies.items():
         mesh = body_mesh(name, spec, used_surfaces(scene, name)).without_loose_points()
+        mesh = _right_handed(mesh)
         degree = spec.fe_degree or mesh.order
         if (mesh.cell, degree) not in ELEMENTS or mesh.order not in (1, degree):
             allowed = (
@@ -64,9 +64,8 @@ def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
                 f"a {mesh.cell} of order {mesh.order}"
             )
             raise InputError(f"bodies.{name}.mesh.degree", degree, allowed)
-        mirrored = _is_mirrored(mesh)
-        points, elements = _elements(mesh, degree, mirrored)
-        element_type, faces = ELEMENTS[mesh.cell, degree], _faces(mesh, mirrored)
+        points, elements = _elements(mesh, degree)
+        element_type, faces = ELEMENTS[mesh.cell, degree], _faces(mesh)
         bodies[name] = DeckBody(
             name, spec, mesh, element_type, points, elements, faces, node, element
         )
@@ -74,21 +73,21 @@ def deck_bodies(scene: Scene) -> dict[str, DeckBody]:
     return bodies
 
 
-def _is_mirrored(mesh: Mesh) -> NDArray[np.bool_]:
-    """Whether the first two axes of a cell change places in its element, (n_cells,)."""
-    first = np.vstack([np.zeros(mesh.dim), np.eye(mesh.dim)])
-    apart = np.abs(first[:, None] - reference_nodes(mesh.cell, mesh.order)).max(axis=2)
-    x = mesh.points[mesh.cells[:, apart.argmin(axis=1)]]
-    return np.linalg.det(x[:, 1:] - x[:, :1]) < 0
-
-
-def _elements(mesh: Mesh, degree: int, mirrored: NDArray[np.bool_]) -> tuple[Floats, Ints]:
-    """Nodes (m), and those of each element; in the middle of straight edges of a higher degree."""
-    reference = full_kind(mesh.cell, mesh.order).reference
+def _right_handed(mesh: Mesh) -> Mesh:
+    """The mesh, in cells that are left-handed the first two axes swapped."""
     own = reference_nodes(mesh.cell, mesh.order)
-    straight = mesh.cells[:, matching_nodes(reference, own)]
-    turned = mesh.cells[:, matching_nodes(reference[:, [1, 0, *range(2, mesh.dim)]], own)]
-    elements = np.where(mirrored[:, None], turned, straight)
+    corners = np.vstack([np.zeros(mesh.dim), np.eye(mesh.dim)])
+    first = np.abs(corners[:, None] - own).max(axis=2).argmin(axis=1)
+    x = mesh.points[mesh.cells[:, first]]
+    mirrored = np.linalg.det(x[:, 1:] - x[:, :1]) < 0
+    swapped = mesh.cells[:, matching_nodes(own[:, [1, 0, *range(2, mesh.dim)]], own)]
+    return replace(mesh, cells=np.where(mirrored[:, None], swapped, mesh.cells))
+
+
+def _elements(mesh: Mesh, degree: int) -> tuple[Floats, Ints]:
+    """Nodes (m), and those of each element; in the middle of straight edges of a higher degree."""
+    own = reference_nodes(mesh.cell, mesh.order)
+    elements = mesh.cells[:, matching_nodes(full_kind(mesh.cell, mesh.order).reference, own)]
     if mesh.order == degree:
         return mesh.points, elements
     ends = full_kind(mesh.cell, degree).groups[elements.shape[1] :]
@@ -98,16 +97,12 @@ def _elements(mesh: Mesh, degree: int, mirrored: NDArray[np.bool_]) -> tuple[Flo
     return points, np.hstack([elements, len(mesh.points) + number.reshape(len(elements), -1)])
 
 
-def _faces(mesh: Mesh, mirrored: NDArray[np.bool_]) -> dict[str, tuple[Ints, Ints]]:
+def _faces(mesh: Mesh) -> dict[str, tuple[Ints, Ints]]:
     """Elements, rising, and their faces by surface."""
-    sides = facet_sides(mesh.cell)
-    # Facets of simplices lie across an axis each, of boxes two.
-    swapped = [1, 0] if mesh.is_simplex else [2, 3, 0, 1]
-    turned = sides[[*swapped, *range(len(swapped), len(sides))]]
     found = {}
     for name, on_surface in named_sides(mesh).items():
         elements, facets = np.nonzero(on_surface)
-        faces = np.where(mirrored[elements], turned[facets], sides[facets]) + 1
+        faces = facet_sides(mesh.cell)[facets] + 1
         rising = np.lexsort((faces, elements))
         found[name] = elements[rising], faces[rising]
     return found
