@@ -95,12 +95,3 @@ def test_pictures_files_and_tables_bear_the_same_numbers(results):
     assert (folder / "modes" / f"mode_{chosen}_pad.vtu").is_file()
     on_disk = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
     assert set(listed(folder)) | {"manifest.json", "steady.json"} == on_disk
-
-
-def test_static_results_open_with_the_same_table(results):
-    opened = open_result(results[1])
-    assert [(row["contact"], row["side"]) for row in opened.table()] == [
-        ("interface", "a"),
-        ("interface", "b"),
-    ]
-    assert repr(opened).splitlines()[0] == "patch_test: static analysis"
