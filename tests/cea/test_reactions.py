@@ -142,7 +142,7 @@ def test_a_dof_is_shared_along_what_each_support_holds():
 
 @pytest.mark.grid
 @pytest.mark.parametrize("contact", CONTACTS)
-@pytest.mark.parametrize("mu", [0.0, 0.3])
+@pytest.mark.parametrize("mu", [0.3, pytest.param(0.0, marks=pytest.mark.slow)])
 def test_supports_bear_what_contacts_of_every_kind_do(backend, contact, mu):
     """Action and reaction, Coulomb's law, walls that bear along their normals alone."""
     forces = reactions_of(pressed(backend, contact, mu=mu))
