@@ -9,7 +9,7 @@ import sys
 import sysconfig
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, requires, version
+from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
 from typing import Literal
@@ -45,48 +45,25 @@ class Finding:
 def examine(*, launched: bool) -> Iterator[Finding]:
     """Look at everything, cheap things first; ``launched``: whether mpiexec began this process."""
     yield Finding("python", ".".join(map(str, sys.version_info[:3])))
-    installed = list(packages())
-    yield from installed
+    installed = packages()
+    yield installed
     yield compiler()
     yield from libraries()
-    if any(finding.mend for finding in installed):
+    if installed.mend:
         return  # what follows would fail for what is told already
     yield launcher(launched=launched)  # before MPI begins here: no launcher starts inside of it
     yield solve("fe")
     yield solve("iga")
 
 
-def packages() -> Iterator[Finding]:
-    """Every package that the project needs, and those of its extras that are installed."""
-    try:
-        required = requires(_PROJECT) or []
-    except PackageNotFoundError:
-        yield Finding(_PROJECT, "not installed", "in the folder of the project: make setup")
-        return
-    yield Finding(_PROJECT, version(_PROJECT))
-    for requirement in required:
-        if "extra == 'dev'" not in requirement.replace('"', "'"):
-            yield package(requirement)
-
-
-def package(requirement: str) -> Finding:
-    """One package, as ``pyvista>=0.44; extra == 'pictures'``; without an extra the rest runs."""
-    from packaging.requirements import Requirement
-
-    wanted = Requirement(requirement)
-    extra = str(wanted.marker).partition("extra == ")[2].strip("\"'") if wanted.marker else ""
-    label = f"{wanted.name} (extra {extra})" if extra else wanted.name
-    try:
-        found = version(wanted.name)
-    except PackageNotFoundError:
-        if extra:
-            told = f"not installed, may be: python -m pip install '{_PROJECT}[{extra}]'"
-            return Finding(label, told)
-        return Finding(label, "not installed", f"python -m pip install '{_PROJECT}'")
-    if not wanted.specifier.contains(found, prereleases=True):
-        mend = f"python -m pip install '{wanted.name}{wanted.specifier}'"
-        return Finding(label, f"{found}, not {wanted.specifier}", mend)
-    return Finding(label, found)
+def packages() -> Finding:
+    """Every package that the project needs, in a version that it can use, as pip finds them."""
+    command = [sys.executable, "-m", "pip", "check"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    wrong = [line for line in done.stdout.splitlines() if line.startswith(f"{_PROJECT} ")]
+    if wrong:
+        return Finding("packages", "; ".join(wrong), f"python -m pip install '{_PROJECT}'")
+    return Finding("packages", f"as {_PROJECT} {version(_PROJECT)} needs them")
 
 
 def compiler() -> Finding:

@@ -1,18 +1,25 @@
-"""Breaks: rising coordinates of the element boundaries along each direction of a shape."""
+"""Breaks: rising coordinates of the element boundaries along each direction of a shape.
 
-from collections.abc import Mapping, Sequence
+A shape is made of blocks, boxes in its coordinates, which both builders map to space.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
 
 from cea.arrays import Floats
 from cea.errors import require
+from meshes.patches import Face, Faces
 from meshes.shapes import Annulus, Disc, Hub, Ring, Shape
 
 Breaks = tuple[Floats, ...]
 
 CLOSED = (Annulus, Hub, Disc, Ring)
 """Shapes all the way round, in four quarters."""
+_JOINTS = (90.0, 180.0, 270.0)
+_SNAP = 1e-9
+"""Breaks nearer than this to a joint of blocks (degrees, m) are there."""
 
 
 def spread(low: float, high: float, count: int, through: Sequence[float] = ()) -> Floats:
@@ -45,14 +52,28 @@ def breaks_of(
     )
 
 
-def check_ends(shape: Shape, breaks: Breaks) -> None:
-    """Refuse breaks that do not rise from one end of a shape to the other."""
+def check_breaks(shape: Shape, breaks: Breaks) -> None:
+    """Refuse breaks that do not rise from end to end of a shape, through joints of its blocks."""
     along = f"one array along each of {', '.join(shape.directions)}"
     require(len(breaks) == len(shape.directions), "breaks", breaks, along)
     for name, values, (low, high) in zip(shape.directions, breaks, shape.extent, strict=True):
         rising = len(values) > 1 and bool((np.diff(values) > 0).all())
         fits = rising and np.allclose([values[0], values[-1]], [low, high], rtol=1e-12)
         require(bool(fits), f"breaks of {name}", values, f"rising, from {low} to {high}")
+        joints = _joints(shape).get(name, ())
+        there = all(np.abs(np.subtract(values, joint)).min() <= _SNAP for joint in joints)
+        require(there, f"breaks of {name}", values, f"{joints} among them")
+
+
+def _joints(shape: Shape) -> dict[str, tuple[float, ...]]:
+    """Coordinates at which blocks of a shape meet, by direction."""
+    if isinstance(shape, Hub):
+        return {
+            "r": (shape.hub_radius,),
+            "theta": _JOINTS,
+            "z": (shape.bottom, shape.top),
+        }
+    return {"theta": _JOINTS} if isinstance(shape, CLOSED) else {}
 
 
 def _asked(
@@ -64,11 +85,8 @@ def _asked(
     require(not unknown, "through", sorted(unknown), f"directions {', '.join(shape.directions)}")
     allowed = f"one number for each of {', '.join(shape.directions)}"
     require(len(elements) == len(shape.directions), "elements", tuple(elements), allowed)
-    if isinstance(shape, CLOSED):
-        asked["theta"] = [*asked.get("theta", []), 90.0, 180.0, 270.0]
-    if isinstance(shape, Hub):
-        asked["r"] = [*asked.get("r", []), shape.hub_radius]
-        asked["z"] = [*asked.get("z", []), shape.bottom, shape.top]
+    for name, joints in _joints(shape).items():
+        asked[name] = [*asked.get(name, []), *joints]
     return asked
 
 
@@ -92,3 +110,61 @@ def layered(breaks: Floats, towards: Sequence[float], layers: int, ratio: float)
             if 0 <= other < len(breaks):
                 new.append(breaks[at] + shares * (breaks[other] - breaks[at]))
     return np.unique(np.concatenate(new))
+
+
+def blocks_of(shape: Shape, breaks: Breaks) -> tuple[list[Breaks], Faces]:
+    """Breaks of each block of a shape, and its named faces.
+
+    Straight shapes and sectors are one block, closed ones four quarters; a hub has those of its
+    ring, then four of each layer of the hub from below.
+    """
+    if isinstance(shape, Hub):
+        return _blocks_of_hub(shape, breaks)
+    axes = [axis for axis in range(len(breaks)) if not (isinstance(shape, CLOSED) and axis == 1)]
+    ends = [(axis, side) for axis in axes for side in (0, 1)]
+    if isinstance(shape, Disc):
+        ends.remove((0, 0))  # its middle
+    blocks = _quarters(*breaks) if isinstance(shape, CLOSED) else [breaks]
+    named = dict(zip(shape.surfaces, ends, strict=True))
+    return blocks, {name: _on_all(range(len(blocks)), *end) for name, end in named.items()}
+
+
+def _blocks_of_hub(shape: Hub, breaks: Breaks) -> tuple[list[Breaks], Faces]:
+    r, theta, z = breaks
+    inside, outside = _between(r, 0.0, shape.hub_radius), _between(r, shape.hub_radius, np.inf)
+    levels = np.unique([shape.hub_bottom, shape.bottom, shape.top, shape.hub_top])
+    blocks = _quarters(outside, theta, _between(z, shape.bottom, shape.top))
+    standing_out: list[int] = []
+    for low, high in pairwise(levels):
+        if low != shape.bottom:
+            standing_out += range(len(blocks), len(blocks) + 4)
+        blocks += _quarters(inside, theta, _between(z, low, high))
+    ring, hub = range(4), range(4, len(blocks))
+    return blocks, {
+        "bore": _on_all(hub, 0, 0),
+        "outer": _on_all(ring, 0, 1),
+        "bottom": _on_all(ring, 2, 0),
+        "top": _on_all(ring, 2, 1),
+        "hub_bottom": _on_all(hub[:4], 2, 0),
+        "hub_top": _on_all(hub[-4:], 2, 1),
+        "hub_side": _on_all(standing_out, 0, 1),
+    }
+
+
+def _quarters(radii: Floats, angles: Floats, *heights: Floats) -> list[Breaks]:
+    """Breaks of four blocks all the way round."""
+    blocks: list[Breaks] = []
+    for low, high in pairwise((0.0, *_JOINTS, 360.0)):
+        within = _between(angles, low, high)
+        within[[0, -1]] = low, high
+        blocks.append((radii, within, *heights))
+    return blocks
+
+
+def _between(values: Floats, low: float, high: float) -> Floats:
+    return values[(values > low - _SNAP) & (values < high + _SNAP)]
+
+
+def _on_all(blocks: Iterable[int], axis: int, side: int) -> tuple[Face, ...]:
+    """The same face of several blocks."""
+    return tuple((block, axis, side) for block in blocks)

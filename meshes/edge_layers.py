@@ -9,7 +9,7 @@ disc is, is divided into two smaller ones at both and five others.
 Edges run along one direction of a lattice all the way; in the plane they are points.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ from meshes.shapes import Disc, Shape
 
 TOO_FEW = "more elements: at most two edges at one cell, and on one side of it"
 """What is asked of elements among which there is no room for layers."""
+_ON = 1e-9
+"""Distance from an edge, relative to the shape, at which a node lies on it."""
+Bools = NDArray[np.bool_]
 Edge = Mapping[str, float]
 """Coordinates along two directions of a shape, those that an edge lies across."""
 
@@ -60,19 +63,19 @@ def fit(shape: Shape, breaks: Sequence[Floats], edges: Sequence[Edge]) -> bool:
     return not opposite.any()
 
 
-def edge_nodes(
-    node: Ints, breaks: Sequence[Floats], directions: Sequence[str], edge: Edge, order: int
-) -> Ints:
-    """Numbers of the nodes of a lattice on an edge."""
-    for axis, (name, each) in reversed(list(enumerate(zip(directions, breaks, strict=True)))):
+def _on_edge(shape: Shape, points: Floats, edge: Edge) -> Bools:
+    """Which points (m) lie on an edge."""
+    at = dict(zip("xyz", points.T, strict=False))
+    if "theta" in shape.directions:
+        at |= {"r": np.hypot(at["x"], at["y"]), "theta": np.degrees(np.arctan2(at["y"], at["x"]))}
+    on = np.ones(len(points), dtype=bool)
+    for name, (low, high) in zip(shape.directions, shape.extent, strict=True):
         if name in edge:
-            at = int(np.abs(each - edge[name]).argmin())
-            from_end = (len(each) - 1 - at) * order
-            near = abs(each[at] - edge[name]) <= 1e-9 * (each[-1] - each[0])
-            fits = bool(near and from_end < node.shape[axis])
-            require(fits, "edges", dict(edge), f"element boundaries along {name}")
-            node = np.take(node, node.shape[axis] - 1 - from_end, axis=axis)
-    return node.ravel()
+            away = at[name] - edge[name]
+            away = (away + 180) % 360 - 180 if name == "theta" else away
+            on &= np.abs(away) <= _ON * (high - low)
+    require(bool(on.any()), "edges", dict(edge), "coordinates of element boundaries")
+    return on
 
 
 RATIO = 0.2
@@ -129,18 +132,25 @@ def _around_two(small: Floats) -> Floats:
     return np.concatenate([low, high, np.array(between)])
 
 
-_SAME = 1e-3
+SAME = 1e-3
 """Distance of nodes, relative to the least of a cell, below which they are one."""
 
-Bools = NDArray[np.bool_]
+
+def shortest_step(blocks: Iterable[Floats], axes: Iterable[int]) -> float:
+    """Least distance of neighbours on lattices of points, (n1, ..., dim), along some axes."""
+    steps = [np.diff(x, axis=axis) for x in blocks for axis in axes if x.shape[axis] > 1]
+    return min(float(np.linalg.norm(step, axis=-1).min()) for step in steps)
 
 
-def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> Mesh:
-    """Divide the cells around edges towards them."""
-    n, dim = mesh.order + 1, mesh.dim
+def with_layers(mesh: Mesh, shape: Shape, edges: Sequence[Edge], layers: int) -> Mesh:
+    """Divide the cells of a structured mesh around edges towards them."""
+    along, n, dim = run_along(shape, edges), mesh.order + 1, mesh.dim
     lattice = mesh.cells.reshape(-1, *(n,) * dim)
     lattice = lattice[..., None] if along is None else np.moveaxis(lattice, 1 + along, -1)
-    marked = singular[lattice[:, :: n - 1, :: n - 1]].all(axis=-1)
+    corners = lattice[:, :: n - 1, :: n - 1, :: n - 1]
+    used, place = np.unique(corners, return_inverse=True)
+    singular = np.logical_or.reduce([_on_edge(shape, mesh.points[used], edge) for edge in edges])
+    marked = singular[place.reshape(corners.shape)].all(axis=-1)
     cells, points, named = [mesh.cells], [mesh.points], named_sides(mesh)
     sides = {name: [on] for name, on in named.items()}
     kept = np.ones(len(mesh.cells), dtype=bool)
@@ -150,8 +160,7 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
         kept[some] = False
         quads = quads_towards(pattern, layers)
         x = _placed(mesh.points[lattice[some]], quads, mesh.order)
-        steps = [np.diff(x, axis=axis) for axis in (2, 3, 4) if x.shape[axis] > 1]
-        least = min(least, *(float(np.linalg.norm(step, axis=-1).min()) for step in steps))
+        least = min(least, shortest_step([x], (2, 3, 4)))
         numbers = count + np.arange(x[..., 0].size).reshape(x.shape[:-1])
         count += x[..., 0].size
         points.append(x.reshape(-1, dim))
@@ -164,7 +173,7 @@ def with_layers(mesh: Mesh, singular: Bools, along: int | None, layers: int) -> 
     if len(points) == 1:
         return mesh
     every = np.concatenate(points)
-    first = first_of_near(every, _SAME * least)
+    first = first_of_near(every, SAME * least)
     cells[0] = mesh.cells[kept]
     parts = first[np.concatenate(cells)]
     surfaces = {

@@ -7,7 +7,7 @@ import numpy as np
 
 from cea.errors import require
 from cea.mesh import DIMENSION, MAX_ORDER, SIMPLICES, Cell, Mesh
-from meshes.breaks import Breaks, check_ends
+from meshes.breaks import Breaks, check_breaks
 from meshes.crowned import Crowned
 from meshes.edge_layers import Edge
 from meshes.patches import Patches
@@ -66,7 +66,4 @@ def _check(shape: Shape, cell: Cell, order: int, breaks: Breaks | None, size: fl
         require(size is not None and 0 < size < np.inf, "size", size, allowed)
     else:
         require(size is None, "size", size, f"None: a {cell} mesh of breaks follows them")
-        check_ends(shape, breaks or ())
-        if breaks and shape.directions[1] == "theta":
-            step = float(np.diff(breaks[1]).max())
-            require(step < 180, "breaks of theta", step, "less than 180 degrees apart")
+        check_breaks(shape, breaks or ())

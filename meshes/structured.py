@@ -8,27 +8,26 @@ order 2 the two sets of points are one.
 
 Each quadrilateral gives two triangles, each hexahedron six tetrahedra that have the diagonal from
 its first to its last corner in common and go along one direction after the other (H. W. Kuhn, IBM
-J. Res. Dev. 4, 1960). Neighbours divide their common face alike when parallel edges run the same
-way through the whole mesh.
+J. Res. Dev. 4, 1960).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise, permutations, product
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from numpy.lib.stride_tricks import sliding_window_view
 from scipy.special import roots_jacobi
 
 from cea.arrays import Floats, Ints
 from cea.errors import require
-from cea.mesh import Mesh, lattice
-from meshes.breaks import CLOSED, Breaks
-from meshes.edge_layers import Edge, edge_nodes, run_along, with_layers
+from cea.mesh import Cell, Mesh, lattice
+from meshes.breaks import Breaks, blocks_of
+from meshes.edge_layers import SAME, Edge, shortest_step, with_layers
+from meshes.files.content import first_of_near
+from meshes.patches import Faces
 from meshes.placement import Placement
-from meshes.shapes import Box, Disc, Hub, Rectangle, Shape
+from meshes.shapes import Box, Disc, Rectangle, Shape
 
 
 def lobatto(order: int) -> Floats:
@@ -71,64 +70,59 @@ def _monomials(points: Floats, order: int) -> Floats:
     return np.prod((2 * points[:, None] - 1) ** np.array(powers), axis=2)
 
 
-Region = tuple[slice | int, ...]
-"""Part of a lattice: a range of its cells along a direction, or the number of a break across it."""
+def structured_mesh(
+    shape: Shape,
+    breaks: Breaks,
+    order: int,
+    placement: Placement,
+    *,
+    edges: Sequence[Edge] = (),
+    layers: int = 0,
+) -> Mesh:
+    """Mesh a shape with one cell between each two breaks, and layers around edges."""
+    dim, lines = len(shape.directions), tuple(np.asarray(each, dtype=float) for each in breaks)
+    blocks, faces = _blocks(shape, lines, order)
+    every = np.concatenate([block.reshape(-1, dim) for block in blocks])
+    first = first_of_near(every, SAME * shortest_step(blocks, range(dim)))
+    used, number = np.unique(first, return_inverse=True)
+    ends = np.cumsum([block[..., 0].size for block in blocks])[:-1]
+    parts = zip(np.split(number, ends), blocks, strict=True)
+    nodes = [part.reshape(block.shape[:-1]) for part, block in parts]
+    facets = {
+        name: np.concatenate(
+            [_cells(np.take(nodes[k], -side, axis), order) for k, axis, side in on]
+        )
+        for name, on in faces.items()
+    }
+    mesh = Mesh(
+        cell="quadrilateral" if dim == 2 else "hexahedron",
+        order=order,
+        points=every[used],
+        cells=np.concatenate([_cells(node, order) for node in nodes]),
+        surfaces=facets,
+    )
+    if edges and layers:
+        mesh = with_layers(mesh, shape, edges, layers)
+    return replace(mesh, points=placement.apply(mesh.points))
 
-Sides = tuple[tuple[str, Region], ...]
-_ALL = slice(None)
+
+def _cells(nodes: Ints, order: int) -> Ints:
+    """Nodes of the cells of a lattice, (n_cells, n_nodes)."""
+    windows = sliding_window_view(nodes, (order + 1,) * nodes.ndim)
+    return windows[(slice(None, None, order),) * nodes.ndim].reshape(-1, (order + 1) ** nodes.ndim)
 
 
-@dataclass(frozen=True)
-class Lattice:
-    """Block of cells."""
+def _blocks(shape: Shape, breaks: Breaks, order: int) -> tuple[list[Floats], Faces]:
+    """Nodes (m) on the lattice of each block of a shape, (n1, ..., dim), and its named faces.
 
-    node: Ints
-    solids: tuple[Region, ...]
-    sides: Sides
-
-    def cells(self, region: Region, offsets: Ints, order: int) -> Ints:
-        """Nodes of the cells of a region, (n_cells, n_nodes)."""
-        node = self.node
-        for axis, part in reversed(list(enumerate(region))):
-            count = (self.node.shape[axis] - 1) // order
-            if isinstance(part, int):
-                node = np.take(node, range(count + 1)[part] * order, axis=axis)
-            else:
-                start, stop, _ = part.indices(count)
-                node = np.take(node, np.arange(start * order, stop * order + 1), axis=axis)
-        corners = np.meshgrid(*(np.arange(0, n - 1, order) for n in node.shape), indexing="ij")
-        return node[tuple(c.reshape(-1, 1) + offsets[:, d] for d, c in enumerate(corners))]
-
-
-def lattices(shape: Shape, breaks: Breaks, order: int) -> tuple[Floats, list[Lattice]]:
-    """Nodes (m), (n, dim), and lattices of a shape.
-
-    Inner nodes of a ring, too, lie on the circle of their lattice line. A disc is five blocks: a
-    square whose corners lie on the circle of the break nearest to half the radius, divided as its
-    quarters are, takes the place of the breaks along r inside that circle; between the square and
-    the rim the lattice lines pass over from the straight to the round.
+    Inner nodes of a ring, too, lie on the circle of their lattice line.
     """
     if isinstance(shape, Disc):
-        points, nodes = _disc(shape, breaks, order)
-    else:
-        points, nodes = _plane(shape, breaks, order)
-    if len(breaks) == 3:
-        z = _divided(breaks[2], order)
-        nodes = [node[..., None] + len(points) * np.arange(len(z)) for node in nodes]
-        points = np.column_stack([np.tile(points, (len(z), 1)), np.repeat(z, len(points))])
-    if isinstance(shape, Hub):
-        return points, [_hub(shape, breaks, nodes[0])]
-    whole: Region = (_ALL,) * len(breaks)
-    if isinstance(shape, Disc):
-        faces: Sides = (("bottom", (_ALL, _ALL, 0)), ("top", (_ALL, _ALL, -1)))
-        around: Sides = (("outer", (-1, _ALL, _ALL)), *faces)
-        square, ring = nodes
-        return points, [Lattice(square, (whole,), faces), Lattice(ring, (whole,), around)]
-    ends = [(axis, end) for axis in range(len(breaks)) for end in (0, -1)]
-    if isinstance(shape, CLOSED):
-        ends = [(axis, end) for axis, end in ends if axis != 1]
-    walls = [(*whole[:axis], end, *whole[axis + 1 :]) for axis, end in ends]
-    return points, [Lattice(nodes[0], (whole,), tuple(zip(shape.surfaces, walls, strict=True)))]
+        flat, faces = _disc(shape, breaks, order)
+        return [_extruded(each, breaks[2:], order) for each in flat], faces
+    blocks, faces = blocks_of(shape, breaks)
+    plane = _grid if isinstance(shape, Box | Rectangle) else _arcs
+    return [_extruded(plane(x, y, order), z, order) for x, y, *z in blocks], faces
 
 
 def _divided(line: Floats, order: int) -> Floats:
@@ -137,23 +131,35 @@ def _divided(line: Floats, order: int) -> Floats:
     return np.append(parts.ravel(), line[-1])
 
 
-def _plane(shape: Shape, breaks: Breaks, order: int) -> tuple[Floats, list[Ints]]:
-    """Points (m), (n, 2), and numbers on the lattice of the first two directions."""
-    first = _divided(breaks[0], order)
-    if isinstance(shape, Box | Rectangle):
-        grid = np.stack(np.meshgrid(first, _divided(breaks[1], order), indexing="ij"), axis=-1)
-    else:
-        grid = first[:, None, None] * interpolate_arc(np.radians(breaks[1]), order)
-    if isinstance(shape, CLOSED):
-        points = grid[:, :-1].reshape(-1, 2)
-        open_ring = np.arange(len(points)).reshape(len(first), -1)
-        return points, [np.concatenate([open_ring, open_ring[:, :1]], axis=1)]
-    points = grid.reshape(-1, 2)
-    return points, [np.arange(len(points)).reshape(grid.shape[:2])]
+def _grid(x: Floats, y: Floats, order: int) -> Floats:
+    """Nodes (m) between breaks of the plane."""
+    grid = np.meshgrid(_divided(x, order), _divided(y, order), indexing="ij")
+    return np.stack(grid, axis=-1)
 
 
-def _disc(shape: Disc, breaks: Breaks, order: int) -> tuple[Floats, list[Ints]]:
-    """Points (m), (n, 2), and lattices of the square in the middle and of the ring around it."""
+def _arcs(radii: Floats, angles: Floats, order: int) -> Floats:
+    """Nodes (m) between radii and angles (degrees)."""
+    return _divided(radii, order)[:, None, None] * interpolate_arc(np.radians(angles), order)
+
+
+def _extruded(plane: Floats, heights: Sequence[Floats], order: int) -> Floats:
+    """A block of the plane between heights, or as it is where there are none."""
+    for line in heights:
+        z = _divided(line, order)
+        points = np.empty((*plane.shape[:2], len(z), 3))
+        points[..., :2], points[..., 2] = plane[:, :, None], z
+        return points
+    return plane
+
+
+def _disc(shape: Disc, breaks: Breaks, order: int) -> tuple[list[Floats], Faces]:
+    """Blocks of a disc in the plane: a square in its middle, and four from its sides to the rim.
+
+    The corners of the square lie on the circle of the break nearest to half the radius. It is
+    divided as its quarters are and takes the place of the breaks along r inside that circle; beyond
+    it the lattice lines pass over from the straight to the round. Parallel edges run the same way
+    in all blocks.
+    """
     radii, angles = breaks[0], breaks[1]
     require(len(radii) > 2, "breaks of r", radii, "two elements at least, one of them the square")
     quarter = np.searchsorted(angles, np.array([0.0, 90.0, 180.0, 270.0, 360.0]) - 1e-9)
@@ -163,11 +169,12 @@ def _disc(shape: Disc, breaks: Breaks, order: int) -> tuple[Floats, list[Ints]]:
     require(bool(matching), "breaks of theta", angles, allowed)
     core = 1 + int(np.abs(radii[1:-1] - shape.outer_radius / 2).argmin())
     corner = radii[core]
+    lines = [angles[start : stop + 1] for start, stop in pairwise(quarter)]
 
     # Share of its side of the square at each lattice line of a quarter.
     shares = []
-    for start, stop in pairwise(quarter):
-        line = _divided(angles[start : stop + 1], order)
+    for each in lines:
+        line = _divided(each, order)
         shares.append((line - line[0]) / (line[-1] - line[0]))
     below, above = shares[0][:, None], 1 - shares[2][::-1, None]
     left, right = 1 - shares[3][::-1], shares[1]
@@ -176,49 +183,30 @@ def _disc(shape: Disc, breaks: Breaks, order: int) -> tuple[Floats, list[Ints]]:
     u = (below + left * du) / (1 - du * dv)
     v = left + u * dv
     square = corner * np.stack([1 - u - v, u - v], axis=-1)
-    middle = np.arange(square[..., 0].size).reshape(square.shape[:2])
-    rim = np.concatenate([middle[:-1, 0], middle[-1, :-1], middle[:0:-1, -1], middle[0, :0:-1]])
 
-    inner = square.reshape(-1, 2)[rim]
-    outer = shape.outer_radius * interpolate_arc(np.radians(angles), order)[:-1]
-    along = (_divided(radii[core:], order)[1:] - corner) / (shape.outer_radius - corner)
-    ring = inner + along[:, None, None] * (outer - inner)
-    around = square[..., 0].size + np.arange(ring[..., 0].size).reshape(ring.shape[:2])
-    around = np.concatenate([rim[None], around])
-    around = np.concatenate([around, around[:, :1]], axis=1)
-    return np.concatenate([square.reshape(-1, 2), ring.reshape(-1, 2)]), [middle, around]
+    along = (_divided(radii[core:], order) - corner) / (shape.outer_radius - corner)
+    arcs = [shape.outer_radius * interpolate_arc(np.radians(each), order) for each in lines]
+    rim = arcs[0], arcs[1], arcs[2][::-1], arcs[3][::-1]
+    inner = square[:, 0], square[-1], square[:, -1], square[0]
+    ring = [a + along[:, None, None] * (b - a) for a, b in zip(inner, rim, strict=True)]
+    ends = {side: tuple((block, 2, side) for block in range(5)) for side in (0, 1)}
+    outer = tuple((block, 0, 1) for block in range(1, 5))
+    return [square, *ring], {"outer": outer, "bottom": ends[0], "top": ends[1]}
 
 
-def _hub(shape: Hub, breaks: Breaks, node: Ints) -> Lattice:
-    """Lattice of hub and ring, empty above and below the ring."""
-    wall = int(np.abs(breaks[0] - shape.hub_radius).argmin())
-    low, high = (int(np.abs(breaks[2] - z).argmin()) for z in (shape.bottom, shape.top))
-    within, beyond, ring = slice(0, wall), slice(wall, None), slice(low, high)
-    sides: Sides = (
-        ("bore", (0, _ALL, _ALL)),
-        ("outer", (-1, _ALL, ring)),
-        ("bottom", (beyond, _ALL, low)),
-        ("top", (beyond, _ALL, high)),
-        ("hub_bottom", (within, _ALL, 0)),
-        ("hub_top", (within, _ALL, -1)),
-        ("hub_side", (wall, _ALL, slice(0, low))),
-        ("hub_side", (wall, _ALL, slice(high, None))),
-    )
-    return Lattice(node, ((within, _ALL, _ALL), (beyond, _ALL, ring)), sides)
-
-
-_SIMPLEX = {"quadrilateral": "triangle", "hexahedron": "tetrahedron"}
+_SIMPLEX: dict[Cell, Cell] = {"quadrilateral": "triangle", "hexahedron": "tetrahedron"}
 
 
 def divided(mesh: Mesh) -> Mesh:
-    """Divide quadrilaterals into two triangles or hexahedra into six tetrahedra on their nodes."""
+    """Divide quadrilaterals into two triangles or hexahedra into six tetrahedra on their nodes.
+
+    Parallel edges run the same way in all cells: so neighbours divide their common face alike.
+    """
     require(mesh.cell in _SIMPLEX, "cell", mesh.cell, f"one of {', '.join(_SIMPLEX)}")
-    order, points = mesh.order, mesh.points
-    if mesh.cell == "quadrilateral":
-        return Mesh("triangle", order, points, _split(mesh.cells, 2, order), mesh.surfaces)
-    aligned = replace(mesh, cells=_same_ways(mesh))  # its facets run as their cells do
-    facets = {name: _split(part, 2, order) for name, part in aligned.surfaces.items()}
-    return Mesh("tetrahedron", order, points, _split(aligned.cells, 3, order), facets)
+    cells, surfaces = _split(mesh.cells, mesh.dim, mesh.order), mesh.surfaces
+    if mesh.dim == 3:
+        surfaces = {name: _split(part, 2, mesh.order) for name, part in surfaces.items()}
+    return Mesh(_SIMPLEX[mesh.cell], mesh.order, mesh.points, cells, surfaces)
 
 
 def _split(boxes: Ints, dim: int, order: int) -> Ints:
@@ -237,75 +225,3 @@ def _edges(way: Sequence[int]) -> Ints:
     if np.linalg.det(corners) < 0:
         corners[[0, 1]] = corners[[1, 0]]
     return corners
-
-
-def _same_ways(mesh: Mesh) -> Ints:
-    """Cells of hexahedra, some turned over so that parallel edges run the same way in all."""
-    order = mesh.order
-    nodes = mesh.cells.reshape(-1, *(order + 1,) * 3)
-    against = _against(nodes[:, ::order, ::order, ::order])
-    for axis in range(3):
-        flip = against[:, axis, None, None, None]
-        nodes = np.where(flip, np.flip(nodes, axis=axis + 1), nodes)
-    return nodes.reshape(mesh.cells.shape)
-
-
-def _against(corners: Ints) -> NDArray[np.bool_]:
-    """Whether the edges of each hexahedron along each direction run against the others.
-
-    Edges opposite each other in a face are parallel. All that are parallel shall run as they do in
-    the first cell that has one of them.
-    """
-    parallel = [np.moveaxis(corners, axis, -1).reshape(-1, 4, 2) for axis in (1, 2, 3)]
-    edges = np.stack(parallel, axis=1)
-    low, high = edges.min(axis=3), edges.max(axis=3)
-    _, edge = np.unique(low * (corners.max() + 1) + high, return_inverse=True)
-    # An edge is two nodes of a graph, one for each way along it: links join equal ways.
-    way = 2 * edge.reshape(low.shape) + (edges[..., 0] == low)
-    first, others = np.repeat(way[..., 0], 3), way[..., 1:].ravel()
-    rows, columns = np.concatenate([first, first ^ 1]), np.concatenate([others, others ^ 1])
-    size = 2 * (int(edge.max()) + 1)
-    links = coo_array((np.ones(len(rows), dtype=bool), (rows, columns)), shape=(size, size))
-    _, label = connected_components(links, directed=False)
-    forth, back = label[way[..., 0]], label[way[..., 0] ^ 1]
-    twisted = (forth == back).any(axis=1)
-    value = f"{twisted.sum()} of {len(corners)} hexahedra"
-    allowed = "parallel edges that can run the same way, so that faces are divided alike"
-    require(not twisted.any(), "cells", value, allowed)
-    _, leader, sheet = np.unique(np.minimum(forth, back), return_index=True, return_inverse=True)
-    return forth != forth.ravel()[leader][sheet.reshape(forth.shape)]
-
-
-def structured_mesh(
-    shape: Shape,
-    breaks: Breaks,
-    order: int,
-    placement: Placement,
-    *,
-    edges: Sequence[Edge] = (),
-    layers: int = 0,
-) -> Mesh:
-    """Mesh a shape with one cell between each two breaks, and layers around edges."""
-    dim = len(shape.directions)
-    points, parts = lattices(shape, tuple(np.asarray(b, dtype=float) for b in breaks), order)
-    in_cell, in_facet = (lattice(d, order, simplex=False) for d in (dim, dim - 1))
-    facets: dict[str, list[Ints]] = {name: [] for name in shape.surfaces}
-    for part in parts:
-        for name, region in part.sides:
-            facets[name].append(part.cells(region, in_facet, order))
-    cells = np.concatenate([p.cells(region, in_cell, order) for p in parts for region in p.solids])
-    mesh = Mesh(
-        cell="quadrilateral" if dim == 2 else "hexahedron",
-        order=order,
-        points=placement.apply(points),
-        cells=cells,
-        surfaces={name: np.concatenate(parts) for name, parts in facets.items()},
-    )
-    if edges and layers:
-        along = run_along(shape, edges)
-        singular = np.zeros(len(points), dtype=bool)
-        for edge in edges:  # the last lattice is the outermost one
-            on = edge_nodes(parts[-1].node, breaks, shape.directions, edge, order)
-            singular[on] = True
-        return with_layers(mesh, singular, along, layers)
-    return mesh.without_loose_points()  # a hub stands out of a lattice that is otherwise empty

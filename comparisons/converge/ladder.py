@@ -161,8 +161,8 @@ def _widened(scene: Scene) -> Scene:
 
 
 def _estimated_seconds(scene: Scene) -> float:
-    """Time that a run takes, as of factors by nested dissection (George 1973)."""
+    """Time of a run (s): a second of setup, then factors by nested dissection (George 1973)."""
     dofs = sum(map(dofs_of, scene.bodies.values()))
     plane = all(body.dim == 2 for body in scene.bodies.values())
     entries = 120.0 * dofs if plane else 40.0 * dofs ** (4 / 3)
-    return 1e-7 * entries + 4e-11 * entries**1.5
+    return 1.0 + 1e-7 * entries + 4e-11 * entries**1.5

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from cea.arrays import Complexes
-from comparisons.stability.dense import carried_eigenvalues, dense_eigenvalues
+from comparisons.stability.dense import dense_eigenvalues
 from comparisons.stability.problems import OfScene, Problem
 from comparisons.stability.ways import WAYS, Way
 
@@ -46,7 +46,7 @@ _BEYOND = 1.3  # how far beyond the modes looked at an exact list reaches
 class Reference:
     """A true answer."""
 
-    name: str  # where it comes from: "dense", "at rest", "exact", "formula"
+    name: str  # where it comes from: "dense", "exact", "formula"
     values: Callable[[], Complexes]  # lambda (1/s) with Im >= 0, far beyond the window
 
 
@@ -54,14 +54,9 @@ def dense(scene: Mapping[str, Any], *, factor: float = 1.0, copies: int = 1) -> 
     """Dense eigenvalues of a scene (scipy) times a factor, each so many times."""
 
     def values() -> Complexes:
-        return np.repeat(factor * _values(dense_eigenvalues, _key(scene)), copies)
+        return np.repeat(factor * _dense(_key(scene)), copies)
 
     return Reference("dense", values)
-
-
-def carried(scene: Mapping[str, Any]) -> Reference:
-    """Dense eigenvalues at rest of a damped body, carried along by its rotation (scipy)."""
-    return Reference("at rest", lambda: _values(carried_eigenvalues, _key(scene)))
 
 
 def exact(problem: str, *, max_frequency: float, **parameters: Any) -> Reference:
@@ -90,8 +85,8 @@ def _key(scene: Mapping[str, Any]) -> str:
 
 
 @cache
-def _values(compute: Callable[[dict[str, Any]], Complexes], scene: str) -> Complexes:
-    return compute(json.loads(scene))
+def _dense(scene: str) -> Complexes:
+    return dense_eigenvalues(json.loads(scene))
 
 
 @dataclass(frozen=True)
@@ -120,20 +115,19 @@ def runs(
     *,
     expected: str = "accurate",
     instead: Mapping[str, Any] | None = None,
-    problem: Callable[[dict[str, Any]], Problem] = OfScene,
     also: tuple[str, ...] = (),
     **fields: Any,
 ) -> Runs:
     """A scene in every one of some ways; ``row`` distinguishes it within its case.
 
     ``true`` is the reference, or makes it from the scene as it is run, or from another one
-    ``instead``; None where only a refusal is right. ``problem`` makes what is solved of the scene,
-    ``also`` are warnings that may come beside those about the mesh; others are fields of Run.
+    ``instead``; None where only a refusal is right. ``also`` are warnings that may come beside
+    those about the mesh; others are fields of Run.
     """
     fields = {"warnings": (*MESH, *also), **fields}
     for way in ways:
         reference = true(way.of(instead or scene)) if callable(true) else true
-        yield Run(row, way, problem(way.of(scene)), reference, EXPECTED[expected], **fields)
+        yield Run(row, way, OfScene(way.of(scene)), reference, EXPECTED[expected], **fields)
 
 
 def refused(

@@ -4,10 +4,7 @@ from functools import partial
 from math import inf
 from typing import Any
 
-import numpy as np
-
 from comparisons.stability.case import Runs, dense, refused, runs
-from comparisons.stability.problems import OfMap
 from comparisons.stability.scenes import (
     ABOUT_Z,
     LINING,
@@ -170,23 +167,6 @@ def free_bodies() -> Runs:
             ("space", unequal_boxes(held=False, mu=mu)),
         ):
             yield from runs(f"two blocks, {name}, μ = {mu:g}", data, FEW, tolerance=1e-6, lowest=10)
-
-
-def maps() -> Runs:
-    """Maps of friction and contact stiffness by a reduced model."""
-    for P, mu, ends, ways in (
-        (0.02, 0.3, (1e-3, 1e5), PAIR),
-        (7.0, 0.83, (1e-3, 1e5), PAIR),
-        (3e3, 0.61, (1e-3, 1e5), PAIR),
-        (2e11, 0.83, (1e6, 1e14), chosen(SADDLE, "GPTS, saddle", "mortar")),
-    ):
-        axes = {
-            "contacts.interface.mu": (0.0, 0.5, 1.0),
-            "contacts.interface.P": np.geomspace(*ends, 9).tolist(),
-        }
-        row, data = f"P = {P:g} N/m, μ = {mu:g}", layers(P=P, mu=mu)
-        expected, of_map = "honest" if P > 1e6 else "accurate", partial(OfMap, axes=axes)
-        yield from runs(row, data, ways, problem=of_map, expected=expected)
 
 
 def whole_spectrum() -> Runs:

@@ -1,14 +1,11 @@
 """Loads, damping and rotation, from next to nothing to critical."""
 
-from collections.abc import Iterator
 from functools import partial
-from math import sqrt
 from typing import Any
 
 from scipy.optimize import brentq
 
-from comparisons.stability.case import Reference, Runs, carried, dense, refused, runs
-from comparisons.stability.problems import OfMap
+from comparisons.stability.case import Reference, Runs, dense, refused, runs
 from comparisons.stability.scenes import (
     WALLS,
     Scene,
@@ -166,20 +163,6 @@ def damping() -> Runs:
         yield from runs(f"ζ = {ratio:g}, upper alone", upper, PAIR, also=also)
 
 
-def damped_maps() -> Runs:
-    """Maps of friction and damping by a reduced model."""
-    axes = {
-        "contacts.interface.mu": (0.0, 0.5, 1.0),
-        "bodies.upper.damping.alpha": (0.0, 0.25, 0.5),
-        "bodies.lower.damping.beta": (0.0, 0.05, 0.1),
-    }
-    for alpha, beta, mu in ((1e-9, 1e-12, 0.83), (3e-3, 1e-3, 0.3), (0.4, 0.07, 0.61)):
-        row = f"α = {alpha:g} 1/s, β = {beta:g} s, μ = {mu:g}"
-        data = _with(layers(p=10.0, mu=mu), {"alpha": alpha}, "upper")
-        data = _with(data, {"beta": beta}, "lower")
-        yield from runs(row, data, PAIR, problem=partial(OfMap, axes=axes))
-
-
 _EVERY = 1e3  # frequency (Hz) above all modes of these bodies
 
 
@@ -239,43 +222,3 @@ def rotation() -> Runs:
                 turning = {"rate": rate, "coriolis": coriolis, "convective_stiffness": convective}
                 turned = body(ring(0.5, 1.0), (2, 12), held="inner", rotation=turning)
                 yield from runs(row, scene({"ring": turned}), ALONE, also=may)
-
-
-_STANDS = 0.0447  # rate (rad/s) at which a wave of two diameters stands, sqrt(E / rho) = 1 m/s
-_BETWEEN = 0.15  # kappa (1/s^2) between the waves of three and four diameters, likewise
-
-
-def _dampings(omega: float) -> Iterator[tuple[str, dict[str, Any], float]]:
-    """Words, damping, and a decay (1/s) that all waves of two and three diameters are below.
-
-    Ratios of these are 0.2 to 0.8. Rigid motions have double eigenvalues without damping of mass.
-    """
-    alpha, beta, ratio = 0.05 * omega, 3.0 / omega, 0.5
-    yield "α", {"alpha": 2 * alpha}, 2 * alpha
-    decay = (alpha + beta * _BETWEEN * omega**2) / 2
-    yield "α and β", {"alpha": alpha, "beta": beta}, decay
-    modal = {"ratio": ratio, "max_frequency": 1e3 * omega}
-    decay = alpha / 2 + ratio * sqrt(_BETWEEN) * omega
-    yield "α and mode by mode", {"alpha": alpha, "modal": modal}, decay
-
-
-def damped_rotation() -> Runs:
-    """A free ring that rotates, heavily damped."""
-    for material, E, rho, parts in (
-        ("soft", 1.0, 1.0, (0.0, 1.0, 1.5)),
-        ("steel", 2e11, 7800.0, (1.5,)),
-    ):
-        omega = sqrt(E / rho)
-        for words, fields, decay in _dampings(omega):
-            window = {"kind": "cea", "max_frequency": 0.1 * omega, "min_growth": -decay}
-            for part in parts:
-                # The decay is that at rest, of which the mesh leaves three digits. Rigid motions at
-                # rest in space decay by nothing: their sign is lost in rounding.
-                rate = {"rate": part * _STANDS * omega}
-                turning = rate | {"coriolis": False, "convective_stiffness": True}
-                moving: Scene = {"rotation": turning, "damping": fields}
-                turned = body(ring(0.9, 1.0), (1, 24), degree=3, E=E, rho=rho, **moving)
-                row = f"{material}, damped by {words}, {part:g} of the rate of a standing wave"
-                may = ("centrifugal-stresses", "undecided") if part else ("centrifugal-stresses",)
-                data = scene({"ring": turned}, window)
-                yield from runs(row, data, ALONE, carried, tolerance=1e-3, also=may)

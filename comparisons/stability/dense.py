@@ -42,7 +42,6 @@ _LOW = 24  # modes whose size sets the shift
 _ABOUT = 30.0  # how far from the best place the near eigenvalues may give way to the far ones
 _INFINITE = 1e-11  # eigenvalues of the inverse below this part are those of tied gaps
 _RIGID = 1e-12  # eigenvalues of a body relative to its largest up to which motions are rigid
-_TOGETHER = 1e-3  # relative distance of kappa up to which waves of a mesh are two of one frequency
 
 Constraint = tuple[Floats, Floats, Floats]  # J, T and C: gaps, slips times mu, compliances
 
@@ -301,36 +300,3 @@ def _sliding(system: CoupledSystem, contact: Contact, spec: SlidingSpec) -> Floa
         across = jump(system, contact, np.cross(n, k))
         damping += across.T @ ((load * friction.mu / given["speed"])[:, None] * across)
     return damping
-
-
-def carried_eigenvalues(data: Mapping[str, Any]) -> Complexes:
-    """Lambda (1/s) with Im >= 0 of one body without springs, damped by factors or by one ratio.
-
-    Of a body that rotates without Coriolis forces, convective stiffness included, a change of frame
-    gives the eigenvalues from those at rest: waves of m diameters have lambda_0 +- i m Omega, with
-
-        lambda_0^2 + (alpha + beta kappa + 2 zeta sqrt(kappa)) lambda_0 + kappa = 0.
-
-    Of the rotation only m is taken, the eigenvalues of X^T B X of modes X of one frequency rounded.
-    """
-    scene = read_scene(dict(data) | {"analysis": {"kind": "cea", "max_frequency": 1.0}})
-    ((name, spec),) = scene.bodies.items()
-    assert spec.rotation is not None
-    assert spec.damping is not None
-    body = coupled(scene)[0].bodies[name]
-    kappa, X = eigh(array(body.stiffness()), array(body.mass()))
-    kappa[kappa <= _RIGID * kappa[-1]] = 0.0
-    B = 0.5 * X.T @ array(body.gyroscopic(replace(spec.rotation, rate=1.0))) @ X
-    apart = np.flatnonzero(np.diff(kappa) > _TOGETHER * kappa[1:]) + 1
-    groups = np.split(np.arange(len(kappa)), apart)
-    diameters = [np.round(eigvals(B[np.ix_(own, own)]).imag) for own in groups]
-    rayleigh, modal = spec.damping.rayleigh(), spec.damping.modal
-    damping = np.zeros_like(kappa)
-    if rayleigh is not None:
-        damping += rayleigh.alpha + rayleigh.beta * kappa
-    if modal is not None:
-        damping += 2 * (modal.ratio or 0.0) * np.sqrt(kappa)
-    root = np.emath.sqrt(damping**2 / 4 - kappa)
-    shift = 1j * spec.rotation.rate * np.concatenate(diameters)
-    values = np.concatenate([-damping / 2 + root + shift, -damping / 2 - root + shift])
-    return values[values.imag >= 0]

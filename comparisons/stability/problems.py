@@ -1,29 +1,21 @@
 """What a run solves, and what its answer says: eigenvalues or stresses, and what it claims."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from copy import deepcopy
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
-from scipy.io import mmwrite, savemat
 from scipy.sparse import csr_array, save_npz
 
 from cea.arrays import Complexes, Floats
-from cea.eigen.classify import classify_run, thresholds
-from cea.eigen.driver import EigenSolver
-from cea.petsc import PETSc
-from cea.reduced.greedy import TOLERANCE, Enrichment
-from cea.reduced.model import ReducedModel
 from scenes import run_scene
 from scenes.results.record import as_json
 from scenes.running.matrices import run_matrices
-from scenes.running.system import coupled
 from scenes.spec.matrices import read_matrix_scene
-from scenes.spec.reading import Scene, read_scene
+from scenes.spec.reading import read_scene
 
 UNDECIDED, NOT_COMPLETE = "undecided", "window-not-complete"
 """Kinds of what an answer leaves open."""
@@ -87,14 +79,6 @@ def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
     )
 
 
-class Problem(Protocol):
-    """Something that is solved; errors tell that it is refused, or has no answer."""
-
-    def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
-        """Solve it up to a frequency (Hz), where the problem does not say it."""
-        ...
-
-
 @dataclass(frozen=True)
 class OfScene:
     """A scene as plain data; ``analysis.max_frequency`` may be left to the reference."""
@@ -102,70 +86,16 @@ class OfScene:
     data: Mapping[str, Any]
 
     def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
-        """Read the scene and run it; the result can be stored."""
-        result = run_scene(_read(self.data, max_frequency))
+        """Read the scene and run it, up to a frequency (Hz) if it gives none.
+
+        The result can be stored.
+        """
+        data = deepcopy(dict(self.data))
+        if data["analysis"]["kind"] == "cea":
+            data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
+        result = run_scene(read_scene(data))
         as_json(result.data)
         return _answer(result, result.system.size)
-
-
-def _read(given: Mapping[str, Any], max_frequency: float | None) -> Scene:
-    """A scene, with the end of its window where it gives none."""
-    data = deepcopy(dict(given))
-    if data["analysis"]["kind"] == "cea":
-        data["analysis"].setdefault("max_frequency", max_frequency or 1.0)
-    return read_scene(data)
-
-
-@dataclass(frozen=True)
-class OfMap:
-    """A scene as one point of a map, by a reduced model of full solves at other points."""
-
-    data: Mapping[str, Any]
-    axes: Mapping[str, Sequence[float]]  # values of each parameter at the full solves
-
-    def solve(self, max_frequency: float | None) -> Answer:
-        """The reduced model at the values of the scene."""
-        scene = _read(self.data, max_frequency)
-        system = coupled(scene, leave_out=False)[0]
-        analysis: Any = scene.analysis
-        pencil, top = system.pencil(leave_out=False), analysis.max_frequency
-        box = {name: (min(values), max(values)) for name, values in self.axes.items()}
-        model = ReducedModel(pencil, box, top, analysis.min_growth)
-        built = Enrichment(model, EigenSolver(pencil))
-        points = product(*self.axes.values())
-        built.cover([dict(zip(self.axes, values, strict=True)) for values in points])
-        found = built.at({}).window
-        words = found.words(None)
-        complete = all(each["complete"] for each in built.solves)
-        return Answer(
-            eigenvalues=found.eigenvalues,
-            verdicts=tuple(words),
-            verdict=classify_run(words, complete=complete),
-            thresholds=thresholds(found.eigenvalues),
-            uncertainties=found.uncertainties,
-            complete=complete,
-            max_frequency=top,
-            residual=found.bound,
-            condition=float(found.conditions.max(initial=1.0)),
-            warnings=() if found.bound <= TOLERANCE else ("not-certified",),
-            dofs=system.size,
-        )
-
-
-def _write_petsc(file: Path, matrix: csr_array) -> None:
-    viewer = PETSc.Viewer().createBinary(str(file), "w", comm=PETSc.COMM_SELF)
-    rows = matrix.indptr, matrix.indices, matrix.data
-    PETSc.Mat().createAIJ(matrix.shape, csr=rows, comm=PETSc.COMM_SELF).view(viewer)
-    viewer.destroy()
-
-
-WRITERS: Mapping[str, Callable[[Path, csr_array], None]] = {
-    "mat": lambda file, matrix: savemat(file, {"A": matrix}),
-    "mtx": lambda file, matrix: mmwrite(file, matrix, precision=17),
-    "npz": save_npz,
-    "petsc": _write_petsc,
-}
-"""What writes a matrix in each format, by the ending of the file."""
 
 
 @dataclass(frozen=True)
@@ -173,19 +103,18 @@ class OfFiles:
     """Matrices M, K and perhaps C, shape (n, n), that are written to files and read again."""
 
     matrices: Mapping[str, Floats]
-    form: str = "npz"  # of the files
 
     def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
         """Write, read, and solve for the modes up to a frequency."""
         used = {name: matrix for name, matrix in self.matrices.items() if matrix.any()}
         with TemporaryDirectory() as folder:
             for name, matrix in used.items():
-                WRITERS[self.form](Path(folder) / f"{name}.{self.form}", csr_array(matrix))
+                save_npz(Path(folder) / f"{name}.npz", csr_array(matrix))
             scene = read_matrix_scene(
                 {
                     "name": "files",
                     "data": folder,
-                    "files": {name: f"{name}.{self.form}" for name in used},
+                    "files": {name: f"{name}.npz" for name in used},
                     "mass": {"M": 1.0},
                     "damping": {"C": 1.0} if "C" in used else {},
                     "stiffness": {"K": 1.0},
@@ -194,3 +123,7 @@ class OfFiles:
             )
             result = run_matrices(scene)
         return _answer(result, result.dofs)
+
+
+Problem = OfScene | OfFiles
+"""What is solved; errors tell that it is refused, or has no answer."""

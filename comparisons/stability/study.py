@@ -14,8 +14,8 @@ from cea.errors import require
 from comparisons.stability import (
     cases_bodies,
     cases_contact,
-    cases_files,
     cases_friction,
+    cases_matrices,
     cases_motion,
 )
 from comparisons.stability.case import Run, Runs, Verdict
@@ -29,7 +29,7 @@ from comparisons.study.session import Session
 from comparisons.study.study import Case, Process, Study
 
 VERDICTS: tuple[str, ...] = get_args(Verdict)  # every verdict, the best first
-_MODULES = (cases_bodies, cases_contact, cases_files, cases_friction, cases_motion)
+_MODULES = (cases_bodies, cases_contact, cases_friction, cases_matrices, cases_motion)
 
 
 @cache

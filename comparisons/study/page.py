@@ -1,8 +1,10 @@
 """The page of a study: one file that needs no other; CSV and PNG files beside it."""
 
+import json
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from functools import cache
+from gzip import compress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -18,7 +20,7 @@ from comparisons.study.closing import closing
 from comparisons.study.columns import Column, column, is_missing
 from comparisons.study.result import StudyResult
 from comparisons.study.sections import Plot, Section, Table, rows
-from comparisons.study.shapes import Shapes, merged, packed
+from comparisons.study.shapes import STEPS, Shapes, merged
 from comparisons.study.study import Study
 
 REPORT = "report.html"  # name of a page
@@ -65,9 +67,10 @@ def write(
         text=text,
         files=files,
         parts=parts,
-        shapes=shapes if shapes and shapes.scenes else None,
+        shapes=packed(json.dumps(shapes.plain()).encode()) if modes and shapes else "",
         keys=set(modes),
         first=modes[0] if modes else "",
+        steps=STEPS,
         style=Markup((_HERE / "style.css").read_text("utf-8")),
         scripts=Markup(
             "\n".join((_HERE / "scripts" / name).read_text("utf-8") for name in _SCRIPTS)
@@ -76,6 +79,11 @@ def write(
     )
     write_whole(page.encode(), out / REPORT)
     return out / REPORT
+
+
+def packed(content: bytes) -> str:
+    """Bytes compressed with gzip, in base64; the same for the same bytes."""
+    return b64encode(compress(content, 9, mtime=0)).decode()
 
 
 @cache

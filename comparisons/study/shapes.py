@@ -3,15 +3,13 @@
 What is drawn at a phase phi is x + s Re(u e^(i phi)), at phase 0 the largest deflection.
 """
 
-from base64 import b64encode
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from gzip import compress
 from typing import Any
 
 import numpy as np
 
-from cea.arrays import Complexes, Ints
+from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import BY_URGENCY, GROWING
 from comparisons.study.numbers import growth, literal, number
 from comparisons.study.result import StudyResult
@@ -20,52 +18,23 @@ from scenes import Result
 STEPS = 2047  # steps of a displacement on either side of zero: finer ones are noise to a compressor
 _POSITIONS = 2**16 - 1  # steps of a position along the longest side of a scene
 _POINTS = 4000  # points of the outsides of a scene, about: more are not seen on a screen
-_MOST = 3_000_000  # bytes of displacements kept uncompressed, about: pages stay light
-_ALIGNED = 4  # bytes at whose multiples arrays begin, as typed arrays of a browser want it
-_NUMBERS = "shapes"  # array of a case that holds the numbers of its shapes
-
-
-def packed(content: bytes) -> str:
-    """Bytes compressed with gzip, in base64; the same for the same bytes."""
-    return b64encode(compress(content, 9, mtime=0)).decode()
+_MOST = 1_500_000  # numbers of displacements kept, about: pages stay light
 
 
 @dataclass
 class Shapes:
-    """What the views of a page draw: bodies by the key of their result, modes by it and number.
+    """What the views of a page draw, as plain data: bodies by the key of their result, and modes.
 
-    Arrays stand one after the other in ``content``; plain data have their type, place and length.
+    Arrays are lists of whole numbers, one for each coordinate or corner.
     """
 
     scenes: dict[str, Any] = field(default_factory=dict)
-    modes: dict[str, dict[str, Any]] = field(default_factory=dict)
-    content: bytearray = field(default_factory=bytearray)
+    modes: dict[str, dict[str, Any]] = field(default_factory=dict)  # by key, then by number
     _size: int = 0
 
     def plain(self) -> dict[str, Any]:
-        """Plain data for the page, beside the text of :attr:`content`."""
-        return {"scenes": self.scenes, "modes": self.modes, "steps": STEPS}
-
-    def numbers(self) -> str:
-        """The arrays as a text."""
-        return packed(bytes(self.content))
-
-    def stored(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Plain data, and the array of the bytes that they refer to, if there are some."""
-        numbers = np.frombuffer(bytes(self.content), np.uint8)
-        arrays = {_NUMBERS: numbers} if len(numbers) else {}
-        return {"scenes": self.scenes, "modes": self.modes}, arrays
-
-    def _kept(self, values: Any, kind: str) -> dict[str, Any]:
-        """Keep an array; its type, place and length."""
-        array = np.ascontiguousarray(values, dtype=kind)
-        return {"type": kind, "at": self.append(array.tobytes()), "length": array.size}
-
-    def append(self, part: bytes) -> int:
-        """Keep bytes, and tell where they begin."""
-        begin = len(self.content)
-        self.content += part + bytes(-len(part) % _ALIGNED)
-        return begin
+        """Plain data, as records and pages hold them."""
+        return {"scenes": self.scenes, "modes": self.modes}
 
     def add(
         self, key: str, result: Result, modes: Sequence[int], like: str = "", title: str = ""
@@ -90,14 +59,14 @@ class Shapes:
         for i, mode in enumerate(modes):
             parts = [s.point_data for s in outsides.values()]
             u = np.concatenate([data[f"real {i}"] + 1j * data[f"imaginary {i}"] for data in parts])
-            if self._size + 4 * u.size > _MOST and kept:
+            if self._size + 2 * u.size > _MOST and kept:
                 break
-            self._size += 4 * u.size
+            self._size += 2 * u.size
             turned, largest = largest_deflection(u)
             steps = np.pad(turned * (STEPS / (largest or 1.0)), ((0, 0), (0, 3 - turned.shape[1])))
             kept[str(mode + 1)] = {
-                "real": self._kept(np.round(steps.real).T, "int16"),
-                "imaginary": self._kept(np.round(steps.imag).T, "int16"),
+                "real": _whole(steps.real),
+                "imaginary": _whole(steps.imag),
                 "number": mode + 1,
                 "title": title,
                 "frequency": number(rows[mode]["frequency"], 6),
@@ -116,13 +85,11 @@ class Shapes:
         step = extent / _POSITIONS
 
         def kept(surface: Any) -> dict[str, Any]:
-            places = np.round(np.clip((surface.points - low) / step, 0, _POSITIONS))
-            numbered = "uint16" if surface.n_points <= _POSITIONS else "uint32"
             return {
-                "points": self._kept(places.T, "uint16"),
-                "triangles": self._kept(surface.regular_faces.T, numbered),
-                "edges": self._kept(_element_edges(surface).T, numbered),
-                "sharp": self._kept(_sharp_edges(surface).T, numbered),
+                "points": _whole((surface.points - low) / step),
+                "triangles": _whole(surface.regular_faces),
+                "edges": _whole(_element_edges(surface)),
+                "sharp": _whole(_sharp_edges(surface)),
             }
 
         self.scenes[key] = {
@@ -136,23 +103,17 @@ class Shapes:
 
 
 def merged(result: StudyResult) -> Shapes:
-    """Shapes that cases kept: their numbers one after the other."""
+    """Shapes that all cases kept."""
     shapes = Shapes()
     for case in result.cases:
-        if case["shapes"]["scenes"]:
-            begin = shapes.append(result.arrays[f"{case['key']}/{_NUMBERS}"].tobytes())
-            shapes.scenes |= _moved(case["shapes"]["scenes"], begin)
-            shapes.modes |= _moved(case["shapes"]["modes"], begin)
+        shapes.scenes |= case["shapes"]["scenes"]
+        shapes.modes |= case["shapes"]["modes"]
     return shapes
 
 
-def _moved(data: Any, by: int) -> Any:
-    """Plain data whose places in the numbers lie farther on."""
-    if isinstance(data, dict):
-        if {"type", "at", "length"} == data.keys():
-            return data | {"at": data["at"] + by}
-        return {name: _moved(part, by) for name, part in data.items()}
-    return [_moved(part, by) for part in data] if isinstance(data, list) else data
+def _whole(values: Floats | Ints) -> list[list[int]]:
+    """Rounded values of an array of rows, a list for each column."""
+    return np.round(values).astype(int).T.tolist()
 
 
 def _cells(result: Result) -> dict[str, Any]:

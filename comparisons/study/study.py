@@ -73,16 +73,15 @@ def evaluated(
         as_json(tables)  # refuses what is no plain data, and what is no number
     except (ConvergenceError, InputError) as error:
         tables, failed = {}, str(error) or type(error).__name__
-    shapes, numbers = session.shapes.stored()
     case = {
         "labels": dict(labels),
         "tables": tables,
         "runs": session.runs,
-        "shapes": shapes,
+        "shapes": session.shapes.plain(),
         "failed": failed,
         "seconds": perf_counter() - start,
     }
-    return case, session.arrays | numbers
+    return case, session.arrays
 
 
 def _tables(rows: Any) -> dict[str, list[dict[str, Any]]]:

@@ -1,6 +1,7 @@
 """The doctor: what is well, what is not, and what mends it."""
 
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -8,27 +9,14 @@ from comparisons import doctor
 from comparisons.doctor import Finding
 
 
-def test_what_is_installed_here_is_well():
-    found = {finding.name: finding for finding in doctor.packages()}
-    every = [*found.values(), *doctor.libraries(), doctor.compiler()]
-    assert [finding for finding in every if finding.mend] == []
-    assert {"friction-cea", "numpy", "pydantic", "gmsh", "pyvista (extra pictures)"} <= found.keys()
-    assert not any("ruff" in name for name in found)
-
-
-@pytest.mark.parametrize(
-    ("requirement", "mend", "told"),
-    [
-        ("no-such-package>=1", "python -m pip install 'friction-cea'", ""),
-        ("no-such-package>=1; extra == 'pictures'", None, "friction-cea[pictures]"),
-        ("numpy>=1000", "python -m pip install 'numpy>=1000'", ""),
-        ("numpy>=1,<1000", None, ""),
-    ],
-)
-def test_packages_that_lack_or_are_too_old_are_faults(requirement, mend, told):
-    finding = doctor.package(requirement)
-    assert finding.mend == mend
-    assert told in finding.told
+def test_what_is_installed_here_is_well(monkeypatch):
+    found = [doctor.packages(), *doctor.libraries(), doctor.compiler()]
+    assert [finding for finding in found if finding.mend] == []
+    told = "friction-cea 0.1 has requirement numpy>=2\nother 1 requires more"
+    lacking = SimpleNamespace(stdout=told, returncode=1)
+    monkeypatch.setattr(doctor.subprocess, "run", lambda *_, **__: lacking)
+    assert doctor.packages().mend == "python -m pip install 'friction-cea'"
+    assert doctor.packages().told == told.splitlines()[0]
 
 
 def test_what_does_not_load_or_fails_is_a_fault(monkeypatch):
@@ -56,11 +44,8 @@ def test_the_launcher_starts_two_ranks(monkeypatch, tmp_path):
     assert doctor.launcher(launched=True).mend is None
 
 
-def test_the_solve_is_right(backend, monkeypatch):
-    error = doctor.worst_error(backend)
-    assert 0 < error < 1e-5
-    monkeypatch.setattr(doctor, "worst_error", lambda backend: error)
-    assert doctor.solve(backend).mend is None
+def test_the_solve_is_right(backend):
+    assert 0 < doctor.worst_error(backend) < 1e-5
 
 
 @pytest.mark.parametrize("mend", [None, "sudo apt-get install gcc"])

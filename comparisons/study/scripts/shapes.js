@@ -1,24 +1,12 @@
 // Shapes: outsides of bodies and how modes move them, out of their compressed numbers.
 
-const KINDS = { uint16: Uint16Array, int16: Int16Array, uint32: Uint32Array };
 const DEFLECTION = 0.05; // largest deflection drawn, relative to the diagonal
 
 async function loadShapes() {
   const place = document.getElementById("shapes");
   if (!place) return null;
-  const shapes = JSON.parse(place.textContent);
-  shapes.buffer = await (await unpacked("numbers")).arrayBuffer();
-  return shapes;
-}
-
-function numbers(shapes, reference) {
-  return new KINDS[reference.type](shapes.buffer, reference.at, reference.length);
-}
-
-// Rows of an array that was kept one row after the other.
-function rows(array, count) {
-  const length = array.length / count;
-  return Array.from({ length: count }, (_, i) => array.subarray(i * length, (i + 1) * length));
+  const shapes = await (await unpacked("shapes")).json();
+  return { ...shapes, steps: Number(place.dataset.steps) };
 }
 
 function bodiesOf(shapes, key) {
@@ -26,13 +14,13 @@ function bodiesOf(shapes, key) {
   if (!scene.ready) {
     let first = 0;
     scene.ready = scene.bodies.map((body) => {
-      const rest = rows(numbers(shapes, body.points), 3).map((places, axis) =>
+      const rest = body.points.map((places, axis) =>
         Float32Array.from(places, (place) => scene.low[axis] + scene.step * place));
       const made = {
         name: body.name, rest, first,
-        triangles: rows(numbers(shapes, body.triangles), 3),
-        edges: rows(numbers(shapes, body.edges), 2),
-        sharp: rows(numbers(shapes, body.sharp), 2),
+        triangles: body.triangles,
+        edges: body.edges,
+        sharp: body.sharp,
       };
       first += rest[0].length;
       return made;
@@ -48,7 +36,6 @@ function diagonal(scene) {
 // Positions and deflections (relative to the largest) of the points of every body at a phase.
 function deformed(shapes, mode, phase, size) {
   const scene = shapes.scenes[mode.scene];
-  const [real, imaginary] = [mode.real, mode.imaginary].map((part) => rows(numbers(shapes, part), 3));
   const scale = DEFLECTION * size * diagonal(scene);
   const c = Math.cos(phase) / shapes.steps;
   const s = Math.sin(phase) / shapes.steps;
@@ -58,7 +45,7 @@ function deformed(shapes, mode, phase, size) {
     const places = body.rest.map((rest, axis) => {
       const moved = new Float32Array(count);
       for (let i = 0; i < count; i += 1) {
-        const u = c * real[axis][body.first + i] - s * imaginary[axis][body.first + i];
+        const u = c * mode.real[axis][body.first + i] - s * mode.imaginary[axis][body.first + i];
         moved[i] = rest[i] + scale * u;
         deflection[i] += u * u;
       }

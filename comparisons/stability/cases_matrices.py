@@ -1,38 +1,17 @@
-"""Matrices and meshes from files, and contacts whose surfaces turn a corner."""
+"""Matrices from files: scaled, clustered, sheared, near to what has no answer."""
 
 from collections.abc import Mapping, Sequence
-from copy import deepcopy
-from dataclasses import dataclass, field, replace
-from functools import partial
-from math import inf
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from scipy.linalg import block_diag, eigvals, qr
+from scipy.linalg import block_diag, qr
 
 from cea.arrays import Complexes, Floats
-from cea.mesh import Mesh
-from comparisons.stability.case import EXPECTED, Run, Runs, formula, runs
+from comparisons.stability.case import EXPECTED, Run, Runs, formula
 from comparisons.stability.dense import lambdas
-from comparisons.stability.problems import WRITERS, Answer, OfFiles, OfScene, StressAnswer
-from comparisons.stability.scenes import (
-    Scene,
-    body,
-    contact,
-    layers,
-    pad,
-    patch,
-    rectangle,
-    scene,
-    up_to,
-)
-from comparisons.stability.ways import ALONE, PAIR, SADDLE, WAYS, chosen
-from meshes.breaks import breaks_of
-from meshes.mesh_file import METRES, Unit
-from meshes.shape_mesh import shape_mesh
-from meshes.shapes import Rectangle
+from comparisons.stability.problems import OfFiles
+from comparisons.stability.ways import ALONE
 
 
 @dataclass(frozen=True)
@@ -94,9 +73,7 @@ def _mixing(n: int, seed: int, size: float) -> Floats:
 _MIXED = _mixing(_N, 5, 0.4)
 
 
-def _run(
-    row: str, true: Any, matrices: Mapping[str, Floats], *, form: str = "npz", **fields: Any
-) -> Run:
+def _run(row: str, true: Any, matrices: Mapping[str, Floats], **fields: Any) -> Run:
     """Matrices in files beside eigenvalues of blocks, or given ones; None: they are refused."""
     given: dict[str, Any] = {"lowest": 12, "warnings": (), "expected": "accurate"} | fields
     if true is None:
@@ -105,14 +82,13 @@ def _run(
         true = _upper(true)
     reference = None if true is None else formula(true.tolist())
     may = EXPECTED[given.pop("expected")]
-    return Run(row, ALONE[0], OfFiles(matrices, form), reference, may, **given)
+    return Run(row, ALONE[0], OfFiles(matrices), reference, may, **given)
 
 
 def _units() -> Runs:
     """Scaling of unknowns and of time changes nothing."""
     mixed = _transformed(_matrices(_DAMPED), _MIXED)
-    for form in WRITERS:
-        yield _run(f"damped, rotating, with friction: .{form}", _DAMPED, mixed, form=form)
+    yield _run("damped, rotating, with friction", _DAMPED, mixed)
     undamped = _transformed(_matrices(_PLAIN), _MIXED)
     yield _run("neither damped nor rotating", _PLAIN, undamped)
     for digits in (3, 6, 9, 12):
@@ -227,133 +203,3 @@ def multiplicities() -> Runs:
             true = lambdas(np.concatenate([np.repeat(kappas, number), beyond]))
             turned = {"M": np.eye(len(K))} | _transformed({"K": K}, turn)
             yield _run(f"{number} copies, {word}", true, turned, lowest=2 * number)
-
-
-_CPE8R, _MIDDLE = [0, 6, 8, 2, 3, 7, 5, 1], 4
-"""Nodes of an element of Abaqus, and the one in its middle, among those of a quadratic cell."""
-
-
-@dataclass(frozen=True)
-class OfMeshFile:
-    """A scene of rectangles of quadratic cells, written to a deck of Abaqus and read from it."""
-
-    data: Mapping[str, Any]
-    unit: Unit = "m"  # of lengths in the deck
-    step: int = 1  # between the numbers of nodes
-    geometry: Mapping[str, Any] = field(default_factory=dict)  # fields of every body that differ
-    notched: str = ""  # a body without the cells beyond the origin along both axes
-
-    def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
-        """Write, read, and solve."""
-        data, text, first = deepcopy(dict(self.data)), "", 1
-        places = [pair[side] for pair in data["contacts"].values() for side in ("a", "b")]
-        with TemporaryDirectory() as folder:
-            deck = Path(folder) / "bodies.inp"
-            for name, each in data["bodies"].items():
-                faces = {place.split(".")[1] for place in places if place.startswith(f"{name}.")}
-                faces |= {support["surface"] for support in each["supports"]}
-                given = each["geometry"]
-                shape = Rectangle(tuple(given["size"]), tuple(given["origin"]))
-                breaks = breaks_of(shape, each["mesh"]["fe"]["elements"])
-                mesh = shape_mesh(shape, "quadrilateral", 2, breaks=breaks)
-                text += self._part(name, mesh, faces, first)
-                first += len(mesh.points)
-                sets = {"part": name, "faces": {face: f"{name}_{face}" for face in faces}}
-                file = {"shape": "mesh_file", "file": str(deck), "unit": self.unit}
-                each |= {"geometry": {**file, **sets, **self.geometry}, "mesh": {}}
-            deck.write_text(text)
-            return OfScene(data).solve(max_frequency)
-
-    def _part(self, name: str, mesh: Mesh, faces: set[str], first: int) -> str:
-        """Nodes, elements and sets of nodes of a body, numbered from a first number."""
-        cells, points = mesh.cells, mesh.points
-        if name == self.notched:
-            cells = cells[points[cells[:, _MIDDLE]].min(axis=1) < 0]
-        cells = cells[:, _CPE8R]
-        used, numbers = np.unique(cells), self.step * (first + np.arange(len(points)))
-        above, below = METRES[self.unit]
-        at = zip(numbers[used], (points[used] * below / above).tolist(), strict=True)
-        lines = ["*NODE", *(f"{number}, {x!r}, {y!r}" for number, (x, y) in at)]
-        elements = enumerate(numbers[cells].tolist(), first)
-        lines += [f"*ELEMENT, TYPE=CPE8R, ELSET={name}"]
-        lines += [", ".join(map(str, [number, *nodes])) for number, nodes in elements]
-        sets = {"corner": np.flatnonzero(points.min(axis=1) == 0), **mesh.surfaces}
-        for face in faces:
-            on = np.intersect1d(sets[face], used)
-            lines += [f"*NSET, NSET={name}_{face}", *map(str, numbers[on])]
-        return "\n".join([*lines, ""])
-
-
-def mesh_files() -> Runs:
-    """Bodies from mesh files."""
-    ways = chosen(PAIR, backend="fe")
-    for row, data, problem in (
-        ("metres", layers(), OfMeshFile),
-        ("micrometres", layers(), partial(OfMeshFile, unit="um")),
-        ("feet", layers(), partial(OfMeshFile, unit="ft")),
-        ("elements of aspect 1e4", layers(height=1e-4), OfMeshFile),
-        ("node numbers to 1e9", layers(), partial(OfMeshFile, step=10**7)),
-        ("a pad that ends on its base", pad(), partial(OfMeshFile, unit="mm")),
-    ):
-        yield from runs(row, data, ways, problem=problem)
-    for row, name, value in (
-        ("no unit", "unit", None),
-        ("two bodies as one", "part", None),
-        ("a set that is not there", "faces", {"y_min": "nowhere"}),
-    ):
-        wrong = partial(OfMeshFile, geometry={name: value})
-        data = layers()
-        yield from runs(row, data, ways, None, expected="refused", problem=wrong, names=name)
-
-
-def _corner(p: float, *, together: bool = True, E: float = 1.0) -> Scene:
-    """A block in the corner of a seat, one contact over both faces or one for each."""
-    block = patch([[0.0, 0.0], [1.0, 0.0]], [[0.0, 1.0], [1.0, 1.0]])
-    below, left = [[0, 1, 0]], [[0, 0, 0]]
-    block["faces"] = {"below": below, "left": left, "corner": below + left}
-    seat = patch([[-0.5, -0.5], [0.0, -0.5]], [[-0.5, 0.0], [0.0, 0.0]])
-    for low, high in (((0.0, -0.5), (1.5, 0.0)), ((-0.5, 0.0), (0.0, 1.5))):
-        part = patch([[low[0], low[1]], [high[0], low[1]]], [[low[0], high[1]], [high[0], high[1]]])
-        seat["patches"] += part["patches"]
-    floor, wall, foot = [[1, 1, 1]], [[2, 0, 1]], [[0, 1, 0], [1, 1, 0]]
-    seat["faces"] = {"base": foot, "floor": floor, "wall": wall, "corner": floor + wall}
-    bodies = {
-        "block": body(block, (4, 4), E=E),
-        "seat": body(seat, (3, 3), E=E, held="base"),
-    }
-    if together:
-        return scene(bodies, contact=_push("block.corner", "seat.corner", [1.0, 1.0], p))
-    return scene(
-        bodies,
-        floor=_push("block.below", "seat.floor", [1.0, 0.0], p),
-        wall=_push("block.left", "seat.wall", [0.0, 1.0], p),
-    )
-
-
-def _push(a: str, b: str, direction: list[float], p: float) -> Scene:
-    return contact(a, b, p=p, friction_direction_on_a={"vector": direction})
-
-
-def contact_corner() -> Runs:
-    """A contact whose surfaces turn a corner."""
-    rigid, mu = 1e7, 0.3  # E beside a contact of p = 1 N/m³
-    bodies = {
-        "block": body(rectangle((1.0, 1.0)), (4, 4), E=rigid),
-        "seat": body(rectangle((2.0, 2.0), (-0.5, -0.5)), (8, 8), E=rigid, held="y_min"),
-    }
-    of_file = scene(bodies, contact=_push("block.corner", "seat.corner", [1.0, 1.0], 1.0))
-    # Motions of a rigid block along x, along y and about the corner: on a face the gap is n.u, the
-    # slip k.u, and its pressure and friction are p (n - mu k) n.u (k the direction of friction).
-    K = [[1.0, mu, (mu - 1) / 2], [mu, 1.0, (1 - mu) / 2], [-0.5, 0.5, 2 / 3]]
-    M = [[1.0, 0.0, -0.5], [0.0, 1.0, 0.5], [-0.5, 0.5, 2 / 3]]
-    true = formula(lambdas(eigvals(K, M)).tolist())
-    ways = chosen(WAYS, "segments", "mortar", "GPTS, penalty", "GPTS, saddle")
-    file, seat = chosen(ways, backend="fe"), partial(OfMeshFile, notched="seat")
-    yield from runs("rigid bodies", up_to(1.0, of_file), file, true, problem=seat, tolerance=1e-6)
-    data, iga = up_to(1.0, _corner(1.0, E=rigid)), chosen(ways, backend="iga")
-    yield from runs("rigid bodies", data, iga, true, tolerance=1e-6)
-    for row, p, some in (
-        ("as a contact for each face", 1.0, chosen(WAYS, backend="iga")),
-        ("tied, as a tie for each face", inf, chosen(SADDLE, "mortar", backend="iga")),
-    ):
-        yield from runs(row, _corner(p), some, instead=_corner(p, together=False))
