@@ -1,8 +1,4 @@
-"""What every backend must hold: matrices, supports, loads, surfaces of a `cea.body.Space`.
-
-The stub of tests/helpers/stub_backend.py shows how little a new backend has to implement; it takes
-part in all but rotations and prestress.
-"""
+"""What every backend must hold: matrices, supports, loads, surfaces of a `cea.body.Space`."""
 
 from functools import cache
 
@@ -14,9 +10,7 @@ from closed_patches import annulus, as_shape
 from motions import asymmetry, rigid_motions
 from mpi import on_ranks
 from petsc_matrices import gather, to_numpy
-from stub_backend import StubSpace
 
-from cea.body import Body
 from cea.eigen.driver import solve_modes
 from cea.eigen.pencil import Pencil
 from cea.eigen.static import solve_static
@@ -35,7 +29,6 @@ FLAT = {
     "Q3 plane": (PLATE, "quadrilateral", 3, (2, 2)),
     "NURBS 2": (BOX, None, 2, (2, 2, 1)),
     "NURBS 3 plane": (PLATE, None, 3, (3, 2)),
-    "stub": (PLATE, "stub", 1, (3, 2)),
 }
 ROUND = {
     "P2": (ANNULUS, "tetrahedron", 2, 0.4),
@@ -48,8 +41,6 @@ ROUND = {
 
 def made(case, **conditions):
     shape, cell, degree, mesh = case
-    if cell == "stub":
-        return Body("part", StubSpace(shape.size, mesh), MATERIAL, **conditions)
     return shape_body(shape, cell, degree, mesh, comm=MPI.COMM_SELF, **conditions)
 
 
@@ -61,8 +52,6 @@ def plain(case):
 
 def ends(case):
     """Opposite flat surfaces: below and above."""
-    if case[1] == "stub":
-        return "bottom", "top"
     return ("z_min", "z_max") if case[0] is BOX else ("y_min", "y_max")
 
 
@@ -192,7 +181,7 @@ def test_requests_that_make_no_points_are_refused(case):
             request(argument)
 
 
-@pytest.mark.parametrize("name", [name for name in FLAT if name != "stub"])
+@pytest.mark.parametrize("name", FLAT)
 def test_straight_cells_fill_the_body_and_know_its_positions(name):
     part = plain(FLAT[name])
     own = part.space.volume_cells()
