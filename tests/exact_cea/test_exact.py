@@ -3,11 +3,12 @@
 import json
 import math
 from decimal import Decimal
-from pathlib import Path
 
 import numpy as np
 import pytest
 from flint import acb, arb, ctx
+from reference_data import eigenvalues as values_of
+from reference_data import stored
 from typer.testing import CliRunner
 
 from cea.errors import InputError
@@ -23,16 +24,6 @@ from exact_cea.reference import exact_eigenvalues, whole_spectrum
 from exact_cea.roots import Box, RootFinder
 from exact_cea.solve import spectrum
 from exact_cea.thresholds import mu_critical
-
-DATA = Path(__file__).parents[1] / "data"
-
-
-def stored(name):
-    return json.loads((DATA / f"{name}.json").read_text())
-
-
-def values_of(entry):
-    return np.array([complex(float(x), float(y)) for x, y in entry["lam"]])
 
 
 def apart(found, reference):
