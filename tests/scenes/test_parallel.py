@@ -198,7 +198,7 @@ def assert_same_eigenvalues(found, expected):
     assert match.errors.max() < 1e-9
 
 
-@pytest.mark.parametrize(("ranks", "backend", "kind"), cases())
+@pytest.mark.parametrize(("ranks", "backend", "kind"), [*cases()])
 def test_answers_do_not_depend_on_the_number_of_ranks(ranks, backend, kind):
     found, expected = (dict(on_ranks(n, case, backend, kind)) for n in (ranks, 1))
     asymmetry = found.pop("asymmetry")
