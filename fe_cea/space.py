@@ -152,7 +152,7 @@ class LagrangeSpace(LagrangeMatrices):
         own = self.scalar.tabulate_dof_coordinates()[: last - first, : self.dim]
         return np.concatenate(self.comm.allgather(own))
 
-    def prolongation(self, coarse: "LagrangeSpace") -> tuple[csr_array, float]:
+    def prolongation(self, coarse: "LagrangeSpace") -> csr_array:
         """Functions of the space of a coarser mesh (:mod:`fe_cea.prolongation`)."""
         return prolongation(coarse.scalar, self.scalar, self.comm, f"{self._field}.mesh")
 

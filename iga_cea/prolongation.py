@@ -24,14 +24,12 @@ _SAME = 1e-6
 """Distance, relative to its size, within which a body is the same in both discretisations."""
 
 
-def prolongation(
-    coarse: Multipatch, fine: Multipatch, rank: int, field: str
-) -> tuple[csr_array, float]:
+def prolongation(coarse: Multipatch, fine: Multipatch, rank: int, field: str) -> csr_array:
     """Rows of a rank of the prolongation from one space of a body to another of the same patches.
 
     Exact where the fine spaces hold the coarse ones: knots inserted, degrees raised with continuity
     kept, in any direction. Supports on faces along which held directions turn are projected on
-    each space (:mod:`iga_cea.supports`), which the defect tells.
+    each space (:mod:`iga_cea.supports`).
     """
     before, after = coarse.patches, fine.patches
     if len(before) != len(after) or coarse.dim != fine.dim:
@@ -39,10 +37,9 @@ def prolongation(
         raise InputError(field, f"{len(after)} in {fine.dim} dimensions", allowed)
     first, last = fine.dof_ranges[rank : rank + 2]
     columns = coarse.num_scalar_dofs
-    rows, numbers, defect = [], [], 0.0
+    rows, numbers = [], []
     for number, (one, other) in enumerate(zip(before, after, strict=True)):
-        matrix, apart = _of_patch(one, other, f"{field}[{number}]")
-        defect = max(defect, apart)
+        matrix = _of_patch(one, other, f"{field}[{number}]")
         dofs, place = np.unique(fine.dofs[number].ravel(), return_index=True)
         own = (dofs >= first) & (dofs < last)
         part = coo_array(matrix[place[own]])
@@ -51,12 +48,12 @@ def prolongation(
         numbers.append(dofs[own])
     # A dof of several patches takes its row from the first.
     place = np.unique(np.concatenate(numbers), return_index=True)[1]
-    return csr_array(csr_array(vstack(rows, format="csr"))[place]), defect
+    return csr_array(csr_array(vstack(rows, format="csr"))[place])
 
 
-def _of_patch(coarse: Patch, fine: Patch, field: str) -> tuple[csr_array, float]:
-    """Coefficients on a fine patch from those on a coarse one, and how far they are from exact."""
-    along, defect = [], 0.0
+def _of_patch(coarse: Patch, fine: Patch, field: str) -> csr_array:
+    """Coefficients on a fine patch from those on a coarse one."""
+    along, error = [], 0.0
     for p, knots, q, refined in zip(
         coarse.degrees, coarse.knots, fine.degrees, fine.knots, strict=True
     ):
@@ -65,7 +62,7 @@ def _of_patch(coarse: Patch, fine: Patch, field: str) -> tuple[csr_array, float]
             raise InputError(f"{field}.knots", refined_ends.tolist(), f"from {ends.tolist()}")
         matrix, apart = _of_splines(knots, p, refined, q)
         along.append(matrix)
-        defect = max(defect, apart)
+        error = max(error, apart)
     tensor = csr_array(reduce(lambda a, b: kron(a, b, format="csr"), along))
     weights = coarse.weights.ravel()
     prolonged = tensor @ weights
@@ -73,9 +70,9 @@ def _of_patch(coarse: Patch, fine: Patch, field: str) -> tuple[csr_array, float]
     points = fine.control_points.reshape(-1, fine.dim)
     difference = np.abs(matrix @ coarse.control_points.reshape(-1, fine.dim) - points).max()
     apart = float(difference / np.linalg.norm(np.ptp(points, axis=0)))
-    if apart > max(_SAME, defect):
+    if apart > max(_SAME, error):
         raise InputError(f"{field}.control_points", f"{apart:.3g} apart", "one body in both")
-    return matrix, max(defect, apart, float(np.abs(prolonged / fine.weights.ravel() - 1).max()))
+    return matrix
 
 
 def _of_splines(knots: Floats, p: int, refined: Floats, q: int) -> tuple[csr_array, float]:

@@ -90,7 +90,7 @@ class NurbsSpace(NurbsMatrices):
         """Control points (m), (num_scalar_dofs, dim): weights are those of the geometry."""
         return self.multipatch.control_points
 
-    def prolongation(self, coarse: "NurbsSpace") -> tuple[csr_array, float]:
+    def prolongation(self, coarse: "NurbsSpace") -> csr_array:
         """Functions of coarser patches (:mod:`iga_cea.prolongation`)."""
         rank, field = self.comm.rank, f"{self._field}.patches"
         return prolongation(coarse.multipatch, self.multipatch, rank, field)

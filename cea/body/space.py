@@ -115,13 +115,11 @@ class Space(Protocol):
         Shape (num_scalar_dofs, dim); None where x does not lie in it, so that a rotation does not.
         """
 
-    def prolongation(self, coarse: Any) -> tuple[csr_array, float]:
+    def prolongation(self, coarse: Any) -> csr_array:
         """Functions of a coarser space of the same backend, body and ranks in this one.
 
         The coefficients of all coarse functions on the scalar dofs of this rank, shape
-        (n_local, coarse num_scalar_dofs), and the largest difference that was found between a
-        coarse function and these, relative to its coefficients. Refused where the spaces are not
-        those of one body.
+        (n_local, coarse num_scalar_dofs). Refused where the spaces are not those of one body.
         """
 
     def volume_cells(self) -> VolumeCells:

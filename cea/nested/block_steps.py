@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig
 
-from cea.arrays import Complexes, Floats, Ints
+from cea.arrays import Complexes, Floats
 from cea.eigen.block_products import (
     all_inner,
     beside,
@@ -31,7 +31,7 @@ from cea.eigen.block_products import (
     combined,
     times,
 )
-from cea.eigen.matching import DEGENERATE, assign
+from cea.eigen.matching import assign
 from cea.eigen.pencil import Matrices
 from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
@@ -120,9 +120,6 @@ class BlockSteps:
         self, space: _Spanned, values: Complexes, x: Complexes, *, transposed: bool = False
     ) -> _Spanned:
         """What a step of vectors spans beside a space, in real numbers."""
-        if not self.matrices.quadratic:
-            chosen = _one_of_each_pair(values)
-            values, x = values[chosen], x[:, chosen]
         loads, alone = self._real_parts(values, self._forces(values, x, transposed=transposed))
         own = self._solved(loads, transposed=transposed)
         inertia = times(self.matrices.mass, own)
@@ -170,16 +167,6 @@ class BlockSteps:
 
     def _inner(self, left: NDArray[Any], right: NDArray[Any]) -> NDArray[Any]:
         return all_inner(left, right, self.matrices.stiffness.comm)
-
-
-def _one_of_each_pair(eigenvalues: Complexes) -> Ints:
-    """Modes without those that decay as others, conjugate in lambda^2, grow."""
-    decaying = np.flatnonzero((eigenvalues.real < 0) & (eigenvalues.imag > 0))
-    growing = eigenvalues[(eigenvalues.real > 0) & (eigenvalues.imag > 0)]
-    apart = np.abs(eigenvalues[decaying][:, None] + growing.conj())
-    apart /= np.abs(eigenvalues[decaying][:, None])
-    mirrored = decaying[assign(apart, DEGENERATE)[0]]
-    return np.setdiff1d(np.arange(len(eigenvalues)), mirrored)
 
 
 def _symmetric_ritz(works: Floats, masses: Floats) -> tuple[Complexes, Complexes, Complexes]:

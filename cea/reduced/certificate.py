@@ -9,7 +9,8 @@ right and left vectors x and y of M-norm one, and their residuals r = P x and s 
     |z - z_pencil| <= (g |r| |s| + u) / |y^H P'(z) x|,
 
 norms in X^-1. It is of second order because r and s vanish on the basis (Galerkin). The factor g
-stands for the inverse of the pencil outside of the basis (:class:`Settings`), u is rounding.
+stands for the inverse of the pencil outside of the basis (:mod:`cea.reduced.spectrum`), u is
+rounding.
 
 Where eigenvalues nearly coalesce, bounds of one mean little: their condition grows without limit.
 With a basis Q of an invariant subspace of the linearised problem, its dual, the displacements X and
@@ -104,21 +105,6 @@ class Pairs:
 
 
 @dataclass(frozen=True)
-class Certificate:
-    """Bounds on errors of eigenvalues z, each of shape (n,).
-
-    Of each; of the mean of its cluster, or of itself where it is alone; what the basis makes of the
-    latter, without rounding; number of the cluster; y^H P'(z) x.
-    """
-
-    errors: Floats
-    means: Floats
-    reduction: Floats
-    clusters: Ints
-    overlaps: Complexes
-
-
-@dataclass(frozen=True)
 class Polynomial:
     """P(z) on a basis, contact forces among its unknowns: what is solved, and what bounds it."""
 
@@ -134,8 +120,11 @@ class Polynomial:
         total: Floats = np.sum([e.factor * z**e.power * e.square for e in self.terms], axis=0)
         return total
 
-    def certificate(self, pairs: Pairs, outside: Floats) -> Certificate:
-        """Bounds of eigenpairs, with the factor g of each, shape (n,)."""
+    def bounds(self, pairs: Pairs, outside: Floats) -> dict[str, Any]:
+        """Bounds of eigenpairs, with the factor g of each, shape (n,).
+
+        Those of :class:`cea.reduced.spectrum.ReducedSpectrum` by their names.
+        """
         values, overlaps = pairs.values, self._overlaps(pairs)
         slopes = 1 / np.maximum(np.abs(overlaps), _TINY)
         residuals, rounding = self._defects(pairs.right, pairs.left, values)
@@ -153,7 +142,8 @@ class Polynomial:
                 errors[members] = (2 * spread + e) ** (1 - 1 / p) * e ** (1 / p)
                 if self.damped and (values[members].imag < 0).any():  # only a part is told
                     means[members] = reduction[members] = errors[members]
-        return Certificate(errors, means, reduction, clusters, overlaps)
+        bounds = {"errors": errors, "means": means, "reduction": reduction}
+        return bounds | {"clusters": clusters, "overlaps": overlaps}
 
     def _overlaps(self, pairs: Pairs) -> Complexes:
         """y^H P'(z) x."""

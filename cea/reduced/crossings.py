@@ -16,7 +16,7 @@ from scipy.optimize import brentq, minimize_scalar
 from cea.arrays import Complexes, Floats
 from cea.eigen.matching import assign
 from cea.eigen.spectrum import SLOW
-from cea.reduced.following import GRID, Sample, Unit, UnresolvedError, error_of_half, grid_of
+from cea.reduced.following import Sample, Unit, UnresolvedError, error_of_half, grid_of
 from cea.reduced.window import Window
 
 _NEGLIGIBLE = 1e-6
@@ -233,28 +233,26 @@ class Crossings:
         values, errors = function(grid), error(grid)
         own = _ROUNDING * float(error(np.array(self.places)).max())
         noise = min(own, negligible)
-        told = bool(noise < errors.max() <= own)
         signs = np.where(values > errors, 1, np.where(values < -errors, -1, 0))
         sure = np.flatnonzero(signs)
         if not len(sure):
             if np.abs(values).max() > noise:
-                raise UnresolvedError(by_bounds=told)
+                raise UnresolvedError
             return  # zero within rounding throughout
         for unsure in (grid[: sure[0]], grid[sure[-1] + 1 :]):
             if len(unsure) and error(unsure).max() > noise:
-                raise UnresolvedError(float(unsure[len(unsure) // 2]), by_bounds=told)
+                raise UnresolvedError(float(unsure[len(unsure) // 2]))
         for i, j in pairwise(sure):
-            by_bounds = told and bool(j - i > GRID // 2)
             if signs[i] != signs[j]:
                 rises = (np.diff(values[i : j + 1]) * signs[j] > 0).all()
                 if j > i + 1 and not rises and errors[i : j + 1].max() > noise:
-                    raise UnresolvedError(float(grid[(i + j) // 2]), by_bounds=by_bounds)
+                    raise UnresolvedError(float(grid[(i + j) // 2]))
                 yield _root(function, grid[i], grid[j]), int(signs[j])
                 continue
             nearest = min(values[i] * signs[i], values[j] * signs[i])
             if j == i + 1 and nearest > 2 * abs(values[j] - values[i]) + errors[i] + errors[j]:
                 continue
-            self._check_apart(grid[i + 1 : j], noise, by_bounds=by_bounds)
+            self._check_apart(grid[i + 1 : j], noise)
             sign, bounds = int(signs[i]), (grid[i], grid[j])
             options = {"xatol": 1e-12 * (grid[j] - grid[i])}
             approach = minimize_scalar(
@@ -268,16 +266,16 @@ class Crossings:
             elif least <= doubt:
                 aside = min(abs(place - each) for each in self.places) > NEAR * width
                 if doubt > noise or aside:
-                    raise UnresolvedError(place, by_bounds=by_bounds)
+                    raise UnresolvedError(place)
 
-    def _check_apart(self, places: Floats, noise: float, *, by_bounds: bool) -> None:
+    def _check_apart(self, places: Floats, noise: float) -> None:
         """Refuse places at which a damped pair may coalesce: its growth is flat up to there."""
         half = self.unit.half
         if half is None or not self.window.by_growth or not len(places):
             return
         open_ = (np.abs(half(places)) <= half.error(places)) & (self.unit.doubts(places) > noise)
         if open_.any():
-            raise UnresolvedError(float(places[open_][0]), by_bounds=by_bounds)
+            raise UnresolvedError(float(places[open_][0]))
 
 
 def _signs(function: Function, grid: Floats) -> Iterator[tuple[float, int]]:

@@ -30,10 +30,8 @@ _COPIES = 1e-8
 """Relative distance of modes that stay copies of one, the square root of rounding."""
 _APART = 0.25
 """Misfit of an interpolant, in its distance from the next mode, that may be a mistaken match."""
-BEYOND = 1.03
-"""Frequency, relative to the end of the window, beyond which modes may have no partner."""
-_FAR = 1.075
-"""Frequency, relative to the end of the window, beyond which modes are not looked at."""
+_BEYOND = 1.03
+"""Frequency, relative to the window's end, beyond which modes may be lost and are not looked at."""
 _CONJUGATES = 1e-14
 """Relative distance up to which two eigenvalues are conjugates."""
 _ROUNDING = 64 * float(np.finfo(float).eps)
@@ -42,15 +40,11 @@ _TINY = float(np.finfo(float).tiny)
 
 
 class UnresolvedError(Exception):
-    """What three samples do not tell.
+    """What three samples do not tell; ``at`` is where another would help, if a place is known."""
 
-    ``at`` is where another sample would help, None where nothing points to a place; ``by_bounds``
-    whether errors of the samples themselves leave a sign open: others help where theirs are less.
-    """
-
-    def __init__(self, at: float | None = None, *, by_bounds: bool = False) -> None:
+    def __init__(self, at: float | None = None) -> None:
         super().__init__()
-        self.at, self.by_bounds = at, by_bounds
+        self.at = at
 
 
 @dataclass(frozen=True)
@@ -164,7 +158,7 @@ def units_of(window: Window, samples: Sequence[Sample]) -> list[Unit]:
     chains, copies = _without_copies(chains)
     for one, other in enumerate(_partners(window, places, chains)):
         members = np.array([one] if other < 0 else [one, other])
-        if 0 <= other < one or window.far(chains.z[:, members], _FAR).all():
+        if 0 <= other < one or window.far(chains.z[:, members], _BEYOND).all():
             continue
         unit = _unit(window, places, chains[members], int(copies[members].min()))
         others = np.delete(chains.z[1], members)
@@ -181,7 +175,7 @@ def _chained(window: Window, samples: Sequence[Sample]) -> Sample:
     rows = [(i, j, last[j]) for i, j in first.tolist() if j in last]
     chains = np.array(rows, dtype=np.int64).reshape(-1, 3).T
     for sample, chain in zip(samples, chains, strict=True):
-        if not window.far(np.delete(sample.z, chain), BEYOND).all():
+        if not window.far(np.delete(sample.z, chain), _BEYOND).all():
             raise UnresolvedError
     return Sample.stacked([sample[chain] for sample, chain in zip(samples, chains, strict=True)])
 
@@ -219,7 +213,7 @@ def _partners(window: Window, places: Floats, chains: Sample) -> list[int]:
         mirrored = np.abs(z[:, :, None] - z[:, None].conj()) <= _CONJUGATES * np.abs(z)[:, :, None]
         near |= (mirrored & (z.imag != 0)[:, :, None]).any(axis=0)
     np.fill_diagonal(near, False)
-    far = window.far(z, _FAR).all(axis=0)
+    far = window.far(z, _BEYOND).all(axis=0)
     near &= ~(far[:, None] & far)
     if (near.sum(axis=1) > 1).any():
         raise UnresolvedError

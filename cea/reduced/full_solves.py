@@ -15,6 +15,7 @@ from cea.arrays import Complexes
 from cea.eigen.block_products import all_inner, times
 from cea.eigen.driver import EigenSolver
 from cea.eigen.modes import Modes
+from cea.eigen.pencil import release
 from cea.errors import ConvergenceError, InputError, ResultWarning
 from cea.reduced.crossings import Quantity, Threshold, growing_root, passing
 from cea.reduced.following import Sample
@@ -49,8 +50,6 @@ class ConfirmedThreshold:
         Its value there.
     eigenvalue
         lambda there (1/s), of two modes that coalesce their mean.
-    solves, factorisations
-        Eigenvalue problems solved and matrices factorised on the way.
     warnings
         What the value must be read with.
     """
@@ -58,8 +57,6 @@ class ConfirmedThreshold:
     parameter: str
     value: float
     eigenvalue: complex
-    solves: int
-    factorisations: int
     warnings: tuple[ResultWarning, ...] = ()
 
     @property
@@ -84,7 +81,7 @@ def line_of_model(
     ``parameters`` gives those at a value of the line, which change at ``rates``; modes that grow by
     more than ``level`` (1/s) count.
     """
-    window = replace(small.settings.window, level=level)
+    window = replace(small.window, level=level)
 
     def at(value: float) -> Sample:
         values = parameters(value)
@@ -105,7 +102,9 @@ def line_in_full(solve: Solve, window: Window) -> Line:
         modes, slopes = solve(value, MARGIN * window.max_frequency)
         z, errors = modes.eigenvalues, modes.growth_uncertainties
         if not first:
-            first.append(_images(modes))
+            matrices = modes.pencil.at(modes.values)
+            first.append(times(matrices.mass, modes.vectors))
+            release(matrices)
         vectors = all_inner(first[0], modes.vectors, modes.pencil.comm)
         vectors = vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny)
         numbers = np.arange(len(z))
@@ -115,15 +114,6 @@ def line_in_full(solve: Solve, window: Window) -> Line:
         return Sample(value, z, slopes, errors, errors, numbers, vectors)
 
     return Line(window, at)
-
-
-def _images(modes: Modes) -> Complexes:
-    """M x of modes, the rows of this rank."""
-    image = np.zeros_like(modes.vectors)
-    for term in modes.pencil.terms:
-        if term.role == "mass" and (weight := term.coefficient.at(modes.values)):
-            image += weight * times(term.matrix, modes.vectors)
-    return image
 
 
 def threshold_between(
@@ -182,7 +172,7 @@ def first_threshold(
 
     for value in (real, flutter):
         driver.pencil.check(point(value))
-    pencil, before = driver.pencil, (driver.solves, driver.factorisations)
+    pencil = driver.pencil
     box = dict.fromkeys(names, (min(real, flutter), max(real, flutter)))
     model = ReducedModel(pencil, box, max_frequency)
     try:
@@ -195,8 +185,7 @@ def first_threshold(
     found = threshold_between(line, real, flutter, frequency, _TRAINING)
     told = confirm(driver, point, found, line.window)
     value, root = told or (found.value, found.eigenvalue)
-    spent = driver.solves - before[0], driver.factorisations - before[1]
-    return ConfirmedThreshold(", ".join(names), value, root, *spent)
+    return ConfirmedThreshold(", ".join(names), value, root)
 
 
 def confirm(

@@ -6,7 +6,6 @@ bound that was passed raises the factor that all bounds are made with.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from heapq import heapify, heappop, heappush
 from typing import Any
 
 import numpy as np
@@ -26,8 +25,6 @@ TOLERANCE = 1e-8
 """Error of lambda relative to its speed up to which a value counts as certified."""
 _MEANINGFUL = 1e-3
 """The same up to which a reduced model is tested by a full solve."""
-_GOLDEN = 0.5 * (np.sqrt(5) - 1)
-"""Multiples of it modulo 1 spread any beginning of a sequence over all of it."""
 _REACH = 0.5
 """Distance of a partner, relative to a speed, beyond which a mode is missing."""
 
@@ -60,49 +57,38 @@ class Enrichment:
     def cover(self, points: Sequence[Point], tolerance: float | None = None) -> float:
         """Solve where bounds are worst until all are small or solves are spent; the worst left.
 
-        Bounds hardly rise as a basis grows: one that is no smaller than all others were is the
-        largest. Points without an answer are left out.
+        Bounds hardly rise as a basis grows: where one is small it is not looked at again. Points
+        without an answer are left out.
         """
         tolerance = self.tolerance if tolerance is None else tolerance
         if points and not self.solves:
             self.solve(points[len(points) // 2])
         done = [each["point"] for each in (*self.solves, *self.failed)]
-        left = [
-            (-np.inf, i * _GOLDEN % 1, i) for i, each in enumerate(points) if dict(each) not in done
-        ]
-        heapify(left)
+        left = [dict(each) for each in points if dict(each) not in done]
         while left:
-            _, spread, number = heappop(left)
-            worst = self.worst(points[number])
-            if worst <= tolerance:
-                continue
-            if left and worst < -left[0][0]:
-                heappush(left, (-worst, spread, number))
-            elif len(self.solves) >= self.most:
-                return worst
-            else:
-                self.solve(points[number])
+            bounds = [self.worst(point) for point in left]
+            worst = int(np.argmax(bounds))
+            if bounds[worst] <= tolerance or len(self.solves) >= self.most:
+                return bounds[worst]
+            self.solve(left[worst])
+            both = enumerate(zip(left, bounds, strict=True))
+            left = [point for i, (point, bound) in both if bound > tolerance and i != worst]
         return 0.0
 
     def solve(self, point: Point) -> float | None:
-        """Solve in full, test the reduced model, take the modes in; the test of it."""
+        """Solve in full as far as the model is to know, test it, take the modes in; the test."""
+        self.begin(point)
+        window = self.model.small.window
+        least = -window.reach if window.damped else None
         try:
-            taken = self.full_solve(point)
+            top = MARGIN * window.max_frequency
+            modes = self.driver.solve(top, point, min_growth=least, left=True)
         except ConvergenceError as error:
             self.failed.append({"point": dict(point), "reason": str(error)})
             return None
-        return self.take(taken)
-
-    def full_solve(self, point: Point) -> Snapshot:
-        """A full solve that reaches as far as the model is to know."""
-        self.begin(point)
-        window, reach = self.model.small.settings.window, self.model.small.settings.reach
-        least = -reach if window.damped else None
-        top = MARGIN * window.max_frequency
-        modes = self.driver.solve(top, point, min_growth=least, left=True)
         solved = Snapshot.of(point, modes, self.warnings(modes, point))
         self.keep(solved)
-        return solved
+        return self.take(solved)
 
     def take(self, taken: Snapshot) -> float | None:
         """Test the reduced model by a full solve, and take its modes in."""
@@ -111,7 +97,7 @@ class Enrichment:
             ratio = largest_ratio(self.at(point), taken)
             tested = self.model.norms.states.comm.bcast(ratio)
             if 1 < tested < np.inf:
-                self.model.raise_safety(2 * tested * self.model.small.settings.safety)
+                self.model.raise_safety(2 * tested * self.model.small.safety)
         self.model.take(taken)
         self.solves.append({"tested": tested, **taken.about})
         return tested
@@ -138,7 +124,7 @@ def largest_ratio(found: ReducedSpectrum, full: Snapshot) -> float:
     Clusters are compared by their means. Both lists reach beyond the window, so that nothing hangs
     on which side of its end an eigenvalue lies.
     """
-    window = found.settings.window
+    window = found.looked_at
     theirs = full.eigenvalues if window.damped else -(full.eigenvalues**2)
     speeds = full.speeds if window.damped else full.speeds**2
     distance = np.abs(theirs[:, None] - found.z) / speeds[:, None]

@@ -31,7 +31,7 @@ from cea.errors import ResultWarning
 from cea.reduced.basis import InnerProduct, Norms, Span
 from cea.reduced.certificate import Term
 from cea.reduced.pieces import ContactPiece, Piece, Pieces
-from cea.reduced.spectrum import Settings, SmallPencil
+from cea.reduced.spectrum import SmallPencil
 from cea.reduced.window import Window
 
 BASIS = 1e-6
@@ -157,7 +157,6 @@ class ReducedModel:
         damped = any(piece.role == "damping" for piece in self._pieces.all)
         decay = None if min_growth is None else -min_growth
         window = Window.up_to(max_frequency, damped=damped, decay=decay)
-        settings = Settings(window, self.norms.shift)
         powers = {"stiffness": (1.0, 0), "damping": (1.0, 1), "mass": (1.0, 2)}
         if not damped:
             powers["mass"] = (-1.0, 1)
@@ -166,7 +165,7 @@ class ReducedModel:
             (e.coefficient, Term(*powers[e.role], nothing, nothing, nothing, 0.0, nothing))
             for e in self._pieces.all
         ]
-        self.small = SmallPencil(tuple(pieces), self._forces, settings)
+        self.small = SmallPencil(tuple(pieces), self._forces, window, self.norms.shift)
 
     @property
     def size(self) -> int:
@@ -176,7 +175,7 @@ class ReducedModel:
     def take(self, taken: Snapshot) -> None:
         """Take the right and left vectors of a full solve, up to the margin of the window, in."""
         norm, before, forces = self.norms.states, self._basis.size, taken.real_forces()
-        blocks = [taken.real_vectors(norm, damped=self.small.settings.window.damped)]
+        blocks = [taken.real_vectors(norm, damped=self.small.window.damped)]
         for contact in self._pieces.contacts:
             own = np.zeros_like(forces)
             own[contact.rows] = forces[contact.rows]
@@ -198,8 +197,7 @@ class ReducedModel:
 
     def raise_safety(self, safety: float) -> None:
         """Make all bounds with another factor on the inverse outside of the basis."""
-        settings = replace(self.small.settings, safety=safety)
-        self.small = replace(self.small, settings=settings)
+        self.small = replace(self.small, safety=safety)
 
     def _add_forces(
         self, contact: ContactPiece, forces: Floats, image: Floats, floor: float

@@ -16,12 +16,10 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.classify import Word, cannot_grow, classify, thresholds
 from cea.eigen.coefficients import Dependence
 from cea.eigen.spectrum import SLOW
-from cea.reduced.certificate import Certificate, Pairs, Polynomial, Term, real_times
+from cea.reduced.certificate import Pairs, Polynomial, Term, real_times
 from cea.reduced.pieces import Values
 from cea.reduced.window import MARGIN, Window
 
-_FURTHER = 0.05
-"""Decay beyond that of the window, relative to its end, down to which eigenvectors are taken in."""
 _BELOW = 0.05
 """Part of the window below the real axis whose eigenvalues help to judge those next to it."""
 _INFINITE = 1e4
@@ -31,53 +29,23 @@ _SAFETY = 2.0
 
 
 @dataclass(frozen=True)
-class Settings:
-    """What bounds are made with.
-
-    Shift s (1/s^2) of the energy norm; factor on the inverse outside of the basis.
-    """
-
-    window: Window
-    shift: float
-    safety: float = _SAFETY
-
-    @property
-    def reach(self) -> float:
-        """Decay (1/s) down to which eigenvectors of damped pencils are taken into a basis."""
-        return self.window.decay + _FURTHER * self.window.end
-
-    def outside(self, z: Complexes) -> Floats:
-        """The factor g for the inverse of the pencil outside of the basis, shape (n,).
-
-        Outside no eigenvalue lies below the end kappa_m of the margin: g = (kappa_m + s) /
-        (kappa_m - Re kappa), taken twice. Friction adds to that inverse what no factor bounds
-        beforehand; full solves test it. Modes that decay faster than the basis reaches are
-        outside of it too: where one has the frequency of an eigenvalue, P on it is about
-        2 |lambda| times their distance.
-        """
-        window = self.window
-        kappa = -(z**2) if window.damped else z
-        top = (MARGIN * window.end) ** 2
-        of_margin = self.safety * (top + self.shift) / (top - np.minimum(kappa.real, window.end**2))
-        if not window.damped:
-            return of_margin
-        speeds, room = np.abs(z), self.reach + np.maximum(z.real, -window.decay)
-        decaying = (speeds**2 + self.shift) / np.maximum(2 * speeds, SLOW * window.end) / room
-        return np.maximum(of_margin, self.safety * decaying)
-
-
-@dataclass(frozen=True)
-class ReducedSpectrum(Certificate):
+class ReducedSpectrum:
     """Eigenvalues of a window and its margin, by rising frequency, with bounds on their errors.
 
-    kappa (1/s^2), or lambda (1/s) of damped pencils, as z; coordinates of their vectors of M-norm
-    one.
+    Bounds on the error of each z; of the mean of its cluster, or of itself where it is alone; what
+    the basis makes of the latter, without rounding; number of the cluster; y^H P'(z) x. kappa
+    (1/s^2), or lambda (1/s) of damped pencils, as z; coordinates of their vectors of M-norm one.
     """
 
+    errors: Floats
+    means: Floats
+    reduction: Floats
+    clusters: Ints
+    overlaps: Complexes
     z: Complexes
     right: Complexes
     left: Complexes
-    settings: Settings
+    looked_at: Window
 
     def __len__(self) -> int:
         return len(self.z)
@@ -89,7 +57,7 @@ class ReducedSpectrum(Certificate):
     @property
     def eigenvalues(self) -> Complexes:
         """Lambda with Im lambda >= 0 (1/s), shape (n,)."""
-        return self.settings.window.roots(self.z)
+        return self.looked_at.roots(self.z)
 
     @property
     def window(self) -> "ReducedSpectrum":
@@ -99,17 +67,17 @@ class ReducedSpectrum(Certificate):
     @property
     def inside(self) -> NDArray[np.bool_]:
         """Which are in the window, shape (n,)."""
-        return ~self.settings.window.far(self.z)
+        return ~self.looked_at.far(self.z)
 
     @property
     def speeds(self) -> Floats:
         """abs(lambda), no less than a tenth of the window (1/s): what errors are relative to."""
-        return np.maximum(np.abs(self.eigenvalues), SLOW * self.settings.window.end)
+        return np.maximum(np.abs(self.eigenvalues), SLOW * self.looked_at.end)
 
     @property
     def uncertainties(self) -> Floats:
         """Bounds on errors of lambda (1/s), shape (n,)."""
-        return self.settings.window.doubts(self.z, self.errors)
+        return self.looked_at.doubts(self.z, self.errors)
 
     @property
     def mean_errors(self) -> Floats:
@@ -120,7 +88,7 @@ class ReducedSpectrum(Certificate):
     def conditions(self) -> Floats:
         """Condition numbers of kappa in the M-norm, shape (n,)."""
         slopes = 1 / np.maximum(np.abs(self.overlaps), np.finfo(float).tiny)
-        if self.settings.window.damped:
+        if self.looked_at.damped:
             return np.maximum(2 * np.abs(self.z) * slopes, 1.0)
         return slopes
 
@@ -140,7 +108,7 @@ class ReducedSpectrum(Certificate):
     @property
     def _relative(self) -> Floats:
         """What takes errors of z to those of lambda relative to its speed."""
-        return 1 / self.speeds if self.settings.window.damped else 1 / (2 * self.speeds**2)
+        return 1 / self.speeds if self.looked_at.damped else 1 / (2 * self.speeds**2)
 
     def _largest(self, errors: Floats) -> float:
         return float((errors * self._relative)[self.inside].max(initial=0.0))
@@ -149,16 +117,18 @@ class ReducedSpectrum(Certificate):
         """A word for each mode, whose error is its bound, with a limit of growth (1/s)."""
         values, bounds = self.eigenvalues, self.uncertainties
         bounded = np.zeros(len(values), dtype=bool)
-        if not self.settings.window.damped:
+        if not self.looked_at.damped:
             bounded = cannot_grow(self.z, self.errors, symmetric=False)
         limits, rigid = thresholds(values, threshold), np.abs(values) <= bounds
         return classify(values.real, bounds, limits, bounded, rigid)
 
 
-def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) -> Pairs:
+def _pairs(
+    pencil: Polynomial, forces: NDArray[np.bool_], window: Window, energy_shift: float
+) -> Pairs:
     """Eigenpairs by the inverse of P(shift): of K + s M, or of the companion form."""
-    end, damped = settings.window.end, pencil.damped
-    shift = np.sqrt(settings.shift) if damped else -settings.shift
+    end, damped = window.end, pencil.damped
+    shift = np.sqrt(energy_shift) if damped else -energy_shift
     scale = end if damped else 1.0
     own = ~forces
     squares = {each.power: each.square[np.ix_(own, own)] for each in pencil.terms}
@@ -185,10 +155,10 @@ def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) ->
     theta, duals, states = eig(operator, left=True, right=True)
     with np.errstate(divide="ignore", invalid="ignore"):
         values = shift + 1 / theta
-    speeds = settings.window.roots(values)
+    speeds = window.roots(values)
     order = np.lexsort((speeds.real, speeds.imag))
     inside = (speeds.imag >= -_BELOW * end) & (speeds.imag <= MARGIN * end)
-    inside &= (np.abs(speeds) < _INFINITE * end) & (speeds.real >= -settings.reach)
+    inside &= (np.abs(speeds) < _INFINITE * end) & (speeds.real >= -window.reach)
     order = order[inside[order]]
     values, states, duals = values[order], states[:, order], duals[:, order]
     states = states / np.linalg.norm(states[:k], axis=0)
@@ -206,11 +176,16 @@ def _pairs(pencil: Polynomial, forces: NDArray[np.bool_], settings: Settings) ->
 
 @dataclass(frozen=True)
 class SmallPencil:
-    """All pieces on one basis with their coefficients, some of whose vectors are ``forces``."""
+    """All pieces on one basis with their coefficients, some of whose vectors are ``forces``.
+
+    The shift s (1/s^2) of the energy norm; a factor on the inverse outside of the basis.
+    """
 
     pieces: tuple[tuple[Dependence, Term], ...]
     forces: NDArray[np.bool_]
-    settings: Settings
+    window: Window
+    shift: float
+    safety: float = _SAFETY
 
     def at(self, values: Values) -> ReducedSpectrum:
         """Eigenvalues of the window and its margin at values of all parameters."""
@@ -218,10 +193,10 @@ class SmallPencil:
         powers = sorted({term.power for _, term in parts})
         terms = [Term.summed([each for each in parts if each[1].power == p]) for p in powers]
         pencil = Polynomial(tuple(terms))
-        pairs = _pairs(pencil, self.forces, self.settings)
-        told = pencil.certificate(pairs, self.settings.outside(pairs.values))
+        pairs = _pairs(pencil, self.forces, self.window, self.shift)
+        bounds = pencil.bounds(pairs, self._outside(pairs.values))
         z, right, left = pairs.values, pairs.right, pairs.left
-        found = ReducedSpectrum(**vars(told), z=z, right=right, left=left, settings=self.settings)
+        found = ReducedSpectrum(**bounds, z=z, right=right, left=left, looked_at=self.window)
         return found[np.flatnonzero(z.imag >= 0)] if pencil.damped else found
 
     def slopes(
@@ -241,3 +216,22 @@ class SmallPencil:
         with np.errstate(divide="ignore", invalid="ignore"):
             moved: Complexes = change / found.overlaps
         return moved
+
+    def _outside(self, z: Complexes) -> Floats:
+        """The factor g for the inverse of the pencil outside of the basis, shape (n,).
+
+        Outside no eigenvalue lies below the end kappa_m of the margin: g = (kappa_m + s) /
+        (kappa_m - Re kappa), taken twice. Friction adds to that inverse what no factor bounds
+        beforehand; full solves test it. Modes that decay faster than the basis reaches are
+        outside of it too: where one has the frequency of an eigenvalue, P on it is about
+        2 |lambda| times their distance.
+        """
+        window = self.window
+        kappa = -(z**2) if window.damped else z
+        top = (MARGIN * window.end) ** 2
+        of_margin = self.safety * (top + self.shift) / (top - np.minimum(kappa.real, window.end**2))
+        if not window.damped:
+            return of_margin
+        speeds, room = np.abs(z), window.reach + np.maximum(z.real, -window.decay)
+        decaying = (speeds**2 + self.shift) / np.maximum(2 * speeds, SLOW * window.end) / room
+        return np.maximum(of_margin, self.safety * decaying)

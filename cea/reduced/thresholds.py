@@ -24,11 +24,8 @@ from cea.reduced.window import Window
 
 RESOLUTION = 1e-7
 """Width of an interval, relative to the axis, below which it is not halved again."""
-BUDGET = 60
+BUDGET = 30
 """Spectra for each given value, at most."""
-_BY_BOUNDS = 12
-"""The same up to which intervals are halved where bounds leave signs open: bounds are large where
-modes touch, and may be small beside that."""
 _ASIDE = 1e-3
 """Step by which an undecided value is moved at most, relative to that to the next value, or to the
 interval in which it is."""
@@ -85,35 +82,22 @@ def _joined(unresolved: Sequence[Unresolved]) -> list[Unresolved]:
     return joined
 
 
-def thresholds_along(
-    line: Line,
-    values: Sequence[float],
-    *,
-    resolution: float = RESOLUTION,
-    budget: int | None = None,
-    logarithmic: bool = False,
-) -> Found:
+def thresholds_along(line: Line, values: Sequence[float], *, logarithmic: bool = False) -> Found:
     """All thresholds between the first and the last of two values or more.
 
-    Intervals, of the logarithms of values where it is said, are halved down to ``resolution`` of
-    the axis; at most ``budget`` spectra are made for each value.
+    Intervals, of the logarithms of values where it is said, are halved.
     """
-    most = (BUDGET if budget is None else budget) * len(values)
-    search = _Search(line, sorted(values), resolution, most, logarithmic=logarithmic)
-    return search.run()
+    return _Search(line, sorted(values), logarithmic=logarithmic).run()
 
 
 class _Search:
     """One search, with the spectra it has made."""
 
-    def __init__(
-        self, line: Line, values: list[float], resolution: float, most: int, *, logarithmic: bool
-    ) -> None:
-        self._line, self._window, self._values, self._most = line, line.window, values, most
+    def __init__(self, line: Line, values: list[float], *, logarithmic: bool) -> None:
+        self._line, self._window, self._values = line, line.window, values
         self._logarithmic = logarithmic
         self._known: dict[float, Sample] = {}
-        self._least = resolution * self._width(values[0], values[-1])
-        self._by_bounds = _BY_BOUNDS * len(values)
+        self._least = RESOLUTION * self._width(values[0], values[-1])
         self._found = Found()
 
     def run(self) -> Found:
@@ -128,7 +112,7 @@ class _Search:
             push(ends[i : i + 3])
         while queue:
             _, low, *inner, high = heappop(queue)
-            if len(self._known) >= self._most:
+            if len(self._known) >= BUDGET * len(self._values):
                 self._found.unresolved.append(self._unresolved(low, high))
                 continue
             middle = inner[0] if inner else self._middle(low, high)
@@ -137,8 +121,6 @@ class _Search:
             except UnresolvedError as why:
                 if self._width(low, high) <= self._least:
                     self._accept_by_count(low, high)
-                elif why.by_bounds and len(self._known) >= self._by_bounds:
-                    self._found.unresolved.append(self._unresolved(low, high))
                 else:
                     for part in pairwise(self._cuts(low, middle, high, why.at)):
                         push(part)

@@ -10,14 +10,10 @@ from cea.eigen.modes import uncertainties_of
 
 MARGIN = 1.15
 """Frequency up to which modes are known beyond the window, relative to its end."""
+_FURTHER = 0.05
+"""Decay beyond that of the window, relative to its end, down to which eigenvectors are taken in."""
 _DECAY = 0.1
 """Decay down to which modes are known with damping by default, relative to the window's end."""
-
-
-def upper_root(kappa: Complexes) -> Complexes:
-    """The lambda = sqrt(-kappa) with Im lambda >= 0; it grows where lambda is real."""
-    root = np.sqrt(-kappa.astype(complex))
-    return np.where(root.imag < 0, -root, root) + 0j
 
 
 @dataclass(frozen=True)
@@ -34,13 +30,11 @@ class Window:
     decay: float = np.inf
 
     @classmethod
-    def up_to(
-        cls, max_frequency: float, *, damped: bool, level: float = 0.0, decay: float | None = None
-    ) -> "Window":
+    def up_to(cls, max_frequency: float, *, damped: bool, decay: float | None = None) -> "Window":
         """That which ends at a frequency (Hz); all modes are known without damping."""
         end = 2 * np.pi * max_frequency
         known = _DECAY * end if decay is None else decay
-        return cls(end, damped, level, known if damped else np.inf)
+        return cls(end, damped, decay=known if damped else np.inf)
 
     @property
     def max_frequency(self) -> float:
@@ -48,13 +42,21 @@ class Window:
         return self.end / (2 * np.pi)
 
     @property
+    def reach(self) -> float:
+        """Decay (1/s) down to which eigenvectors of damped pencils are taken into a basis."""
+        return self.decay + _FURTHER * self.end
+
+    @property
     def by_growth(self) -> bool:
         """Whether growth rates are compared with a level rather than pairs with a coalescence."""
         return self.damped or self.level != 0.0
 
     def roots(self, z: Complexes) -> Complexes:
-        """The lambda of z; of kappa those with Im lambda >= 0."""
-        return np.asarray(z, complex) if self.damped else upper_root(np.asarray(z, complex))
+        """The lambda of z; of kappa those with Im lambda >= 0, which grow where they are real."""
+        if self.damped:
+            return np.asarray(z, complex)
+        root = np.sqrt(-np.asarray(z, complex))
+        return np.where(root.imag < 0, -root, root) + 0j
 
     def root_slopes(self, z: Complexes, slopes: Complexes) -> Complexes:
         """Derivatives of lambda from those of z; infinite or NaN at a coalescence."""

@@ -15,10 +15,9 @@ from comparisons.study.study import Case
 from scenes.spec.body import Backend
 from scenes.spec.reading import BACKENDS, Scene, load_scene
 
-YARDSTICKS = ("mortar", "segments", "GPTS")
-"""Rules that show the error of the bodies alone, the best first."""
-INTEGRATING = ("mortar", "segments")
-"""Rules that integrate the traces exactly on flat interfaces: theory knows their order."""
+YARDSTICKS = ("mortar", "segments")
+"""Rules that integrate the traces exactly on flat interfaces: theory knows their order, and their
+error is that of the bodies alone."""
 DEGREES: Mapping[Backend, tuple[int, ...]] = {"fe": (1, 2, 3, 4), "iga": (2, 3, 4, 5, 6)}
 """Degrees of Lagrange elements, and of NURBS at full continuity."""
 _REFINEMENTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)

@@ -53,12 +53,18 @@ def run(deck: Path) -> Complexes:
         errors="replace",
         check=False,
     )
-    listed = deck.with_suffix(".dat")
-    eigenvalues = _listed(listed.read_text(encoding="utf-8") if listed.is_file() else "")
+    eigenvalues = results(deck)
     if done.returncode or not eigenvalues.size or "*ERROR" in done.stdout:
         last = " ".join((done.stdout + done.stderr).split()[-30:])
         raise ConvergenceError(f"CalculiX found no eigenvalues of {deck.name}: {last}")
-    kappa = stored_kappa(deck.with_suffix(".eig"))
+    return eigenvalues
+
+
+def results(deck: Path) -> Complexes:
+    """Eigenvalues in the files that a run left beside its deck; none without a list."""
+    listed = deck.with_suffix(".dat")
+    eigenvalues = _listed(listed.read_text(encoding="utf-8") if listed.is_file() else "")
+    kappa = stored_kappa(deck.with_suffix(".eig")) if eigenvalues.size else None
     if kappa is not None:
         eigenvalues = 1j * np.sqrt(kappa.astype(complex))
     return eigenvalues[np.lexsort((eigenvalues.real, eigenvalues.imag))]

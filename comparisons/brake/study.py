@@ -5,7 +5,6 @@ spread says how far they may be trusted. Contacts are mortar, for Gauss points o
 are not usable at such a stiffness (``cea study accuracy``).
 """
 
-import resource
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
@@ -16,7 +15,7 @@ from typing import Annotated, Any
 import pandas as pd
 
 from cea.errors import InputError
-from cea.petsc import MPI
+from comparisons.study.measure import measured
 from comparisons.study.numbers import decimals, number, per_cent, plain
 from comparisons.study.sections import Column, Section, Table, diagram
 from comparisons.study.shapes import mode_rows
@@ -25,7 +24,6 @@ from scenes.results.matching import match_runs
 from scenes.spec.reading import Scene, load_scene
 
 SCENE = "ventilated_brake"
-_KILOBYTE = 1024  # bytes of the unit in which the system tells the peak of a process
 _PARTNERS = 1e-10  # relative distance of the frequencies of a growing mode and its decaying partner
 
 
@@ -65,7 +63,8 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     coarser = None
     if before:  # the run before this one, unless the study was resumed here
         coarser = session.solve(scene({"size": before[-1]}, session.options))
-    result = session.solve()
+    with measured() as cost:
+        result = session.solve()
     if coarser is not None:
         for group in match_runs(coarser, result).groups:
             numbers = {"first": group.first.tolist(), "second": group.second.tolist()}
@@ -73,22 +72,15 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
     name = f"{case['size']:g}"
     finest = case["size"] == sizes[-1]
     modes = session.keep_modes(name, result) if finest else mode_rows(name, result)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _KILOBYTE
     run = {
         "dofs": result.dofs,
         "modes": len(modes),
         "unstable": sum(row["verdict"] == "unstable" for row in modes),
         "complete": bool(result.modes.window.complete),
         "seconds": result.timer.total,
-        "memory": result.comm.allreduce(peak, MPI.SUM) / 1e9,
-        "estimated": _estimated(result.dofs),
+        "memory": result.comm.allreduce(cost.memory or 0.0) / 1e3 or None,
     }
     return {"brake_runs": [run], "modes": modes, "matches": matches}
-
-
-def _estimated(dofs: int) -> float:
-    """Memory (GB) that a run on tetrahedra takes; factors grow as n^(4/3) (George 1973)."""
-    return 0.3 + 9.8e-6 * dofs + 1.54e-7 * dofs ** (4 / 3)
 
 
 def brake_modes(result: StudyResult) -> pd.DataFrame:
@@ -145,7 +137,6 @@ OWN = {
     "unstable": Column("unstable pairs", show=number),
     "seconds": Column("seconds", "s", decimals(0)),
     "memory": Column("memory", "GB", decimals(1)),
-    "estimated": Column("estimated", "GB", decimals(1)),
     "spread": Column("spread", "%", per_cent),
 }
 STUDY = Study(

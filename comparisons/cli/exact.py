@@ -84,19 +84,17 @@ def _hulten(problem: Any, given: dict[str, Any], o: Any) -> "list[Entry]":
     return [entries.lumped_system(problem(**given), info)]
 
 
-_PLACES: Mapping[str, tuple[str, Options]] = {
-    "drum": ("drum:Drum", _LIST),
-    "blocks": ("blocks:Blocks", {**_FRICTION, **_LIST}),
-    "ring": ("galerkin_problems:Ring", _LIST),
-    "hoffmann": ("lumped:hoffmann", _MU),
-    "hulten": ("lumped:hulten", _MU),
-}
-"""Place of each problem below exact_cea, and options beside its parameters."""
 _PROBLEMS = {
-    made.__name__[1:]: (made, inspect.getdoc(made) or "")
-    for made in (_drum, _blocks, _ring, _hoffmann, _hulten)
+    made.__name__[1:]: ((made, place, options), inspect.getdoc(made) or "")
+    for made, place, options in (
+        (_drum, "drum:Drum", _LIST),
+        (_blocks, "blocks:Blocks", {**_FRICTION, **_LIST}),
+        (_ring, "galerkin_problems:Ring", _LIST),
+        (_hoffmann, "lumped:hoffmann", _MU),
+        (_hulten, "lumped:hulten", _MU),
+    )
 }
-"""What makes the entries of each problem, and its help."""
+"""What makes entries of each problem, its place below exact_cea and more options; its help."""
 
 
 class _Problems(LazyGroup):
@@ -107,7 +105,7 @@ class _Problems(LazyGroup):
     def make(self, name: str) -> Any:
         """Command of a problem."""
         need("exact")
-        (make, _), (place, more) = self.table[name], _PLACES[name]
+        (make, place, more), _ = self.table[name]
         module, _, attribute = place.partition(":")
         problem = getattr(import_module(f"exact_cea.{module}"), attribute)
 

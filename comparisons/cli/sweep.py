@@ -67,7 +67,7 @@ def sweep(
         most=solves,
         checks=checks,
         confirm=confirm,
-        why_in_full="--full" if full else "",
+        full=full,
     )
     if not redraw:
         _sweep(asked, out)
@@ -102,25 +102,17 @@ def threshold(
 
 
 def _sweep(asked: Any, out: Path) -> None:
-    """Make a sweep and tell of it; one field without a map is solved in full."""
-    from dataclasses import replace
-
+    """Make a sweep and tell of it."""
     from comparisons.cli.output import print_frame, print_warnings, working
     from comparisons.study.sections import Table
     from comparisons.sweep import tables
     from comparisons.sweep.page import FILE, write_sweep
-    from comparisons.sweep.scene import NoMapError
     from comparisons.sweep.study import run
     from scenes.results.folder import check_out
 
     check_out(out)
     with working("sweep") as work:
-        try:
-            made = run(asked, out, work.stage)
-        except NoMapError as error:
-            if len(asked.fields) > 1 or not asked.grid:
-                raise
-            made = run(replace(asked, why_in_full=str(error)), out, work.stage)
+        made = run(asked, out, work.stage)
     page = options.deliver(lambda folder: write_sweep(made, folder), out)
     if made.store is not None:
         made.store.discard()

@@ -10,12 +10,12 @@ members do not, so that bars of a pair are made of those of m and s.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf, isfinite, sqrt
+from math import sqrt
+from typing import Any
 
 import numpy as np
 
 from cea.arrays import Complexes
-from cea.nested.clusters import splitting
 from comparisons.converge.ladder import MESHES, RATIO
 
 FACTOR = 2.0
@@ -28,24 +28,21 @@ CONVERGING = 1.2
 
 @dataclass(frozen=True)
 class Bar:
-    """Error bar of the last number of a sequence; infinite where there is no estimate."""
+    """Error bar of the last number of a sequence."""
 
     size: float
     converges: bool = True  # whether differences fall
-    estimates: int = 2  # 1 where meshes are too few or have no ratio, 0 without correction
+    estimates: int = 2  # 1 where meshes are too few or have no ratio
 
 
 def bar_of(
-    numbers: Sequence[complex], corrected: complex | None, degree: int, rounding: float = 0.0
+    numbers: Sequence[complex], corrected: complex, degree: int, rounding: float = 0.0
 ) -> Bar:
     """Error bar of the last of the numbers on some meshes, coarsest first.
 
     Richardson's error takes the last three, of meshes of the same ratio; differences fall by it to
-    twice the degree at most. Without a correction in a richer space there is no bar. Each number
-    has an error by rounding.
+    twice the degree at most. Each number has an error by rounding.
     """
-    if corrected is None:
-        return Bar(inf, estimates=0)
     change = abs(corrected - numbers[-1])
     if len(numbers) < MESHES:
         return Bar(FACTOR * change + rounding, estimates=1)
@@ -73,9 +70,14 @@ class Estimated:
     is_open: bool = False  # it may have coalesced with another or not: growth is not known
 
 
+def splitting(pairs: Complexes) -> Any:
+    """((a - b) / 2)^2 of the pairs along the last axis."""
+    return ((pairs[..., 0] - pairs[..., 1]) / 2) ** 2
+
+
 def single(
     values: Complexes,
-    corrected: complex | None,
+    corrected: complex,
     degree: int,
     rounding: float,
     *,
@@ -90,7 +92,7 @@ def single(
 
 def pair(
     values: Complexes,
-    corrected: Complexes | None,
+    corrected: Complexes,
     degree: int,
     rounding: float,
     *,
@@ -103,15 +105,12 @@ def pair(
     """
     z = values if damped else values**2
     means, splittings = z.mean(axis=1), splitting(z)
-    richer: tuple[complex | None, complex | None] = (None, None)
-    if corrected is not None:
-        own = corrected if damped else corrected**2
-        richer = complex(own.mean()), complex(splitting(own))
+    richer = corrected if damped else corrected**2
     size, root = abs(means[-1]), abs(splittings[-1])
     of_member = rounding if damped else 2 * sqrt(size) * rounding + rounding**2
-    of_mean = bar_of(means.tolist(), richer[0], degree, of_member)
+    of_mean = bar_of(means.tolist(), complex(richer.mean()), degree, of_member)
     of_splitting = 2 * sqrt(root) * of_member + of_member**2
-    of_root = bar_of(splittings.tolist(), richer[1], degree, of_splitting)
+    of_root = bar_of(splittings.tolist(), splitting(richer), degree, of_splitting)
     copies = bool((np.abs(splittings) <= of_splitting).all())
     error = root_error(root, of_root.size)
     converges = of_mean.converges and of_root.converges
@@ -138,14 +137,12 @@ def opened(one: Estimated, apart: float, bar: float) -> Estimated:
 
     Their splitting has a size and a bar.
     """
-    growth = sqrt(apart + bar) / (2 * abs(one.value)) if isfinite(bar) else inf
+    growth = sqrt(apart + bar) / (2 * abs(one.value))
     return replace(one, growth_bar=max(one.growth_bar, growth), still=False, is_open=True)
 
 
 def root_error(square: float, error: float) -> float:
     """Error of a root from that of its square: half of it relative, or its root."""
-    if not isfinite(error):
-        return inf
     return sqrt(square) - sqrt(square - error) if error < square else sqrt(square + error)
 
 

@@ -1,7 +1,7 @@
 """What both backends say of each mode together: the better value, overlap of the bars, the word."""
 
 from dataclasses import dataclass, replace
-from math import isfinite, tau
+from math import tau
 from typing import Any
 
 import numpy as np
@@ -46,24 +46,20 @@ class Mode:
         return of_frequency, own.growth_bar / (half_unit(request.of_growth) * scale)
 
     def plain(self) -> dict[str, Any]:
-        """Plain data; bars that are not known are None."""
+        """Plain data."""
         own = self.estimated
         return {
             "backend": self.backend,
             "frequency": self.frequency,
-            "frequency_bar": _known(own.frequency_bar / tau),
+            "frequency_bar": own.frequency_bar / tau,
             "growth": own.value.real,
-            "growth_bar": _known(own.growth_bar),
+            "growth_bar": own.growth_bar,
             "verdict": self.word,
             "rigid": self.rigid,
             "converges": own.converges,
             "estimates": own.estimates,
             "agree": self.agree,
         }
-
-
-def _known(value: float) -> float | None:
-    return float(value) if isfinite(value) else None
 
 
 def combine(
@@ -128,5 +124,4 @@ def word_of(own: Estimated, threshold: float | None, *, rigid: bool = False) -> 
     """The word of one mode, with the bar of its growth as error; an open one is undecided."""
     limits = thresholds(np.array([own.value]), threshold)
     error = np.inf if own.is_open else own.growth_bar
-    bounded = own.still and isfinite(own.frequency_bar)
-    return classify(own.value.real, error, limits, bounded, rigid)[0]
+    return classify(own.value.real, error, limits, own.still, rigid)[0]

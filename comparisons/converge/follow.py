@@ -3,14 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations, pairwise
-from math import isfinite
 
 import numpy as np
 
 from cea.arrays import Complexes, Ints
 from cea.eigen.matching import assign, connected
-from cea.nested.clusters import splitting
-from comparisons.converge.bars import Estimated, bar_of, opened, pair, single
+from comparisons.converge.bars import Estimated, bar_of, opened, pair, single, splitting
 from comparisons.converge.ladder import Ladder, Mesh
 from scenes.results.matching import match_runs
 
@@ -61,22 +59,26 @@ def estimated(followed: Followed, ladder: Ladder) -> list[Estimated]:
     mesh, degree, scene = followed.meshes[-1], ladder.degree, ladder.scene
     damped = scene.damped or scene.rotates
     grows = damped or any(contact.mu for contact in scene.contacts.values())
+    assert mesh.corrected is not None
     found: dict[int, Estimated] = {}
     histories: dict[int, Complexes] = {}
     for members in _clusters(followed):
         newest = members[-1]
         assert newest is not None
         values = _values(members[-1:] if ladder.by_degree else members, followed)  # no ratio
-        corrected = None if mesh.corrected is None else mesh.corrected[newest]
+        corrected = mesh.corrected[newest]
         rounding = mesh.uncertainties[newest]
         if len(newest) == 2 and grows and not mesh.rigid[newest].any():
             both = pair(values, corrected, degree, float(rounding.max()), damped=damped)
             found |= dict(zip(newest.tolist(), both, strict=True))
             continue
         for i, number in enumerate(newest.tolist()):
-            better = None if corrected is None else complex(corrected[i])
             found[number] = single(
-                values[:, i], better, degree, float(rounding[i]), damped=damped and grows
+                values[:, i],
+                complex(corrected[i]),
+                degree,
+                float(rounding[i]),
+                damped=damped and grows,
             )
             histories[number] = values[:, i]
     if grows and not damped:
@@ -92,6 +94,7 @@ def _open_where_bars_meet(
     found: dict[int, Estimated], histories: dict[int, Complexes], mesh: Mesh, degree: int
 ) -> None:
     """Leave open whether still modes grow that cannot be told apart by their splitting."""
+    assert mesh.corrected is not None
     still = [i for i in histories if found[i].still and not mesh.rigid[i]]
     for i, j in combinations(still, 2):
         a, b = found[i], found[j]
@@ -101,12 +104,10 @@ def _open_where_bars_meet(
             continue
         count = min(len(histories[i]), len(histories[j]))
         squares = np.column_stack([histories[k][-count:] ** 2 for k in (i, j)])
-        richer = None
-        if mesh.corrected is not None:
-            richer = complex(splitting(mesh.corrected[[i, j]] ** 2))
+        richer = splitting(mesh.corrected[[i, j]] ** 2)
         splittings = splitting(squares).tolist()
         bar, root = bar_of(splittings, richer, degree), abs(splittings[-1])
-        if root <= bar.size or not isfinite(bar.size):
+        if root <= bar.size:
             for k in (i, j):
                 found[k] = opened(found[k], root, bar.size)
 

@@ -55,7 +55,7 @@ class Mesh:
     window: Window
     warnings: tuple[ResultWarning, ...]
     result: Result | None = field(repr=False)  # None once it is no longer compared
-    corrected: Complexes | None = None  # lambda in a richer space
+    corrected: Complexes | None = None  # lambda in a richer space, which bars are made of
 
 
 class Ladder:
@@ -66,7 +66,7 @@ class Ladder:
         on = on_backend_of_shapes(scene, backend)
         self.scene, self.backend = scene, backend
         self.by_degree = any(map(from_file, on.bodies.values()))
-        self.least = 1 if self.by_degree else MESHES  # meshes that a bar takes
+        self.least = 1 if self.by_degree else MESHES  # meshes that bars of two estimates take
         self._layered = has_singular_edges(on)
         self._slower = 1.0
         shapes = [body.mesh for body in on.bodies.values() if not from_file(body)]
@@ -91,20 +91,16 @@ class Ladder:
     def seconds(self, number: int) -> float | None:
         """Time that a mesh and its correction are expected to take (s); None where none is left.
 
-        One that bars are made of is refused where its correction does not fit into memory.
+        One whose correction does not fit into memory is refused.
         """
         resolution = self.resolution(number)
         if resolution is None:
             return None
-        finer = refined(self.scene, self.backend, resolution)
-        if number + 1 >= self.least:
-            check_memory(richer_scene(_widened(finer), by=None))
-        own = self._slower * _estimated_seconds(_widened(finer))
-        return own + self.seconds_to_correct(finer)
-
-    def seconds_to_correct(self, scene: Scene) -> float:
-        """Time that the correction of a mesh is expected to take (s): half of that of a run."""
-        return self._slower * _estimated_seconds(richer_scene(_widened(scene), by=None)) / 2
+        wider = _widened(refined(self.scene, self.backend, resolution))
+        richer = richer_scene(wider, by=None)
+        check_memory(richer)
+        # the correction takes about half of a run
+        return self._slower * (_estimated_seconds(wider) + _estimated_seconds(richer) / 2)
 
     def run(self, number: int, progress: Progress) -> Mesh:
         """Modes on the mesh of a number; collective."""
@@ -132,11 +128,11 @@ class Ladder:
 
     def correct(self, mesh: Mesh, progress: Progress) -> Mesh:
         """A mesh whose modes are corrected in a richer space; collective."""
-        assert mesh.result is not None
+        own = mesh.result
+        assert own is not None
         if not len(mesh.eigenvalues):
             return replace(mesh, corrected=mesh.eigenvalues)
-        begun, own = perf_counter(), mesh.result
-        richer = richer_scene(own.scene, by=None)
+        begun, richer = perf_counter(), richer_scene(own.scene, by=None)
         found = estimate_errors(own, richer, steps=1, listener=progress.stage)
         seconds = own.comm.bcast(perf_counter() - begun)
         return replace(mesh, corrected=found.corrected, seconds=mesh.seconds + seconds)

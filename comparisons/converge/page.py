@@ -40,7 +40,7 @@ def levels(data: Data) -> pd.DataFrame:
                 "degree": level["degree"] if level["file_degree"] is None else level["file_degree"],
                 "layers": level["layers"],
                 "elements": elements_text(level["elements"]),
-                **{name: level[name] for name in ("dofs", "seconds", "corrected", "worst")},
+                **{name: level[name] for name in ("dofs", "seconds", "worst")},
             }
             for level in data["levels"]
         ]

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, replace
-from math import floor, isfinite, log10, tau
+from math import floor, log10, tau
 from typing import Any
 
 import numpy as np
@@ -92,7 +92,7 @@ def _held(
             ("growth", growth, request.of_growth),
         ):
             if shortfall > 1:
-                reached = floor(wanted - log10(shortfall)) if isfinite(shortfall) else 0
+                reached = floor(wanted - log10(shortfall))
                 short.append(f"{name} of {mode.frequency:.6g} Hz ({_digits(max(0, reached))})")
     if short:
         more = f" and {len(short) - 3} more" if len(short) > 3 else ""
@@ -125,14 +125,13 @@ def _level(mesh: Mesh) -> dict[str, Any]:
         "elements": elements_of(mesh.scene),
         "dofs": mesh.dofs,
         "seconds": mesh.seconds,
-        "corrected": mesh.corrected is not None,
     }
 
 
 def _errors(mesh: Mesh, modes: list[Mode]) -> dict[str, Any]:
     """Worst distance of a mesh's eigenvalues from the final ones, relative to abs(lambda).
 
-    ``bound`` is the worst of them with the bars of the final ones; None where one has no bar.
+    ``bound`` is the worst of them with the bars of the final ones.
     """
     moving = [mode.estimated for mode in modes if not mode.rigid]
     final = np.array([own.value for own in moving], complex)
@@ -143,7 +142,7 @@ def _errors(mesh: Mesh, modes: list[Mode]) -> dict[str, Any]:
     apart = distance[assign(distance / np.abs(final)[:, None])]
     bound = float(((apart + bars) / np.abs(final)).max())
     worst = float((apart / np.abs(final)).max())
-    return {"worst": worst, "bound": bound if isfinite(bound) else None}
+    return {"worst": worst, "bound": bound}
 
 
 def _warnings(

@@ -1,6 +1,5 @@
 """A scene solved on finer and finer meshes of each backend until bars hold the digits asked for."""
 
-from contextlib import suppress
 from dataclasses import asdict
 from pathlib import Path
 from time import perf_counter
@@ -10,7 +9,7 @@ from cea.errors import ConvergenceError, InputError
 from cea.petsc import MPI
 from comparisons.converge.combine import combine
 from comparisons.converge.follow import Followed, estimated
-from comparisons.converge.ladder import Ladder, Mesh
+from comparisons.converge.ladder import Ladder
 from comparisons.converge.record import data_of
 from comparisons.converge.request import Request
 from comparisons.study.session import Progress
@@ -89,40 +88,33 @@ class Course:
                 return
             seconds = self.ladder.seconds(number)
             if seconds is None:
-                reason = "elements on the cells of mesh files have degree 4 at most"
-                self._end(clock, progress, reason)
+                self.ended = "elements on the cells of mesh files have degree 4 at most"
             elif seconds > clock.left:
-                self._end(clock, progress, f"one more mesh would take about {seconds:.2g} s")
+                self.ended = f"one more mesh would take about {seconds:.2g} s"
             else:
-                self._add(number, clock, progress)
+                left = f"{max(clock.left, 0):.0f} s left"
+                progress.step(f"{self.backend}, mesh {number + 1}, {left}")
+                guarded = clock.guarded(progress)
+                mesh = self.ladder.run(number, guarded)
+                if number + 1 >= self.ladder.least:
+                    mesh = self.ladder.correct(mesh, guarded)
+                progress.stage("matching")
+                self.followed.add(mesh)
         except (InputError, ConvergenceError) as error:
-            self._end(clock, progress, f"no further mesh: {error}")
+            self.ended = f"no further mesh: {error}"
         except _OutOfTimeError:
             self.ended = "the budget: a mesh that took longer than expected was given up"
-        self.done = self.done or bool(self.ended)
+        self.done = bool(self.ended)
 
-    def _add(self, number: int, clock: _Clock, progress: Progress) -> None:
-        """A further mesh; those that bars are made of count once they are corrected."""
-        progress.step(f"{self.backend}, mesh {number + 1}, {max(clock.left, 0):.0f} s left")
-        mesh = self.ladder.run(number, clock.guarded(progress))
-        if number + 1 >= self.ladder.least:
-            mesh = self._corrected(mesh, clock, progress)
-        progress.stage("matching")
-        self.followed.add(mesh)
-
-    def _corrected(self, mesh: Mesh, clock: _Clock, progress: Progress) -> Mesh:
-        left = f"{max(clock.left, 0):.0f} s left"
-        progress.step(f"{self.backend}, correction in a richer space, {left}")
-        return self.ladder.correct(mesh, clock.guarded(progress))
-
-    def _end(self, clock: _Clock, progress: Progress, reason: str) -> None:
-        """No mesh follows; the last one is corrected where there are time and memory."""
-        self.ended, meshes = reason, self.followed.meshes
-        if not meshes or meshes[-1].corrected is not None:
-            return
-        if self.ladder.seconds_to_correct(meshes[-1].scene) <= clock.left:
-            with suppress(InputError, ConvergenceError):
-                meshes[-1] = self._corrected(meshes[-1], clock, progress)
+    def finish(self, progress: Progress) -> None:
+        """Correct the last mesh where meshes are too few; without correction none counts."""
+        meshes = self.followed.meshes
+        if meshes and meshes[-1].corrected is None:
+            try:
+                meshes[-1] = self.ladder.correct(meshes[-1], progress)
+            except (InputError, ConvergenceError) as error:
+                meshes.clear()
+                self.ended = f"no correction of the only meshes: {error}"
 
 
 def backends_of(scene: Scene, request: Request) -> tuple[Backend, ...]:
@@ -151,6 +143,8 @@ def run_converge(
     courses = {b: Course(scene, b, request) for b in backends_of(scene, request)}
     while active := [course for course in courses.values() if not course.done]:
         min(active, key=lambda course: course.spent).advance(clock, progress)
+    for course in courses.values():
+        course.finish(progress)
     progress.stage("report")
     followed = {b: course.followed for b, course in courses.items() if course.followed.meshes}
     bars = {b: estimated(each, courses[b].ladder) for b, each in followed.items()}

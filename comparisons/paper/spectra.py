@@ -171,9 +171,6 @@ def displacements(
     return u.reshape(-1, u.shape[-1]), hit
 
 
-_SPECTRA: dict[str, Spectrum] = {}  # spectra of this process by scene, computed once
-
-
 @dataclass(frozen=True)
 class Diagram(Figure):
     """Growth rates against frequencies, formulations overlaid."""
@@ -210,9 +207,7 @@ class Diagram(Figure):
         # Cases of equal bodies follow each other.
         for P, n, case in sorted(every, key=lambda each: (each[2].degree, each[2].boundary)):
             scene = session.scene[f"{case.label}, P = {P:g}"]
-            if (key := repr(scene)) not in _SPECTRA:
-                _SPECTRA[key] = Spectrum.of(session.solve(scene))
-            spectra[P, n] = _SPECTRA[key]
+            spectra[P, n] = Spectrum.of(session.solve(scene))
         tables: Tables = {"runs": [], "modes": [], "matches": [], "measures": []}
         for P, n, case in every:
             label, own, reference = case_row(P, n, case), spectra[P, n], spectra[P, 0]

@@ -1,4 +1,4 @@
-"""What a run solves, and what its answer says: eigenvalues or stresses, and what it claims."""
+"""What a run solves, and what its answer says: eigenvalues, and what it claims of them."""
 
 from collections.abc import Mapping
 from copy import deepcopy
@@ -46,21 +46,9 @@ class Answer:
         return tuple(dict.fromkeys([*self.warnings, *open_ends]))
 
 
-@dataclass(frozen=True)
-class StressAnswer:
-    """Normal stresses (N/m²) over both sides of the contacts of a static run, shape (n,)."""
-
-    stresses: Floats
-    says: tuple[str, ...]  # kinds of its warnings
-    dofs: int
-
-
-def _answer(result: Any, dofs: int) -> Answer | StressAnswer:
-    """What the modes of a result say, or its stresses."""
+def _answer(result: Any, dofs: int) -> Answer:
+    """What the modes of a result say."""
     kinds = tuple(dict.fromkeys(warning.kind for warning in result.warnings))
-    if result.spectrum is None:
-        sides = [side.sigma_n for both in result.stresses.values() for side in both.values()]
-        return StressAnswer(np.concatenate(sides), kinds, dofs)
     modes, threshold = result.modes, result.analysis.growth_threshold
     decay = modes.window.min_growth
     return Answer(
@@ -85,7 +73,7 @@ class OfScene:
 
     data: Mapping[str, Any]
 
-    def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
+    def solve(self, max_frequency: float | None) -> Answer:
         """Read the scene and run it, up to a frequency (Hz) if it gives none.
 
         The result can be stored.
@@ -104,7 +92,7 @@ class OfFiles:
 
     matrices: Mapping[str, Floats]
 
-    def solve(self, max_frequency: float | None) -> Answer | StressAnswer:
+    def solve(self, max_frequency: float | None) -> Answer:
         """Write, read, and solve for the modes up to a frequency."""
         used = {name: matrix for name, matrix in self.matrices.items() if matrix.any()}
         with TemporaryDirectory() as folder:

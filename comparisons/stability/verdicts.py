@@ -16,7 +16,7 @@ from cea.arrays import Complexes, Floats, Ints
 from cea.eigen.matching import assign, group
 from cea.errors import ConvergenceError, InputError
 from comparisons.stability.case import Run
-from comparisons.stability.problems import NOT_COMPLETE, UNDECIDED, Answer, StressAnswer
+from comparisons.stability.problems import NOT_COMPLETE, UNDECIDED, Answer
 from scenes.spec.problems import SceneError
 
 _RIGID = 1e-4  # part of the window's kappa that errors of smaller eigenvalues are relative to
@@ -40,7 +40,7 @@ class Comparison:
 
 def judged(run: Run) -> dict[str, Any]:
     """What came out of a run, as a row; None where there is no such number."""
-    answer: Answer | StressAnswer | None = None
+    answer: Answer | None = None
     found: Comparison | None = None
     begun = perf_counter()
     try:
@@ -65,7 +65,7 @@ def judged(run: Run) -> dict[str, Any]:
         **told,
         **{name: getattr(found, name, None) for name in ("error", "missing", "spurious")},
         **{name: getattr(answer, name, None) for name in ("residual", "condition", "dofs")},
-        "modes": len(answer.eigenvalues) if isinstance(answer, Answer) else None,
+        "modes": None if answer is None else len(answer.eigenvalues),
         "says": [] if answer is None else list(answer.says),
         "seconds": perf_counter() - begun,
     }
@@ -85,7 +85,7 @@ def window_end(true: Complexes, lowest: int) -> float:
     return float(some[widest : widest + 2].mean())
 
 
-def _answered(run: Run, answer: Answer | StressAnswer, found: Comparison) -> dict[str, Any]:
+def _answered(run: Run, answer: Answer, found: Comparison) -> dict[str, Any]:
     """Verdict on a run with an answer, which was compared with the true one."""
     if found.false_claim:
         return _wrong(found.false_claim)
@@ -105,14 +105,12 @@ def _answered(run: Run, answer: Answer | StressAnswer, found: Comparison) -> dic
     return _wrong(f"{what}, without a word of it")
 
 
-def compared(answer: Answer | StressAnswer, true: Complexes, tolerance: float) -> Comparison:
-    """Modes of a window beside all true ones far beyond it, or stresses beside a uniform one.
+def compared(answer: Answer, true: Complexes, tolerance: float) -> Comparison:
+    """Modes of a window beside all true ones far beyond it.
 
     A mode may lie on either side of the window's end within the relative ``tolerance``, and true
     eigenvalues within it are compared by their mean: near a coalescence they lose half the digits.
     """
-    if isinstance(answer, StressAnswer):
-        return Comparison(float(np.abs(answer.stresses / true.real[0] - 1).max()))
     top = (2 * np.pi * answer.max_frequency) ** 2
     near = true[-(true**2).real <= (1 + _BEYOND) * top]
     near = np.where(np.abs(near) ** 2 <= 2 * tolerance * _RIGID * top, 0, near)

@@ -1,6 +1,6 @@
 """Sections of every page: warnings, times, what was left out, what failed, versions."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -61,16 +61,15 @@ def warned(data: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame(hints + rows)
 
 
-def parameters(runs: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
+def parameters(runs: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """Fields of the scenes as run; several values, parted by bars, where runs differ."""
-    values: dict[str, dict[str, None]] = {}
-    for run in runs:
-        for field, value in _flat(run["scene"]):
-            if field != "description":
-                values.setdefault(field, {})[plain(value)] = None
-    return pd.DataFrame(
-        [(field, " | ".join(texts)) for field, texts in values.items()], columns=["field", "value"]
-    )
+    fields = pd.json_normalize([run["scene"] for run in runs])
+    values = {
+        field: dict.fromkeys(plain(value) for value in fields[field].dropna())
+        for field in fields.columns.drop("description", errors="ignore")
+    }
+    named = [(field, " | ".join(filter(None, texts))) for field, texts in values.items()]
+    return pd.DataFrame([row for row in named if row[1]], columns=["field", "value"])
 
 
 def machine(record: Mapping[str, Any]) -> pd.DataFrame:
@@ -85,16 +84,3 @@ def _machine_of_study(result: StudyResult) -> pd.DataFrame:
 
 def _named(values: Mapping[str, Any]) -> pd.DataFrame:
     return pd.DataFrame({"name": list(values), "value": [plain(v) for v in values.values()]})
-
-
-def _flat(value: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """Fields that are set, by their path."""
-    dot = f"{place}." if place else ""
-    if isinstance(value, Mapping):
-        for name, part in value.items():
-            yield from _flat(part, f"{dot}{name}")
-    elif isinstance(value, list | tuple) and any(isinstance(part, Mapping) for part in value):
-        for i, part in enumerate(value):
-            yield from _flat(part, f"{dot}{i}")
-    elif value is not None and value != "" and value != () and value != []:
-        yield place, value

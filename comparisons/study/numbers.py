@@ -60,7 +60,10 @@ def counted(count: int, singular: str) -> str:
 
 
 def plain(value: Any) -> str:
-    """Show a parameter of a scene: numbers shortly, sequences with commas."""
+    """Show a parameter of a scene: numbers shortly, sequences with commas, fields by name."""
+    if isinstance(value, dict):
+        set_ = {name: plain(v) for name, v in value.items() if v is not None}
+        return ", ".join(f"{name} = {text}" for name, text in set_.items() if text)
     if isinstance(value, list | tuple):
         return ", ".join(plain(v) for v in value)
     if isinstance(value, float):

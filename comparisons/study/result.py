@@ -27,7 +27,6 @@ class StudyResult:
 
     record: Data
     arrays: Mapping[str, np.ndarray] = field(default_factory=dict)
-    _frames: dict[Any, pd.DataFrame] = field(default_factory=dict, repr=False)
 
     @property
     def cases(self) -> list[dict[str, Any]]:
@@ -35,13 +34,10 @@ class StudyResult:
         return self.record["cases"]
 
     def frame(self, table: str = "runs", **labels: Any) -> pd.DataFrame:
-        """Rows of a table of all cases, or those with some labels, behind these labels; a copy."""
-        key = table, *labels.items()
-        if key not in self._frames:
-            cases = [case for case in self.cases if labels.items() <= case["labels"].items()]
-            rows = [c["labels"] | row for c in cases for row in c["tables"].get(table, ())]
-            self._frames[key] = pd.DataFrame(rows).drop(columns=PART, errors="ignore")
-        return self._frames[key].copy()
+        """Rows of a table of all cases, or those with some labels, behind these labels."""
+        cases = [case for case in self.cases if labels.items() <= case["labels"].items()]
+        rows = [c["labels"] | row for c in cases for row in c["tables"].get(table, ())]
+        return pd.DataFrame(rows).drop(columns=PART, errors="ignore")
 
     def array(self, case: Mapping[str, Any], name: str) -> np.ndarray:
         """Array that the case with these labels kept; an InputError where there is none."""

@@ -58,7 +58,7 @@ def run(
     comm, begun = MPI.COMM_WORLD, perf_counter()
     alone = not study.process or comm.size == 1
     require(alone, "ranks", comm.size, "1: the study starts processes of its own")
-    progress = progress or Progress(step=lambda _: None, stage=lambda _: None)
+    progress = progress or Progress()
     chosen = [dict(case) for case in selected(study, options, only or {})]
     known = comm.bcast(_known(study, out) if comm.rank == 0 and not anew else {})
     session = Session(options, progress.stage)

@@ -18,8 +18,8 @@ _REMEMBERED = 2  # runs whose bodies are remembered: cases often alternate betwe
 class Progress:
     """Where an application shows how far it is."""
 
-    step: Callable[[str], None]  # called as a step begins
-    stage: Callable[[str], None]  # called for each stage in it
+    step: Callable[[str], None] = lambda _: None  # called as a step begins
+    stage: Callable[[str], None] = lambda _: None  # called for each stage in it
 
 
 class Session:
@@ -41,7 +41,6 @@ class Session:
         self.runs: list[dict[str, Any]] = []
         self.arrays: dict[str, np.ndarray] = {}
         self.shapes = Shapes()
-        self._shown: list[tuple[str, list[Any]]] = []
 
     def solve(self, scene: Scene | None = None, **options: Any) -> Any:
         """Run a scene, that of the case by default, with options of :func:`scenes.run_scene`.
@@ -91,9 +90,5 @@ class Session:
         if numbers is None:
             rows = result.table()
             numbers = [i for i in by_importance(result) if rows[i]["verdict"] != "stable"]
-        bodies = list(result.bodies.values())
-        like = next((key for key, others in self._shown if others == bodies), "")
-        if not like:
-            self._shown.append((name, bodies))
-        self.shapes.add(name, result, numbers, like, title)
+        self.shapes.add(name, result, numbers, title)
         return mode_rows(name, result)

@@ -36,12 +36,10 @@ class Shapes:
         """Plain data, as records and pages hold them."""
         return {"scenes": self.scenes, "modes": self.modes}
 
-    def add(
-        self, key: str, result: Result, modes: Sequence[int], like: str = "", title: str = ""
-    ) -> None:
+    def add(self, key: str, result: Result, modes: Sequence[int], title: str = "") -> None:
         """Keep modes of a result, from 0, as many as there is room for; collective.
 
-        The most important come first; ``like`` is the key of a result with the same bodies.
+        The most important come first.
         """
         from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
@@ -53,8 +51,7 @@ class Shapes:
         if result.comm.rank:
             return
         outsides = _outsides(cells, shapes)
-        if not like:
-            self._add_scene(key, outsides)
+        self._add_scene(key, outsides)
         rows, kept = result.table(), self.modes.setdefault(key, {})
         for i, mode in enumerate(modes):
             parts = [s.point_data for s in outsides.values()]
@@ -72,7 +69,7 @@ class Shapes:
                 "frequency": number(rows[mode]["frequency"], 6),
                 "growth": growth(rows[mode]["growth_rate"]),
                 "verdict": rows[mode]["verdict"],
-                "scene": like or key,
+                "scene": key,
             }
 
     def _add_scene(self, key: str, outsides: Mapping[str, Any]) -> None:

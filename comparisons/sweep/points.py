@@ -1,30 +1,22 @@
-"""Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``.
-
-They lie in boxes, each with its own basis: an axis over more than two decades is cut.
-"""
+"""Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise, product
+from dataclasses import asdict, dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
 
 from cea.arrays import Floats, Ints
-from cea.errors import InputError
+from cea.errors import InputError, require
 from scenes.spec.consistency import LARGEST, SMALLEST
 
 _MOST = 10_000
 """Values of an axis."""
 _AXIS = "name=first:last:count, or name=first:last:log:count"
-_DECADES = 2.0
-"""Decades of a field that a box spans at most, where values of it lie between."""
 _TRAINING = 5
 """Values of an axis at which bounds are looked at while a basis is made."""
 _SAMPLES = 48
 """Samples at which they are, beside those at the ends of fields."""
-_TOGETHER = 64
-"""Samples that are solved and stored together."""
 Kind = Literal["normal", "uniform", "lognormal"]
 _DISTRIBUTION = (
     "name~normal:mean:deviation, name~lognormal:median:deviation of the logarithm, with :low:high "
@@ -45,10 +37,9 @@ class Axis:
     def __post_init__(self) -> None:
         for end in (self.first, self.last):
             _check_end(self.name, end, positive=self.logarithmic)
-        if self.first == self.last:
-            raise InputError(self.name, self.last, "another last value than the first")
-        if not 2 <= self.count <= _MOST:
-            raise InputError(self.name, self.count, f"2 to {_MOST} values")
+        other = "another last value than the first"
+        require(self.first != self.last, self.name, self.last, other)
+        require(2 <= self.count <= _MOST, self.name, self.count, f"2 to {_MOST} values")
 
     @property
     def values(self) -> list[float]:
@@ -58,8 +49,8 @@ class Axis:
 
     def plain(self) -> dict[str, Any]:
         """As plain data."""
-        told = {"name": self.name, "first": self.first, "last": self.last, "count": self.count}
-        return told | {"log": self.logarithmic}
+        told = asdict(self)
+        return told | {"log": told.pop("logarithmic")}
 
 
 @dataclass(frozen=True)
@@ -81,12 +72,11 @@ class Distribution:
         _check_end(self.name, self.first, positive=self.kind == "lognormal")
         _check_end(self.name, self.second, positive=False)
         if self.kind == "uniform":
-            if not self.first < self.second:
-                raise InputError(self.name, self.second, f"greater than {self.first:g}")
-        elif self.second <= 0:
-            raise InputError(self.name, self.second, "a positive deviation")
-        if not self.low < self.high:
-            raise InputError(self.name, self.high, f"greater than {self.low:g}")
+            greater = f"greater than {self.first:g}"
+            require(self.first < self.second, self.name, self.second, greater)
+        else:
+            require(self.second > 0, self.name, self.second, "a positive deviation")
+        require(self.low < self.high, self.name, self.high, f"greater than {self.low:g}")
         self.drawn(np.empty(0), self.low)
 
     def drawn(self, probability: Floats, least: float) -> tuple[Floats, float]:
@@ -102,16 +92,13 @@ class Distribution:
         elif self.kind == "uniform":
             law = uniform(self.first, self.second - self.first)
         before, below, above = law.cdf([self.low, low, self.high]).tolist()
-        if below == above:
-            raise InputError(self.name, [low, self.high], "ends with values between them")
+        require(below < above, self.name, [low, self.high], "ends with values between them")
         values = np.clip(law.ppf(below + (above - below) * probability), low, self.high)
         return values, (below - before) / (above - before)
 
     def plain(self) -> dict[str, Any]:
         """As plain data; ends that cut nothing off are left out."""
-        told = {"name": self.name, "kind": self.kind, "first": self.first, "second": self.second}
-        ends = {"low": self.low, "high": self.high}
-        return told | {name: value for name, value in ends.items() if np.isfinite(value)}
+        return {name: each for name, each in asdict(self).items() if each not in (-np.inf, np.inf)}
 
 
 Field = Axis | Distribution
@@ -144,9 +131,20 @@ class Points:
         return tuple(len(each) for each in self.axes)
 
     @property
-    def lines(self) -> Ints:
-        """Numbers of the points along the first axis, shape (lines, values)."""
-        return np.arange(len(self.values)).reshape(self.counts[0], -1).T
+    def parts(self) -> Ints:
+        """Numbers of points solved together, a line or a sample, shape (parts, values)."""
+        count = self.counts[0] if self.axes else 1
+        return np.arange(len(self.values)).reshape(count, -1).T
+
+    @property
+    def training(self) -> Ints:
+        """Numbers of points at which bounds are looked at while a basis is made."""
+        numbers = np.arange(len(self.values))
+        if not self.axes:
+            ends = self.values.argmin(axis=0), self.values.argmax(axis=0)
+            return np.unique(np.concatenate([*ends, numbers[:_SAMPLES]]))
+        chosen = [np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in self.counts]
+        return numbers.reshape(self.counts)[np.ix_(*chosen)].ravel()
 
     @property
     def ends(self) -> list[tuple[float, float]]:
@@ -213,54 +211,6 @@ def read_fields(texts: Sequence[str]) -> tuple[Field, ...]:
 
 def _check_end(name: str, value: float, *, positive: bool) -> None:
     """Refuse an end of what varies that no field of a scene may have."""
-    if not abs(value) <= LARGEST:
-        raise InputError(name, value, f"a finite number of at most {LARGEST:g}")
-    if positive and value < SMALLEST:
-        raise InputError(name, value, f"positive, at least {SMALLEST:g}")
-
-
-@dataclass(frozen=True)
-class Box:
-    """Points that share a basis.
-
-    Least and greatest value of each field, those of a neighbour included; numbers of the points
-    that are solved and stored together, along the first axis, or some samples; numbers of those at
-    which bounds are looked at first.
-    """
-
-    ends: tuple[tuple[float, float], ...]
-    parts: tuple[Ints, ...]
-    training: Ints
-
-
-def boxes_of(points: Points) -> list[Box]:
-    """Boxes that hold all points; those along the first axis share the values at their borders."""
-    numbers = np.arange(len(points.values))
-    if not points.axes:
-        at_ends = np.concatenate([points.values.argmin(axis=0), points.values.argmax(axis=0)])
-        parts = np.array_split(numbers, int(np.ceil(len(numbers) / _TOGETHER)))
-        training = np.unique([*at_ends, *numbers[:_SAMPLES]])
-        return [Box(tuple(points.ends), tuple(parts), training)]
-    boxes, numbers = [], numbers.reshape(points.counts)
-    for stretches in product(*map(_stretches, points.axes)):
-        whole = numbers[np.ix_(*stretches)]
-        ends = replace(points, values=points.values[whole.ravel()]).ends
-        # A value at the border of another axis than the first belongs to the box below.
-        own = [each[1:] if each[0] else each for each in stretches[1:]]
-        lines = numbers[np.ix_(stretches[0], *own)].reshape(len(stretches[0]), -1)
-        chosen = [np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in whole.shape]
-        boxes.append(Box(tuple(ends), tuple(lines.T), whole[np.ix_(*chosen)].ravel()))
-    return boxes
-
-
-def _stretches(values: Floats) -> list[Ints]:
-    """Numbers of neighbouring values within two decades, a border in both of its stretches."""
-    last, cuts = len(values) - 1, [0]
-    if not (values > 0).all():
-        return [np.arange(last + 1)]
-    logarithms = np.log10(values)
-    while cuts[-1] < last:
-        away = np.abs(logarithms - logarithms[cuts[-1]])
-        within = np.flatnonzero(away <= _DECADES * (1 + 1e-9))
-        cuts.append(max(int(within.max()), cuts[-1] + 1))
-    return [np.arange(low, high + 1) for low, high in pairwise(cuts)]
+    require(abs(value) <= LARGEST, name, value, f"a finite number of at most {LARGEST:g}")
+    large = not positive or value >= SMALLEST
+    require(large, name, value, f"positive, at least {SMALLEST:g}")

@@ -14,11 +14,9 @@ from cea.arrays import Floats, Ints
 from cea.eigen.classify import thresholds
 from cea.eigen.matching import assign
 from cea.reduced.spectrum import ReducedSpectrum
-from comparisons.sweep.spectra import UNSTABLE, Spectra
+from comparisons.sweep.spectra import Spectra
 
 Flags = NDArray[np.bool_]
-_STANDARD = 1.959963984540054
-"""Standard deviations of an interval of 95 per cent."""
 _QUANTILES = (0.05, 0.5, 0.95)
 _NEAR = 0.05
 """Distance, relative to a speed, that counts as much as another vector."""
@@ -50,33 +48,17 @@ def growing(spectra: Spectra, threshold: float | None, *, damped: bool) -> tuple
 
     Of two that coalesced without damping, one growing as the other decays, both do.
     """
-    values = spectra.growth + 2j * np.pi * spectra.frequency
-    there = spectra.there
-    grows = there & (spectra.verdict == UNSTABLE)
-    may_grow = np.zeros_like(grows)
-    limits = thresholds(np.where(there, values, 0.0).ravel(), threshold).reshape(grows.shape)
-    may_grow[there] = (spectra.growth + spectra.uncertainty > limits)[there]
-    if not damped:  # of such two frequencies are equal, and growth rates but for their signs
-        f, g = spectra.frequency, spectra.growth
-        pairs = (f[:, 1:] == f[:, :-1]) & (g[:, 1:] == -g[:, :-1]) & (f[:, 1:] > 0)
-        pairs &= np.abs(g[:, 1:]) > spectra.uncertainty[:, 1:]
-        for flags in (grows, may_grow):
-            flags[:, :-1] |= pairs & flags[:, 1:]
-    return grows, may_grow
-
-
-def wilson(count: int, total: int) -> tuple[float, float]:
-    """Interval of 95 per cent of a probability, of so many cases in all."""
-    share, square = count / total, _STANDARD**2
-    middle = (share + square / (2 * total)) / (1 + square / total)
-    half = _STANDARD / (1 + square / total)
-    half *= np.sqrt(share * (1 - share) / total + square / (4 * total**2))
-    low = 0.0 if count == 0 else middle - half
-    return float(low), 1.0 if count == total else float(middle + half)
+    values = np.where(spectra.there, spectra.growth + 2j * np.pi * spectra.frequency, 0.0)
+    limits = thresholds(values.ravel(), threshold).reshape(values.shape)
+    rates = spectra.growth if damped else np.abs(spectra.growth)
+    errors = spectra.uncertainty
+    return rates > np.maximum(errors, limits), rates + errors > limits
 
 
 def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]:
     """What samples say of growth, sure or perhaps, with rates (1/s), each of shape (n,)."""
+    from scipy.stats import binomtest
+
     n, sure = len(grows), int(grows.sum())
     undecided = int((may_grow & ~grows).sum())
     share, rates = sure / n, growth[grows]
@@ -86,8 +68,8 @@ def probability(grows: Flags, may_grow: Flags, growth: Floats) -> dict[str, Any]
         "undecided": undecided,
         "probability": share,
         "standard_error": float(np.sqrt(share * (1 - share) / n)),
-        "low": wilson(sure, n)[0],
-        "high": wilson(sure + undecided, n)[1],
+        "low": float(binomtest(sure, n).proportion_ci(method="wilson").low),
+        "high": float(binomtest(sure + undecided, n).proportion_ci(method="wilson").high),
         "growth": dict(zip(("low", "median", "high"), spread, strict=True)),
         "fastest": float(rates.max()) if len(rates) else None,
     }

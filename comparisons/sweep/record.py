@@ -7,37 +7,34 @@ from typing import Any
 
 import numpy as np
 
+from cea.arrays import Ints
 from cea.reduced.crossings import Threshold
-from cea.reduced.thresholds import Unresolved
-from comparisons.study.run_warnings import merged_warnings
+from cea.reduced.greedy import Enrichment
+from cea.reduced.thresholds import Found, Unresolved
+from comparisons.study.run_warnings import Run, merged_warnings
 from comparisons.sweep.points import Points
-from comparisons.sweep.scene import Mapped
+from comparisons.sweep.scene import SweptScene
 from comparisons.sweep.spectra import UNSTABLE, Spectra
 from scenes import Result
 
 _NAMED = 100
 """Points without a certificate that are named."""
+FoundAlong = tuple[dict[str, float], Found]
+"""Values of the other fields along a line of the first, and what was found along it."""
 
 
 def record_of(
-    scene: Mapped,
-    spectra: Spectra,
-    parts: Sequence[Mapping[str, Any]],
-    bases: Sequence[Mapping[str, Any]],
-    tolerance: float,
+    scene: SweptScene, spectra: Spectra, lines: Sequence[FoundAlong], basis: Enrichment
 ) -> dict[str, Any]:
-    """Record of a sweep on bases, its thresholds not yet confirmed."""
-    bound, solves = spectra.bound, [each for basis in bases for each in basis["solves"]]
+    """Record of a sweep on a basis, its thresholds not yet confirmed."""
+    bound, tolerance = spectra.bound, basis.tolerance
     left = np.flatnonzero(bound > tolerance)
-    failed = [each for basis in bases for each in basis["failed"]]
-    growths = [each["max_growth"] for each in solves]
-    return _common(scene.points, spectra, [each for each in parts if each], failed, growths) | {
+    growths = [each["max_growth"] for each in basis.solves]
+    return _common(scene, spectra, lines, basis.failed, growths) | {
         "parameters": [list(each) for each in scene.names],
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
-        "max_frequency": scene.max_frequency,
-        "growth_threshold": scene.growth_threshold,
-        "vectors": [basis["vectors"] for basis in bases],
-        "snapshots": solves,
+        "vectors": [basis.model.size],
+        "snapshots": basis.solves,
         "certified": len(bound) - len(left),
         "not_certified": left[:_NAMED].tolist(),
         "lost_to_rounding": int(((bound > tolerance) & (spectra.worst <= tolerance)).sum()),
@@ -46,42 +43,29 @@ def record_of(
 
 
 def record_of_full(
-    points: Points,
+    scene: SweptScene,
     spectra: Spectra,
     results: Sequence[Result | None],
-    failed: list[dict[str, Any]],
+    failed: Sequence[Mapping[str, Any]],
     why: str,
 ) -> dict[str, Any]:
-    """Record of a sweep that was solved in full at each point, with its warnings."""
-    runs = [
-        (dict(zip(points.names, at, strict=True)), result)
-        for at, result in zip(points.values.tolist(), results, strict=True)
-        if result is not None
-    ]
-    analysis = runs[0][1].analysis if runs else None
-    growths = [float(each.modes.window.max_growth) for _, each in runs]
-    growths = [each for each in growths if np.isfinite(each)]
-    told = [(at, [warning.plain() for warning in each.warnings]) for at, each in runs]
-    between = {"thresholds": _between_points(points, spectra), "unresolved": [], "resolution": 0.0}
-    return _common(points, spectra, [between], failed, growths) | {
-        "max_frequency": None if analysis is None else analysis.max_frequency,
-        "growth_threshold": None if analysis is None else analysis.growth_threshold,
-        "why": why,
-        "snapshots": [],
-        "certified": len(runs),
-        "warnings": merged_warnings(told, f"values of {', '.join(points.names)}")
-        + [_told("no-answer", f"{len(failed)} full solves gave no answer")] * bool(failed),
-    }
+    """Record of a sweep that was solved in full at each point."""
+    growths = [float(each.modes.window.max_growth) for each in results if each is not None]
+    finite = [each for each in growths if np.isfinite(each)]
+    lines = [_between_points(scene.points, spectra, line) for line in scene.points.parts]
+    told = {"why": why, "snapshots": [], "certified": len(growths)}
+    return _common(scene, spectra, lines, failed, finite) | told
 
 
 def _common(
-    points: Points,
+    scene: SweptScene,
     spectra: Spectra,
-    lines: Sequence[Mapping[str, Any]],
+    lines: Sequence[FoundAlong],
     failed: Sequence[Mapping[str, Any]],
     growths: Sequence[float | None],
 ) -> dict[str, Any]:
     """What the points are, what grows where, and what gave no answer."""
+    points = scene.points
     above = np.flatnonzero(np.isfinite(spectra.above_growth))
     fields = [
         {"name": name, "ends": list(ends)}
@@ -91,13 +75,15 @@ def _common(
     told: dict[str, Any] = {
         "axes" if points.axes else "fields": fields,
         "values": len(points.values),
+        "max_frequency": scene.window.max_frequency,
+        "growth_threshold": scene.window.growth_threshold,
         "growing_at_first": bool((spectra.growth[0] > spectra.uncertainty[0]).any()),
         "above": None,
         "failed": failed,
         "complete_to": min((each for each in growths if each is not None), default=None),
-        "thresholds": [each for line in lines for each in line["thresholds"]],
-        "unresolved": [each for line in lines for each in line["unresolved"]],
-        "resolution": max((line["resolution"] for line in lines), default=0.0),
+        "thresholds": [at | _plain(each) for at, line in lines for each in line.thresholds],
+        "unresolved": [at | _plain(each) for at, line in lines for each in line.unresolved],
+        "resolution": max((line.resolution for _, line in lines), default=0.0),
     }
     if len(above):
         first = int(above[0])
@@ -109,27 +95,23 @@ def _common(
     return told
 
 
-def _between_points(points: Points, spectra: Spectra) -> list[dict[str, Any]]:
+def _between_points(points: Points, spectra: Spectra, line: Ints) -> FoundAlong:
     """Thresholds between points solved in full: only numbers of unstable modes are known."""
-    found = []
-    unstable = (spectra.verdict == UNSTABLE).sum(axis=1)
-    for line in points.lines:
-        others = dict(zip(points.names[1:], points.values[line[0], 1:].tolist(), strict=True))
-        answered = line[np.isfinite(spectra.worst[line])]
-        for low, high in pairwise(answered[np.argsort(points.values[answered, 0])].tolist()):
-            change = 2 * int(unstable[high] - unstable[low])
-            if not change:
-                continue
+    found, unstable = Found(), (spectra.verdict == UNSTABLE).sum(axis=1)
+    answered = line[np.isfinite(spectra.worst[line])]
+    for low, high in pairwise(answered[np.argsort(points.values[answered, 0])].tolist()):
+        change = 2 * int(unstable[high] - unstable[low])
+        if change:
             more = high if change > 0 else low
             rates = np.where(spectra.verdict[more] == UNSTABLE, spectra.growth[more], np.inf)
             mode, ends = int(rates.argmin()), points.values[[low, high], 0]
             root = complex(rates[mode], 2 * np.pi * spectra.frequency[more, mode])
             middle, half = float(ends.mean()), float(np.ptp(ends) / 2)
-            found.append(others | plain(Threshold(middle, half, root, 0.0, change, "count")))
-    return found
+            found.thresholds.append(Threshold(middle, half, root, 0.0, change, "count"))
+    return dict(zip(points.names[1:], points.values[line[0], 1:].tolist(), strict=True)), found
 
 
-def plain(found: Threshold | Unresolved) -> dict[str, Any]:
+def _plain(found: Threshold | Unresolved) -> dict[str, Any]:
     """A threshold or an unresolved interval as plain data; lambda as re and im (1/s)."""
     told = asdict(found)
     root = told.pop("eigenvalue")
@@ -137,21 +119,15 @@ def plain(found: Threshold | Unresolved) -> dict[str, Any]:
     return told | dict(zip(("re", "im"), both, strict=True))
 
 
-def threshold_of(told: Mapping[str, Any]) -> Threshold:
-    """A threshold from plain data."""
-    root = complex(told["re"], told["im"])
-    names = ("value", "error", "slope", "change", "kind")
-    return Threshold(eigenvalue=root, **{name: told[name] for name in names})
-
-
-def _told(kind: str, message: str) -> dict[str, Any]:
-    return {"kind": kind, "message": message, "data": {}}
-
-
-def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any]]:
-    """What a sweep on bases must be read with."""
+def warnings_of(
+    data: Mapping[str, Any], tolerance: float, solves: Sequence[Run]
+) -> list[dict[str, Any]]:
+    """What a sweep must be read with, and what its full solves warn of."""
     told: list[tuple[str, str]] = []
-    if left := data["values"] - data["certified"]:
+    what = "full solves"
+    if "why" in data:
+        what = f"values of {', '.join(axis['name'] for axis in data['axes'])}"
+    elif left := data["values"] - data["certified"]:
         message = (
             f"{left} of {data['values']} values are not certified to {tolerance:g}, the first of "
             f"them numbers {', '.join(map(str, data['not_certified'][:10]))}: their bounds say how "
@@ -159,9 +135,8 @@ def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any
         )
         if data["lost_to_rounding"]:
             message += (
-                f"; {data['lost_to_rounding']} by rounding of the reduced matrices, as where a "
-                "contact is stiff, against which no larger basis helps: full solves are not "
-                "subject to it"
+                f"; {data['lost_to_rounding']} by rounding of the reduced matrices, against which "
+                "no larger basis helps: full solves are not subject to it"
             )
         told.append(("not-certified", message))
     if data["failed"]:
@@ -195,5 +170,5 @@ def warnings_of(data: Mapping[str, Any], tolerance: float) -> list[dict[str, Any
             "in the middle: single modes have no rows where these are a tenth or more"
         )
         told.append(("not-followed", message))
-    solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
-    return [_told(*each) for each in told] + merged_warnings(solves, "full solves")
+    own = [{"kind": kind, "message": message, "data": {}} for kind, message in told]
+    return own + merged_warnings(solves, what)

@@ -65,34 +65,16 @@ class Spectra:
     @classmethod
     def of_rows(cls, rows: Sequence[Mapping[str, Any]]) -> "Spectra":
         """Of points one by one."""
-        parts = []
-        for i, row in enumerate(rows):
-            single = {name: np.asarray(value)[None] for name, value in row.items()}
-            parts.append((np.array([i]), cls(**single)))
-        return cls.joined(parts, len(rows))
-
-    @classmethod
-    def joined(cls, parts: Sequence[tuple[Ints, "Spectra"]], count: int) -> "Spectra":
-        """Of so many points, from parts with the numbers of their points."""
-        width = max(1, *(part.growth.shape[1] for _, part in parts))
-        whole = {}
-        for each in fields(cls):
-            arrays = [_widened(getattr(part, each.name), width) for _, part in parts]
-            whole[each.name] = np.empty((count, *arrays[0].shape[1:]), arrays[0].dtype)
-            for (points, _), array in zip(parts, arrays, strict=True):
-                whole[each.name][points] = array
-        return cls(**whole)
-
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """As arrays by their names."""
-        return {each.name: getattr(self, each.name) for each in fields(self)}
+        most = max(1, *(len(row["growth"]) for row in rows))
+        names = [each.name for each in fields(cls)]
+        return cls(**{name: np.stack([_padded(row[name], most) for row in rows]) for name in names})
 
 
 def row_of_model(
     found: ReducedSpectrum, slopes: Complexes, numbers: Ints, threshold: float | None
 ) -> dict[str, Any]:
     """A point on a reduced model, with derivatives in the window, shape (modes, fields)."""
-    words, window, end = found.words(threshold), found.window, found.settings.window.end
+    words, window, end = found.words(threshold), found.window, found.looked_at.end
     above = (found.eigenvalues.imag > end) & (found.eigenvalues.imag <= HINT * end)
     above &= np.isin(words, GROWING)
     inside = np.flatnonzero(found.inside)
@@ -133,13 +115,14 @@ def _row(
     }
 
 
-def _widened(array: NDArray[Any], width: int) -> NDArray[Any]:
-    """An array of points with gaps for modes that are not there."""
-    if array.ndim == 1:
+def _padded(known: Any, count: int) -> NDArray[Any]:
+    """What is known at a point of it, or of its modes, with gaps for those that are not there."""
+    array = np.asarray(known)
+    if array.ndim == 0:
         return array
     gone = np.nan if array.dtype.kind == "f" else -1
-    wider = ((0, 0), (0, width - array.shape[1]), *[(0, 0)] * (array.ndim - 2))
-    return np.pad(array, wider, constant_values=gone)
+    further = ((0, count - len(array)), *[(0, 0)] * (array.ndim - 1))
+    return np.pad(array, further, constant_values=gone)
 
 
 def write_netcdf(spectra: Spectra, points: Points, file: Path) -> None:

@@ -6,18 +6,17 @@ import numpy as np
 import pandas as pd
 
 from cea.eigen.classify import GROWING, WORDS, counted_words
+from comparisons.study.closing import warned
 from comparisons.study.columns import Column
 from comparisons.study.numbers import counted, plain, shown
 from comparisons.study.result import Data
 from comparisons.study.run_warnings import kinds_at
-from comparisons.study.sections import Drawing, Section, Table
+from comparisons.study.sections import Drawing, Plot, Section, Table
 from comparisons.sweep.spectra import UNSTABLE
 from comparisons.sweep.study import Swept
 
 _ON_PAGE = 500
 """Rows of a table up to which the page holds it; its file holds all."""
-_MODES = 200_000
-"""Modes up to which they are written as a table too."""
 _WHAT = {
     "flutter": ("flutter begins", "flutter ends"),
     "divergence": ("divergence begins", "divergence ends"),
@@ -57,9 +56,7 @@ def words(made: Swept) -> str:
     """How many modes have which word at the point where a mode grows fastest."""
     data, points, spectra = made.record, made.points, made.spectra
     if not spectra.there.any():
-        lowest = data.get("lowest")
-        near = "" if lowest is None else f"; the lowest is near {lowest:.5g} Hz"
-        return f"No modes below {data['max_frequency']:g} Hz at any value{near}."
+        return f"No modes below {data['max_frequency']:g} Hz at any value."
     point = int(np.unravel_index(np.nanargmax(spectra.growth), spectra.growth.shape)[0])
     there = spectra.there[point]
     growth, verdicts = spectra.growth[point][there], spectra.verdict[point][there]
@@ -69,14 +66,12 @@ def words(made: Swept) -> str:
     return f"Most grows at {told}: {counted(len(growth), 'mode')}: {counts}."
 
 
-def sections_of(made: Swept, drawings: list[Drawing]) -> list[Section]:
+def sections_of(made: Swept, drawn: Plot | Drawing) -> list[Section]:
     """The page of a sweep."""
     data, few = made.record, len(made.points.values) <= _ON_PAGE
     own = OWN | {name: Column(name, show=shown(6)) for name in made.points.names}
     tables = [Table("summary", "The sweep.", summary, own)]
     tables.append(Table("sweep", "All values.", values, own, shown=few))
-    if made.spectra.growth.size <= _MODES:
-        tables.append(Table("modes", "Every mode.", modes, own, shown=False))
     why, basis = "", []
     if "why" in data:
         why = f"Solved in full at each value: {data['why']}"
@@ -85,14 +80,11 @@ def sections_of(made: Swept, drawings: list[Drawing]) -> list[Section]:
         tables.append(Table("sensitivities", caption, sensitivities, own, shown=few))
         caption = "Full solves that bases rest on; errors of the reduced model there before."
         basis.append(Table("full_solves", caption, full_solves, own))
-    title, answers = "Thresholds", [answer_table(made)]
-    if not made.points.axes:
-        title, drawn = "Probability of growth", f"spread, seed {data['inputs']['seed']}."
-        answers.append(Table("fields", f"Fields that are {drawn}", fields, own))
+    title = "Thresholds" if made.points.axes else "Probability of growth"
     return [
-        Section("What grows where", why, lambda _: f"{headline(data)} {words(made)}", [], drawings),
-        Section("Warnings", tables=[Table("warnings", "", warnings)]),
-        Section(title, tables=answers),
+        Section("What grows where", why, lambda _: f"{headline(data)} {words(made)}", [], [drawn]),
+        Section("Warnings", tables=[Table("warnings", "", lambda made: warned(made.record))]),
+        Section(title, tables=[answer_table(made)]),
         Section("Values", tables=tables),
         Section("Full solves", tables=basis),
     ]
@@ -152,8 +144,7 @@ def summary(made: Swept) -> pd.DataFrame:
     else:
         told |= {
             "unknowns": data["unknowns"],
-            "bases": len(data["vectors"]),
-            "vectors of the largest basis": max(data["vectors"]),
+            "vectors of the basis": max(data["vectors"]),
             "full solves": len(data["snapshots"]),
             "values certified": data["certified"],
             "worst bound, relative": float(f"{data['worst']:.3g}"),
@@ -189,16 +180,6 @@ def values(made: Swept) -> pd.DataFrame:
     )
 
 
-def modes(made: Swept) -> pd.DataFrame:
-    """A row for each mode at each point."""
-    there = np.nonzero(made.spectra.there)
-    names = ("frequency", "growth", "uncertainty", "mean_error")
-    return _places(made, there[0]).assign(
-        **{name: getattr(made.spectra, name)[there] for name in names},
-        verdict=np.array(WORDS)[made.spectra.verdict[there]],
-    )
-
-
 def sensitivities(made: Swept) -> pd.DataFrame:
     """A row for the fastest growing mode of each point, where one grows."""
     spectra = made.spectra
@@ -224,18 +205,6 @@ def probability(made: Swept) -> pd.DataFrame:
             for each in (together, *data["modes"])
         ]
     )
-
-
-def fields(made: Swept) -> pd.DataFrame:
-    """A row for each field that is spread."""
-    both = zip(made.record["inputs"]["fields"], made.record["fields"], strict=True)
-    return pd.DataFrame([asked | {"ends": str(f["ends"]), "cut": f["cut"]} for asked, f in both])
-
-
-def warnings(made: Swept) -> pd.DataFrame:
-    """A row for each warning."""
-    told = made.record["warnings"]
-    return pd.DataFrame([{"kind": each["kind"], "message": each["message"]} for each in told])
 
 
 OWN = {

@@ -1,7 +1,7 @@
 """A scene assembled once and solved many times: sweeps over friction, stiffness, materials."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -216,12 +216,15 @@ class AssembledScene:
             changed = at_parameters(self.scene, pencil, dict.fromkeys(names, value))
             return changed, coupled(changed, **options)[0]
 
-        state = _FollowedState(max(abs(real), abs(flutter)), lambda value: at(value)[1].pencil())
+        scale = max(abs(real), abs(flutter))
+
+        def state(value: float, max_frequency: float) -> tuple[Modes, Complexes]:
+            return _followed(lambda each: at(each)[1].pencil(), value, max_frequency, scale)
+
         window = Window.up_to(self.scene.window.max_frequency, damped=pencil.damped)
         found = threshold_between(line_in_full(state, window), real, flutter, frequency)
         told = tuple(system_warnings(*at(found.value)))
-        parameter, spent = ", ".join(names), (state.solves, state.factorisations)
-        return ConfirmedThreshold(parameter, found.value, found.eigenvalue, *spent, told)
+        return ConfirmedThreshold(", ".join(names), found.value, found.eigenvalue, told)
 
     def _holds_at(self, values: Mapping[str, float]) -> bool:
         """Whether state, pieces and forms of contacts are those of a fresh run at parameters."""
@@ -243,28 +246,20 @@ def assemble(scene: Scene, listener: Callable[[str], None] | None = None) -> Ass
     return AssembledScene(scene, listener)
 
 
-@dataclass
-class _FollowedState:
-    """Full solves of a pencil linearised about its state of steady sliding at each value."""
+def _followed(
+    pencil_at: Callable[[float], Pencil], value: float, max_frequency: float, scale: float
+) -> tuple[Modes, Complexes]:
+    """All modes up to a frequency (Hz) of a pencil linearised about steady sliding at a value.
 
-    scale: float
-    pencil_at: Callable[[float], Pencil]
-    solves: int = field(default=0, init=False)
-    factorisations: int = field(default=0, init=False)
-
-    def __call__(self, value: float, max_frequency: float) -> tuple[Modes, Complexes]:
-        """All modes up to a frequency (Hz), with left vectors, and derivatives of their lambda.
-
-        Derivatives are made of difference quotients of the matrices, shape (n,).
-        """
-        with EigenSolver(self.pencil_at(value)) as driver:
-            modes = driver.solve(max_frequency, left=True)
-            self.solves += driver.solves
-            self.factorisations += driver.factorisations
-        step = _STEP * self.scale
-        low, high = (_works(self.pencil_at(value + way * step), modes) for way in (-1.0, 1.0))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return modes, (low - high) / (2 * step) / (2 * modes.eigenvalues)
+    With left vectors, and derivatives of their lambda, made of difference quotients of the matrices
+    over steps relative to a scale, shape (n,).
+    """
+    with EigenSolver(pencil_at(value)) as driver:
+        modes = driver.solve(max_frequency, left=True)
+    step = _STEP * scale
+    low, high = (_works(pencil_at(value + way * step), modes) for way in (-1.0, 1.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return modes, (low - high) / (2 * step) / (2 * modes.eigenvalues)
 
 
 def _works(pencil: Pencil, modes: Modes) -> Complexes:

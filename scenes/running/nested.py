@@ -1,13 +1,14 @@
 """Two discretisations of one scene: prolongation, errors of eigenvalues."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from typing import Any
 
 from cea.body import Body
 from cea.eigen.pencil import release
 from cea.errors import InputError
+from cea.matrices import destroy
 from cea.nested.estimate import ErrorEstimate, error_estimate
-from cea.nested.prolongation import Prolongation, of_body, of_system
+from cea.nested.prolongation import of_body, of_system
 from scenes.building.build import Built, made_of
 from scenes.checking.memory import factors_of
 from scenes.results.result import Result
@@ -17,7 +18,7 @@ from scenes.running.system import RunOptions, coupled
 from scenes.spec.reading import Scene
 
 
-def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Prolongation:
+def prolongation(coarse: Mapping[str, Body], fine: Mapping[str, Body]) -> Any:
     """Prolongation from the free displacements of a scene to those of a finer one; collective."""
     if list(coarse) != list(fine):
         raise InputError("bodies", list(fine), f"those of the coarse scene: {', '.join(coarse)}")
@@ -69,8 +70,7 @@ def estimate_errors(
         step = prolongation(result.bodies, system.bodies)
     try:
         with timer("krylov"), factors_of(scene):
-            found = error_estimate(result.modes, matrices, step, steps=steps)
-            return replace(found, growth_threshold=result.analysis.growth_threshold)
+            return error_estimate(result.modes, matrices, step, steps=steps)
     finally:
-        step.free()
+        destroy(step)
         release(matrices)

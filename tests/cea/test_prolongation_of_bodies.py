@@ -14,7 +14,6 @@ from petsc_matrices import to_scipy
 from cea.errors import InputError
 from cea.nested.prolongation import of_body as prolongation
 from cea.supports.boundary import Support
-from cea.supports.frames import SurfaceNormal
 from meshes.breaks import breaks_of
 from meshes.nurbs_shapes import nurbs_shape
 from meshes.shape_mesh import shape_mesh
@@ -56,7 +55,7 @@ def inside(part, count=60):
 def apart(coarse, fine, step, u):
     """Largest difference of coarse displacements of free dofs and their prolongation."""
     one = to_scipy(coarse.expansion) @ u
-    other = to_scipy(fine.expansion) @ (to_scipy(step.matrix) @ u)
+    other = to_scipy(fine.expansion) @ (to_scipy(step) @ u)
     if not hasattr(coarse.space, "multipatch"):
         x = inside(coarse)
         return np.abs(at_points(fine, other, x) - at_points(coarse, one, x)).max()
@@ -122,8 +121,7 @@ PAIRS = {
 def test_coarse_functions_stay_what_they_are(name):
     coarse, fine = PAIRS[name]()
     step = prolongation(coarse, fine)
-    assert step.defect < 1e-10
-    P = to_scipy(step.matrix)
+    P = to_scipy(step)
     assert P.shape == (fine.expansion.getSize()[1], coarse.expansion.getSize()[1])
     assert apart(coarse, fine, step, RNG.uniform(-1, 1, P.shape[1])) < 1e-12
     if name.startswith("Q"):  # where quadrature is exact
@@ -135,8 +133,7 @@ def test_coarse_functions_stay_what_they_are(name):
 def test_curved_cells_of_one_geometry():
     coarse, fine = (body_of(ROUND, "hexahedron", q, order=2) for q in (2, 3))
     step = prolongation(coarse, fine)
-    assert step.defect < 1e-10
-    P = to_scipy(step.matrix)
+    P = to_scipy(step)
     u = RNG.uniform(-1, 1, P.shape[1])
     for name, surface in fine.surfaces.items():
         points = surface.gauss_points(3)
@@ -146,42 +143,20 @@ def test_curved_cells_of_one_geometry():
         assert np.abs(found - expected).max() < 1e-12
 
 
-@pytest.mark.parametrize("order", [1, 2])
-def test_how_far_curved_geometries_are_apart(order):
-    """Rings divided: new nodes lie on the circle, off the coarse cells by O(h^(order + 1))."""
-    defects, counts = [], (8, 16, 32)
-    for n in counts:
-        coarse, fine = (
-            body_of(ROUND, "quadrilateral", 2, order=order, elements=(1, m)) for m in (n, 2 * n)
-        )
-        defects.append(prolongation(coarse, fine).defect)
-    assert all(defect > 1e-6 for defect in defects)
-    assert -np.polyfit(np.log(counts), np.log(defects), 1)[0] > 0.8 * order
-
-
 def test_a_higher_continuity_is_met_at_full_order():
     """A smooth coarse function between spaces that are not nested: errors fall like h^(q + 1)."""
     errors = []
     for n in (8, 16, 32):
         coarse, fine = (body(PLATE, (n, 2), (q, 2), placement=TURNED) for q in (2, 3))
         step = prolongation(coarse, fine)
-        assert step.defect > 1e-10
         at = [np.linspace(0, 1, 201), np.array([0.0, 0.3, 0.7, 1.0])]
         x = on_grid(coarse, coarse.space.dof_positions, 0, at)
         basis = basis_on_grid(coarse.space.multipatch.patches[0], at).toarray()
         u = np.zeros_like(coarse.space.dof_positions)
         u[coarse.space.multipatch.dofs[0].ravel()] = np.linalg.lstsq(basis, np.sin(3 * x))[0]
-        moved = to_scipy(step.matrix) @ u.ravel()
+        moved = to_scipy(step) @ u.ravel()
         errors.append(np.abs(on_grid(fine, moved, 0, at) - on_grid(coarse, u, 0, at)).max())
     assert -np.polyfit(np.log([8, 16, 32]), np.log(errors), 1)[0] == pytest.approx(3, abs=0.2)
-
-
-def test_supports_that_turn_along_a_face_are_told():
-    """Radial rollers on a round rim are projected on each trace space: no function is common."""
-    plain, rollers = [Support("inner", (0,))], [Support("inner", (0,), SurfaceNormal())]
-    for supports, low, high in ((plain, 0.0, 1e-10), (rollers, 1e-6, 1.0)):
-        coarse, fine = (body(Ring(0.8, 1.7), (n, 4 * n), (2, 2), supports=supports) for n in (2, 4))
-        assert low <= prolongation(coarse, fine).defect < high
 
 
 def test_another_body_is_refused():

@@ -286,10 +286,11 @@ def test_a_term_that_is_switched_off_is_no_reason_to_stop():
     check(line, np.linspace(0, 1, 6))
 
 
-def test_what_is_not_resolved_for_its_price_is_told():
+def test_what_is_not_resolved_for_its_price_is_told(monkeypatch):
     line = random_line(2)
     assert thresholds_along(line, [0.0, 0.5, 1.0]).thresholds
-    found = thresholds_along(line, [0.0, 0.5, 1.0], budget=1)
+    monkeypatch.setattr("cea.reduced.thresholds.BUDGET", 1)
+    found = thresholds_along(line, [0.0, 0.5, 1.0])
     assert found.unresolved
     dense = np.linspace(0, 1, 301)
     assert not len(disagreements(found, dense, scan(line, dense)))

@@ -1,4 +1,4 @@
-"""Brakes: the study of the ventilated disc on few elements; one of mixed elements from a deck."""
+"""Brakes: modes followed over the meshes of the study; one of mixed elements from a deck."""
 
 from types import SimpleNamespace
 
@@ -12,15 +12,6 @@ from comparisons.study.run import run
 from scenes import SceneError, load_scene, read_scene, run_modes
 from scenes.checking.memory import dofs_of
 from scenes.spec.plain import scene_text
-
-
-def test_every_run_is_in_the_record_with_its_warnings(tmp_path):
-    """Of a disc without vanes and holes, of a tenth of the dofs."""
-    plain = run(STUDY, Options(**STUDY.quick), tmp_path / "out")
-    assert plain.failed().empty
-    assert [case["labels"]["size"] for case in plain.cases] == [0.04, 0.03]
-    assert [len(case["runs"]) for case in plain.cases] == [1, 1], "no mesh is run twice"
-    assert "short-modes" in {w["kind"] for run in plain.runs() for w in run["warnings"]}
 
 
 @pytest.mark.slow

@@ -2,10 +2,8 @@
 
 import json
 import re
-import resource
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from mpi import cea_on_ranks
@@ -98,17 +96,3 @@ def test_a_command_brings_in_what_it_needs(line, needed, unused):
     assert not code
     assert set(modules) >= needed
     assert set(modules) & unused == set()
-
-
-@pytest.mark.grid(quick=1)
-@pytest.mark.parametrize("arguments", [["--help"], ["exact", "--help"]])
-def test_help_takes_a_moment(arguments):
-    """Processor time of the least disturbed of several runs."""
-    seconds = []
-    for _ in range(5):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        program = Path(sys.executable).with_name("cea")
-        subprocess.run([program, *arguments], capture_output=True, check=True)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        seconds.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
-    assert min(seconds) < 0.2

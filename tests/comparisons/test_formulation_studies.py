@@ -16,7 +16,7 @@ from comparisons.formulations import locking, patch_tests
 from comparisons.formulations.patch_tests import PRESSURE, PROBLEMS
 from comparisons.formulations.study import STUDY, Options
 from comparisons.study.run import run
-from scenes import run_modes, run_scene
+from scenes import run_scene
 from scenes.building.build import build_bodies
 from scenes.spec.reading import with_contact
 
@@ -170,8 +170,6 @@ def test_in_the_saddle_form_at_any_stiffness(pair, P):
 
 
 # Both backends beside each other: pairs of unstable modes.
-MIXED = "NURBS on finite elements"
-"""Pad on disc."""
 
 
 @pytest.fixture(scope="module")
@@ -207,29 +205,3 @@ def test_pairings_find_the_same_unstable_mode(beside):
     # The disc decides: these meshes of it are coarse, and of both backends far apart.
     bounds = [2e-2 if "on NURBS," in c else 1e-3 for c in pairs["compared"]]
     assert (pairs["frequency_change"].abs()[:3] < bounds[:3]).all()
-
-
-@pytest.mark.slow
-def test_a_pairing_is_the_scene_with_mortar_and_the_backends_of_its_name(beside):
-    options = agreement.Options(**agreement.STUDY.quick)
-    scene = agreement.scene({"formulation": "mortar"}, options)[MIXED]
-    assert [scene.bodies[name].backend for name in ("pad", "disc")] == ["iga", "fe"]
-    modes = run_modes(scene).modes
-    (mode,) = agreement.unstable(beside).query("run == @MIXED").to_dict("records")
-    (i,) = modes.unstable(10.0).nonzero()[0]
-    assert mode["frequency"] == pytest.approx(modes.frequencies[i], rel=1e-9)
-    assert mode["growth"] == pytest.approx(modes.growth_rates[i], rel=1e-7)
-
-
-@pytest.mark.slow
-def test_pairings_on_the_meshes_of_the_scene(tmp_path):
-    """Six modes agree; the growth of that near a coalescence is another with a higher degree."""
-    only = {"formulation": "mortar"}
-    result = run(agreement.STUDY, agreement.Options(), tmp_path / "out", only=only)
-    pairs = result.frame("agreement")
-    finer = pairs["compared"].str.contains("degree")
-    assert (pairs[~finer].groupby("compared").size() == 6).all()
-    assert pairs[~finer]["within"].all()
-    (changed,) = pairs[finer & (pairs["growth_change"].abs() > 0.15)]["frequency_first"]
-    assert changed == pytest.approx(7986, abs=5)
-    assert "7 986 Hz" in agreement.headline(result).replace("\u202f", " ")

@@ -1,9 +1,6 @@
 """Commands on matrices from files: one run, a sweep, a race with scipy."""
 
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -54,7 +51,7 @@ def folder(tmp_path_factory):
 
 def in_full(toml, axis, data):
     """A sweep that is solved in full at each value."""
-    return run_sweep(Asked(toml, (read_axis(axis),), data=data, why_in_full="--full"), Path(data))
+    return run_sweep(Asked(toml, (read_axis(axis),), data=data, full=True), Path(data))
 
 
 def at(swept, i):
@@ -97,18 +94,6 @@ def test_solve_is_told_what_a_triangle_is(cea, tmp_path, option):
     stored = json.loads((tmp_path / "out" / "result.json").read_text())["eigenvalues"]
     expected = [(3 - 5**0.5) / 2, (3 + 5**0.5) / 2] if option == "--symmetric" else [1, 2]
     assert sorted(value["im"] ** 2 for value in stored) == pytest.approx(expected, rel=1e-9)
-
-
-def test_terminals_without_letters_for_marks_end_no_run(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    files = write_here(M=np.eye(2), K=[[4.0, 1.0], [-1.0, 4.0]])
-    done = subprocess.run(
-        [Path(sys.executable).with_name("cea"), "solve", *files, "--max-frequency", "1"],
-        capture_output=True,
-        env=os.environ | {"PYTHONIOENCODING": "ascii"},
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith(b"? solve: 2 modes up to 1 Hz: 1 unstable")
 
 
 @pytest.mark.parametrize(

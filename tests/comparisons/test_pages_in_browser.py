@@ -6,11 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from small_study import STUDY, Options
 
 from comparisons.run_report import write_run_report
-from comparisons.study.page import write_study
-from comparisons.study.run import run
 from scenes import load_scene, run_modes, save_result
 
 EVIL = """</script><script>document.title = "broken"</script><img src=x onerror="top.evil=1">"""
@@ -50,9 +47,9 @@ def until(running, script):
     return WebDriverWait(running, 90).until(lambda now: now.execute_script(script))
 
 
-def open_page(running, page, width=1400):
+def open_page(running, page):
     """Open a file in a window, and wait until its scripts have ended."""
-    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False}
+    size = {"width": 1400, "height": 900, "deviceScaleFactor": 1, "mobile": False}
     running.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
     running.get(page.resolve().as_uri())
     set_by_scripts = "document.documentElement.dataset"
@@ -97,22 +94,6 @@ def page(browser, report):
     """The report of a run, opened in a wide window; it stays open between tests."""
     open_page(browser, report)
     return browser
-
-
-@pytest.fixture(scope="module")
-def study(browser, tmp_path_factory):
-    """The page of a study with plots, tables and modes."""
-    out = tmp_path_factory.mktemp("a study")
-
-    def evaluate(case, session):
-        modes = session.solve(SCENE)
-        session.keep_modes("drum", modes, range(2))
-        rows = modes.table()[:3]
-        return [{"shape": f"drum/{r['mode']}", "mode": r["mode"], "square": 1.0} for r in rows]
-
-    sections = [replace(STUDY.sections[0], modes=True)]
-    made = replace(STUDY, evaluate=evaluate, sections=sections)
-    return write_study(made, run(made, Options(sizes=(1,)), out), out)
 
 
 @pytest.mark.slow
@@ -186,32 +167,8 @@ def test_the_phase_moves_the_shape(page):
     np.testing.assert_allclose(at(90) + at(270), 2 * rest, atol=1e-4 * np.ptp(rest))
 
 
-@pytest.mark.slow
-def test_a_row_of_a_study_shows_its_mode(browser, study):
-    open_page(browser, study)
-    chosen = "return document.querySelector('.viewer').dataset.shown"
-    until(browser, f"{chosen} === 'drum/1'")
-    rows = browser.find_elements("css selector", "#squares tr[data-mode]")
-    assert [row.get_attribute("data-mode") for row in rows] == ["drum/1", "drum/2"]
-    click(browser, rows[1].find_element("css selector", "button.show"))
-    until(browser, f"{chosen} === 'drum/2'")
-    check_quiet(browser)
-
-
-OUTSIDE = """
-const parts = [...document.querySelectorAll("main > *, section > *, figure, .controls > *")];
-return parts.filter((part) => part.getBoundingClientRect().right > innerWidth + 1)
-    .map((part) => part.outerHTML.slice(0, 80));
-"""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("width", [1400, 390])
-@pytest.mark.parametrize("name", ["report", "study"])
-def test_no_page_scrolls_sideways(browser, name, width, request):
-    """What is cut off is out of reach: all but what scrolls by itself ends inside the window."""
-    open_page(browser, request.getfixturevalue(name), width)
-    sizes = "return [innerWidth, document.documentElement.scrollWidth > innerWidth]"
-    assert browser.execute_script(sizes) == [width, False]
-    assert browser.execute_script(OUTSIDE) == []
-    check_quiet(browser)
+def test_a_row_of_a_table_shows_its_mode(page):
+    row = page.find_elements("css selector", "#modes tr[data-mode]")[1]
+    click(page, row.find_element("css selector", "button.show"))
+    key = row.get_attribute("data-mode")
+    until(page, f"return document.querySelector('.viewer').dataset.shown === '{key}'")

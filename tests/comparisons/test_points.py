@@ -1,4 +1,4 @@
-"""Points of a sweep: axes, boxes of them, distributions, and texts that are none."""
+"""Points of a sweep: axes, distributions, and texts that are none."""
 
 from dataclasses import replace
 
@@ -7,21 +7,7 @@ import pytest
 from scipy.stats import kstest, lognorm, norm, truncnorm
 
 from cea.errors import InputError
-from comparisons.sweep.points import boxes_of, read_distribution, read_fields, table_of
-
-
-def test_boxes_hold_every_point_once_but_for_shared_borders():
-    points = table_of(read_fields(("P=1:1e6:log:13", "E=1:1e3:log:4", "mu=0:1:3")), [0] * 3, 0, 0)
-    boxes = boxes_of(points)
-    assert len(boxes) == 3 * 2
-    held = np.concatenate([part for box in boxes for part in box.parts])
-    assert set(held) == set(range(len(points.values)))
-    assert len(held) == len(points.values) + 2 * 4 * 3  # two borders of lines along P
-    for box in boxes:
-        low, high = np.array(box.ends).T
-        for part in (*box.parts, box.training):
-            assert ((points.values[part] >= low) & (points.values[part] <= high)).all()
-        assert (high[:2] <= 100.0001 * low[:2]).all()
+from comparisons.sweep.points import read_distribution, read_fields, table_of
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from blocks import rectangle
 
-from comparisons.study.run_warnings import kinds_at, merged_warnings
+from comparisons.study.run_warnings import kinds_at
 from comparisons.sweep.page import read_sweep
 from comparisons.sweep.points import read_axis
 from comparisons.sweep.scene import mapped
@@ -51,7 +51,7 @@ def kinds(warnings):
 def test_a_sweep_warns_of_what_its_runs_warn_of(file):
     """Of a rule too crude where the contact is soft, of what is uncovered everywhere."""
     axis = read_axis(f"{STIFFNESS}=1e11:1e15:2")
-    data, scene = run(Asked(file, (axis,), why_in_full="--full"), file).record, load_scene(file)
+    data, scene = run(Asked(file, (axis,), full=True), file).record, load_scene(file)
     fresh = {v: run_modes(scene.change(STIFFNESS, v)).warnings for v in (1e11, 1e15)}
     assert set(kinds(fresh[1e11])) != set(kinds(fresh[1e15]))
     for value, warnings in fresh.items():
@@ -79,36 +79,13 @@ def test_record_table_and_screen_have_them(file, tmp_path, cea):
     assert "partly-uncovered" in (out / "sweep.csv").read_text()
 
 
-def test_many_warnings_are_few_lines():
-    """One for each kind and what it is about; numbers of the first, and where there are others."""
-
-    def warning(kind, message, **data):
-        return {"kind": kind, "message": message, "data": data}
-
-    runs = []
-    for i in range(100):
-        short = warning("short-modes", f"{i} modes are short", modes=list(range(i)))
-        sides = [warning("open", f"{name} is open", contact=name) for name in ("left", "right")]
-        runs.append(({"mu": i / 100}, [*sides[: 1 + (i < 3)], *([short] if i > 40 else [])]))
-    merged = merged_warnings(runs, "values of mu")
-    assert [each["message"] for each in merged] == [
-        "left is open (at all 100 values of mu)",
-        "right is open (at 3 of 100 values of mu: mu = 0; mu = 0.01; mu = 0.02)",
-        "41 modes are short (so at mu = 0.41, and the like at 59 of 100 values of mu)",
-    ]
-    assert [len(each["data"]["places"]) for each in merged] == [100, 3, 59]
-    alone = merged_warnings(runs[:1], "values of mu")
-    assert [each["message"] for each in alone] == ["left is open", "right is open"]
-    assert merged_warnings([({}, []), ({}, [])], "runs") == []
-
-
 def test_full_solves_of_a_map_warn_as_runs_do(file):
     """At the stiffness there, also where p varies over the contact."""
     p, P = f"{STIFFNESS}='1e11*(1 + x)'", "contacts.sliding.P"
     scene = mapped(file, [read_axis(f"{P}=3e9:6e9:2")], [p], None)
     own = scene.pencil.parameters[P].value
     for value in (3e9, 6e9):
-        modes = scene.driver.solve(scene.max_frequency, {P: value})
+        modes = scene.driver.solve(scene.window.max_frequency, {P: value})
         warnings = scene.warnings(modes, {P: value})
         fresh = run_modes(load_scene(file).change(STIFFNESS, f"{value / own}*1e11*(1 + x)"))
         assert kinds(warnings) == kinds(fresh.warnings)

@@ -9,7 +9,7 @@ from sweep_cases import MU, assert_within_bounds, made_once, sine_blocks
 
 from cea.reduced.full_solves import first_threshold
 from comparisons.sweep.points import read_fields
-from comparisons.sweep.probabilities import growing, probabilities, wilson
+from comparisons.sweep.probabilities import growing, probabilities
 from comparisons.sweep.scene import mapped
 from comparisons.sweep.spectra import Spectra
 from comparisons.sweep.study import Asked, run
@@ -47,7 +47,7 @@ def test_the_probability_of_growth_is_that_of_passing_the_threshold(made, backen
     swept, _ = made(backend)
     data, values = swept.record, swept.points.values[:, 0]
     scene = mapped("blocks", read_fields(["mu=0:1:2"]), sine_blocks(backend, *CHANGES))
-    near, top = (0.9 * MU_C, 1.1 * MU_C), scene.max_frequency
+    near, top = (0.9 * MU_C, 1.1 * MU_C), scene.window.max_frequency
     threshold = first_threshold(scene.driver, MU, *near, max_frequency=top).value
     scene.driver.free()
     far = np.abs(values - threshold) > 1e-6 * threshold
@@ -113,19 +113,12 @@ def test_samples_are_those_of_full_solves(backend, tmp_path):
     scene = mapped("blocks", wanted.fields, wanted.overrides, samples=(60, 1))
     np.testing.assert_array_equal(scene.points.values, points.values)
     for i in (0, 17, 59):
-        modes = scene.driver.solve(1.02 * scene.max_frequency, scene.point(points.values[i]))
+        modes = scene.driver.solve(1.02 * scene.window.max_frequency, scene.point(points.values[i]))
         assert_within_bounds(swept, i, modes)
-        inside = modes.eigenvalues.imag <= 2 * np.pi * scene.max_frequency
-        unstable = (modes.eigenvalues.real > scene.growth_threshold)[inside]
+        inside = modes.eigenvalues.imag <= 2 * np.pi * scene.window.max_frequency
+        unstable = (modes.eigenvalues.real > scene.window.growth_threshold)[inside]
         assert grows[i].any() == unstable.any()
     scene.driver.free()
-
-
-def test_intervals_of_wilson():
-    """Five of ten: 0.2366 to 0.7634 (Brown, Cai, DasGupta, Statist. Sci. 16 (2001))."""
-    assert wilson(5, 10) == pytest.approx((0.2366, 0.7634), abs=1e-4)
-    assert wilson(0, 10) == pytest.approx((0.0, 0.2775), abs=1e-4)
-    assert wilson(10, 10) == pytest.approx((0.7225, 1.0), abs=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -52,10 +52,7 @@ def test_quick_options_run_and_show(name, place, tmp_path):
         *(("accuracy", {name: ("violin",)}) for name in ("problems", "parts")),
         *(("brake", {"sizes": sizes}) for sizes in ((), (0.01, 0.02), (0.01, 0.01), (-0.01,))),
         ("assembly", {"repeats": 0}),
-        ("assembly", {"boxes": (0, 1, 1)}),
-        ("solve", {"size": "huge"}),
         ("scaling", {"ranks": ()}),
-        ("matrices", {"repeats": 0}),
     ],
 )
 def test_wrong_options_are_refused(study, change):

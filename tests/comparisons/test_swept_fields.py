@@ -39,7 +39,7 @@ def test_p_scales_the_stiffness_of_a_contact(name):
     """Modes are those of a run of the changed scene."""
     scene = of(f"{name}=0.5:2:3")
     run = run_modes(load_scene(blocks()[0], [*MESHES, "contacts.interface.p=1.7"]))
-    modes = scene.driver.solve(scene.max_frequency, scene.point((1.7,)))
+    modes = scene.driver.solve(scene.window.max_frequency, scene.point((1.7,)))
     np.testing.assert_allclose(modes.eigenvalues, run.eigenvalues, rtol=1e-9)
     own = scene.pencil.parameters[P].value
     assert scene.point((0.5,)) == {P: pytest.approx(0.5 * own)}
@@ -49,7 +49,7 @@ def test_p_scales_the_stiffness_of_a_contact(name):
 def in_full(file, field, low, high, *overrides, count=2):
     """A sweep that is solved in full."""
     axis = f"{field}={low}:{high}:{count}"
-    return sweep_of(file, [axis], "unused", overrides, why_in_full="--full")
+    return sweep_of(file, [axis], "unused", overrides, full=True)
 
 
 def assert_runs(swept, scenes):
@@ -136,7 +136,7 @@ def test_parameters_of_expressions_are_factors_as_in_maps(file_of, field):
     assert_runs(swept, [load_scene(file).change(MU, f"{f}*({wave})") for f in (0.5, 2.0)])
     asked = mapped(file, [read_axis(f"{field}=0.5:2:2")])
     for i, value in enumerate((0.5, 2.0)):
-        modes = asked.driver.solve(asked.max_frequency, {MU: value})
+        modes = asked.driver.solve(asked.window.max_frequency, {MU: value})
         np.testing.assert_allclose(eigenvalues(swept, i), modes.eigenvalues, rtol=1e-9)
     asked.driver.free()
 
@@ -153,21 +153,6 @@ def test_parameters_of_expressions_are_factors_as_in_maps(file_of, field):
 def test_what_moves_the_state_of_sliding_has_no_map(file_of, name, axis):
     with pytest.raises(NoMapError):
         mapped(file_of(name), [read_axis(axis)])
-
-
-def test_contact_forces_are_unknowns_of_a_map(file_of):
-    asked = mapped(file_of("linear"), [read_axis("P=0.1:10:log:3")])
-    assert asked.driver.pencil.forces
-    asked.driver.free()
-
-
-def test_a_field_may_be_given_by_the_sweep_alone(file_of):
-    file = file_of("linear")
-    whole = load_scene(file)
-    file.write_text(file.read_text().replace("P = 3.0\n", ""))
-    assert "\nP = " not in file.read_text()
-    swept = in_full(file, P, 2.0, 4.0)
-    assert_runs(swept, [whole.change(P, value) for value in (2.0, 4.0)])
 
 
 def test_thresholds_in_full_lie_between_values(monkeypatch):

@@ -124,7 +124,7 @@ def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, 
     full = mapped(scene, (read_axis("mu=0:1:201"),), tuple(overrides), None)
     values, numbers = full.points.axes[0], []
     for value in values:
-        modes = full.driver.solve(full.max_frequency, full.point((float(value),)))
+        modes = full.driver.solve(full.window.max_frequency, full.point((float(value),)))
         grows = modes.growth_rates > modes.growth_uncertainties
         numbers.append(int(np.where(modes.eigenvalues.imag[grows] > 1.0, 2, 1).sum()))
     full.driver.free()

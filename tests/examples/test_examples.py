@@ -135,7 +135,7 @@ def test_scenes_for_error_bars_hold_their_digits(name, backend, digits):
     """A re-entrant edge, two contacts: every mode to the digits asked for, its order named."""
     assert has_singular_edges(load_scene(scene_file(name), [], backend))
     request = Request(str(scene_file(name)), digits=digits, backends=(backend,))
-    data = run_converge(request, Progress(step=lambda _: None, stage=lambda _: None))
+    data = run_converge(request, Progress())
     assert data["held"]
     assert len(data["modes"]) >= 12
     assert all(mode["converges"] for mode in data["modes"])

@@ -65,15 +65,13 @@ def parallel_numbers(name, backend, by):
     coarse = coarse_modes(name, backend, 2, 3.2, elements=elements[backend])
     fine = richer_scene(coarse.scene, by)
     step = prolongation(coarse.bodies, run_modes(fine).bodies)
-    smooth, image = step.matrix.createVecs()
+    smooth, image = step.createVecs()
     smooth.set(1.0)
-    step.matrix.mult(smooth, image)
+    step.mult(smooth, image)
     estimate = estimate_errors(coarse, fine)
     return {
-        "size": list(step.matrix.getSize()),
-        "norm": step.matrix.norm(),
+        "size": list(step.getSize()),
+        "norm": step.norm(),
         "image": [float(np.sum(gather(image) ** k)) for k in (1, 2, 3)],
-        "defect": step.defect,
         "corrected": [[v.real, v.imag] for v in estimate.corrected.tolist()],
-        "verdicts": estimate.verdicts,
     }

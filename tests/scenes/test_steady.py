@@ -215,7 +215,7 @@ def test_thresholds_are_sought_with_contact_forces_as_unknowns(backend, monkeypa
 
     def sought(driver, names, real, flutter, **options):
         solved.append(bool(driver.pencil.forces))
-        return ConfirmedThreshold(names[0], real, 1j, 0, 0)
+        return ConfirmedThreshold(names[0], real, 1j)
 
     monkeypatch.setattr("scenes.running.assembled.first_threshold", sought)
     assemble(scene).threshold("contacts.interface.P", 1.0, 30.0)
