@@ -66,14 +66,16 @@ def stack(draw: Draw):
     """One or two blocks on a base, some without supports; side a above or below."""
     free = draw.choice([0.15, 0.8], weights=[0.65, 0.35])
     width, height = draw.length * draw.log(0.3, 2.0), draw.length * draw.log(0.2, 2.0)
-    on = supports(draw, "y_max", _SIDES, free=free)
+    has_top = draw.chance(0.4)  # a surface in contact is not held
+    far, sides = ("x_min", ["x_max"]) if has_top else ("y_max", _SIDES)
+    on = supports(draw, far, sides, free=free)
     middle = a_body(draw, rectangle(-0.6 * width, 0.0, width, height), 0.4, **on)
     bodies = {"middle": middle, "base": _base(draw, 0.5, free=free)}
     contacts = {"lower": a_contact(draw, bodies, "middle.y_min", "base.y_max", width=width)}
     if draw.chance(0.1) and not contacts["lower"].get("full_pass"):
         reverse = a_contact(draw, bodies, "base.y_max", "middle.y_min", width=width)
         contacts["lower"] = reverse | {"max_missed": 0.95}
-    if draw.chance(0.4):
+    if has_top:
         top = rectangle(-width / 4, height, width / 2, height)
         bodies["top"] = a_body(draw, top, 0.3, **supports(draw, "y_max", _SIDES, free=free))
         contacts["upper"] = a_contact(draw, bodies, "top.y_min", "middle.y_max", width=width / 2)

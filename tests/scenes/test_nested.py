@@ -246,6 +246,5 @@ def test_estimates_of_other_scenes_are_refused():
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_the_same_on_any_ranks(ranks, backend, by):
     one, other = (on_ranks(n, parallel_numbers, "blocks", backend, by) for n in (1, ranks))
-    assert other["verdicts"] == one["verdicts"]
     for name in ("size", "norm", "image", "corrected"):
         np.testing.assert_allclose(other[name], one[name], rtol=1e-9, atol=1e-10)
