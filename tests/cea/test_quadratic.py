@@ -186,7 +186,7 @@ def test_lower_ends_of_windows_are_checked(growth):
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_numbers_do_not_depend_on_the_ranks(ranks):
-    alone, together = damped_blocks(), on_ranks(ranks, "eigen_numbers.damped_blocks")
+    alone, together = damped_blocks(), on_ranks(ranks, damped_blocks)
     assert len(alone["re"]) > 3
     for name, values in alone.items():
         assert together[name] == pytest.approx(values, rel=1e-8, abs=1e-9)

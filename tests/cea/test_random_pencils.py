@@ -134,7 +134,7 @@ def test_eigenvectors_are_those_of_the_unknowns_as_given(name):
 @pytest.mark.parametrize(("seed", "damped"), [(5, False), (1, True)])
 def test_ranks_agree(ranks, seed, damped):
     alone = graded(seed, damped)
-    several = on_ranks(ranks, "eigen_numbers.graded", seed, damped)
+    several = on_ranks(ranks, graded, seed, damped)
     assert len(alone["im"]) > 1
     assert several["verdicts"] == alone["verdicts"]
     for part in ("re", "im"):

@@ -6,17 +6,68 @@ from blocks import alone, scene_body, two_blocks
 from covering import covering
 from mpi import on_ranks
 from pressed import pressed_blocks
-from reaction_numbers import CONTACTS, INNER, MOVED, NU, OUTER, E, borne, pressed, sector
-from scipy.sparse import csr_array
 
 from cea.errors import ConvergenceError, InputError
 from cea.supports.directions import Directions
-from cea.supports.elimination import ProjectedConstraints, constrain
+from cea.supports.elimination import constrain
 from cea.system import support_forces
 from scenes import read_scene, run_scene
-from scenes.spec.problems import SceneError
 
 SIDES = ("x_min", "x_max", "y_min", "y_max")
+E, NU = 2.0, 0.3
+INNER, OUTER, MOVED = 0.5, 1.0, 1e-3
+GPTS = {"method": "gpts", "points": 3}
+RULE = {"formulation": GPTS}
+MORTAR = {"formulation": {"method": "mortar"}}
+LAW = {"c_n": 10.0, "m_n": 1.5}
+CONTACTS = {
+    "penalty": RULE | {"form": "penalty"},
+    "saddle": RULE | {"form": "saddle"},
+    "full pass": RULE | {"form": "saddle", "full_pass": True},
+    "tied": {"formulation": {"method": "segments"}, "P": float("inf")},
+    "mortar": MORTAR,
+    "mortar, full pass": MORTAR | {"full_pass": True},
+    "mortar, tied": MORTAR | {"P": float("inf")},
+    "bonded": {"formulation": {"method": "bonded"}},
+    "lumped": {"formulation": GPTS | {"lumped": True}},
+    "law": RULE | LAW,
+    "law, mortar": MORTAR | LAW,
+    "law, full pass": RULE | LAW | {"full_pass": True},
+}
+"""Contacts of every kind: their fields."""
+
+
+def sector(backend, sides):
+    """A quarter of a ring in plane strain whose outer rim is moved along the radius.
+
+    Of its straight sides, start and end, a component each is held.
+    """
+    supports = [{"surface": "outer", "components": ["radial"], "value": MOVED}]
+    supports += [
+        {"surface": name, "components": [held]}
+        for name, held in zip(("start", "end"), sides, strict=True)
+    ]
+    radii = {"inner_radius": INNER, "outer_radius": OUTER}
+    shape = {"shape": "ring_sector", "start": 0.0, "end": 90.0, **radii}
+    return alone(scene_body(backend, shape, [3, 6], 3, supports=supports), None)
+
+
+def pressed(backend, contact, *, mu=0.3):
+    """A block pressed by its ceiling, beside walls whose edges lie in the contact, on another."""
+    data = two_blocks(backend, {}, mu=mu, held=True)
+    wall = {"surface": "x_min", "components": ["normal"]}
+    ceiling = {"surface": "z_max", "components": ["y", "z"], "value": [0.0, -1e-2]}
+    data["bodies"]["upper"]["supports"] = [wall, ceiling]
+    fields = data["contacts"]["interface"] | CONTACTS[contact]
+    if "c_n" in fields:
+        del fields["P"]
+    if contact == "bonded":
+        fields = {name: fields[name] for name in ("a", "b", "formulation")} | {"P": 3.0}
+    elif mu == 0:
+        fields = {n: v for n, v in fields.items() if n not in ("mu", "friction_direction_on_a")}
+    data["contacts"]["interface"] = fields
+    data["analysis"] = {"kind": "static", "samples": 5}
+    return data
 
 
 def solved(data):
@@ -88,33 +139,9 @@ def test_a_dof_is_shared_along_what_each_support_holds():
             assert parts[s, i] == pytest.approx(own, abs=1e-12)
 
 
-def test_projected_constraints_bear_the_forces_of_their_multipliers():
-    """Held directions of one support beside rows of two others, of known multipliers."""
-    rng, n = np.random.default_rng(3), 6
-    d = rng.normal(size=(4, 3))
-    d /= np.linalg.norm(d, axis=1, keepdims=True)
-    held = Directions.of(np.array([1, 4]), d[:2])
-    anchors = Directions.of(np.array([1, 2, 3]), d[[2, 3, 0]])
-    shares = {support: np.zeros((3, n, 3)) for support in (1, 2)}
-    for rows in shares.values():
-        rows[:, 1:4] = 0.1 * rng.random((3, 3, 3))
-        rows[np.arange(3), anchors.dof] += 0.5 * anchors.direction
-    sparse = {support: csr_array(rows.reshape(3, -1)) for support, rows in shares.items()}
-    constraints = constrain(n, held, ProjectedConstraints(anchors, sparse, np.zeros(3)))
-    multipliers, amounts = rng.normal(size=3), rng.normal(size=2)
-    expected = np.zeros((3, n, 3))
-    expected[0][held.dof] = amounts[:, None] * held.direction
-    for support, rows in shares.items():
-        expected[support] = np.tensordot(multipliers, rows, 1)
-    dofs = constraints.dofs
-    parts = constraints.split(expected.sum(axis=0)[dofs], 3)
-    assert parts == pytest.approx(expected[:, dofs], abs=1e-12)
-    assert np.abs(np.delete(expected, dofs, axis=1)).max() == 0
-
-
 @pytest.mark.grid
 @pytest.mark.parametrize("contact", CONTACTS)
-@pytest.mark.parametrize("mu", [0.0, 0.3])
+@pytest.mark.parametrize("mu", [0.3, pytest.param(0.0, marks=pytest.mark.slow)])
 def test_supports_bear_what_contacts_of_every_kind_do(backend, contact, mu):
     """Action and reaction, Coulomb's law, walls that bear along their normals alone."""
     forces = reactions_of(pressed(backend, contact, mu=mu))
@@ -161,11 +188,25 @@ def test_forces_that_do_not_balance_end_the_run(backend, contact, monkeypatch):
     assert set(raised.value.best) == {"upper", "lower"}
 
 
+def borne(*contacts):
+    """What supports bear, by backend and kind of contact; and of the sector."""
+    found = {}
+    for backend in ("fe", "iga"):
+        made = {name: pressed(backend, name) for name in contacts}
+        made["sector"] = sector(backend, ("normal", "circumferential"))
+        for name, data in made.items():
+            reactions = reactions_of(data)
+            found[f"{backend} {name}"] = {
+                body: np.round(force, 15).tolist() for body, force in reactions.items()
+            }
+    return found
+
+
 @pytest.mark.mpi
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_reactions_are_the_same_on_any_ranks(ranks):
     kinds = ("saddle", "full pass", "mortar, full pass", "bonded", "lumped", "law")
-    expected, found = borne(*kinds), on_ranks(ranks, "reaction_numbers.borne", *kinds)
+    expected, found = borne(*kinds), on_ranks(ranks, borne, *kinds)
     assert found.keys() == expected.keys()
     for case, bodies in expected.items():
         for name, forces in bodies.items():
@@ -176,7 +217,6 @@ def test_reactions_are_the_same_on_any_ranks(ranks):
 STRETCH = 1e-3
 SIZE = (1.0, 0.8, 0.5)
 CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
-GPTS = {"method": "gpts", "points": 3}
 STATIC = {"kind": "static", "samples": 5}
 
 
@@ -263,28 +303,6 @@ def test_small_motions_are_held_at_zero(backend):
         modes.append(result.eigenvalues)
     assert len(modes[0])
     assert modes[1] == pytest.approx(modes[0], rel=1e-10)
-
-
-@pytest.mark.parametrize(
-    ("support", "field"),
-    [
-        ({"value": [1.0, 2.0]}, "value"),
-        ({"components": ["x"], "value": [1.0, 2.0]}, "value"),
-        ({"components": ["x", "x"], "value": [1.0, 2.0]}, "components"),
-        ({"components": ["x"], "value": "much"}, "value"),
-        ({"components": ["x"], "value": float("nan")}, "value"),
-        (
-            {"components": ["radial", "circumferential"], "axis": [0.0, 0.0, 1.0]}
-            | {"value": [1.0, 0.0]},
-            "value",
-        ),
-    ],
-)
-def test_what_is_no_value_is_refused(backend, support, field):
-    with pytest.raises(SceneError) as refused:
-        read_scene(box(backend, {"surface": "y_max"} | support))
-    assert any(f.field.startswith("bodies.part.supports.4") for f in refused.value.faults)
-    assert any(field in f.field for f in refused.value.faults)
 
 
 def test_values_that_contradict_each_other_are_refused(backend):

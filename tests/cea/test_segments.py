@@ -8,10 +8,8 @@ from blocks import ROTATED, two_blocks
 from covering import covering
 from reference_data import plane_meshes
 
-from cea.contact.cell_coordinates import continued_coordinates
 from cea.contact.interface import pair
 from cea.contact.segments import segment_points
-from cea.errors import ConvergenceError
 from cea.timing import StageTimer
 from scenes.building.build import build_bodies
 from scenes.spec.reading import load_scene, read_scene
@@ -29,21 +27,17 @@ def surfaces(pairing, placement=None, meshes=None):
     return bodies["upper"].surfaces["z_min"], bodies["lower"].surfaces["z_max"]
 
 
-@pytest.mark.parametrize(("pairing", "placement"), covering(PAIRINGS, [{}, ROTATED], strength=1))
-def test_segments_cover_side_a(pairing, placement):
-    a, b = surfaces(pairing, placement)
+@pytest.mark.parametrize(
+    ("pairing", "meshes", "placement"),
+    covering(PAIRINGS, [{}, {"fe": TETRAHEDRA}], [{}, ROTATED], strength=1),
+)
+def test_products_of_both_traces_are_integrated_exactly(pairing, meshes, placement):
+    """More points change nothing; points that ignore the cells of b do."""
+    a, b = surfaces(pairing, placement, meshes)
     points = segment_points(a, b, None, 0.1)
     assert points.weight.sum() == pytest.approx(0.3, rel=1e-13)
     assert points.weight.min() > 0
     assert not b.locate(points.x, points.normal, 0.1).missed.any()
-
-
-@pytest.mark.parametrize(
-    ("pairing", "meshes"), covering(PAIRINGS, [{}, {"fe": TETRAHEDRA}], strength=1)
-)
-def test_products_of_both_traces_are_integrated_exactly(pairing, meshes):
-    """More points change nothing; points that ignore the cells of b do."""
-    a, b = surfaces(pairing, meshes=meshes)
 
     def product(points):
         interface = pair(a, b, points)
@@ -52,7 +46,7 @@ def test_products_of_both_traces_are_integrated_exactly(pairing, meshes):
 
     exact = product(segment_points(a, b, 9, 0.1))
     scale = np.abs(exact).max()
-    assert np.abs(product(segment_points(a, b, None, 0.1)) - exact).max() <= 1e-14 + 1e-12 * scale
+    assert np.abs(product(points) - exact).max() <= 1e-14 + 1e-12 * scale
     assert np.abs(product(a.gauss_points(5)) - exact).max() > 1e-5 * scale
 
 
@@ -134,36 +128,3 @@ def test_segments_of_coarse_rings_cover_side_a_once(backend, around):
         # Each break of either side appears once: segments follow each other around the circle.
         angle = np.sort(np.arctan2(points.x[:, 1], points.x[:, 0]))
         assert np.diff(angle).min() > 1e-6
-
-
-class Arc:
-    """Part of the unit circle as a single cell."""
-
-    name, dim = "arc", 2
-
-    def __init__(self, half):
-        self.half = half
-
-    def tangents(self, element, xi):
-        """Positions and tangents."""
-        turn = self.half * (2 * xi[:, 0] - 1)
-        x = np.column_stack([np.sin(turn), np.cos(turn)])
-        return x, 2 * self.half * np.column_stack([x[:, 1], -x[:, 0]])[:, :, None]
-
-    def normal(self, at):
-        """Unit normals."""
-        return self.tangents(at.element, at.xi)[0]
-
-    def coordinates(self, degrees, radius=1.0):
-        """Coordinates of points at angles from the middle."""
-        turn = np.radians(degrees)
-        x = radius * np.column_stack([np.sin(turn), np.cos(turn)])
-        return continued_coordinates(self, np.array([0]), np.array([[[0.0], [1.0]]]), x[None])
-
-
-def test_cells_bent_by_more_than_a_right_angle_are_refused():
-    turn = np.array([-84.0, 30.0, 84.0])
-    xi = Arc(np.radians(85)).coordinates(turn)[0, :, 0]
-    assert xi == pytest.approx(0.5 + turn / 170, abs=1e-12)
-    with pytest.raises(ConvergenceError, match=r"1 of 3 points .* cells of arc.*refine"):
-        Arc(np.radians(100)).coordinates([-30.0, 30.0, 90.0], 1.01)

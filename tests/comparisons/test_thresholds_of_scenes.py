@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from mpi import on_ranks
 from scipy.sparse import csr_array, save_npz
-from sweep_cases import sweep_of
+from sweep_cases import sweep_of, threshold_numbers
 
 from comparisons.cli.sweep import IN_PART
 from comparisons.sweep.points import read_axis
@@ -142,10 +142,10 @@ def test_bodies_with_many_doublets_have_the_thresholds_of_full_solves(tmp_path, 
 
 @pytest.mark.parametrize("ranks", [2, 3])
 def test_maps_and_thresholds_are_the_same_on_several_ranks(backend, ranks):
-    alone = on_ranks(1, "sweep_cases.threshold_numbers", backend)
+    alone = on_ranks(1, threshold_numbers, backend)
     assert alone["values"]
     assert not alone["unresolved"]
-    several = on_ranks(ranks, "sweep_cases.threshold_numbers", backend)
+    several = on_ranks(ranks, threshold_numbers, backend)
     for name in ("changes", "modes", "solves"):
         assert several[name] == alone[name]
     for name, digits in (("sums", 1e-8), ("squares", 1e-8), ("values", 1e-7), ("first", 1e-9)):

@@ -33,10 +33,6 @@ def test_every_file_that_is_named_exists(document):
     assert not missing
 
 
-def test_paths_are_found_in_text():
-    assert named_files("`cea/body.py`, `docs/` and `cea run`") == {"cea/body.py", "docs/"}
-
-
 def test_every_command_that_is_named_exists():
     """Folders and options aside: the word after `cea` is a command, by the name it has now."""
     texts = [path.read_text(encoding="utf-8") for path in DOCUMENTS if path.name != "CHANGELOG.md"]
@@ -44,13 +40,6 @@ def test_every_command_that_is_named_exists():
     assert "run" in named
     assert named & set(RENAMED) == set()
     assert named <= set(COMMANDS)
-
-
-def test_who_wants_to_change_something_finds_the_file():
-    text = (ROOT / "docs" / "where_to_change_what.md").read_text(encoding="utf-8")
-    rows = [line for line in text.splitlines() if line.startswith("| ") and "`" in line]
-    assert len(rows) >= 20
-    assert all(len(named_files(row.split("|")[2])) == 1 for row in rows)
 
 
 def test_the_index_names_every_document():
@@ -88,23 +77,3 @@ def test_every_file_of_a_package_is_in_its_wheel_and_its_types_are_offered():
     )
     files = [ROOT / name for name in listed.stdout.splitlines() if not name.endswith(".py")]
     assert [path for path in files if path not in packed] == []
-
-
-PRIVATE = re.compile(
-    r"(?<![a-z])(rubs|rubbing|mended|leanest|thrift|districts?|surroundings|onsets?)(?![a-z])"
-    r"|zero_growth|told_by(?!_)|turned[ _]test|searched[ _]beside",
-    re.IGNORECASE,
-)
-"""Words that no textbook has for what they stood for."""
-
-
-def test_no_private_words_are_used():
-    files = [path for path in DOCUMENTS if path.name != "CHANGELOG.md"]
-    for folder in (*ROOMS, "examples"):
-        files += [path for path in (ROOT / folder).rglob("*") if path.suffix in (".py", ".html")]
-    found = {
-        str(path.relative_to(ROOT)): match.group()
-        for path in files
-        if (match := PRIVATE.search(re.sub(r"\s+", " ", path.read_text(encoding="utf-8"))))
-    }
-    assert not found

@@ -12,7 +12,6 @@ from scipy.sparse import csr_array
 
 from comparisons.cli.run import run
 from scenes import open_result, read_scene, run_modes, save_result
-from scenes.results.folder import listed
 
 DOCUMENT = Path(__file__).parents[2] / "docs" / "result_json.md"
 LISTS = ("unstable", "eigenvalues")
@@ -84,23 +83,3 @@ def test_the_summary_tells_what_the_lists_hold(results):
             else:
                 true = -value["re"] / abs(complex(value["re"], value["im"]))
                 assert ratio == pytest.approx(true, rel=1e-14)
-
-
-def test_pictures_files_and_tables_bear_the_same_numbers(results):
-    folder = results[0].parent
-    data = json.loads(results[0].read_text())
-    chosen = (data["unstable"] or data["eigenvalues"])[0]["mode"]
-    assert data["pictures"] == [f"mode_iga_{chosen}.png"]
-    assert data["paraview"] == ["modes.pvd", "contacts.pvd"]
-    assert (folder / "modes" / f"mode_{chosen}_pad.vtu").is_file()
-    on_disk = {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
-    assert set(listed(folder)) | {"manifest.json", "steady.json"} == on_disk
-
-
-def test_static_results_open_with_the_same_table(results):
-    opened = open_result(results[1])
-    assert [(row["contact"], row["side"]) for row in opened.table()] == [
-        ("interface", "a"),
-        ("interface", "b"),
-    ]
-    assert repr(opened).splitlines()[0] == "patch_test: static analysis"

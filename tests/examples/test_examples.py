@@ -23,7 +23,6 @@ from examples import (
     which_formulation,
 )
 from scenes import assemble
-from scenes.checking.check import inspect_scene
 from scenes.refinement.meshes import has_singular_edges
 from scenes.spec.reading import load_scene
 
@@ -115,15 +114,6 @@ def test_brake_sweep(tmp_path):
     assert (tmp_path / "sweep.png").stat().st_size > 5000
 
 
-def test_examples_are_short_and_every_one_is_run():
-    files = sorted((ROOT / "examples").glob("*.py"))
-    text = Path(__file__).read_text()
-    for file in files:
-        assert f"{file.stem}." in text, file
-        assert len(file.read_text().splitlines()) <= 40, file
-    assert len(files) >= 6
-
-
 def test_matrices_from_files():
     """2 lambda = -0.1 + sqrt(0.01 - 16 + 0.4 v i); at v = 2 the root is 0.1 + 4 i."""
     speeds = np.array([1.0, 2.0, 4.0])
@@ -136,16 +126,6 @@ def scene_file(name):
     return ROOT / "examples" / f"{name}.toml"
 
 
-@pytest.mark.grid
-@pytest.mark.parametrize("name", ["hub_pad", "two_pads"])
-def test_scenes_for_error_bars_have_no_faults(backend, name):
-    scene = load_scene(scene_file(name), [], backend)
-    inspection = inspect_scene(scene)
-    assert not inspection.faults
-    assert all(contact.formulation.method == "mortar" for contact in scene.contacts.values())
-    assert has_singular_edges(scene)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "backend", "digits"),
@@ -153,6 +133,7 @@ def test_scenes_for_error_bars_have_no_faults(backend, name):
 )
 def test_scenes_for_error_bars_hold_their_digits(name, backend, digits):
     """A re-entrant edge, two contacts: every mode to the digits asked for, its order named."""
+    assert has_singular_edges(load_scene(scene_file(name), [], backend))
     request = Request(str(scene_file(name)), digits=digits, backends=(backend,))
     data = run_converge(request, Progress())
     assert data["held"]

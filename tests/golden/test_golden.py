@@ -1,39 +1,23 @@
-"""What the program found on 2026-11-25, frozen: scenes, figures and claims, studies, decks."""
+"""What the program found on 2026-11-25, frozen: scenes, figures and claims, studies."""
 
 from math import isnan
 
 import numpy as np
 import pandas as pd
 import pytest
-from decks import in_contact, with_calculix
 from golden import BIN, differences, run_frozen, stored
 
 from comparisons import agreement
 from comparisons.accuracy.errors import measure
-from comparisons.accuracy.problems import PROBLEMS
-from comparisons.bench import ccx
 from comparisons.formulations import locking, patch_tests
 from comparisons.formulations.study import STUDY, Options
 from comparisons.paper.claims import judged
 from comparisons.paper.study import STUDY as PAPER_STUDY
 from comparisons.study.result import read
 from comparisons.study.run import run
-from scenes.export.decks.write import write_deck
 
 QUICK = ("blocks_iga", "hertz_cylinder_iga", "patch_test_fe")
 """Frozen scenes that the quick tests run, a second or two each."""
-RULES = {
-    "gpts": "GPTS",
-    "gpts_lumped": "GPTS, lumped",
-    "full_pass": "GPTS, full pass",
-    "node": "node-to-surface",
-    "node_tributary": "node-to-surface, tributary",
-    "greville": "Greville",
-    "greville_area": "Greville, area",
-    "botella": "Botella",
-    "botella_area": "Botella, area",
-}
-"""Contact rules by the names that they had."""
 ROUNDING = 1e-9
 """Relative errors below it are rounding, and differ from machine to machine."""
 
@@ -137,49 +121,13 @@ def test_pairings_of_backends_are_as_frozen(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", stored("tables")["exact_lists"])
-def test_errors_against_exact_eigenvalues_are_as_frozen(name):
+@pytest.mark.parametrize("row", stored("tables")["accuracy_quick"])
+def test_errors_against_exact_eigenvalues_are_as_frozen(row):
     """The quick study of accuracy: four digits of each error are kept."""
-    for row in stored("tables")["accuracy_quick"]:
-        if row["problem"] != name:
-            continue
-        method = row["method"] | {"rule": RULES.get(row["method"]["rule"], row["method"]["rule"])}
-        case = {"problem": name, "p": row["stiffness"], **method}
-        found = measure(case, row["refinement"], repeats=1)
-        for key in ("dofs", "points", "modes"):
-            assert found[key] == row[key]
-        for quantity in ("lambda", "frequency", "growth"):
-            keys = row[quantity]
-            assert_same_errors([found[f"{quantity}_{k}"] for k in keys], list(keys.values()))
-
-
-@pytest.mark.grid(quick=1)
-@pytest.mark.parametrize(
-    "name",
-    [
-        name
-        if name in ("drum", "blocks_constant_mu")
-        else pytest.param(name, marks=pytest.mark.slow)
-        for name in stored("tables")["exact_lists"]
-    ],
-)
-def test_exact_eigenvalues_are_as_frozen(name):
-    """One list of each problem is computed anew, that at the problem's own stiffness."""
-    entry = stored("tables")["exact_lists"][name]
-    found = PROBLEMS[name].exact(1.0)
-    expected = np.array([complex(*pair) for pair in entry["lists"]["1"]])
-    np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-13)
-
-
-def test_a_deck_is_as_frozen(tmp_path):
-    frozen = stored("decks")
-    files = write_deck(in_contact(), tmp_path, 20)
-    assert {file.name: file.read_text() for file in files} == frozen["files"]
-
-
-def test_calculix_finds_the_frozen_eigenvalues(tmp_path):
-    with_calculix()
-    found = ccx.run(write_deck(in_contact(), tmp_path, 20)[1])
-    expected = np.array([complex(*pair) for pair in stored("decks")["eigenvalues"]])
-    kept = min(len(found), len(expected)) - 2  # the last have not always converged
-    np.testing.assert_allclose(found[:kept], expected[:kept], rtol=1e-5)
+    case = {"problem": row["problem"], "p": row["stiffness"], **row["method"]}
+    found = measure(case, row["refinement"], repeats=1)
+    for key in ("dofs", "points", "modes"):
+        assert found[key] == row[key]
+    for quantity in ("lambda", "frequency", "growth"):
+        keys = row[quantity]
+        assert_same_errors([found[f"{quantity}_{k}"] for k in keys], list(keys.values()))

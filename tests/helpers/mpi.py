@@ -1,9 +1,8 @@
 """Programs on any number of ranks, started in one way by the tests of every room.
 
 For each number of ranks one MPI program is started, which then waits for calls: `on_ranks` calls a
-function of a module of this folder on every rank of it and returns what it returned on rank 0;
-`cea_on_ranks` runs a command line there. `mpiexec` starts a program of its own, for what ends its
-program.
+function on every rank of it and returns what it returned on rank 0; `cea_on_ranks` runs a command
+line there. `mpiexec` starts a program of its own, for what ends its program.
 """
 
 import atexit
@@ -14,7 +13,8 @@ import subprocess
 import sys
 from contextlib import redirect_stderr, redirect_stdout
 from functools import cache
-from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
+from inspect import getfile
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic, sleep
@@ -33,21 +33,17 @@ ENVIRONMENT = os.environ | {
 }
 
 
-def run(*command):
-    """A command in the environment of all of them, its output kept."""
-    return subprocess.run(
-        command, capture_output=True, text=True, env=ENVIRONMENT, timeout=TIMEOUT, check=False
-    )
-
-
 def mpiexec(ranks, *command):
     """A command on so many ranks in a program of its own, its output kept."""
-    return run(BIN / "mpiexec", "-n", str(ranks), *command)
+    launch = [BIN / "mpiexec", "-n", str(ranks), *command]
+    return subprocess.run(
+        launch, capture_output=True, text=True, env=ENVIRONMENT, timeout=TIMEOUT, check=False
+    )
 
 
 @cache
 def on_ranks(ranks, function, *arguments):
-    """What a function, "module.name", returns on rank 0 of so many ranks.
+    """What a function of a test or of a helper returns on rank 0 of so many ranks.
 
     Arguments and result are plain data, ready for JSON. The result is shared: leave it as it is.
     """
@@ -56,7 +52,7 @@ def on_ranks(ranks, function, *arguments):
 
 def cea_on_ranks(ranks, *arguments):
     """A command line of the program on so many ranks; what rank 0 printed, and its exit code."""
-    done = _program(ranks).call("mpi.command", [str(each) for each in arguments])
+    done = _program(ranks).call(command, [str(each) for each in arguments])
     return subprocess.CompletedProcess(arguments, done["code"], done["out"], done["err"])
 
 
@@ -92,14 +88,15 @@ class _Program:
     def call(self, function, arguments):
         """What a function returns on rank 0."""
         answer = _answer(self.folder.name, self.calls)
-        _write(_question(self.folder.name, self.calls), [function, arguments])
+        question = [getfile(function), function.__name__, arguments]
+        _write(_question(self.folder.name, self.calls), question)
         self.calls += 1
         deadline = monotonic() + TIMEOUT
         while not answer.exists():
             if self.process.poll() is not None or monotonic() > deadline:
                 self.end()
                 self.log.seek(0)
-                raise AssertionError(f"{function} ended its ranks:\n{self.log.read()}")
+                raise AssertionError(f"{function.__name__} ended its ranks:\n{self.log.read()}")
             sleep(0.01)
         return json.loads(answer.read_text())
 
@@ -134,6 +131,16 @@ def _write(file, data):
     part.rename(file)
 
 
+@cache
+def _module(file):
+    """The module in a file, of which two may have one name."""
+    spec = spec_from_file_location(Path(file).stem, file)
+    module = module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
 def _serve(folder):
     """Answer calls as they come; a fault of any rank ends all of them."""
     from cea.petsc import MPI
@@ -142,10 +149,9 @@ def _serve(folder):
     while True:
         while not _question(folder, number).exists():
             sleep(0.01)
-        function, arguments = json.loads(_question(folder, number).read_text())
-        module, name = function.split(".")
+        file, name, arguments = json.loads(_question(folder, number).read_text())
         try:
-            result = getattr(import_module(module), name)(*arguments)
+            result = getattr(_module(file), name)(*arguments)
         except BaseException:
             sys.excepthook(*sys.exc_info())
             sys.stderr.flush()

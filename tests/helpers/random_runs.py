@@ -25,14 +25,6 @@ _SAFETY = 10.0
 """Factor on errors, which are estimates of first order."""
 
 
-@dataclass(frozen=True)
-class Fault:
-    """What is wrong with a result: ``missing``, ``spurious``, ``wrong-verdict``, ``crash``."""
-
-    kind: str
-    text: str
-
-
 def judge(modes, dense, threshold=None):
     """Faults of modes of an undamped pencil.
 
@@ -104,18 +96,18 @@ def _faults(window, verdict, calls, truth, groups):
         called = calls[ours]
         count = int(surely[theirs].sum())
         if len(ours) < count:
-            faults.append(Fault("missing", f"{count} at {place}, {len(ours)} found"))
+            faults.append(f"missing: {count} at {place}, {len(ours)} found")
         count = int(possibly[theirs].sum())
         if (called != "undecided").sum() > count:
-            faults.append(Fault("spurious", f"{count} at {place}, {len(ours)} found"))
+            faults.append(f"spurious: {count} at {place}, {len(ours)} found")
         if len(theirs) and (called == "stable").sum() > (~truth.grows & possibly)[theirs].sum():
-            faults.append(Fault("wrong-verdict", f"{place} is called stable and grows"))
+            faults.append(f"wrong-verdict: {place} is called stable and grows")
         if len(theirs) and (called == "unstable").sum() > truth.may_grow[theirs].sum():
-            faults.append(Fault("wrong-verdict", f"{place} is called unstable and does not grow"))
+            faults.append(f"wrong-verdict: {place} is called unstable and does not grow")
     if verdict == "stable" and (truth.grows & (frequency < top - margin)).any():
-        faults.append(Fault("wrong-verdict", "the window is called stable and a mode grows"))
+        faults.append("wrong-verdict: the window is called stable and a mode grows")
     if verdict == "unstable" and not (truth.may_grow & (frequency < top + margin)).any():
-        faults.append(Fault("wrong-verdict", "the window is called unstable and nothing grows"))
+        faults.append("wrong-verdict: the window is called unstable and nothing grows")
     return faults
 
 
@@ -124,7 +116,7 @@ class Outcome:
     """What came of one seed: faults, why it was refused or could not be judged, what was found."""
 
     name: str
-    faults: list[Fault] = field(default_factory=list)
+    faults: list[str] = field(default_factory=list)
     refused: str | None = None
     unsure: str | None = None
     verdict: str | None = None
@@ -141,7 +133,7 @@ def _outcome(name, run, faults_of):
     except (InputError, SceneError, ConvergenceError) as error:
         found.refused = f"{type(error).__name__}: {error}"
     except Exception:
-        found.faults = [Fault("crash", traceback.format_exc())]
+        found.faults = [f"crash: {traceback.format_exc()}"]
     else:
         found.verdict, found.modes = modes.verdict(threshold), len(modes)
         found.undecided = modes.verdicts(threshold).count("undecided")
@@ -195,5 +187,5 @@ def judged(seeds, outcome_of):
     """Outcomes of seeds; faults in any of them, reported together, are a failure."""
     outcomes = [outcome_of(seed) for seed in seeds]
     wrong = [(each.name, fault) for each in outcomes for fault in each.faults[:1]]
-    assert not wrong, "\n".join(f"{name}: {fault.kind}, {fault.text}" for name, fault in wrong)
+    assert not wrong, "\n".join(f"{name}: {fault}" for name, fault in wrong)
     return outcomes

@@ -8,7 +8,7 @@ import pytest
 from blocks import alone, scene_body
 from covering import covering
 from mpi import on_ranks
-from nested_scenes import apart_from_richer, coarse_modes, paired
+from nested_scenes import apart_from_richer, coarse_modes, paired, parallel_numbers
 from reference_data import exact, stored, whole_ring
 
 from cea.eigen import mumps
@@ -244,8 +244,6 @@ def test_estimates_of_other_scenes_are_refused():
 @pytest.mark.parametrize(("backend", "by"), [("fe", "bisection"), ("iga", "degree")])
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=pytest.mark.slow)])
 def test_the_same_on_any_ranks(ranks, backend, by):
-    one, other = (
-        on_ranks(n, "nested_scenes.parallel_numbers", "blocks", backend, by) for n in (1, ranks)
-    )
+    one, other = (on_ranks(n, parallel_numbers, "blocks", backend, by) for n in (1, ranks))
     for name in ("size", "norm", "image", "corrected"):
         np.testing.assert_allclose(other[name], one[name], rtol=1e-9, atol=1e-10)

@@ -2,33 +2,188 @@
 
 import json
 import sys
+from functools import partial
 from time import monotonic
+from unittest.mock import patch
 
 import numpy as np
 import pytest
+from bad_inputs import coarse
+from blocks import SECTIONS, alone, block, two_blocks
+from motions import asymmetry
 from mpi import cea_on_ranks, mpiexec, on_ranks
-from parallel_cases import CASES
 from same_numbers import assert_same
-from scipy.optimize import linear_sum_assignment
+
+from cea.eigen.krylov_schur import KrylovOptions
+from cea.eigen.matching import match_spectrum
+from scenes import run_modes, run_scene
+from scenes.spec.plain import checked
+from scenes.spec.reading import read_scene
 
 pytestmark = pytest.mark.mpi
-
-
-QUICK = {
-    2: (
-        "fe collocation", "fe static gpts", "fe static full pass", "fe static mortar",
-        "iga gpts", "iga static collocation", "iga static grid", "iga static lumped",
-        "iga static segments", "iga static tied mortar",
-        "fe without friction", "fe static without friction",
-        "iga without friction", "iga static without friction",
-        "fe overhanging", "fe single point", "fe column", "fe disc_pad",
-        "iga overhanging", "iga single point", "iga column", "iga disc_pad",
-        "several discs", "fe on iga", "iga on fe",
-    ),
-    3: ("fe static without friction", "iga static gpts"),
-}  # fmt: skip
-"""Cases of the quick tests by number of ranks: every kind on each backend, and the cheapest."""
 slow = pytest.mark.slow
+in_krylov_spaces = patch("cea.eigen.driver.KrylovOptions", lambda: KrylovOptions(dense_limit=0))
+"""Small systems are searched like large ones, which ranks share: LAPACK would solve them whole."""
+GRID, GPTS = {"method": "grid", "points": 5}, {"method": "gpts", "points": 4}
+ONE_POINT = {"method": "gpts", "points": 1}
+
+
+FORMULATIONS = {
+    "collocation": {},
+    "grid": {"formulation": GRID},
+    "gpts": {"formulation": GPTS},
+    "lumped": {"formulation": GPTS | {"lumped": True}},
+    "full pass": {"formulation": GPTS, "full_pass": True},
+    "segments": {"formulation": {"method": "segments"}},
+    "mortar": {"formulation": {"method": "mortar"}},
+    "tied mortar": {"formulation": {"method": "mortar"}, "form": "saddle", "P": float("inf")},
+}
+"""What each changes in a contact of collocation."""
+
+
+def blocks(backend, contact="gpts", mu=1.0):
+    """Two blocks that flutter, and few modes: each takes messages, slow where ranks share cores."""
+    collocation = {"method": {"fe": "node_to_surface", "iga": "greville"}[backend]}
+    data = two_blocks(backend, collocation, held=True, mu=mu, P=30.0)
+    data["contacts"]["interface"] |= FORMULATIONS[contact]
+    return data | {"analysis": {"kind": "cea", "max_frequency": 0.55, "growth_threshold": 1e-3}}
+
+
+def static_blocks(backend, **options):
+    loads = [{"surface": "upper.x_min", "pressure": 0.02}]
+    analysis = {"kind": "static", "samples": 7}
+    return blocks(backend, **options) | {"analysis": analysis, "loads": loads}
+
+
+def overhanging(backend):
+    data = blocks(backend)
+    data["bodies"]["upper"]["geometry"]["origin"][0] = 0.75
+    data["contacts"]["interface"]["max_missed"] = 0.6
+    return data
+
+
+def single_point(backend):
+    """Fewer contact points than ranks."""
+    data = static_blocks(backend)
+    data["contacts"]["interface"]["formulation"] = ONE_POINT
+    for mesh in data["bodies"]["upper"]["mesh"].values():
+        mesh["elements"] = [1, 1, 1]
+    return data
+
+
+def column(backend):
+    """Square column, whose bending modes come in pairs of one frequency."""
+    body = block(backend, [1.0, 1.0, 2.0], [0, 0, 0], [2, 2, 3], supports=[{"surface": "z_min"}])
+    return alone(body, 0.3)
+
+
+def mixed_pairing(backend):
+    data = blocks(backend)
+    data["bodies"]["lower"]["backend"] = {"fe": "iga", "iga": "fe"}[backend]
+    return data
+
+
+def disc_pad(backend):
+    """Disc and pad on few elements, on which the modes flutter late."""
+    data = coarse("disc_pad", backend, {"pad": [2, 3, 1], "disc": [3, 24, 1]})
+    method = {"fe": GRID, "iga": {"method": "segments"}}[backend]
+    data["contacts"]["pad_disc"] |= {"formulation": method, "mu": 2.0}
+    data["analysis"]["max_frequency"] = 6000.0
+    return data
+
+
+def saddle():
+    """Eigenvalues and derivatives where some ranks have contact forces and no displacements.
+
+    In the second scene each constraint is there once more, in another contact.
+    """
+    few = blocks("fe", mu=0.3) | {"analysis": {"kind": "cea", "max_frequency": 1.0}}
+    for body in few["bodies"].values():
+        body["mesh"]["fe"] |= {"elements": [1, 1, 1], "degree": 1}
+    few["contacts"]["interface"] |= {"formulation": ONE_POINT, "form": "saddle"}
+    twice = blocks("iga", "tied mortar", mu=0.3)
+    twice["contacts"]["again"] = twice["contacts"]["interface"]
+    modes = run_modes(read_scene(few), left=True).modes
+    return {
+        "im": modes.eigenvalues.imag.tolist(),
+        "slopes": np.abs(modes.sensitivity("contacts.interface.mu")).tolist(),
+        "tied twice": run_modes(checked(SECTIONS, twice)).modes.eigenvalues.imag.tolist(),
+    }
+
+
+KINDS = {
+    **{name: partial(blocks, contact=name) for name in FORMULATIONS},
+    **{f"static {name}": partial(static_blocks, contact=name) for name in FORMULATIONS},
+    "without friction": partial(blocks, mu=0.0),
+    "static without friction": partial(static_blocks, mu=0.0),
+    "overhanging": overhanging,
+    "single point": single_point,
+    "column": column,
+    "disc and pad": disc_pad,
+    "several discs": lambda backend: two_blocks(backend, GRID, held=True, mu=2.0),
+    "on the other backend": mixed_pairing,
+}
+SEARCHED = ("several discs", "gpts", "column")
+"""Cases that are searched in Krylov spaces."""
+
+
+def probes(result):
+    """Trace of each box at fixed points of its side x_max."""
+    traces = {}
+    for name, body in result.system.bodies.items():
+        spec = result.scene.bodies[name].geometry
+        if spec.shape != "box":
+            continue
+        inner = np.array([[1.0, y, z] for y in (0.13, 0.57) for z in (0.21, 0.83)])
+        x = np.array(spec.origin) + inner * np.array(spec.size)
+        found = body.surfaces["x_max"].locate(x, np.tile([1.0, 0.0, 0.0], (len(x), 1)), 1e-3)
+        assert not found.missed.any()
+        traces[name] = body.surfaces["x_max"].trace(found.at)
+    return traces
+
+
+def facts(scene):
+    result = run_scene(scene)
+    system, data = result.system, dict(result.data)
+    matrices = [system.pencil().at().stiffness]
+    matrices += [contact.K_n for contact in system.contacts if contact.has_pressure]
+    matrices += [body.stiffness() for body in system.bodies.values()]
+    matrices += [body.mass() for body in system.bodies.values() if system.with_mass]
+    shown = {name: data.get(name) for name in ("contacts", "dofs", "stresses", "skipped")}
+    shown["asymmetry"] = [asymmetry(matrix) for matrix in matrices]
+    if result.spectrum is None:
+        moved = [result.displacements(name, at).tolist() for name, at in probes(result).items()]
+        shown["displacements"] = moved
+        contact = system.contacts[0]
+        if contact.has_pressure:
+            pressure = contact.pressure(result.displacement)
+            shown["closing force"] = float(contact.interface.points.weight @ pressure)
+        return shown
+    modes = result.modes
+    shapes = [result.mode_shapes(name, trace) for name, trace in probes(result).items()]
+    return shown | {
+        "re": modes.growth_rates.tolist(),
+        "im": modes.eigenvalues.imag.tolist(),
+        "worst_residual": modes.residuals.max(),
+        "count": [modes.window.found_below, modes.window.discs],
+        "unstable": len(data["unstable"]),
+        "shapes": np.moveaxis(np.abs(np.concatenate(shapes)), 2, 0).tolist() if shapes else [],
+    }
+
+
+def case(backend, kind):
+    """Facts of a case."""
+    scene = read_scene(KINDS[kind](backend))
+    return (in_krylov_spaces(facts) if kind in SEARCHED else facts)(scene)
+
+
+def cases():
+    """Each kind on each backend and number of ranks; the quick tests run each once or twice."""
+    for ranks in (2, 3):
+        for i, kind in enumerate(KINDS):
+            for j, backend in enumerate(("fe", "iga")):
+                quick = (i + j) % 2 == 0 and (ranks == 2 or i % 8 == 0)
+                yield pytest.param(ranks, backend, kind, marks=() if quick else slow)
 
 
 def assert_same_eigenvalues(found, expected):
@@ -38,38 +193,23 @@ def assert_same_eigenvalues(found, expected):
     mean by e.
     """
     left, right = (np.array(v["re"]) + 1j * np.array(v["im"]) for v in (found, expected))
-    assert len(left) == len(right)
-    rows, columns = linear_sum_assignment(np.abs(left[:, None] - right))
-    left, right = left[rows], right[columns]
-    scale = np.abs(right)
-    loose = np.abs(left - right) > 1e-9 * scale
-    for i in np.flatnonzero(loose):
-        others = np.flatnonzero(loose & (np.arange(len(right)) != i))
-        assert len(others), (left[i], right[i])
-        partner = others[np.argmin(np.abs(right[others] - right[i]))]
-        assert abs(right[partner] - right[i]) < 1e-3 * scale[i]
-        assert abs(left[[i, partner]].mean() - right[[i, partner]].mean()) < 1e-9 * scale[i]
+    match = match_spectrum(left, right, tolerance=1e-3)
+    assert len(match.missing) == len(match.spurious) == 0
+    assert match.errors.max() < 1e-9
 
 
-@pytest.mark.parametrize(
-    ("ranks", "name"),
-    [
-        pytest.param(ranks, name, marks=() if name in QUICK[ranks] else slow)
-        for ranks in QUICK
-        for name in CASES
-    ],
-)
-def test_answers_do_not_depend_on_the_number_of_ranks(ranks, name):
-    found, expected = (dict(on_ranks(n, "parallel_cases.case", name)) for n in (ranks, 1))
+@pytest.mark.parametrize(("ranks", "backend", "kind"), [*cases()])
+def test_answers_do_not_depend_on_the_number_of_ranks(ranks, backend, kind):
+    found, expected = (dict(on_ranks(n, case, backend, kind)) for n in (ranks, 1))
     asymmetry = found.pop("asymmetry")
     assert asymmetry == expected.pop("asymmetry") == [0.0] * len(asymmetry)
     if "im" in expected:
         assert len(expected["im"]) >= 3
-        worst = 1e-9 if "disc_pad" in name else 1e-7
+        worst = 1e-9 if kind == "disc and pad" else 1e-7
         assert found.pop("worst_residual") < worst > expected.pop("worst_residual")
         assert_same_eigenvalues(found, expected)
         shapes, expected_shapes = found.pop("shapes"), expected.pop("shapes")
-        if name.split()[-1] != "column":  # copies of one frequency have no shape of their own
+        if kind != "column":  # copies of one frequency have no shape of their own
             largest = np.max(shapes, initial=0.0)
             np.testing.assert_allclose(shapes, expected_shapes, atol=1e-6 * largest)
         for part in ("re", "im"):
@@ -80,14 +220,14 @@ def test_answers_do_not_depend_on_the_number_of_ranks(ranks, name):
 
 @pytest.mark.parametrize("ranks", [2, pytest.param(3, marks=slow)])
 def test_forces_on_ranks_without_displacements(ranks):
-    found, expected = (on_ranks(n, "parallel_cases.saddle") for n in (ranks, 1))
+    found, expected = (on_ranks(n, saddle) for n in (ranks, 1))
     assert len(found["im"]) > 3
     for name, values in expected.items():
         assert sorted(found[name]) == pytest.approx(sorted(values), rel=1e-9, abs=1e-12)
 
 
 def test_the_disc_and_pad_flutters_on_coarse_meshes(backend):
-    assert max(on_ranks(1, "parallel_cases.case", f"{backend} disc_pad")["re"]) > 100
+    assert max(on_ranks(1, case, backend, "disc and pad")["re"]) > 100
 
 
 def test_command_line_prints_and_writes_once(tmp_path):
@@ -137,7 +277,7 @@ import sys
 import scenes.running.system
 from mpi4py import MPI
 
-search = scenes.running.system.build_contacts
+search = scenes.running.system.build_interfaces
 faulty = int(sys.argv.pop())
 
 
@@ -147,7 +287,7 @@ def fails_on_one_rank(*arguments):
     return search(*arguments)
 
 
-scenes.running.system.build_contacts = fails_on_one_rank
+scenes.running.system.build_interfaces = fails_on_one_rank
 from comparisons.cli.app import main
 
 main()
