@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cea.arrays import Floats
-from cea.eigen.block_products import by_parts
+from cea.eigen.block_products import by_parts, times, transposed_times
 from cea.errors import ConvergenceError
 from cea.matrices import dense, destroy
 from cea.petsc import MPI, PETSc, give_back
@@ -28,6 +28,8 @@ _ROOM = (20, 200, 1000)
 _NO_ROOM: Any = PETSc.PC.FailedReason.FACTOR_OUTMEMORY
 _LACKS_MEMORY = (-7, -8, -9, -11, -12, -13, -14, -15, -17, -19, -20)
 """Values of INFOG(1) with which MUMPS ends for lack of memory."""
+_ACCURATE = 1e-10
+"""Relative change by a step of iterative refinement above which every solve is refined."""
 _PART = 0.9
 """Part of the memory that is free which factors may take."""
 _FILL, _ENTRY, _MEGABYTE = 100.0, 12, 1e6
@@ -64,6 +66,7 @@ class Mumps:
     def __init__(self, matrix: Any, *, symmetric: bool, inertia: bool = False) -> None:
         self.matrix = matrix
         self._symmetric, self._inertia = symmetric, inertia
+        self._refine: bool | None = None  # None until the first solve
         if symmetric:
             matrix.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         limit = self._limit()
@@ -139,9 +142,24 @@ class Mumps:
     def solve_block(self, b: NDArray[Any], *, transposed: bool = False) -> NDArray[Any]:
         """Solve for every column of b, the first rows of this rank: those that follow are zero.
 
-        The result has all rows of this rank, shape (n_local, columns), real or complex.
+        The result has all rows of this rank, shape (n_local, columns), real or complex. Where the
+        first solve has lost digits, as with closures that nearly depend on each other, all take a
+        step of iterative refinement.
         """
-        return by_parts(partial(self._solve, transposed=transposed), b)
+        return by_parts(partial(self._refined, transposed=transposed), b)
+
+    def _refined(self, b: Floats, *, transposed: bool) -> Floats:
+        solution = self._solve(b, transposed=transposed)
+        if self._refine is False or not b.shape[1]:
+            return solution
+        residual = -(transposed_times if transposed else times)(self.matrix, solution)
+        residual[: len(b)] += b
+        change = self._solve(residual, transposed=transposed)
+        if self._refine is None:
+            both = np.array([np.vdot(each, each) for each in (change, solution)])
+            moved, whole = self.matrix.comm.tompi4py().allreduce(both)
+            self._refine = bool(moved > _ACCURATE**2 * whole)
+        return solution + change
 
     def _solve(self, b: Floats, *, transposed: bool) -> Floats:
         layout, comm = self.matrix.getSizes()[0], self.matrix.comm

@@ -156,12 +156,17 @@ def _by_dense(modes, threshold):
 
 def scene_outcome(seed):
     """A random scene."""
+    return outcome_of_scene(f"scene {seed}", random_scene(seed))
+
+
+def outcome_of_scene(name, scene):
+    """Any small scene without damping."""
 
     def run():
-        result = run_modes(random_scene(seed))
+        result = run_modes(scene)
         return result.modes, result.analysis.growth_threshold
 
-    return _outcome(f"scene {seed}", run, _by_dense)
+    return _outcome(name, run, _by_dense)
 
 
 def pencil_outcome(problem):

@@ -1,7 +1,10 @@
 """Random small scenes agree with dense eigenvalues, in what they list and in what they conclude."""
 
+import numpy as np
 import pytest
-from random_runs import judged, scene_outcome
+from random_runs import judged, outcome_of_scene, scene_outcome
+
+from scenes.spec.reading import read_scene
 
 FIRST, CHUNK = 20_000, 10
 """Seed of the first scene, scenes of a test."""
@@ -15,6 +18,52 @@ _REFUSED = 0.08
 def test_a_hundred_random_scenes(chunk):
     first = FIRST + CHUNK * chunk
     judged(range(first, first + CHUNK), scene_outcome)
+
+
+def test_closures_that_nearly_depend_on_each_other():
+    """A full pass of mortar on meshes that hardly differ, 1e12 times as stiff as the base.
+
+    One sum of closures has a size of 1e-6, so that its compliance and that of the bodies are about
+    equal; a factorisation alone has four digits of them.
+    """
+    angle, length = 357.424, 0.470255
+    c, s = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+
+    def body(size, origin, elements, E, rho, supports):
+        return {
+            "backend": "iga",
+            "geometry": {"shape": "rectangle", "size": size, "origin": origin},
+            "placement": {"angle": angle},
+            "material": {"E": E, "nu": 0.3, "rho": rho},
+            "mesh": {"iga": {"degree": [2, 2], "elements": elements}},
+            "supports": supports,
+        }
+
+    upper = (
+        [length, 1.45505831845],
+        [-length, 0.0],
+        [4, 1],
+        0.0522248,
+        1.14917,
+        [{"surface": "y_max"}],
+    )
+    lower = [3.0, 1.0], [-1.5, -1.0], [5, 1], 0.00417021, 0.56096, []
+    contact = {
+        "a": "upper.y_min",
+        "b": "base.y_max",
+        "formulation": {"method": "mortar"},
+        "full_pass": True,
+        "p": 3.12564e9,
+        "mu": 1e-12,
+        "friction_direction_on_a": {"vector": [c, s]},
+    }
+    data = {
+        "name": "nearly dependent",
+        "bodies": {"upper": body(*upper), "base": body(*lower)},
+        "contacts": {"between": contact},
+        "analysis": {"kind": "cea", "max_frequency": 0.164527},
+    }
+    judged([read_scene(data)], lambda scene: outcome_of_scene(scene.name, scene))
 
 
 @pytest.mark.slow
