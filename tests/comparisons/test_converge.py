@@ -122,7 +122,7 @@ def result():
 
 def test_digits_are_held_and_bars_hold_the_exact_eigenvalues(result):
     assert result["held"]
-    assert "4 digits of frequency held in 11 of 11 modes, 3 of growth in 1 of 1" in result["first"]
+    assert "4 digits of frequency in 11 of 11 modes, 3 of growth in 1 of 1" in result["first"]
     assert "not reached" not in result["first"]
     assert "11 modes up to 0.47 Hz: 1 unstable" in result["words"]
     share, error = shares(result, exact("blocks"))
