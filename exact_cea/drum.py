@@ -22,7 +22,7 @@ Column = list[acb]
 
 @dataclass(frozen=True)
 class Drum(Characteristic):
-    """Annulus a outside annulus b, clamped at the outermost and innermost circles.
+    """Annulus a around annulus b, clamped at the outermost and innermost circles.
 
     ``n = -e_r``, ``k = +e_theta``: at the interface ``sigma_rtheta = mu sigma_rr`` and
     ``sigma_rr / p = u_r^a - u_r^b``.

@@ -162,7 +162,7 @@ class _Window:
 
 
 def _finish(problem: Characteristic, start: complex, digits: int) -> Root:
-    """Refine a root with more and more terms; real and imaginary roots are made exactly so."""
+    """Refine a root with more and more terms; set negligible real or imaginary parts to zero."""
     root = polish(problem, start, digits)
     while (refined := problem.refined()) is not problem:
         again = polish(refined, complex(root.value), digits)

@@ -22,7 +22,7 @@ _DIGITS = 4  # significant digits stored of run times, memory and errors
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Return the runs of a line, which ends at the first failure, and the reason of it."""
+    """Return the runs of a line, which ends at the first failure, and the reason for it."""
     runs, omissions = list[dict[str, Any]](), list[dict[str, Any]]()
     for refinement in refinements(case, session.options):
         try:
@@ -104,7 +104,7 @@ def no_flutter_cases() -> Iterator[Case]:
 
 
 def evaluate_no_flutter(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Return the largest growth over abs(lambda), its algebraic error, and modes beyond theirs."""
+    """Return the largest growth over abs(lambda) and its error; count modes above their error."""
     problem = NO_FLUTTER[case["problem"]]
     mirrored = problem.name == "blocks"
     result = run_modes(scene_of(problem, case, _REFINEMENT, _MIRRORED if mirrored else None))

@@ -26,14 +26,14 @@ LINE = ["problem", "backend", "degree", "rule", "p"]  # labels of a line of a pl
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Cases of each part, labelled with it."""
+    """Cases of all parts, labelled with the part."""
     for part in options.parts:
         for case in lines(options) if part == "errors" else errors.no_flutter_cases():
             yield {"part": part, **case}
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Tables of a case of its part."""
+    """Evaluate a case by its part."""
     of_part = errors.evaluate if case["part"] == "errors" else errors.evaluate_no_flutter
     return of_part(case, session)
 

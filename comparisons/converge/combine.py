@@ -108,7 +108,7 @@ def _mode(
 
 
 def widened(own: Estimated, other: Estimated) -> tuple[Estimated, bool]:
-    """Return an eigenvalue, its bars widened to the other if they do not overlap; and whether."""
+    """Return an eigenvalue and whether its bars overlap the other's; widen them if not."""
     frequency = abs(own.value.imag - other.value.imag)
     growth = abs(own.value.real - other.value.real)
     if (

@@ -56,7 +56,7 @@ _ROLLERS = (
 
 @dataclass(frozen=True)
 class PatchTestProblem:
-    """A contact patch test, by the name of its interface."""
+    """A contact patch test; the name is that of its interface."""
 
     name: str
     scene_file: str

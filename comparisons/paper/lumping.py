@@ -88,7 +88,7 @@ class ModeShapes(Figure):
 
 
 def common_mode(match: ModeMatch, reference: Spectrum) -> tuple[int, int]:
-    """Return the numbers of the matched mode with the largest motion, in run and reference."""
+    """Return the numbers, in both runs, of the matched mode with the largest contact motion."""
     pairs = [
         (int(pair.first[0]), int(pair.second[0]))
         for pair in match.groups
@@ -114,7 +114,10 @@ def mode_line(result: Result, mode: int) -> dict[str, Floats]:
 
 
 def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
-    """Return points (m), cells, real displacements by ``disc/points`` etc., on rank 0 only."""
+    """Return points (m), cells and real displacements of both bodies, on rank 0 only.
+
+    Keys are ``disc/points`` and so on.
+    """
     from scenes.pictures.drawing import largest_deflection  # brings pyvista
 
     arrays, shapes = {}, {}
@@ -200,7 +203,7 @@ def false_shifts(plain: Result, lumped: Result) -> Floats:
 
 
 def rotation_ratio(result: Result) -> float:
-    """Return the energy x^T K_n x of a rotation about x of both bodies over the pad alone."""
+    """Return the contact energy of a rotation of both bodies over that of the pad alone."""
     K_n, y = result.system.contacts[0].K_n, result.interfaces["pad_disc"].points.x[:, 1]
     rotations = [_normal_displacement(body, y.mean()) for body in result.system.bodies.values()]
     alone = [

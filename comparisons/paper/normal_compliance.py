@@ -50,7 +50,7 @@ class Law(Figure):
         return {"law": rows, "numbers": numbers}
 
     def error(self, part: float) -> float:
-        """Return the relative error of the linearised pressure change for a relative closure."""
+        """Return the relative error of the linearised pressure change, for a relative change."""
         change = self.law.pressure(np.array([1.0 + part, 1.0]) * self.closure)
         slope = float(self.law.slope(np.array(self.closure)))
         return 1 - slope * part * self.closure / float(change[0] - change[1])

@@ -162,7 +162,10 @@ def _rms(values: Complexes) -> Floats:
 def displacements(
     result: Result, body: str, surface: str, x: Floats, modes: Sequence[int] | None = None
 ) -> tuple[Complexes, Any]:
-    """Return displacements of modes at points projected along z, (3 hits, modes), and the hits."""
+    """Return displacements of modes at points projected along z, and which points are found.
+
+    The shape is (3 found, modes).
+    """
     side = result.system.bodies[body].surfaces[surface]
     found = side.locate(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)), side.mesh_size)
     hit = ~found.missed
