@@ -214,7 +214,7 @@ def test_digits_that_are_not_reached_are_told_first_with_code_3(cea):
     given = "--digits", "9", "--backend", "iga", "--budget", "8"
     code, told, fault = cea("converge", "blocks", *given)
     assert code == 3, fault
-    first = next(line for line in told.splitlines() if "digits of frequency held" in line)
+    first = next(line for line in told.splitlines() if "digits of frequency in" in line)
     assert "not reached: frequency of " in first
     assert "one more mesh would take about" in first
 
