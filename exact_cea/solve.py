@@ -172,7 +172,7 @@ def _finish(problem: Characteristic, start: complex, digits: int) -> Root:
             break
     real, imaginary = root.value.real, root.value.imag
     with ctx.workdps(2 * digits):
-        # The mirror image of a root is a root: if it lies within the error it is the root itself.
+        # The mirror image of a root is a root; within the error of a simple root, they coincide.
         small = abs(root.value) * 10 ** acb(-min(root.digits, digits) + 2).real
         if problem.real and abs(real) < small:
             return Root(acb(0, imaginary), root.digits)

@@ -174,7 +174,7 @@ PLOT = Plot(
 )
 STUDY = Study(
     name="bench assembly",
-    title="Assembly of stiffness and mass beside dolfinx",
+    title="Assembly of stiffness and mass, compared with dolfinx",
     options=Options,
     cases=cases,
     evaluate=evaluate,

@@ -170,7 +170,7 @@ COLUMNS = {
 }
 STUDY = Study(
     name="bench calculix",
-    title="CalculiX beside this program",
+    title="Comparison with CalculiX",
     options=Options,
     cases=cases,
     scene=scene,

@@ -126,7 +126,7 @@ OWN = {"relative": Column("of ours", show=shown(3))}
 TABLE = Table("race", "Medians of runs in one process.", seconds, OWN, printed=True)
 STUDY = Study(
     name="bench matrices",
-    title="All modes of a window beside shift-and-invert by scipy",
+    title="All modes of a window, compared with shift-invert by scipy",
     options=Options,
     cases=cases,
     evaluate=evaluate,

@@ -179,7 +179,7 @@ COLUMNS = {
 }
 STUDY = Study(
     name="bench solve",
-    title="Eigenvalues of a window beside other methods",
+    title="Eigenvalues of a window by several methods",
     options=Options,
     cases=cases,
     scene=scene,

@@ -186,7 +186,7 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
                 result = session.solve(variant.of(scene, P=P))
                 error = error_of(result, scene, options.samples)
             except ConvergenceError:
-                pass  # singular: no number
+                pass  # singular matrix
             passed = error is not None and error <= max(PASSED, _OWN * own_error)
             errors.append(labels | {"P": P, "error": error, "passed": passed})
     return {"patch_tests": errors, "momentum": momentum}
@@ -207,7 +207,7 @@ def error_of(result: Result, scene: Scene, samples: int) -> float:
 def rigid_motions(body: Body) -> Floats:
     """Return translations, then rotations about the origin, on local dofs, (dofs, motions)."""
     x = body.space.dof_positions
-    assert x is not None  # cells are curved no more than the space
+    assert x is not None  # the geometry has at most the degree of the space
     turns = [(i, j) for i in range(body.dim) for j in range(i)]
     motions = np.zeros((*x.shape, body.dim + len(turns)))
     motions[..., : body.dim] = np.eye(body.dim)

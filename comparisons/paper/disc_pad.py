@@ -39,7 +39,7 @@ class DiscPad:
     degree: int = 2  # of both bodies in every direction
     full_pass: bool = False
     boundary: Boundary = "traced"  # mesh of the disc at the boundary of the pad
-    divided: bool = False  # tetrahedra from hexahedra divided into six, which can trace it
+    divided: bool = False  # hexahedra divided into six tetrahedra, which can follow it
 
     def on(self, mesh: Mesh) -> "DiscPad":
         """Return the case as it is on a kind of mesh."""

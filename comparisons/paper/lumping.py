@@ -118,7 +118,7 @@ def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
 
     Keys are ``disc/points`` and so on.
     """
-    from scenes.pictures.drawing import largest_deflection  # brings pyvista
+    from scenes.pictures.drawing import largest_deflection  # imports pyvista
 
     arrays, shapes = {}, {}
     for name, body in result.system.bodies.items():
@@ -218,7 +218,7 @@ def rotation_ratio(result: Result) -> float:
 def _normal_displacement(body: Body, height: float) -> Floats:
     """Return the free dofs of this rank of the field u_z = y - height."""
     x = body.space.dof_positions
-    assert x is not None  # cells are curved no more than the space
+    assert x is not None  # the geometry has at most the degree of the space
     u = np.zeros_like(x)
     u[:, 2] = x[:, 1] - height
     own = slice(*body.expansion.getOwnershipRange())
