@@ -1,13 +1,13 @@
 """Two clamped layers between roller walls, sliding with friction ``mu0 sin(pi x / length)``.
 
-Body a is ``0 < y < height_a``, body b ``-height_b < y < 0``, both on ``0 < x < length``. Rollers
-make every field a series in ``cos(n pi x / length)`` or the sine; the friction couples the
-normal stress of harmonic n to the shear of n - 1 and n + 1,
+Body a is ``0 < y < height_a``, body b ``-height_b < y < 0``, both on ``0 < x < length``. With
+rollers every field is a series in ``cos(n pi x / length)`` or ``sin(n pi x / length)``. Friction
+couples the normal stress of harmonic n to the shear stress of n - 1 and n + 1,
 
     mu s = mu0 / 2 sum_n s_n [sin((n + 1) pi x / length) - sin((n - 1) pi x / length)],
 
-so the gap conditions of all harmonics are a tridiagonal system. Its determinant, over n < N,
-converges faster than geometrically for finite p, geometrically for p = infinity.
+so the gap conditions of all harmonics form a tridiagonal system. Its determinant, truncated to
+n < N, converges faster than geometrically for finite p and geometrically for infinite p.
 """
 
 import math
@@ -27,8 +27,8 @@ class Blocks(Characteristic):
 
     p: Annotated[Exact, "Contact stiffness per area, or inf."] = Exact("1")
     mu0: Annotated[Exact, "Friction mu0 sin(pi x / length)."] = Exact("0.3")
-    # None: plane strain. Else the family u_x, u_y ~ cos(kz z), u_z ~ sin(kz z), which rollers at
-    # both ends of a block of length pi / kz admit
+    # None: plane strain. Otherwise u_x, u_y ~ cos(kz z) and u_z ~ sin(kz z), as in a block of
+    # length pi / kz with rollers at both ends
     kz: Annotated[Exact | None, "Wave number in z, e.g. pi/2; none: plane strain."] = None
     a: Material = SOFT
     b: Material = STIFF
@@ -39,7 +39,7 @@ class Blocks(Characteristic):
 
     @classmethod
     def of(cls, *given: Any, **named: Any) -> "Blocks":
-        """Blocks of numbers or their texts, in the order of the fields or by name."""
+        """Return blocks from numbers or strings, in the order of the fields or by keyword."""
         return cls(**exact_numbers(cls, given, named))
 
     @property
@@ -48,14 +48,14 @@ class Blocks(Characteristic):
         return True
 
     def scale(self) -> float:
-        """A frequency below or near the lowest: shear waves across the slower layer."""
+        """Estimate of the lowest angular frequency: a quarter shear wave across a layer."""
         return min(
             material.wave_speeds[1] * math.pi / (2 * float(height))
             for material, height in ((self.a, self.height_a), (self.b, self.height_b))
         )
 
     def turning(self, frequency: float) -> float:
-        """Two waves through each layer in every harmonic that propagates."""
+        """Travel times of both waves through each layer, times the propagating harmonics."""
         slowest = min(self.a.wave_speeds[1], self.b.wave_speeds[1])
         propagating = 2 + frequency * float(self.length) / (math.pi * slowest)
         return propagating * sum(
@@ -65,14 +65,14 @@ class Blocks(Characteristic):
         )
 
     def for_frequency(self, frequency: float) -> "Blocks":
-        """The same blocks with harmonics enough that those left out are evanescent."""
+        """Return the blocks with so many harmonics that all others are evanescent."""
         slowest = min(self.a.wave_speeds[1], self.b.wave_speeds[1])
         return replace(
             self, harmonics=math.ceil(frequency * float(self.length) / (math.pi * slowest)) + 6
         )
 
     def refined(self) -> "Blocks":
-        """The same blocks with more harmonics, until they are 200."""
+        """Return the blocks with 1.5 times the harmonics, or the same blocks beyond 200."""
         return self if self.harmonics > 200 else replace(self, harmonics=self.harmonics * 3 // 2)
 
     def __call__(self, kappa: acb) -> acb:
@@ -80,7 +80,7 @@ class Blocks(Characteristic):
         return BlocksAt(self, self.mu0.arb)(kappa)
 
     def gap_condition(self, n: int, kappa: acb) -> tuple[acb, acb]:
-        """Coefficients of s_n and of the shear t_n in the gap condition of harmonic n."""
+        """Coefficients of the normal stress s_n and the shear stress t_n in gap condition n."""
         kx = n * arb.pi() / self.length.arb
         k = kx if self.kz is None else (kx * kx + self.kz.arb**2).sqrt()
         normal, tangential = join(
@@ -88,13 +88,13 @@ class Blocks(Characteristic):
             layer_response(self.b, self.height_b.arb, k, kappa),
             self.p,
         )
-        # Only the part of the friction along the wave vector (kx, kz) moves the interface.
+        # Only the component of friction along the wave vector (kx, kz) causes normal displacement.
         return normal, tangential * kx / k if n else acb(0)
 
     def closed_form(self, frequency: float) -> list[acb]:
-        """Eigenvalues that never feel the contact, up to a frequency.
+        """Eigenvalues up to a frequency of modes without contact pressure.
 
-        With kz, horizontally polarised shear waves leave the gap alone:
+        With kz these are horizontally polarised shear waves, which have no normal displacement:
         ``lambda^2 = -c^2 (kx^2 + kz^2 + ((j + 1/2) pi / height)^2)`` in either body.
         """
         if self.kz is None:
@@ -168,11 +168,11 @@ def layer_response(material: Material, height: arb, k: arb, kappa: acb) -> Respo
 
 
 def mirrored(response: Response) -> Response:
-    """Response of the layer seen upside down: normal displacement and shear stress turn."""
+    """Response of the layer upside down: normal displacement and shear stress change sign."""
     return Response(response.free, -response.normal, response.tangential)
 
 
 def _hyperbolic(square: acb, y: arb) -> tuple[acb, acb]:
-    """cosh(a y) and sinh(a y) / a, entire in a^2."""
+    """Return cosh(a y) and sinh(a y) / a, which are entire functions of a^2."""
     a = square.sqrt() * y
     return a.cosh(), y * (a * acb(0, 1)).sinc()

@@ -22,7 +22,7 @@ Column = list[acb]
 
 @dataclass(frozen=True)
 class Drum(Characteristic):
-    """Annulus a outside annulus b, clamped at the outermost and innermost circles.
+    """Annulus a around annulus b, clamped at the outermost and innermost circles.
 
     ``n = -e_r``, ``k = +e_theta``: at the interface ``sigma_rtheta = mu sigma_rr`` and
     ``sigma_rr / p = u_r^a - u_r^b``.
@@ -31,7 +31,7 @@ class Drum(Characteristic):
     m: Annotated[int, "Circumferential order; may be repeated."]
     p: Annotated[Exact, "Contact stiffness per area, or inf."] = Exact("1")
     mu: Annotated[Exact, "Friction coefficient."] = Exact("0.3")
-    # None: plane strain. Else the family u_r, u_theta ~ cos(kz z), u_z ~ sin(kz z)
+    # None: plane strain. Otherwise u_r, u_theta ~ cos(kz z) and u_z ~ sin(kz z)
     kz: Annotated[Exact | None, "Wave number in z, e.g. pi/2; none: plane strain."] = None
     a: Material = SOFT
     b: Material = STIFF
@@ -41,22 +41,22 @@ class Drum(Characteristic):
 
     @classmethod
     def of(cls, m: int, *given: Any, **named: Any) -> "Drum":
-        """Drum of numbers or their texts, in the order of the fields or by name."""
+        """Return a drum from numbers or strings, in the order of the fields or by keyword."""
         drum = cls(order("m", m), **exact_numbers(cls, given, named))
         increasing(inner=drum.inner, interface=drum.interface, outer=drum.outer)
         return drum
 
     @property
     def real(self) -> bool:
-        """The characteristic function is real for real ``lambda^2``: without a harmonic only."""
+        """Whether the characteristic function is real for real ``lambda^2``: for m = 0 only."""
         return self.m == 0
 
     def scale(self) -> float:
-        """A frequency below or near the lowest: shear waves across the slower annulus."""
+        """Estimate of the lowest angular frequency: a quarter shear wave across an annulus."""
         return min(speeds[1] * math.pi / (2 * width) for speeds, width in self._walls())
 
     def turning(self, frequency: float) -> float:
-        """Pressure waves once, shear waves once (twice in 3D) through either annulus."""
+        """Travel times of pressure and shear waves (twice in 3D) through both annuli."""
         del frequency
         shear = 1 if self.kz is None else 2
         return sum(width / speeds[0] + shear * width / speeds[1] for speeds, width in self._walls())
@@ -77,12 +77,12 @@ class Drum(Characteristic):
         size = 2 if self.kz is None else 3
         fixed = [[column[i] for column in at_clamp] for i in range(size)]
         u_r, rr, rt, *rz = ([column[i] for column in here] for i in (0, *range(size, len(here[0]))))
-        # The potentials of J and of Y are dependent where kappa, or in 3D beta, vanishes.
+        # The potentials become linearly dependent where kappa, or in 3D beta, vanishes.
         dependence = kappa * kappa
         if self.kz is not None:
             dependence *= (material.rho.arb * kappa / material.lame[1] + self.kz.arb**2) ** 2
-        # Without a harmonic torsion stands apart: the last determinant is zero, and LU
-        # decomposition in ball arithmetic cannot tell.
+        # For m = 0 torsion is uncoupled: the last determinant is zero, which LU decomposition
+        # in ball arithmetic cannot detect.
         shear = acb(0) if self.m == 0 else -acb_mat([*fixed, *rz, rr, u_r]).det() / dependence
         return Response(
             free=acb_mat([*fixed, *rz, rt, rr]).det() / dependence,
@@ -97,7 +97,7 @@ class Drum(Characteristic):
         ]
 
     def _columns(self, material: Material, r: arb, kappa: acb) -> list[Column]:
-        """(u_r, u_theta[, u_z], sigma_rr, sigma_rtheta[, sigma_rz]) of every potential at r."""
+        """Return (u_r, u_theta[, u_z], sigma_rr, sigma_rtheta[, sigma_rz]) of each potential."""
         L, G = material.lame
         rho = material.rho.arb
         kz = arb(0) if self.kz is None else self.kz.arb
@@ -114,11 +114,11 @@ class Drum(Characteristic):
 
 
 def _bessel(m: int, square: acb, r: arb) -> list[tuple[acb, acb]]:
-    """(Z, dZ/dr) of ``Z = J_m, Y_m`` of ``sqrt(square) r``.
+    """Return (Z, dZ/dr) for ``Z = J_m`` and ``Y_m`` of ``sqrt(square) r``.
 
-    Determinants hold both in pairs, so the branch of the root does not matter. One of Y_m and
-    Y_{m+1} follows from the other by ``J_{m+1} Y_m - J_m Y_{m+1} = 2 / (pi x)``, divided by the
-    larger of the two J, which have no common zero.
+    The branch of the root does not change the determinants. One of Y_m and Y_{m+1} is computed
+    from the other by ``J_{m+1} Y_m - J_m Y_{m+1} = 2 / (pi x)``, divided by the larger of J_m and
+    J_{m+1}, which have no common zero.
     """
     a = square.sqrt()
     x = a * r
@@ -134,7 +134,7 @@ def _bessel(m: int, square: acb, r: arb) -> list[tuple[acb, acb]]:
 
 
 def _pressure(L: arb, G: arb, m: int, kz: arb, r: arb, alpha2: acb, z: acb, dz: acb) -> Column:
-    """``u = grad(Z e^{i m theta} cos(kz z))``."""
+    """Column of ``u = grad(Z e^{i m theta} cos(kz z))``."""
     im = acb(0, m)
     second = -dz / r + (m * m / r**2 - alpha2) * z
     return [
@@ -148,7 +148,7 @@ def _pressure(L: arb, G: arb, m: int, kz: arb, r: arb, alpha2: acb, z: acb, dz: 
 
 
 def _horizontal_shear(G: arb, m: int, kz: arb, r: arb, beta2: acb, z: acb, dz: acb) -> Column:
-    """``u = curl(Z e^{i m theta} cos(kz z) e_z)``."""
+    """Column of ``u = curl(Z e^{i m theta} cos(kz z) e_z)``."""
     im = acb(0, m)
     second = -dz / r + (m * m / r**2 - beta2) * z
     return [
@@ -162,7 +162,7 @@ def _horizontal_shear(G: arb, m: int, kz: arb, r: arb, beta2: acb, z: acb, dz: a
 
 
 def _vertical_shear(G: arb, m: int, kz: arb, r: arb, beta2: acb, z: acb, dz: acb) -> Column:
-    """``u = curl curl(Z e^{i m theta} sin(kz z) e_z) / kz``."""
+    """Column of ``u = curl curl(Z e^{i m theta} sin(kz z) e_z) / kz``."""
     im = acb(0, m)
     second = -dz / r + (m * m / r**2 - beta2) * z
     return [

@@ -1,4 +1,4 @@
-"""Reference entries: eigenvalues with their parameters, numbers as text to keep their digits."""
+"""Entries of reference files: parameters and eigenvalues, written as text with all digits."""
 
 import json
 import math
@@ -25,7 +25,7 @@ _DIGITS = 22
 
 
 def drum(problem: Drum, max_frequency: float | None = None, count: int | None = None) -> Entry:
-    """Entry of the drum: 2D where kz is None."""
+    """Return the entry of a drum, in plane strain if kz is None."""
     name: Entry = {"problem": "drum-2d" if problem.kz is None else "drum-3d", "m": problem.m}
     name |= _texts(problem, "kz") if problem.kz is not None else {}
     name |= _texts(problem, "p", "mu", "a", "b")
@@ -36,7 +36,7 @@ def drum(problem: Drum, max_frequency: float | None = None, count: int | None = 
 def blocks_sine(
     problem: Blocks, max_frequency: float | None = None, count: int | None = None
 ) -> Entry:
-    """Entry of the blocks with friction ``mu0 sin(pi x / length)``."""
+    """Return the entry of blocks with friction ``mu0 sin(pi x / length)``."""
     kz = None if problem.kz is None else str(problem.kz)
     name = {"problem": "blocks-sine-mu", "kz": kz} | _texts(problem, "p", "mu0")
     return name | _sizes(problem) | _exact(_spectrum(problem, max_frequency, count))
@@ -45,7 +45,7 @@ def blocks_sine(
 def blocks_constant(
     problem: Blocks, max_frequency: float | None = None, count: int | None = None
 ) -> Entry:
-    """Entry of the blocks with friction mu0 throughout."""
+    """Return the entry of blocks with constant friction mu0."""
     name: Entry = {"problem": "blocks-constant-mu"}
     if problem.kz is not None:
         name["kz"] = str(problem.kz)
@@ -61,7 +61,7 @@ def blocks_constant(
 
 
 def ring(problem: Ring, max_frequency: float | None = None, count: int | None = None) -> Entry:
-    """Entry of the ring."""
+    """Return the entry of a ring."""
     name: Entry = {"problem": "ring-rollers", "m": problem.m}
     name |= _texts(problem, "p", "mu", "a", "b")
     name["sizes"] = [*_texts(problem, "inner", "outer", "height_a", "height_b").values()]
@@ -76,7 +76,7 @@ def ring(problem: Ring, max_frequency: float | None = None, count: int | None = 
 
 
 def thresholds(problem: Blocks, mu_max: float, max_frequency: float) -> list[Entry]:
-    """Entries of the exceptional points of the blocks with sinusoidal friction."""
+    """Return an entry for each exceptional point of blocks with sinusoidal friction."""
     name = {"p": str(problem.p)} | ({} if problem.kz is None else {"kz": str(problem.kz)})
     return [
         {
@@ -92,7 +92,7 @@ def thresholds(problem: Blocks, mu_max: float, max_frequency: float) -> list[Ent
 
 
 def lumped_system(system: lumped.LumpedSystem, info: dict[str, str]) -> Entry:
-    """Entry of a lumped system: all eigenvalues, of both signs of Im."""
+    """Return the entry of a lumped system, with eigenvalues of both signs of Im."""
     return {
         "name": system.name,
         **{
@@ -105,7 +105,7 @@ def lumped_system(system: lumped.LumpedSystem, info: dict[str, str]) -> Entry:
 
 
 def write(entries: Sequence[Entry], file: Path) -> None:
-    """Write entries as a JSON list, one to a line, whole or not at all."""
+    """Write entries atomically as a JSON list, one entry per line."""
     text = "[\n" + ",\n".join(json.dumps(entry) for entry in entries) + "\n]\n"
     write_whole(text.encode(), file)
 
@@ -120,7 +120,7 @@ def _sizes(problem: Blocks) -> Entry:
 
 
 def _texts(problem: Drum | Blocks | Ring, *names: str) -> Entry:
-    """Parameters as they were written."""
+    """Return parameters as the user wrote them."""
     return {name: str(getattr(problem, name)) for name in names}
 
 
@@ -137,13 +137,13 @@ def _exact(found: Spectrum) -> Entry:
 
 
 def _approximate(values: NDArray[np.complex128], digits: list[int]) -> Entry:
-    """Doubles; real parts within the error of zero are kept as computed."""
+    """Return eigenvalues in double precision; small real parts are not set to zero."""
     pairs = [[f"{value.real:.16g}", f"{value.imag:.16g}"] for value in values]
     return {"lam": pairs, "digits": min(digits, default=0), "digits_each": digits}
 
 
 def _pair(value: acb, digits: int) -> list[str]:
-    """Real and imaginary part, both to the digits of the modulus."""
+    """Return real and imaginary part, rounded to the absolute accuracy of the modulus."""
     with ctx.workdps(3 * _DIGITS):
         size = float(abs(value).mid())
         return [_text(part, digits, size) for part in (value.real, value.imag)]

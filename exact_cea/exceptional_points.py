@@ -1,9 +1,9 @@
-"""Friction coefficients at which two real modes of the blocks meet: exceptional points.
+"""Exceptional points: friction coefficients at which two modes of the blocks coalesce.
 
 At a real ``kappa = lambda^2`` the characteristic function is a polynomial in ``q = mu0^2``. Its
-roots ``q(kappa)`` form smooth branches, and a double eigenvalue is where a branch has an
-extremum: there ``D = dD/dkappa = 0``. The branches are followed on a grid in double precision,
-the extrema polished by Newton's method in two unknowns.
+roots ``q(kappa)`` form smooth branches. A double eigenvalue is an extremum of a branch, where
+``D = dD/dkappa = 0``. Branches are sampled on a grid in double precision, and their extrema are
+refined by Newton's method in two unknowns.
 """
 
 import math
@@ -24,11 +24,11 @@ class ExceptionalPoint:
 
     mu_c: arb  # friction amplitude mu0
     kappa: arb  # square of the double eigenvalue, negative
-    digits: int  # digits held by both
+    digits: int  # correct digits of both
 
     @property
     def omega(self) -> arb:
-        """Frequency, the imaginary part of the double eigenvalue."""
+        """Angular frequency, the imaginary part of the double eigenvalue."""
         with ctx.workdps(2 * self.digits):
             return (-self.kappa).sqrt()
 
@@ -36,11 +36,10 @@ class ExceptionalPoint:
 def exceptional_points(
     blocks: Blocks, mu_max: float, max_frequency: float, grid: int = 1500, digits: int = DIGITS
 ) -> list[ExceptionalPoint]:
-    """Exceptional points with ``0 < mu0 <= mu_max`` and frequency up to ``max_frequency``.
+    """Return the exceptional points with ``0 < mu0 <= mu_max`` up to ``max_frequency``, by mu_c.
 
-    The own mu0 of the blocks plays no part. Branches are sampled at so many frequencies as the grid
-    has: extrema less than two steps apart are missed. Points are sorted by mu_c, births of flutter
-    as well as its ends.
+    ``blocks.mu0`` is not used. Branches are sampled at ``grid`` frequencies: extrema less than two
+    steps apart are missed. At an exceptional point flutter may begin or end.
     """
     for name, value in (("mu0", mu_max), ("max_frequency", max_frequency)):
         require(0 < value < math.inf, name, value, "a positive number")
@@ -70,7 +69,7 @@ def exceptional_points(
 
 
 def _branches(blocks: Blocks, kappa: float) -> NDArray[np.float64]:
-    """Real roots q of the characteristic function at a real kappa, of either sign."""
+    """Real roots q, of either sign, of the characteristic function at a real kappa."""
     with ctx.workprec(80):
         rows = [blocks.gap_condition(n, acb(kappa)) for n in range(blocks.harmonics)]
         ratio = np.array([complex(c / d).real / 2 for d, c in rows])
@@ -83,7 +82,7 @@ def _branches(blocks: Blocks, kappa: float) -> NDArray[np.float64]:
 
 
 def _polish(blocks: Blocks, kappa: float, q: float, digits: int) -> ExceptionalPoint | None:
-    """Newton's method on ``(D, dD/dkappa) = 0``, at two truncations; None where it leaves."""
+    """Solve ``D = dD/dkappa = 0`` with more and more harmonics; None if kappa moves away."""
     first = _newton(blocks, acb(kappa), acb(q), digits)
     if first is None or abs(float(first[0].real) / kappa - 1) > 0.05:
         return None

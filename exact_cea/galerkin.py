@@ -1,9 +1,8 @@
 """Galerkin method of high degree for two bodies in sliding contact, in double precision.
 
-Each body is a tensor product of two axes; strains are sums of products of their tables, so
-stiffness and mass are sums of Kronecker products. The contact force f is an unknown in the trace
-space of the interface, which bodies share: with matching traces that is the penalty form itself,
-and p may be infinite.
+Basis functions are products of functions of two coordinates (axes), so stiffness and mass are sums
+of Kronecker products. The contact force f is an unknown in the trace space of the interface, which
+both bodies share. With matching traces this equals the penalty form, and p may be infinite.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -20,12 +19,12 @@ from exact_cea.numbers import check_window
 from exact_cea.spectral import Axis, Single
 
 Term = tuple[complex, int, str, str]
-"""Coefficient, component, table along the first and along the second axis."""
+"""Coefficient, displacement component, table of the first and of the second axis."""
 
-_RIGID = 1e-11
+_RIGID = 1e-11  # abs(omega^2), relative to scale^2, below which a mode is a rigid body mode
 
 Strain = Sequence[Sequence[Term]]
-"""Terms of the strains 11, 22, 33, 12, 13, 23 (the last three doubled)."""
+"""Terms of the strains 11, 22, 33, 2 * 12, 2 * 13, 2 * 23."""
 
 
 @dataclass(frozen=True)
@@ -36,19 +35,19 @@ class GalerkinBody:
     axes: tuple[Axis, Axis | Single]
     components: int  # number of displacement components
     strain: Strain  # in terms of the components
-    # functions of a component held at zero, shape (size of axis 1, size of axis 2)
+    # functions fixed at zero, by component, shape (size of axis 1, size of axis 2)
     fixed: Mapping[int, NDArray[np.bool_]]
     interface: tuple[int, int]  # which axis is normal to it, and its index there, 0 or -1
 
     @property
     def free(self) -> NDArray[np.intp]:
-        """Indices of the functions that are not held."""
+        """Indices of the functions that are not fixed."""
         shape = self.axes[0].size, self.axes[1].size
         held = np.stack([self.fixed.get(i, np.zeros(shape, bool)) for i in range(self.components)])
         return np.flatnonzero(~held.ravel())
 
     def matrices(self) -> tuple[sparse.csr_array, sparse.csr_array]:
-        """Stiffness (Hermitian) and mass of the free functions."""
+        """Return stiffness (Hermitian) and mass of the free functions."""
         L, G = (float(value) for value in self.material.lame)
         elasticity = np.diag([2 * G] * 3 + [G] * 3)
         elasticity[:3, :3] += L
@@ -71,7 +70,7 @@ class GalerkinBody:
         return K[free][:, free], M[free][:, free]
 
     def trace(self, component: int) -> sparse.csr_array:
-        """Component on the interface in the basis of the other axis, of the free functions."""
+        """Return the trace of a component on the interface, as a matrix on the free functions."""
         normal, end = self.interface
         size = self.axes[normal].size
         pick = sparse.csr_array(([1.0], ([0], [end % size])), shape=(1, size))
@@ -84,7 +83,7 @@ class GalerkinBody:
 
 @dataclass(frozen=True)
 class GalerkinContact:
-    """Two bodies with the same functions along the interface, and what acts between them."""
+    """Two bodies with the same basis along the interface, in frictional contact."""
 
     a: GalerkinBody
     b: GalerkinBody
@@ -95,7 +94,7 @@ class GalerkinContact:
     mu: float | Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
     def pencil(self) -> tuple[sparse.csc_array, sparse.csc_array]:
-        """(A, B) of ``A x = omega^2 B x``, the last unknowns being the contact force."""
+        """Return (A, B) of ``A x = omega^2 B x``; the last unknowns are the contact force."""
         K_a, M_a = self.a.matrices()
         K_b, M_b = self.b.matrices()
         axis = self.a.axes[1 - self.a.interface[0]]
@@ -118,7 +117,7 @@ class GalerkinContact:
             format="csc",
         )
         B = sparse.block_diag([M_a, M_b, sparse.csr_array(plain.shape)], format="csc")
-        # Unit diagonals, of the Schur complement for the force: units differ by 20 decades.
+        # Scale diagonals to one (Schur complement for the force): units differ by 20 decades.
         stiffness = np.concatenate([K_a.diagonal(), K_b.diagonal()]).real
         schur = (G.multiply(G) @ (1 / stiffness)) + plain.diagonal() / self.p
         scaling = sparse.diags_array(1 / np.sqrt(np.concatenate([stiffness, schur])))
@@ -126,9 +125,9 @@ class GalerkinContact:
 
 
 def lowest(contact: GalerkinContact, count: int, scale: float) -> NDArray[np.complex128]:
-    """Lowest eigenvalues lambda with Im >= 0 by inverse iteration about a negative shift.
+    """Return the lowest eigenvalues lambda with Im >= 0, by ARPACK about a negative shift.
 
-    They are sorted by frequency, then growth; a rigid motion has zero, not its round-off.
+    They are sorted by frequency, then growth. Eigenvalues of rigid body modes are set to zero.
     """
     A, B = contact.pencil()
     shift = -(scale**2) / 4
@@ -160,7 +159,7 @@ def lowest_in(
     max_frequency: float | None = None,
     count: int | None = None,
 ) -> NDArray[np.complex128]:
-    """Eigenvalues with ``0 <= Im <= max_frequency``, or the lowest so many."""
+    """Return all eigenvalues with ``0 <= Im <= max_frequency``, or the lowest ``count``."""
     if max_frequency is None:
         return lowest(contact, count or 1, scale)
     wanted = 20
@@ -177,7 +176,7 @@ def converged(
     count: int | None = None,
     max_frequency: float | None = None,
 ) -> tuple[NDArray[np.complex128], list[int]]:
-    """Eigenvalues of a fine discretisation, and the digits on which a coarse one agrees."""
+    """Return eigenvalues of a fine discretisation and the digits shared with a coarse one."""
     check_window(max_frequency, count)
     values = lowest_in(contact(True), scale, max_frequency, count)
     others = lowest(contact(False), len(values) + 2, scale)

@@ -43,9 +43,9 @@ _CARTESIAN: Strain = [
 
 
 def family(strain: Strain, kz: float | None, along_z: str) -> Strain:
-    """Strains where the first two components go as cos(kz z), the third as sin(kz z).
+    """Strains with the first two components ~ cos(kz z) and the third ~ sin(kz z).
 
-    Plane strain, without the third, for None.
+    If ``kz`` is None: plane strain, without the third component.
     """
     if kz is None:
         return [[term for term in terms if term[1] < 2 and term[3] != along_z] for terms in strain]
@@ -57,7 +57,7 @@ def family(strain: Strain, kz: float | None, along_z: str) -> Strain:
 
 
 def drum(problem: Drum, degree: int = 30) -> GalerkinContact:
-    """The drum with one element through each wall."""
+    """Return the drum with one element through each wall."""
     kz = None if problem.kz is None else float(problem.kz)
     components = 2 if kz is None else 3
 
@@ -84,7 +84,10 @@ def drum(problem: Drum, degree: int = 30) -> GalerkinContact:
 
 
 def blocks(problem: Blocks, degree: int, layers: int, constant: bool) -> GalerkinContact:
-    """The blocks, friction mu0 throughout or ``mu0 sin(pi x / length)``; no layers if smooth."""
+    """Return the blocks, with constant friction or ``mu0 sin(pi x / length)``.
+
+    ``layers`` graded elements resolve the corners; smooth solutions need none.
+    """
     length, mu0 = float(problem.length), float(problem.mu0)
     kz = None if problem.kz is None else float(problem.kz)
     components = 2 if kz is None else 3
@@ -112,7 +115,7 @@ def blocks(problem: Blocks, degree: int, layers: int, constant: bool) -> Galerki
 
 
 def guess(problem: Drum | Blocks) -> Guess:
-    """Lowest eigenvalues of drum or blocks (sinusoidal friction), to start a polish from."""
+    """Return a function for approximate lowest eigenvalues, which polishing starts from."""
 
     def lowest_of(count: int) -> NDArray[np.complex128]:
         contact = (
@@ -133,8 +136,8 @@ PAD = Material.of("1e10", "0.25", "2500", "a")
 class Ring:
     """Ring pad a on disc b, both ``inner < r < outer``, for one harmonic ``e^{i m theta}``.
 
-    Rims roll (u_r = 0, no shear), the top of the pad is clamped, the bottom of the disc free;
-    ``n = -e_z``, ``k = +e_theta``.
+    Rims are on rollers (u_r = 0, no shear), the top of the pad is clamped, the bottom of the disc
+    is free; ``n = -e_z``, ``k = +e_theta``.
     """
 
     m: Annotated[int, "Circumferential order; may be repeated."]
@@ -149,19 +152,19 @@ class Ring:
 
     @classmethod
     def of(cls, m: int, *given: Any, **named: Any) -> "Ring":
-        """Ring of numbers or their texts, in the order of the fields or by name."""
+        """Return a ring from numbers or strings, in the order of the fields or by keyword."""
         ring = cls(order("m", m), **exact_numbers(cls, given, named))
         increasing(inner=ring.inner, outer=ring.outer)
         return ring
 
     def scale(self) -> float:
-        """A frequency near the lowest: shear waves around the mean circumference of the disc."""
+        """Estimate of the lowest angular frequency: shear waves around the mean circumference."""
         mean = (float(self.inner) + float(self.outer)) / 2
         return self.b.wave_speeds[1] / mean
 
 
 def ring(problem: Ring, degree: int = 14, layers: int = 1) -> GalerkinContact:
-    """The ring; elements shrink towards the rims and the interface."""
+    """Return the ring; elements are graded towards the rims and the interface."""
     rims = float(problem.inner), float(problem.outer)
     along = graded(*rims, degree, layers, (True, True), radial=True)
 
@@ -183,7 +186,7 @@ def ring(problem: Ring, degree: int = 14, layers: int = 1) -> GalerkinContact:
 
 
 def _at(axes: tuple[Axis, Axis | Single], end: tuple[int, int]) -> NDArray[np.bool_]:
-    """Functions that do not vanish at one end, ``(axis, 0 or -1)``."""
+    """Mask of the functions that do not vanish at one end, ``(axis, 0 or -1)``."""
     held = np.zeros((axes[0].size, axes[1].size), bool)
     np.moveaxis(held, end[0], 0)[end[1]] = True
     return held

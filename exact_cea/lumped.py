@@ -1,4 +1,4 @@
-"""Lumped systems of two degrees of freedom: the Hoffmann and Hulten models, by exact polynomials.
+"""Lumped systems of two degrees of freedom: the models of Hoffmann and of Hulten.
 
 References: N. Hoffmann et al., European Journal of Mechanics A 21 (2002) 91-104;
 J. Hulten, SAE paper 932965 (1993).
@@ -19,16 +19,16 @@ Matrix = Sequence[Sequence[Fraction]]
 
 @dataclass(frozen=True)
 class LumpedSystem:
-    """``(lambda^2 M + lambda C + K) x = 0`` with square rational matrices of one size."""
+    """``(lambda^2 M + lambda C + K) x = 0`` with rational matrices."""
 
     name: str
     M: Matrix  # mass
-    C: Matrix  # damping with gyroscopic part
+    C: Matrix  # damping and gyroscopic matrix
     K: Matrix  # stiffness
 
 
 def rationals(**values: str | float | Exact) -> list[Fraction]:
-    """Rational numbers as written; those that are infinite or hold pi are refused."""
+    """Return exact rational numbers; infinite numbers and multiples of pi are refused."""
     numbers = []
     for field, value in values.items():
         number = Exact(value, field)
@@ -62,10 +62,10 @@ def hoffmann_threshold(
     k22: str | float = "2",
     k3: str | float = "4/3",
 ) -> Fraction:
-    """Friction coefficient of coalescence: ``(k11 - k22)^2 + 4 k12 (k12 - mu k3) = 0``."""
+    """Friction coefficient at coalescence: ``(k11 - k22)^2 + 4 k12 (k12 - mu k3) = 0``."""
     a, b, c, d = rationals(k11=k11, k12=k12, k22=k22, k3=k3)
     if b * d == 0:
-        raise InputError("k12, k3", f"{k12}, {k3}", "both nonzero: else friction couples nothing")
+        raise InputError("k12, k3", f"{k12}, {k3}", "both nonzero: friction must couple the modes")
     return ((a - c) ** 2 + 4 * b * b) / (4 * b * d)
 
 
@@ -79,7 +79,7 @@ def hulten(
 ) -> LumpedSystem:
     """Two orthogonal contacts on one unit mass, damped, in a frame turning at ``rotation``.
 
-    ``K = [[k1, -mu k2], [mu k1, k2]]``, ``C = [[c1, -2 W], [2 W, c2]]``; k = omega^2.
+    ``K = [[k1, -mu k2], [mu k1, k2]]``, ``C = [[c1, -2 W], [2 W, c2]]``, W the rotation.
     """
     m, a, b, d1, d2, turn = rationals(mu=mu, k1=k1, k2=k2, c1=c1, c2=c2, rotation=rotation)
     one, nil = Fraction(1), Fraction(0)
@@ -99,11 +99,11 @@ def hulten_threshold(
     c2: str | float = "0",
     digits: int = 30,
 ) -> tuple[arb, arb]:
-    """Threshold mu_c of the Hulten model without rotation, and the squared frequency there.
+    """Return the threshold mu_c of the Hulten model without rotation, and omega^2 there.
 
-    Undamped: ``mu_c = |k2 - k1| / (2 sqrt(k1 k2))``, the pair meeting at ``(k1 + k2) / 2``.
-    Damped: Hurwitz, ``a3 a2 a1 = a1^2 + a3^2 a0`` of the characteristic polynomial, at the
-    squared frequency ``a1 / a3``.
+    Undamped: ``mu_c = |k2 - k1| / (2 sqrt(k1 k2))`` and ``omega^2 = (k1 + k2) / 2``. Damped: the
+    Hurwitz condition ``a3 a2 a1 = a1^2 + a3^2 a0`` of the characteristic polynomial, and
+    ``omega^2 = a1 / a3``.
     """
     a, b, d1, d2 = rationals(k1=k1, k2=k2, c1=c1, c2=c2)
     if a <= 0 or b <= 0 or d1 < 0 or d2 < 0:
@@ -118,10 +118,10 @@ def hulten_threshold(
 
 
 def eigenvalues(system: LumpedSystem, digits: int = 30) -> list[acb]:
-    """All eigenvalues, each as often as its multiplicity, sorted by imaginary, then real part.
+    """Return all eigenvalues with their multiplicity, sorted by imaginary, then real part.
 
-    The characteristic polynomial is exact (interpolated at 2n + 1 integers) and its roots come
-    as balls from its square-free factors, so that exceptional points lose no digits.
+    The characteristic polynomial is exact (interpolated at 2n + 1 integers). Its roots are computed
+    as balls from its square-free factors, so that multiple eigenvalues lose no digits.
     """
     n = len(system.M)
     nodes = range(-n, n + 1)

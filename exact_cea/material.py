@@ -1,4 +1,4 @@
-"""Isotropic elasticity in exact numbers, and how a contact joins two normal responses."""
+"""Isotropic materials in exact numbers, and the gap condition between two bodies."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -25,7 +25,7 @@ class Material:
         rho: str | float | Exact,
         body: str = "body",
     ) -> "Material":
-        """Material of numbers or their texts; ``body`` names it in errors.
+        """Return a material from numbers or strings; error messages name it by ``body``.
 
         Refused unless E > 0, -1 < nu < 1/2 and rho > 0.
         """
@@ -36,13 +36,13 @@ class Material:
 
     @property
     def lame(self) -> tuple[arb, arb]:
-        """Lame parameters (L, G) at the present precision."""
+        """Lame parameters (L, G) at the current precision."""
         E, nu = self.E.arb, self.nu.arb
         return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
 
     @property
     def wave_speeds(self) -> tuple[float, float]:
-        """Speeds of pressure and shear waves, rounded."""
+        """Speeds of pressure and shear waves, in double precision."""
         L, G = (float(value) for value in self.lame)
         rho = float(self.rho)
         return ((L + 2 * G) / rho) ** 0.5, (G / rho) ** 0.5
@@ -60,8 +60,8 @@ class Response:
     """Normal displacement of one harmonic of a body under tractions on its interface.
 
     ``u = (normal * s + tangential * t) / free`` for the amplitudes s of the normal and t of the
-    tangential stress; ``free = 0`` are the eigenvalues with the interface free. All three are
-    entire functions of ``lambda^2``.
+    tangential stress. Zeros of ``free`` are the eigenvalues of the body with a free interface. All
+    three are entire functions of ``lambda^2``.
     """
 
     free: acb
@@ -72,7 +72,7 @@ class Response:
 def join(a: Response, b: Response, p: Exact) -> tuple[acb, acb]:
     """Coefficients of s and t in the gap condition ``s / p = u^a - u^b``, times ``free^a free^b``.
 
-    With friction t = mu s the characteristic function is the first plus mu times the second.
+    With friction, t = mu s, the characteristic function is the first plus mu times the second.
     """
     compliance = arb(0) if p.infinite else 1 / p.arb
     normal = a.normal * b.free - b.normal * a.free - compliance * a.free * b.free

@@ -1,4 +1,4 @@
-"""Numbers as the user wrote them, exact until the precision of the arithmetic is chosen."""
+"""Exact numbers from text, which are rounded only when a precision is chosen."""
 
 import math
 import re
@@ -19,8 +19,8 @@ _ALLOWED = "a number, or a product such as pi, pi/2 or 3*pi/2, or inf"
 class Exact:
     """A real number kept as written: ``0.1`` is one tenth, ``pi/2`` is half of pi.
 
-    The value is a number, or text made of decimal numbers and ``pi`` joined by ``*`` and ``/``, or
-    ``inf``; anything else is refused, naming the field.
+    The value is a number, a string of decimal numbers and ``pi`` joined by ``*`` and ``/``, or
+    ``inf``. Anything else is refused with the name of the field.
     """
 
     def __init__(self, value: "str | float | Exact", field: str = "value") -> None:
@@ -64,13 +64,13 @@ class Exact:
 
     @property
     def arb(self) -> arb:
-        """The number at the present precision (finite numbers only)."""
+        """The number at the current precision (finite numbers only)."""
         rational = arb(fmpq(self.rational.numerator, self.rational.denominator))
         return rational * arb.pi() ** self.pi_power
 
 
 def _decimal(token: str) -> Fraction:
-    """A decimal number; one with an exponent beyond doubles is not worth its digits."""
+    """Return a decimal number; numbers that overflow or underflow doubles are refused."""
     rounded = float(token)
     if math.isinf(rounded) or (rounded == 0 and re.search("[1-9]", token.lower().split("e")[0])):
         raise ValueError(token)
@@ -78,7 +78,7 @@ def _decimal(token: str) -> Fraction:
 
 
 def positive(field: str, value: "str | float | Exact", infinite: bool = False) -> Exact:
-    """Exact number above zero."""
+    """Return an exact number above zero, infinite only if allowed."""
     number = Exact(value, field)
     if not float(number) > 0 or (number.infinite and not infinite):
         raise InputError(field, str(value), "positive" + (" or inf" if infinite else ""))
@@ -86,7 +86,7 @@ def positive(field: str, value: "str | float | Exact", infinite: bool = False) -
 
 
 def not_negative(field: str, value: "str | float | Exact") -> Exact:
-    """Exact finite number, zero or above."""
+    """Return an exact finite number, zero or above."""
     number = Exact(value, field)
     if not 0 <= float(number) < math.inf:
         raise InputError(field, str(value), "zero or a positive number")
@@ -94,16 +94,16 @@ def not_negative(field: str, value: "str | float | Exact") -> Exact:
 
 
 def order(field: str, value: int) -> int:
-    """Circumferential order."""
+    """Return a circumferential order; negative and fractional ones are refused."""
     if isinstance(value, bool) or int(value) != value or value < 0:
         raise InputError(field, value, "an integer of 0 or more (-m gives -Re lambda)")
     return int(value)
 
 
 def check_window(max_frequency: float | None, count: int | None) -> None:
-    """Refuse anything but one of a highest frequency and a number of eigenvalues."""
+    """Refuse unless exactly one of ``max_frequency`` and ``count`` is given, and is positive."""
     if (max_frequency is None) == (count is None):
-        raise InputError("max_frequency, count", (max_frequency, count), "exactly one of both")
+        raise InputError("max_frequency, count", (max_frequency, count), "exactly one of the two")
     if max_frequency is not None and not 0 < max_frequency < math.inf:
         raise InputError("max_frequency", max_frequency, "a positive number")
     if count is not None and count < 1:
@@ -111,16 +111,16 @@ def check_window(max_frequency: float | None, count: int | None) -> None:
 
 
 def parameters(problem: type[Any]) -> list[str]:
-    """Names of the numbers and materials of a problem, in their order."""
+    """Names of the numbers and materials of a problem, in the order of its fields."""
     return [each.name for each in fields(problem) if each.name not in ("m", "harmonics")]
 
 
 def exact_numbers(
     problem: type[Any], given: Sequence[Any], named: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Parameters of a problem, given in their order or by name.
+    """Return the parameters of a problem, given in order or by keyword, as exact numbers.
 
-    ``p`` may be infinite, friction zero; materials and what is None stay what they are.
+    ``p`` may be infinite and friction zero. Materials and None are returned unchanged.
     """
     chosen = {**dict(zip(parameters(problem), given, strict=False)), **named}
     checks: dict[str, Callable[[str, Any], Exact]] = {"mu": not_negative, "mu0": not_negative}
@@ -134,7 +134,7 @@ def exact_numbers(
 
 
 def increasing(**numbers: Exact) -> None:
-    """Refuse numbers that do not rise."""
+    """Refuse numbers that do not increase strictly."""
     sizes = [float(number) for number in numbers.values()]
     if sizes != sorted(set(sizes)):
         raise InputError(", ".join(numbers), ", ".join(map(str, numbers.values())), "increasing")

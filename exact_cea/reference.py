@@ -1,11 +1,11 @@
-"""Exact eigenvalues as arrays, for tests and studies: one call by the name of a problem.
+"""Exact eigenvalues of named problems as arrays, for tests and studies.
 
     exact_eigenvalues("drum", m=2, p=1, mu=0.3, count=3)
     exact_eigenvalues("blocks", p="inf", mu=0.7, kz="pi/2", max_frequency=3.0)
     whole_spectrum("drum", p=1, mu=0.3, max_frequency=3.0).orders
 
-Materials are ``Material.of(E, nu, rho)``, sizes the keywords of ``Drum.of``, ``Blocks.of`` and
-``Ring.of``. Results are computed once in a process and are read-only.
+Materials are ``Material.of(E, nu, rho)``, sizes are the keywords of ``Drum.of``, ``Blocks.of`` and
+``Ring.of``. Results are cached in the process and read-only.
 """
 
 from collections.abc import Callable
@@ -42,7 +42,7 @@ _PROBLEMS |= {"blocks": Blocks, "blocks_constant": Blocks}
 
 @dataclass(frozen=True)
 class WholeSpectrum:
-    """Eigenvalues of whole bodies by rising frequency, each with the harmonic it belongs to."""
+    """Eigenvalues of whole bodies by rising frequency, each with its harmonic."""
 
     values: Values  # lambda with Im >= 0, shape (n,)
     orders: NDArray[np.int64]  # circumferential order m of each, of either sign; 0 in blocks
@@ -57,37 +57,37 @@ def exact_eigenvalues(
     m: int | None = None,
     **parameters: Number | Material | None,
 ) -> Values:
-    """Eigenvalues lambda with Im >= 0 of one harmonic of a reference problem.
+    """Return the eigenvalues lambda with Im >= 0 of one harmonic of a reference problem.
 
-    Drum and blocks with sinusoidal friction hold the digits of a double and, by the argument
-    principle, every eigenvalue with ``abs(Re)`` up to half of the highest frequency; blocks with
-    constant friction and the ring hold 10 digits.
+    Those of the drum and of blocks with sinusoidal friction are exact to double precision. Their
+    list is complete, by the argument principle, for ``abs(Re)`` up to half of the highest
+    frequency. Blocks with constant friction and the ring are accurate to 10 digits.
 
     Parameters
     ----------
     problem
-        "drum", "blocks" (friction ``mu sin(pi x / length)``), "blocks_constant" (friction mu
-        throughout) or "ring".
+        "drum", "blocks" (friction ``mu sin(pi x / length)``), "blocks_constant" (constant
+        friction mu) or "ring".
     max_frequency, count
-        Upper end of Im lambda, or number of eigenvalues, lowest first: exactly one of both.
+        Upper end of Im lambda, or number of lowest eigenvalues: exactly one of the two.
     m
-        Circumferential order of drum and ring; a negative one turns the sign of Re lambda.
+        Circumferential order of drum and ring; -m changes the sign of Re lambda.
     parameters
-        ``p``, contact stiffness per area, may be "inf" (1, of the ring 1e12), ``mu``, friction
-        (0.3), ``kz``, wave number in z of drum and blocks (None: plane strain), materials ``a`` and
-        ``b`` (those of the reference files), and sizes: ``inner``, ``interface``, ``outer`` (drum);
+        Contact stiffness per area ``p``, which may be "inf" (default 1, ring 1e12); friction
+        ``mu`` (0.3); wave number ``kz`` in z of drum and blocks (None: plane strain); materials
+        ``a`` and ``b``; and sizes: ``inner``, ``interface``, ``outer`` (drum);
         ``height_a``, ``height_b``, ``length`` (blocks); ``inner``, ``outer``, ``height_a``,
         ``height_b`` (ring).
 
     Returns
     -------
     ndarray
-        Sorted by frequency, then growth, shape (n,); read-only.
+        Eigenvalues sorted by frequency, then growth, shape (n,); read-only.
 
     Raises
     ------
     InputError
-        For an unknown problem, a parameter that it does not have, or a value out of range.
+        If the problem is unknown, has no such parameter, or a value is out of range.
     """
     check_window(max_frequency, count)
     chosen = make_problem(problem, m=m, **parameters)
@@ -102,11 +102,10 @@ def whole_spectrum(
     depth: Number | None = None,
     **parameters: Number | Material | None,
 ) -> WholeSpectrum:
-    """All eigenvalues up to a frequency: orders m of both signs, and all families in z.
+    """Return all eigenvalues up to a frequency: orders m of both signs, all families in z.
 
-    This is what a discretisation of the whole bodies finds. Orders, and families, end with two
-    in a row that hold nothing, beyond the wave number at which shear waves along the interface
-    pass the frequency.
+    A discretisation of the whole bodies has this spectrum. Orders and families are enumerated
+    beyond the wave number of shear waves at that frequency, until two in a row have no eigenvalue.
 
     Parameters
     ----------
@@ -115,7 +114,7 @@ def whole_spectrum(
     max_frequency
         Upper end of Im lambda.
     depth
-        Length in z between rollers (u_z = 0) of drum or blocks; None is plane strain.
+        Length in z between rollers (u_z = 0) of drum or blocks; None: plane strain.
     parameters
         As in ``exact_eigenvalues``.
 
@@ -128,7 +127,7 @@ def whole_spectrum(
     m = None if problem.startswith("blocks") else 0
     base = make_problem(problem, m=m, **parameters)
     if depth is not None and isinstance(base, Ring):
-        raise InputError("depth", depth, "none: the ring is three-dimensional as it is")
+        raise InputError("depth", depth, "None: the ring is already three-dimensional")
     highest_k = max_frequency / min(base.a.wave_speeds[1], base.b.wave_speeds[1])
     parts: list[tuple[Values, int, int]] = []
 
@@ -158,7 +157,7 @@ def whole_spectrum(
 
 
 def make_problem(problem: str, *, m: int | None = None, **parameters: Any) -> Problem:
-    """The problem of a name; parameters as in ``exact_eigenvalues``, the sign of m dropped."""
+    """Return a problem by name, with abs(m); parameters are those of ``exact_eigenvalues``."""
     if problem not in _PROBLEMS:
         raise InputError("problem", problem, " or ".join(_PROBLEMS))
     kind = _PROBLEMS[problem]
@@ -202,7 +201,7 @@ def _family(base: Problem, j: int, depth: Number | None) -> Problem:
 
 
 def _series(found: Callable[[int], int], reach: float) -> int:
-    """Visit 0, 1, 2, ... until two in a row beyond the reach hold nothing; sum of the numbers."""
+    """Call ``found`` with 0, 1, ... until it returns 0 twice beyond ``reach``; return the sum."""
     numbers: list[int] = []
     for i in count_from():
         numbers.append(found(i))
@@ -216,7 +215,7 @@ def _mirrored(values: Values) -> Values:
 
 
 def _ordered(values: Values) -> Values:
-    """By frequency, then growth (frequencies of a pair may differ by round-off); read-only."""
+    """Sort by frequency rounded to 12 decimals, then growth; the result is read-only."""
     values = values[np.lexsort((values.real, np.round(values.imag, 12)))]
     values.flags.writeable = False
     return values

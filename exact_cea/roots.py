@@ -1,4 +1,4 @@
-"""All roots of a characteristic function in a window: counted, separated and polished."""
+"""All roots of a characteristic function in a window: counting, separation, refinement."""
 
 import math
 from collections.abc import Callable
@@ -11,20 +11,20 @@ from cea.errors import ConvergenceError
 
 Function = Callable[[acb], acb]
 
-_STARTS = 8
-_FEW = 3
+_STARTS = 8  # starting points of Muller's method in a box
+_FEW = 3  # a box with more roots is divided first
 
 
 class EdgeTooClose(Exception):  # noqa: N818
-    """A root lies so close to a contour that its side cannot be told."""
+    """A root lies too close to a contour to decide whether it is inside."""
 
 
 @dataclass(frozen=True)
 class Box:
     """Rectangle ``left < Re < right``, ``bottom < Im < top``; open below where bottom is 0.
 
-    A function of ``lambda^2`` takes the same values at both ends of a bottom edge on the real
-    axis, so the other three edges close in the plane of ``lambda^2``.
+    Points x and -x of a bottom edge on the real axis have the same ``lambda^2``, so the other
+    three edges form a closed path in the plane of ``lambda^2``.
     """
 
     left: float
@@ -37,14 +37,14 @@ class Box:
 
     @property
     def path(self) -> list[complex]:
-        """Corners in the positive sense."""
+        """Corners, counterclockwise."""
         lower_right, upper_right = complex(self.right, self.bottom), complex(self.right, self.top)
         upper_left, lower_left = complex(self.left, self.top), complex(self.left, self.bottom)
         path = [lower_right, upper_right, upper_left, lower_left]
         return [*path, lower_right] if self.bottom else path
 
     def halves(self, part: float) -> "tuple[Box, Box]":
-        """Cut across the longer side at a fraction of it."""
+        """Divide the box across its longer side at a fraction of it."""
         width, height = self.right - self.left, self.top - self.bottom
         if height > width or self.bottom == 0:
             cut = self.bottom + part * height
@@ -64,18 +64,18 @@ class RootFinder:
     """Roots of ``f(lambda^2)`` in boxes of the upper half plane of lambda."""
 
     f: Function  # entire function of lambda^2
-    # how fast the phase of f turns with lambda away from roots (rad per unit): first steps along a
-    # path are so short that no whole turn can hide in one
+    # rate of the phase of f along a path away from roots (rad per unit of lambda): first steps are
+    # so short that none can contain a whole turn
     turning: float
-    real: bool = False  # whether f is real for real arguments: the left then mirrors the right
+    real: bool = False  # whether f is real for real arguments: f is then symmetric in Re lambda
     precision: int = 96  # bits of the search
     _values: dict[complex, tuple[float, float]] = field(default_factory=dict, repr=False)
 
     def count(self, box: Box) -> int:
         """Number of roots in a box by the argument principle.
 
-        The phase is followed by bisection until both halves of every step turn by less than
-        0.8 and the modulus halfway is near the geometric mean of the ends.
+        Steps are bisected until the phase changes by less than 0.8 in both halves and the modulus
+        at the midpoint is near the geometric mean of the ends.
         """
         path = box.path
         turn = 0.0
@@ -86,7 +86,7 @@ class RootFinder:
         return round(turn / math.tau)
 
     def roots(self, box: Box, count: int) -> list[complex]:
-        """Approximations of the roots in a box that holds ``count`` of them."""
+        """Return approximations of all ``count`` roots in a box."""
         if count == 0:
             return []
         if count <= _FEW and len(found := self._hunt(box, count)) == count:
@@ -137,7 +137,7 @@ class RootFinder:
         return self._values[z]
 
     def _hunt(self, box: Box, count: int) -> list[complex]:
-        """Muller's method from points along the box, known roots divided out."""
+        """Search roots by Muller's method from several points, deflating converged roots."""
         inside: list[complex] = []
         known: list[complex] = []
         centre = (box.left + box.right) / 2
@@ -154,7 +154,7 @@ class RootFinder:
         return inside
 
     def _muller(self, start: complex, box: Box, known: list[complex]) -> complex | None:
-        """Root from a start, or None where the iteration leaves the box by more than its size."""
+        """Return the root the iteration converges to; None if it diverges or leaves the box."""
 
         def deflated(z: acb) -> acb:
             value = self.f(z * z).mid()
@@ -179,7 +179,7 @@ class RootFinder:
 
 
 def _parabola_root(z: list[acb], w: list[acb]) -> acb | None:
-    """Root nearest z[2] of the parabola through three points."""
+    """Root nearest to z[2] of the parabola through three points."""
     if any((z[i] - z[j]).is_zero() for i, j in ((0, 1), (1, 2), (0, 2))):
         return None
     first = (w[2] - w[1]) / (z[2] - z[1])
@@ -196,14 +196,14 @@ class Root:
     """Root of a characteristic function."""
 
     value: acb  # lambda
-    digits: int  # digits held, by the ball of f there over its slope
+    digits: int  # correct digits, from the ball of f at the root over its slope
 
 
 def polish(f: Function, start: complex, digits: int) -> Root:
-    """Root of ``f(lambda^2)`` near ``start`` by Newton's method to a number of digits.
+    """Return the root of ``f(lambda^2)`` near ``start``, by Newton's method to some digits.
 
-    The slope is a central difference whose error is far below the precision; the error of the
-    result is bounded by the ball of f at the root over the slope, to first order.
+    The slope is a central difference. To first order, the error of the root is bounded by the ball
+    of f at the root over the slope.
     """
     precision = math.ceil(3.33 * (2 * digits + 20))
     with ctx.workprec(precision):

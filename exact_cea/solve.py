@@ -1,4 +1,4 @@
-"""Complete lists of eigenvalues of a characteristic function, with the digits they hold."""
+"""Complete lists of eigenvalues of a characteristic function, with their correct digits."""
 
 import math
 from abc import ABC, abstractmethod
@@ -18,7 +18,7 @@ from exact_cea.roots import Box, EdgeTooClose, Root, RootFinder, polish
 DIGITS = 25
 
 Guess = Callable[[int], NDArray[np.complex128]]
-"""The lowest eigenvalues by another method, as many as asked for."""
+"""Return that many of the lowest eigenvalues, approximated by another method."""
 
 
 class Characteristic(ABC):
@@ -31,22 +31,22 @@ class Characteristic(ABC):
 
     @abstractmethod
     def scale(self) -> float:
-        """A frequency near the lowest."""
+        """Estimate of the lowest angular frequency."""
 
     @abstractmethod
     def turning(self, frequency: float) -> float:
-        """Turning of the function's phase with lambda: its travel times, up to a frequency."""
+        """Rate of change of the function's phase with lambda: the sum of travel times of waves."""
 
     def for_frequency(self, frequency: float) -> Self:
-        """The problem truncated finely enough for eigenvalues up to a frequency."""
+        """Return the problem with enough terms for eigenvalues up to a frequency."""
         return self
 
     def refined(self) -> Self:
-        """The problem truncated later; itself where nothing is, or far beyond all need."""
+        """Return the problem with more terms, or itself if more are not needed."""
         return self
 
     def closed_form(self, frequency: float) -> list[acb]:
-        """Eigenvalues beside the roots, of modes that never feel the contact."""
+        """Eigenvalues that are not roots of the function: modes without contact pressure."""
         return []
 
     @abstractmethod
@@ -58,9 +58,9 @@ class Characteristic(ABC):
 class Spectrum:
     """Eigenvalues with Im >= 0 in a window, sorted by frequency."""
 
-    roots: list[Root]  # roots of the characteristic function and the digits they hold
-    contact_free: list[acb]  # of closed form, of modes that never feel the contact; imaginary
-    box: Box  # the window: complete in it, by the argument principle
+    roots: list[Root]  # roots of the characteristic function with their correct digits
+    contact_free: list[acb]  # imaginary eigenvalues in closed form, without contact pressure
+    box: Box  # the window, in which the list is complete by the argument principle
 
     @property
     def values(self) -> list[complex]:
@@ -76,11 +76,11 @@ def spectrum(
     digits: int = DIGITS,
     guess: Guess | None = None,
 ) -> Spectrum:
-    """All eigenvalues with Im lambda up to a frequency, or the lowest so many, one of both given.
+    """Return all eigenvalues with Im lambda up to ``max_frequency``, or the lowest ``count``.
 
-    The window grows until it holds so many; abs(Re lambda) is bounded by half of the frequency
-    where no growth is given. Guesses save the search where they polish to as many different roots
-    as the window holds; else they are dropped.
+    The window is enlarged until it contains ``count``. ``max_growth`` bounds abs(Re lambda), by
+    default by half of the frequency. If guesses converge to as many distinct roots as the window
+    contains, the search is skipped; otherwise they are ignored.
     """
     check_window(max_frequency, count)
     if max_growth is not None and not 0 < max_growth < math.inf:
@@ -110,7 +110,7 @@ def _lowest(found: Spectrum, count: int) -> Spectrum:
 
 @dataclass(frozen=True)
 class _Window:
-    """A box that no root is near the edge of, and the number of roots in it."""
+    """A box whose edge is not near a root, and the number of roots in it."""
 
     problem: Characteristic
     finder: RootFinder
@@ -120,7 +120,7 @@ class _Window:
 
     @classmethod
     def open(cls, problem: Characteristic, frequency: float, max_growth: float | None) -> "_Window":
-        """Count the roots, widening the box by parts of a per cent where its edge is near one."""
+        """Count the roots; enlarge the box by up to 0.7 per cent if its edge is near one."""
         growth = max_growth or frequency / 2
         finder = RootFinder(problem, problem.turning(frequency), problem.real)
         for widening in (1.0, 1.0017, 1.0041, 1.0073):
@@ -129,10 +129,10 @@ class _Window:
                 return cls(problem, finder, box, frequency, finder.count(box))
             except EdgeTooClose:
                 continue
-        raise ConvergenceError(f"roots crowd the edge of the window up to {frequency}")
+        raise ConvergenceError(f"roots lie too close to the edge of the window up to {frequency}")
 
     def spectrum(self, digits: int, guess: Guess | None) -> Spectrum:
-        """All roots up to the frequency asked for, polished and sorted."""
+        """Return all roots up to the frequency, refined by Newton's method and sorted."""
         with ctx.workdps(2 * digits):
             free = sorted(
                 self.problem.closed_form(self.frequency), key=lambda value: float(value.imag)
@@ -146,7 +146,7 @@ class _Window:
         return Spectrum(kept, free, replace(self.box, top=self.frequency))
 
     def _from_guess(self, guess: Guess, free: list[acb], digits: int) -> list[Root] | None:
-        """Roots that guesses polish to: all, as their number tells, or None."""
+        """Return the roots that guesses converge to, or None if these are not all roots."""
         known = [complex(value) for value in free]
         starts = [
             complex(value)
@@ -162,7 +162,7 @@ class _Window:
 
 
 def _finish(problem: Characteristic, start: complex, digits: int) -> Root:
-    """Polish, check the truncation, and put on the axis what a real function must have there."""
+    """Refine a root with more and more terms; set negligible real or imaginary parts to zero."""
     root = polish(problem, start, digits)
     while (refined := problem.refined()) is not problem:
         again = polish(refined, complex(root.value), digits)
@@ -172,7 +172,7 @@ def _finish(problem: Characteristic, start: complex, digits: int) -> Root:
             break
     real, imaginary = root.value.real, root.value.imag
     with ctx.workdps(2 * digits):
-        # The mirror image of a simple root is a root: one within the error is the root itself.
+        # The mirror image of a root is a root; within the error of a simple root, they coincide.
         small = abs(root.value) * 10 ** acb(-min(root.digits, digits) + 2).real
         if problem.real and abs(real) < small:
             return Root(acb(0, imaginary), root.digits)
@@ -182,7 +182,7 @@ def _finish(problem: Characteristic, start: complex, digits: int) -> Root:
 
 
 def agreement(x: acb, y: acb, digits: int) -> int:
-    """Digits two numbers share."""
+    """Number of digits that two numbers share."""
     with ctx.workdps(2 * digits):
         apart = abs(x - y) / abs(y)
         if apart.abs_upper() < arb(10) ** (-2 * digits):

@@ -18,13 +18,13 @@ _LOWEST_DEGREE = 4
 class Axis:
     """Basis of hat functions and integrated Legendre polynomials on an interval.
 
-    The two end functions come first and last, as only they do not vanish at the ends.
+    Only the first and the last function do not vanish at the ends.
     (B. Szabo, I. Babuska, Finite Element Analysis, chapter 6.)
     """
 
-    breaks: tuple[float, ...]  # ends of elements, increasing
+    breaks: tuple[float, ...]  # boundaries of elements, increasing
     degrees: tuple[int, ...]  # polynomial degree of each element, 1 or more
-    radial: bool = False  # whether it is a radius: integrals then carry the weight r
+    radial: bool = False  # whether the coordinate is a radius: integrals have the weight r
 
     @property
     def size(self) -> int:
@@ -41,14 +41,14 @@ class Axis:
 
     @cached_property
     def weights(self) -> Array:
-        """Quadrature weights, with r where radial, shape (points,)."""
+        """Quadrature weights, times r if radial, shape (points,)."""
         _, weight = self._gauss
         plain = (np.diff(self.breaks)[:, None] / 2 * weight).ravel()
         return plain * self.points if self.radial else plain
 
     @cached_property
     def tables(self) -> dict[str, sparse.csr_array]:
-        """Functions ("value"), derivatives ("slope") and values / r ("over_r") at the points."""
+        """Functions ("value"), derivatives ("slope"), functions / r ("over_r") at the points."""
         reference, _ = self._gauss
         q = len(reference)
         values = np.zeros((len(self.points), self.size))
@@ -65,13 +65,13 @@ class Axis:
         return {name: sparse.csr_array(table) for name, table in tables.items()}
 
     def gram(self, left: str, right: str, factor: Array | float = 1.0) -> sparse.csr_array:
-        """Integrals of products of two tables, with a factor at the points."""
+        """Return integrals of products of two tables, times a factor at the points."""
         weighted = sparse.diags_array(self.weights * factor) @ self.tables[right]
         return sparse.csr_array(self.tables[left].T @ weighted)
 
     @cached_property
     def _gauss(self) -> tuple[Array, Array]:
-        # Polynomials need degree + 1 points; 1 / r and sines a few more.
+        # Polynomials need degree + 1 points; 1 / r and sines need a few more.
         return legendre.leggauss(max(self.degrees) + 8)
 
 
@@ -82,7 +82,7 @@ class Single:
     size: int = 1
 
     def gram(self, left: str, right: str) -> sparse.csr_array:
-        """One."""
+        """Return the 1 x 1 matrix one."""
         del left, right
         return sparse.csr_array(np.ones((1, 1)))
 
@@ -95,10 +95,10 @@ def graded(
     ends: tuple[bool, bool],
     radial: bool = False,
 ) -> Axis:
-    """Axis whose elements shrink by 0.15, and degrees fall, towards one or both ends.
+    """Return an axis graded towards one or both ends: element sizes by 0.15, degrees by 2.
 
-    That is near the best ratio for corner singularities, and degrees growing linearly from the
-    corner lose nothing (I. Babuska, M. Suri, SIAM Review 36 (1994) 578-632).
+    This ratio is nearly optimal for corner singularities, and degrees that grow linearly from the
+    corner lose no accuracy (I. Babuska, M. Suri, SIAM Review 36 (1994) 578-632).
     """
     if not (layers and any(ends)):
         return Axis((start, end), (degree,), radial)
@@ -115,7 +115,7 @@ def graded(
 
 
 def _lobatto(degree: int, x: Array) -> tuple[Array, Array]:
-    """Shape functions and derivatives on (-1, 1): left hat, bubbles, right hat; (points, n)."""
+    """Shape functions and derivatives on (-1, 1): left hat, bubbles, right hat, (points, n)."""
     shapes, slopes = [(1 - x) / 2], [np.full_like(x, -0.5)]
     for k in range(2, degree + 1):
         # Integral of P_{k-1}, scaled to unit energy: (P_k - P_{k-2}) / sqrt(2 (2k - 1)).

@@ -1,4 +1,4 @@
-"""The friction at which flutter begins, by the name of a problem.
+"""Friction coefficient at which flutter begins, for named problems.
 
 mu_critical("blocks", p=1, max_frequency=3.5)
 mu_critical("hoffmann", k3="1.5")
@@ -22,11 +22,11 @@ from exact_cea.numbers import Exact
 from exact_cea.reference import Number, make_problem
 
 _GROWING = 1e-5
-"""Growth relative to the frequency that rounding cannot reach far from a threshold."""
+"""Growth rate relative to abs(lambda) above which a mode counts as growing."""
 _BRACKET = 1e-3
-"""Relative width of the bracket that the coarse discretisation gives."""
+"""Relative width to which the coarse discretisation bisects the bracket."""
 _DRIFT = 0.05
-"""Relative distance from the bracket beyond which the fine one has lost it."""
+"""Relative distance from the bracket beyond which the secant method fails."""
 
 
 def mu_critical(
@@ -37,35 +37,35 @@ def mu_critical(
     m: int | None = None,
     **parameters: Number | Material | None,
 ) -> float:
-    """Smallest friction coefficient, or amplitude, at which a mode begins to grow.
+    """Return the smallest friction coefficient, or amplitude, at which a mode begins to grow.
 
-    Circular problems flutter from zero friction on, as their modes come in degenerate pairs, but
-    for order 0, which never does. Blocks lose stability at an exceptional point, which holds the
-    digits of a double for sinusoidal and 10 for constant friction; the lumped systems have
-    closed forms.
+    Circular problems flutter at any friction, because their modes are degenerate pairs, except for
+    m = 0, which never flutters. Blocks lose stability at an exceptional point, computed to double
+    precision for sinusoidal and to 10 digits for constant friction. Lumped systems have closed
+    forms.
 
     Parameters
     ----------
     problem
         As in ``exact_eigenvalues``, or "hoffmann" or "hulten".
     max_frequency
-        Of blocks: upper end of the frequencies watched.
+        Blocks only: highest angular frequency.
     mu_max
-        Of blocks: end of the search. Constant friction is tried at 20 values up to it: flutter
-        that begins and ends between two of them is not seen.
+        Blocks only: highest friction. Constant friction is sampled at 20 values: flutter that
+        begins and ends between two of them is missed.
     m, parameters
-        As in ``exact_eigenvalues``; of lumped systems their ``k11``, ``k12``, ``k22``, ``k3`` or
-        ``k1``, ``k2``, ``c1``, ``c2``.
+        As in ``exact_eigenvalues``; for lumped systems ``k11``, ``k12``, ``k22``, ``k3`` or ``k1``,
+        ``k2``, ``c1``, ``c2``.
 
     Returns
     -------
     float
-        Infinity where nothing grows up to ``mu_max``.
+        Infinity if no mode grows up to ``mu_max``.
 
     Raises
     ------
     InputError
-        As in ``exact_eigenvalues``; or if blocks are given no ``max_frequency``.
+        As in ``exact_eigenvalues``, or if blocks have no ``max_frequency``.
     """
     if problem == "hoffmann":
         return float(lumped.hoffmann_threshold(**_known(parameters, "k11", "k12", "k22", "k3")))
@@ -97,7 +97,7 @@ def _first_sine(blocks: Blocks, mu_max: float, max_frequency: float) -> float:
 
 @cache
 def _first_constant(blocks: Blocks, mu_max: float, max_frequency: float) -> float:
-    """Bracket on a coarse discretisation, then the root of a discriminant on a fine one."""
+    """Bracket the threshold on a coarse discretisation, then solve for it on a fine one."""
 
     def growing(mu: float) -> NDArray[np.complex128]:
         values = _constant(blocks, mu, max_frequency, degree=12, layers=1)
@@ -117,10 +117,10 @@ def _first_constant(blocks: Blocks, mu_max: float, max_frequency: float) -> floa
 
 
 def _coalescence(blocks: Blocks, low: float, high: float, frequency: float) -> float:
-    """Root of the squared difference of two ``kappa = lambda^2``, by the secant method.
+    """Return the root of the squared difference of two ``kappa = lambda^2``, by secants.
 
-    The eigenvalues behave there like square roots, but this is analytic in mu, real on both
-    sides, and has a simple root (T. Kato, Perturbation Theory for Linear Operators, II.1).
+    The eigenvalues have a square root singularity there. The squared difference is analytic in
+    mu, real, and has a simple root (T. Kato, Perturbation Theory for Linear Operators, II.1).
     """
 
     def discriminant(mu: float) -> float:

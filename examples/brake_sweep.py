@@ -1,4 +1,4 @@
-"""From which friction on does a brake squeal? A sweep of mu, the threshold, and a plot of both."""
+"""At which friction does a brake begin to squeal? Sweep mu, find the threshold, plot both."""
 
 from pathlib import Path
 
@@ -18,12 +18,12 @@ SCENE = load_scene("disc_pad").change(  # put the path of your own scene here
 
 
 def sweep(assembled: AssembledScene, frictions: np.ndarray) -> list[float]:
-    """Growth rate (1/s) of the fastest mode at each friction; nothing is assembled again."""
+    """Return the largest growth rate (1/s) at each friction, without assembling again."""
     return [float(assembled.modes(mu=mu).growth_rates.max()) for mu in frictions.tolist()]
 
 
 def draw(frictions: np.ndarray, growth: list[float], threshold: float, file: Path) -> None:
-    """Growth against friction, the threshold marked."""
+    """Plot growth against friction, with the threshold."""
     axes = (figure := Figure(layout="constrained")).subplots()
     axes.plot(frictions, growth, "o-")
     axes.axvline(threshold, linestyle="--", label=f"flutter from mu = {threshold:.4f} on")

@@ -1,6 +1,6 @@
-"""The largest growth rate of the disc and pad with several contact formulations.
+"""Largest growth rate of disc and pad with several contact formulations.
 
-Bodies are built once; only contact is assembled again.
+Bodies are built once; only contact is assembled for each formulation.
 """
 
 from scenes import load_scene, run_modes
@@ -20,7 +20,7 @@ COARSE = {
 
 
 def largest_growth_rates() -> dict[str, float]:
-    """Growth rate (1/s) of the most unstable mode by formulation."""
+    """Return the largest growth rate (1/s) by formulation."""
     scene, bodies, found = load_scene("disc_pad").change(COARSE), None, {}
     for name, formulation in FORMULATIONS.items():
         changed = scene.change("contacts.pad_disc.formulation", formulation)

@@ -1,4 +1,4 @@
-"""Computed eigenvalues of two layers in frictional contact beside the exact ones."""
+"""Compare computed eigenvalues of two layers in frictional contact with exact ones."""
 
 import numpy as np
 
@@ -7,11 +7,11 @@ from scenes import load_scene, run_modes
 
 MU = 0.3
 HIGHEST = 2.9
-"""Upper end of the compared angular frequencies."""
+"""Highest angular frequency compared."""
 
 
 def worst_error(backend: str) -> float:
-    """Largest distance of an exact eigenvalue to the nearest computed one, relative to it."""
+    """Return the largest relative distance of an exact eigenvalue to the nearest computed one."""
     result = run_modes(load_scene("blocks", backend=backend))
     exact = whole_spectrum("blocks", mu=str(MU), p=1, max_frequency=HIGHEST).values
     distances = np.abs(result.eigenvalues[:, None] - exact).min(axis=0)

@@ -1,4 +1,4 @@
-"""The friction at which two modes of two layers coalesce, computed and exact."""
+"""Friction at which two modes of two layers coalesce, computed and exact."""
 
 from exact_cea.thresholds import mu_critical
 from scenes import assemble, load_scene
@@ -7,7 +7,7 @@ MU = "contacts.interface.mu"
 
 
 def threshold(backend: str) -> float:
-    """Factor on the friction sin(pi x / 2) at which flutter begins below 0.5 Hz."""
+    """Return the factor on the friction sin(pi x / 2) at which flutter below 0.5 Hz begins."""
     scene = load_scene("blocks", backend=backend).change(
         {MU: "sin(pi*x/2)", "analysis.max_frequency": 0.5}
     )
@@ -15,7 +15,7 @@ def threshold(backend: str) -> float:
 
 
 def exact_threshold() -> float:
-    """The same without elements or splines."""
+    """Return the exact threshold."""
     return mu_critical("blocks", p=1, max_frequency=3.0)
 
 

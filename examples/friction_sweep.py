@@ -1,4 +1,4 @@
-"""How growth depends on friction: bodies are built and points located once for the whole sweep."""
+"""Growth rates against friction: bodies and contact points are computed once for the sweep."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ COARSE = {
 
 
 def growth_rates(frictions: np.ndarray) -> np.ndarray:
-    """Largest growth rate (1/s) at each friction coefficient."""
+    """Return the largest growth rate (1/s) at each friction coefficient."""
     assembled = assemble(load_scene("disc_pad").change(COARSE))
     return np.array([assembled.modes(mu=float(mu)).growth_rates.max() for mu in frictions])
 

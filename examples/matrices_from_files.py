@@ -1,4 +1,4 @@
-"""Matrices from files, with coefficients in a speed: two oscillators flutter beyond v = 2."""
+"""Matrices from files with coefficients that depend on a speed: flutter above v = 2."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,7 +22,7 @@ SCENE = {
 
 
 def growth_rates(speeds: tuple[float, ...]) -> list[float]:
-    """Largest growth rate (1/s) at each speed."""
+    """Return the largest growth rate (1/s) at each speed."""
     with TemporaryDirectory() as folder:
         for name, matrix in MATRICES.items():
             mmwrite(Path(folder) / f"{name}.mtx", csr_array(matrix))

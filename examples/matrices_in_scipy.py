@@ -1,4 +1,4 @@
-"""The matrices of a scene as scipy's: all that a solver of one's own needs."""
+"""Solve for an eigenvalue with scipy, from the scipy.sparse matrices of a scene."""
 
 import numpy as np
 from scipy.sparse.linalg import eigs
@@ -7,7 +7,7 @@ from scenes import load_scene, run_modes
 
 
 def eigenvalue_by_scipy() -> tuple[complex, complex]:
-    """The eigenvalue lambda nearest to 1.5i, by scipy and by the program."""
+    """Return the eigenvalue lambda nearest to 1.5i, by scipy and by the program."""
     result = run_modes(load_scene("blocks"))
     K, M, K_n, K_f = (result.matrices()[name] for name in ("K", "M", "K_n", "K_f"))
     (kappa,) = eigs(K + K_n - K_f, 1, M, sigma=1.5**2, return_eigenvectors=False)

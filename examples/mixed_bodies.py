@@ -1,4 +1,4 @@
-"""A pad of Lagrange elements on a disc of NURBS: contact does not ask what its sides are."""
+"""Contact between a pad of Lagrange elements and a disc of NURBS."""
 
 from scenes import load_scene, run_modes
 
@@ -13,7 +13,7 @@ MIXED = {
 
 
 def most_unstable_frequency() -> float:
-    """Frequency (Hz) of the mode that grows fastest."""
+    """Return the frequency (Hz) of the mode that grows fastest."""
     result = run_modes(load_scene("disc_pad").change(MIXED))
     return float(result.frequencies[result.growth_rates.argmax()])
 

@@ -1,4 +1,4 @@
-"""A brake of one's own: a pad and a disc meshed with gmsh, and read from the file it writes."""
+"""Modes of your own mesh: a pad and a disc meshed by gmsh and read from its file."""
 
 from pathlib import Path
 from shutil import copy
@@ -7,7 +7,7 @@ import gmsh
 
 from scenes import Result, load_scene, run_modes
 
-FACES = {  # boxes that hold nothing larger (mm)
+FACES = {  # bounding boxes (mm), smaller faces first
     "bore": (-41, -41, -1, 41, 41, 11),
     "pad_face": (59, -21, 9.9, 91, 21, 10.1),
     "pad_back": (59, -21, 21.9, 91, 21, 22.1),
@@ -16,7 +16,7 @@ FACES = {  # boxes that hold nothing larger (mm)
 
 
 def brake(folder: Path, size: float = 14.0) -> Result:
-    """Modes of pad and disc; their mesh, of a size (mm), and scene are written to a folder."""
+    """Return the modes of pad and disc; write mesh (element size in mm) and scene to a folder."""
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     gmsh.model.occ.addCylinder(0, 0, 0, 0, 0, 10, 100, tag=1)
     gmsh.model.occ.addCylinder(0, 0, 0, 0, 0, 10, 40, tag=2)

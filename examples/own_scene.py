@@ -1,4 +1,4 @@
-"""A scene of one's own, as text or as nested dictionaries, checked before anything is computed."""
+"""Modes of your own scene, from TOML text or nested dictionaries."""
 
 import tomllib
 
@@ -32,7 +32,7 @@ max_frequency = 0.4
 
 
 def lowest_frequency() -> float:
-    """Lowest frequency (Hz) of the two layers."""
+    """Return the lowest frequency (Hz) of the two layers."""
     return float(run_modes(read_scene(tomllib.loads(SCENE))).frequencies.min())
 
 

@@ -1,4 +1,4 @@
-"""Run a scene that comes with the project and list its unstable modes."""
+"""Run a scene of the project and list its unstable modes."""
 
 from scenes import load_scene, run_modes
 
@@ -10,7 +10,7 @@ COARSE = {
 
 
 def unstable_modes() -> list[tuple[float, float]]:
-    """Frequency (Hz) and growth rate (1/s) of each unstable mode of the disc and pad."""
+    """Return frequency (Hz) and growth rate (1/s) of each unstable mode of disc and pad."""
     result = run_modes(load_scene("disc_pad").change(COARSE))
     columns = (result.frequencies, result.growth_rates)
     return list(zip(*(column[result.unstable].tolist() for column in columns), strict=True))

@@ -1,4 +1,4 @@
-"""Which formulation, and which p? Each beside mortar, which neither locks nor loses digits."""
+"""Compare formulations with mortar, which neither locks nor loses digits, at several p."""
 
 from scenes import assemble, load_scene
 
@@ -20,7 +20,7 @@ FORMULATIONS = {
 
 
 def growth_rates(p: float) -> dict[str, float]:
-    """Growth rate (1/s) of the fastest mode by formulation, for a contact stiffness p (N/m^3)."""
+    """Return the largest growth rate (1/s) by formulation, for a contact stiffness p (N/m^3)."""
     stiffness = {f"{CONTACT}.P": None, f"{CONTACT}.p": p}
     mortar = {f"{CONTACT}.formulation": {"method": "mortar"}, f"{CONTACT}.form": "saddle"}
     assembled = assemble(SCENE.change(stiffness | mortar))  # bodies are built once

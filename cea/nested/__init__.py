@@ -1,1 +1,1 @@
-"""Discretisations that lie inside each other: prolongation, errors of eigenvalues."""
+"""Error estimates of eigenvalues in a richer space: prolongation and inverse iteration."""

@@ -1,18 +1,19 @@
-"""Approximate eigenvectors improved on a pencil: block inverse steps, each with a Rayleigh-Ritz.
+"""Block inverse iteration with Rayleigh-Ritz projection, which improves given eigenvectors.
 
 For vectors X with eigenvalues Lambda (kappa = -lambda^2) and one real shift sigma,
 
     A(sigma) [X'; F] = [R; 0],    R = (kappa - sigma) M X - lambda D X
 
-is the step of inverse iteration, X' = X - A(sigma)^-1 (lambda^2 M + lambda D + K) X, that also
-takes from X what does not obey the contact: forces F come with displacements, and
-K X' + L^T F = R + sigma M X' needs no product with K. With the same for left vectors Y, the
-problem is projected on real and imaginary parts of the vectors of all steps. Components of another
-eigenvalue kappa_j in the error of an eigenvalue shrink by ((kappa - sigma) / (kappa_j - sigma))^2.
+is the step of inverse iteration, X' = X - A(sigma)^-1 (lambda^2 M + lambda D + K) X. It also
+removes components of X that violate contact constraints, because contact forces F are solved for
+together with the displacements. K X' + L^T F = R + sigma M X' needs no product with K. After the
+same step for left vectors Y, the problem is projected on real and imaginary parts of the vectors of
+all steps. The contribution of another eigenvalue kappa_j to the error of an eigenvalue kappa
+decreases by ((kappa - sigma) / (kappa_j - sigma))^2.
 
-With damping lambda^2 M + lambda D + K itself is projected. Its companion form on vectors
-[x; lambda x] would be one Newton step from the old lambda, which errs by the square of the
-correction over 2 lambda whatever x is.
+With damping lambda^2 M + lambda D + K itself is projected. Projecting its companion form on vectors
+[x; lambda x] would be one Newton step from the old lambda, with an error of the square of the
+correction over 2 lambda even for exact x.
 """
 
 from dataclasses import dataclass
@@ -37,12 +38,12 @@ from cea.eigen.shifted import Shifted
 from cea.errors import ConvergenceError
 
 _DEPENDENT = 1e-13
-"""Singular value of inner products, relative to the largest, that is rounding."""
+"""Relative singular value of inner products below which vectors are linearly dependent."""
 
 
 @dataclass(frozen=True)
 class Approximation:
-    """Approximate lambda (1/s) with vectors x and y, y^H (lambda^2 M + lambda D + K) = 0."""
+    """Approximate lambda (1/s) with right x and left y, y^H (lambda^2 M + lambda D + K) = 0."""
 
     eigenvalues: Complexes
     right: Complexes
@@ -51,9 +52,9 @@ class Approximation:
 
 @dataclass(frozen=True)
 class _Spanned:
-    """M-orthonormal vectors V, A(sigma) [V; F] = [forces; 0] or that with A^T, and M V.
+    """M-orthonormal vectors V, forces of A(sigma) [V; F] = [forces; 0] (or with A^T), and M V.
 
-    The three below each other, so that combinations of vectors are those of all three.
+    The three are stacked, so that one product forms linear combinations of all three.
     """
 
     rows: Floats
@@ -72,7 +73,7 @@ class _Spanned:
 
 
 class BlockSteps:
-    """A pencil factorised at a shift (1/s^2), or at half of it where that is an eigenvalue."""
+    """A pencil factorised at a shift (1/s^2), or at half the shift if that fails."""
 
     def __init__(self, matrices: Matrices, shift: float) -> None:
         self.matrices = matrices
@@ -86,7 +87,7 @@ class BlockSteps:
         self.factors.free()
 
     def improved(self, old: Approximation, steps: int) -> tuple[Approximation, list[Floats]]:
-        """Vectors and eigenvalues after some steps, and what each changed eigenvalues by (1/s)."""
+        """Return the approximation after some steps, and the change of lambda (1/s) in each."""
         right = left = _Spanned(np.empty((3 * len(old.right), 0), order="F"))
         alike = self.matrices.symmetric and self.matrices.gyroscopic is None
         changes = []
@@ -102,7 +103,7 @@ class BlockSteps:
         return old, changes
 
     def _projected(self, wanted: Complexes, right: _Spanned, left: _Spanned) -> Approximation:
-        """Eigenvalues of the projected problem that belong to those wanted."""
+        """Return eigenpairs of the projected problem, matched with the wanted eigenvalues."""
         V, W = right.own, left.own
         internal = right.forces + self.factors.kappa * right.inertia  # K V + L^T F
         works, masses = self._inner(W, internal), self._inner(W, right.inertia)
@@ -119,12 +120,12 @@ class BlockSteps:
     def _outside(
         self, space: _Spanned, values: Complexes, x: Complexes, *, transposed: bool = False
     ) -> _Spanned:
-        """What a step of vectors spans beside a space, in real numbers."""
+        """Return an M-orthonormal real basis of the new vectors, orthogonal to a space."""
         loads, alone = self._real_parts(values, self._forces(values, x, transposed=transposed))
         own = self._solved(loads, transposed=transposed)
         inertia = times(self.matrices.mass, own)
         squares = columns_inner(own, inertia, self.matrices.stiffness.comm)
-        parts = squares[alone:].reshape(2, -1)  # real and imaginary ones have one length together
+        parts = squares[alone:].reshape(2, -1)  # real and imaginary parts have one common length
         lengths = np.sqrt(np.concatenate([squares[:alone], np.tile(parts.sum(axis=0), 2)]))
         new = _Spanned(np.asfortranarray(np.vstack([own, loads, inertia]) / lengths))
         for _ in range(2):
@@ -137,9 +138,9 @@ class BlockSteps:
         return new
 
     def _real_parts(self, values: Complexes, columns: Complexes) -> tuple[Floats, int]:
-        """Real columns, and how many of them come first that have no imaginary parts.
+        """Return real and imaginary parts as columns, after a number of purely real columns.
 
-        Without damping those of real lambda^2 are real, up to a phase.
+        Without damping, vectors of a real lambda^2 are real up to a phase.
         """
         real = (values.imag == 0) | (values.real == 0)
         real &= not self.matrices.quadratic
@@ -150,7 +151,7 @@ class BlockSteps:
         return np.asfortranarray(np.hstack(parts)), int(real.sum())
 
     def _forces(self, values: Complexes, x: Complexes, *, transposed: bool = False) -> Complexes:
-        """(kappa - sigma) M x - lambda D x, or with D^T; without damping M x, whose span it is."""
+        """Return (kappa - sigma) M x - lambda D x, or with D^T; without damping M x (same span)."""
         inertia = times(self.matrices.mass, x)
         if not self.matrices.quadratic:  # kappa may be sigma
             return np.asarray(inertia)
@@ -158,7 +159,7 @@ class BlockSteps:
         return np.asarray((-(values**2) - self.factors.kappa) * inertia - values * drag)
 
     def _solved(self, forces: Floats, *, transposed: bool = False) -> Floats:
-        """Displacements of A(sigma)^-1, or of its transpose."""
+        """Return the displacements of A(sigma)^-1 forces, or of A(sigma)^-T forces."""
         x = np.empty(forces.shape, order="F")
         for block in column_blocks(forces.shape[1]):
             columns = np.asfortranarray(forces[:, block])
@@ -170,7 +171,7 @@ class BlockSteps:
 
 
 def _symmetric_ritz(works: Floats, masses: Floats) -> tuple[Complexes, Complexes, Complexes]:
-    """As :func:`_ritz` has it, of symmetric matrices: every kappa is real."""
+    """As :func:`_ritz`, for symmetric matrices: every kappa is real."""
     sizes, axes = np.linalg.eigh(0.5 * (masses + masses.T))
     large = sizes > _DEPENDENT * sizes.max()
     basis = axes[:, large] / np.sqrt(sizes[large])
@@ -183,9 +184,9 @@ def _symmetric_ritz(works: Floats, masses: Floats) -> tuple[Complexes, Complexes
 def _ritz(
     works: Floats, masses: Floats, drags: Floats | None = None
 ) -> tuple[Complexes, Complexes, Complexes]:
-    """Lambda, right and left vectors of lambda^2 masses + lambda drags + works.
+    """Return lambda, right and left vectors of lambda^2 masses + lambda drags + works.
 
-    Bases may be dependent: singular values of the masses that are rounding are left out.
+    Bases may be linearly dependent: negligible singular values of ``masses`` are dropped.
     """
     u, sizes, vt = np.linalg.svd(masses)
     count = int(np.sum(sizes > _DEPENDENT * sizes.max()))
@@ -203,7 +204,7 @@ def _ritz(
 
 
 def _lambda_of(kappa: NDArray[Any]) -> Complexes:
-    """Lambda of -lambda^2 with Im lambda >= 0; of real ones below zero, the one that grows."""
+    """Return lambda with Im lambda >= 0 from kappa = -lambda^2; real lambda are positive."""
     values = np.sqrt(-np.asarray(kappa, dtype=complex))
     values = np.where(values.imag < 0, -values, values) + 0j
     return np.where(values.imag == 0, np.abs(values.real), values)

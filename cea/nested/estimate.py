@@ -1,15 +1,15 @@
-"""Errors of eigenvalues, estimated in a richer space without an eigenproblem there.
+"""Errors of eigenvalues, estimated in a richer space without solving an eigenproblem there.
 
-Prolonged right and left vectors X, Y of the coarse mesh take block inverse steps in the richer
-space (:mod:`cea.nested.block_steps`). To first order the projected problem of one is
+Right and left vectors X, Y of the coarse mesh are prolonged to the richer space and improved by
+block inverse iteration (:mod:`cea.nested.block_steps`). To first order one step gives
 
     d lambda = - (y^H r + s^H e) / y^H (2 lambda M + D) x,
 
-r and s the residuals of x and y there and e = -A(sigma)^-1 r, the hierarchical estimate weighted
-by the left vector; y^H r is what rules of contact and geometry that differ between the meshes make
-(Heuveline & Rannacher, A posteriori error control for finite element approximations of elliptic
-eigenvalue problems, 2001). All modes are projected together, so that groups that nearly coalesce
-are corrected as groups.
+with the residuals r and s of x and y there, and e = -A(sigma)^-1 r. The second term is the
+hierarchical estimate weighted by the left residual. The first, y^H r, is the effect of contact
+rules and geometry that differ between the meshes (Heuveline & Rannacher, A posteriori error control
+for finite element approximations of elliptic eigenvalue problems, 2001). All modes are projected
+together, so that modes that nearly coalesce are corrected as a group.
 """
 
 from dataclasses import dataclass
@@ -36,11 +36,11 @@ class ErrorEstimate:
     corrected
         lambda in the richer space (1/s), in the same order.
     remaining
-        What the last step changed those by (1/s), shape (n,), more than is left where steps
-        converge; infinite where it is more than the step before changed. With damping beta K beyond
-        abs(lambda) = 1 / beta steps do not converge.
+        Change of ``corrected`` in the last step (1/s), shape (n,). It exceeds the remaining error
+        if the iteration converges, and is infinite where the last change is larger than the one
+        before. With damping beta K the iteration diverges beyond abs(lambda) = 1 / beta.
     uncertainties
-        Errors of the coarse ones by rounding and iteration (1/s), shape (n,).
+        Algebraic errors of ``eigenvalues`` (1/s), shape (n,).
     """
 
     eigenvalues: Complexes
@@ -61,11 +61,11 @@ def error_estimate(
     *,
     steps: int,
 ) -> ErrorEstimate:
-    """Errors of the eigenvalues of a coarse mesh, as the richer pencil tells them; collective.
+    """Return error estimates of the eigenvalues of a coarse mesh, by a richer pencil; collective.
 
-    One block inverse step gives them to a few per cent where they are small scale, the next tells
-    what remains. Modes without left vectors, or none, are refused. The prolongation is a PETSc
-    AIJ matrix (:mod:`cea.nested.prolongation`).
+    The first step gives the error to a few per cent if the error has short wavelengths; the change
+    in the second estimates the rest. An empty list of modes, or an unsymmetric problem without left
+    vectors, is refused. The prolongation is a PETSc AIJ matrix (:mod:`cea.nested.prolongation`).
     """
     start = prolonged(coarse, matrices, prolongation)
     if steps < 1:
@@ -83,14 +83,14 @@ def error_estimate(
 
 
 def prolonged(coarse: Modes, matrices: Matrices, prolongation: Any) -> Approximation:
-    """Modes of a coarse mesh as approximations on a finer one."""
+    """Return modes of a coarse mesh as approximations on a finer mesh."""
     if not len(coarse):
-        raise InputError("modes", 0, "at least one mode to begin with")
+        raise InputError("modes", 0, "at least one mode")
     right = times(prolongation, coarse.vectors)
     if coarse.left is not None:
         left = times(prolongation, coarse.left.vectors)
     elif matrices.symmetric and matrices.gyroscopic is None:
         left = right.conj()
     else:
-        raise InputError("left", False, "True where coarse modes are solved for: left vectors")
+        raise InputError("left", False, "True: the coarse mesh needs left vectors")
     return Approximation(coarse.eigenvalues, right, left)

@@ -1,13 +1,12 @@
-"""Displacements of a coarse discretisation among the unknowns of a finer one.
+"""Prolongation of displacements from a coarse discretisation to the unknowns of a finer one.
 
-A backend gives the coefficients on all scalar dofs of a body; supports are taken out here. With Z
-the expansion of the coarse body, and B the frames in which the fine one is free
-(:meth:`cea.supports.constraints.Constraints.frames`),
+A backend gives the prolongation p of scalar functions on all dofs; supports are eliminated here.
+With the expansion Z of free dofs of the coarse body to all dofs, and the frames B of the free dofs
+of the fine body (:meth:`cea.supports.constraints.Constraints.frames`),
 
-    P = B^T (p x I) Z,
+    P = B^T (p x I) Z.
 
-p the prolongation of scalar functions. Contact forces that are unknowns are no part of it: they
-follow from displacements.
+Contact forces are not prolonged: they follow from displacements.
 """
 
 from collections.abc import Sequence
@@ -22,9 +21,9 @@ from cea.matrices import block_diagonal, destroy, identity
 
 
 def of_body(coarse: Body, fine: Body) -> Any:
-    """Prolongation of one body between what supports leave free, PETSc AIJ; collective.
+    """Return the prolongation between the free dofs of one body, PETSc AIJ; collective.
 
-    Discretisations on different backends, or not of one body, are refused.
+    Discretisations on different backends or of different bodies are refused.
     """
     if coarse is fine:
         return identity(fine.expansion.getLocalSize()[1], fine.comm)
@@ -41,7 +40,7 @@ def of_body(coarse: Body, fine: Body) -> Any:
 
 
 def of_system(parts: Sequence[Any]) -> Any:
-    """Prolongation of the unknowns of a system from those of its bodies, in their order."""
+    """Return the prolongation of a system: block diagonal, in the order of its bodies."""
     if len(parts) == 1:
         return parts[0]
     whole = block_diagonal(list(parts)).convert("aij")

@@ -1,1 +1,1 @@
-"""Error of flutter eigenvalues against run time, beside exact lists: `cea study accuracy`."""
+"""Error of eigenvalues against run time, by exact eigenvalues: `cea study accuracy`."""

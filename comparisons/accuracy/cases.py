@@ -1,4 +1,4 @@
-"""What the study runs: contact rules, degrees, meshes and stiffnesses, as scenes."""
+"""Cases of the study: contact rules, degrees, meshes and stiffnesses, as scenes."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -16,11 +16,11 @@ from scenes.spec.body import Backend
 from scenes.spec.reading import BACKENDS, Scene, load_scene
 
 YARDSTICKS = ("mortar", "segments")
-"""Rules that integrate the traces exactly on flat interfaces: theory knows their order, and their
-error is that of the bodies alone."""
+"""Reference rules, exact on flat interfaces: their error is that of the bodies' meshes alone, and
+their order of convergence is known."""
 DEGREES: Mapping[Backend, tuple[int, ...]] = {"fe": (1, 2, 3, 4), "iga": (2, 3, 4, 5, 6)}
 """Degrees of Lagrange elements, and of NURBS at full continuity."""
-_REFINEMENTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
+_REFINEMENTS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)  # factors on the coarsest mesh
 FEWEST = {2: 400, 3: 500}  # fewest degrees of freedom of a case, by dimension
 PARTS = ("errors", "no flutter")
 
@@ -29,18 +29,18 @@ PARTS = ("errors", "no flutter")
 class Options:
     """Options of the study."""
 
-    parts: Annotated[tuple[str, ...], "Errors (by run time), no flutter (nothing may grow)."] = (
+    parts: Annotated[tuple[str, ...], "Errors (by run time), no flutter (no mode may grow)."] = (
         PARTS
     )
     problems: Annotated[tuple[str, ...], "Problems with exact eigenvalues."] = tuple(PROBLEMS)
     stiffnesses: Annotated[
         tuple[float, ...],
-        "Contact stiffnesses p in units of each problem; every degree at the first.",
+        "Contact stiffnesses p in units of each problem; all degrees at the first.",
     ] = (1.0, 0.1, 10.0, 1000.0)
     most_dofs_2d: Annotated[int, "Most degrees of freedom of a run in the plane."] = 12_000
     most_dofs_3d: Annotated[int, "Most degrees of freedom of a run in space."] = 4_500
-    levels: Annotated[int, "Meshes of a line at most."] = 4
-    repeats: Annotated[int, "Timed runs of each mesh; medians count."] = 3
+    levels: Annotated[int, "Largest number of meshes of a line."] = 4
+    repeats: Annotated[int, "Timed runs of each mesh; the median is reported."] = 3
 
     def __post_init__(self) -> None:
         for name, known in (("problems", PROBLEMS), ("parts", PARTS)):
@@ -49,14 +49,14 @@ class Options:
 
 
 def rules(backend: Backend, gauss: int, grid: int) -> dict[str, Variant]:
-    """Contact rules by name, of so many Gauss and grid points; full passes of GPTS alone."""
+    """Return contact rules by name, with these Gauss and grid points; full pass for GPTS only."""
     every = variants((backend, backend), (gauss,), grid)
     named = {re.sub(r" \d+", "", label): variant for label, variant in every.items()}
     return {n: v for n, v in named.items() if not v.full_pass or n.startswith("GPTS")}
 
 
 def methods() -> list[dict[str, Any]]:
-    """Every discretisation of both bodies with every contact rule that it may have."""
+    """Return every discretisation of both bodies with every contact rule it supports."""
     return [
         {"backend": backend, "degree": degree, "rule": rule}
         for backend in BACKENDS
@@ -66,7 +66,7 @@ def methods() -> list[dict[str, Any]]:
 
 
 def lines(options: Options) -> Iterator[Case]:
-    """Lines of plots: every method at the first stiffness, at others mortar and a few degrees."""
+    """Lines of plots: all methods at the first stiffness; else mortar or low degrees."""
     for problem in options.problems:
         for p in options.stiffnesses:
             for method in methods():
@@ -76,7 +76,7 @@ def lines(options: Options) -> Iterator[Case]:
 
 
 def refinements(case: Case, options: Options) -> list[int]:
-    """Refinements of a line, spread over the dofs allowed; of other stiffnesses the last."""
+    """Refinements of a line, spread over the dofs allowed; the last one at other stiffnesses."""
     problem, at_first = PROBLEMS[case["problem"]], case["p"] == options.stiffnesses[0]
     most = options.most_dofs_2d if problem.dim == 2 else options.most_dofs_3d
     if at_first and problem.most_dofs is not None:
@@ -90,7 +90,7 @@ def refinements(case: Case, options: Options) -> list[int]:
 
 
 def estimated_dofs(problem: Problem, case: Case, refinement: int) -> int:
-    """Degrees of freedom of a mesh, those of supports included; four patches close a ring."""
+    """Return the dofs of a mesh, including those of supports; a ring has four patches."""
     degree = case["degree"]
 
     def functions(direction: int, coarsest: int) -> int:
@@ -108,7 +108,7 @@ def estimated_dofs(problem: Problem, case: Case, refinement: int) -> int:
 def scene_of(
     problem: Problem, case: Case, refinement: int, changes: Mapping[str, Any] | None = None
 ) -> Scene:
-    """The scene of one point of a plot: p in units of the problem, more changes by their paths."""
+    """Return the scene of one point of a plot, with p in units of the problem and changes."""
     backend, degree, closed = case["backend"], case["degree"], problem.closed is not None
     if backend == "iga":
         common: dict[str, Any] = {"degree": [degree] * problem.dim}
@@ -125,7 +125,7 @@ def scene_of(
     given["analysis.max_frequency"] = problem.max_frequency
     scene = load_scene(problem.name, backend=backend).change({**(changes or {}), **meshes, **given})
     grid = degree + 2  # about two points for each element along an edge
-    if backend == "iga":  # a closed direction is shared by four faces
+    if backend == "iga":  # a closed direction has four patches
         first = next(iter(problem.bodies.values()))
         along = {
             d: refinement * first[d] // (4 if d == problem.closed else 1)

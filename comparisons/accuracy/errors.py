@@ -1,4 +1,4 @@
-"""Errors of lambda against run time, and what grows where nothing may."""
+"""Errors of lambda against run time, and growth in problems that cannot flutter."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -18,12 +18,12 @@ from comparisons.study.study import Case, Session
 from exact_cea.reference import exact_eigenvalues
 from scenes import run_modes
 
-REACH = 0.25  # relative distance at which a computed eigenvalue no longer stands for an exact one
-_DIGITS = 4  # significant digits of run times, memory and errors
+REACH = 0.25  # largest relative distance of a computed eigenvalue from the exact one it matches
+_DIGITS = 4  # significant digits stored of run times, memory and errors
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Rows of a line, which ends at a mesh that fails: its reason is told."""
+    """Return the runs of a line, which ends at the first failure, and the reason for it."""
     runs, omissions = list[dict[str, Any]](), list[dict[str, Any]]()
     for refinement in refinements(case, session.options):
         try:
@@ -35,7 +35,7 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 
 def measure(case: Case, refinement: int, repeats: int) -> dict[str, Any]:
-    """Seconds of processor time (medians), peak memory (MB) and errors of one mesh of a line."""
+    """Return processor time (s, medians), peak memory (MB) and errors of one mesh."""
     problem, taken, memory = PROBLEMS[case["problem"]], [], []
     _warm_up(case["problem"], case["backend"], case["degree"], case["rule"])
     scene = scene_of(problem, case, refinement)
@@ -59,13 +59,13 @@ def measure(case: Case, refinement: int, repeats: int) -> dict[str, Any]:
 
 @cache
 def _warm_up(problem: str, backend: str, degree: int, rule: str) -> None:
-    """Run the coarsest mesh once in a process: it loads or compiles forms and fills caches."""
+    """Run the coarsest mesh once in a process, which compiles forms and fills caches."""
     case = {"p": 1.0, "backend": backend, "degree": degree, "rule": rule}
     run_modes(scene_of(PROBLEMS[problem], case, 1))
 
 
 def errors(computed: Complexes, exact: Complexes, band: tuple[float, float]) -> dict[str, Any]:
-    """Errors over the exact eigenvalues of a band, None where modes are missing, and counts."""
+    """Return errors over the exact eigenvalues of a band (None if any is missing), and counts."""
     match = match_spectrum(computed, exact, band, reach=REACH)
     found: dict[str, Any] = {"modes": len(match.exact)}
     for name, error in (
@@ -88,16 +88,16 @@ NO_FLUTTER = {
     "layers that mirror each other": replace(PROBLEMS["blocks"], bodies=_ALIKE, mu=0.9),
     "drum, m = 0": replace(PROBLEMS["drum"], mu=0.9),
 }
-"""Problems that cannot flutter: what grows there is a fault of the contact rule.
+"""Problems that cannot flutter: growth there is an error of the contact rule.
 
-Layers that mirror each other (even modes load the contact, odd ones slide, and friction couples
-them one way only), and axisymmetric modes of the drum, on which friction does no work.
+In layers that mirror each other even modes load the contact and odd modes slide, and friction
+couples them in one direction only. On axisymmetric modes of the drum friction does no work.
 """
-_REFINEMENT = 3  # mesh of these problems
+_REFINEMENT = 3  # refinement of the meshes of these problems
 
 
 def no_flutter_cases() -> Iterator[Case]:
-    """Every problem that cannot flutter with every contact rule, elements of degree 2."""
+    """Every problem that cannot flutter, with every contact rule on elements of degree 2."""
     for name in NO_FLUTTER:
         for method in methods():
             if method["degree"] == 2:
@@ -105,7 +105,7 @@ def no_flutter_cases() -> Iterator[Case]:
 
 
 def evaluate_no_flutter(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Largest growth over abs(lambda), what residual times condition explains, modes beyond it."""
+    """Return the largest growth over abs(lambda) and its error; count modes above their error."""
     problem = NO_FLUTTER[case["problem"]]
     mirrored = problem.name == "blocks"
     result = run_modes(scene_of(problem, case, _REFINEMENT, _MIRRORED if mirrored else None))

@@ -1,8 +1,8 @@
-"""Problems with exact eigenvalues: the scene, its meshes, the listed band, the exact list.
+"""Problems with exact eigenvalues: scene, meshes, frequency band, exact eigenvalues.
 
-Exact lists are stored beside the study: they cost more than what is measured with them.
+Exact eigenvalues are stored beside the study, because they take longer to compute than the runs.
 
-python -m comparisons.accuracy.problems     # computes all of them anew
+python -m comparisons.accuracy.problems     # recomputes all of them
 """
 
 import json
@@ -18,11 +18,11 @@ from cea.arrays import Complexes
 from cea.files import write_whole
 from exact_cea.reference import whole_spectrum
 
-_BEYOND = 1.1  # end of the search over that of the band: edge modes keep their partners
-_FAR = 1.15  # upper end of the exact list relative to that of the listed band
-_REAL = 1e-9  # growth rates below this part of abs(lambda) are rounding of the exact solver
+_BEYOND = 1.1  # end of the search over that of the band: modes at the end keep partners
+_FAR = 1.15  # end of the exact eigenvalues over that of the band
+_REAL = 1e-9  # growth relative to abs(lambda) below which exact growth rates are set to zero
 STIFFNESSES = (0.1, 1.0, 10.0, 1000.0)
-"""Contact stiffnesses p of the stored lists, in units of each problem."""
+"""Contact stiffnesses p with stored eigenvalues, in units of each problem."""
 FILE = Path(__file__).with_name("exact.json")
 
 
@@ -31,18 +31,18 @@ class Problem:
     """A problem with exact eigenvalues, by the name of its scene."""
 
     name: str
-    bodies: Mapping[str, tuple[int, ...]]  # elements of the coarsest meshes, of a and b
+    bodies: Mapping[str, tuple[int, ...]]  # elements of the coarsest meshes of a and b
     in_contact: tuple[int, ...]  # directions along the contact surface
-    band: tuple[float, float]  # lowest and highest Im lambda of the listed modes
+    band: tuple[float, float]  # lowest and highest Im lambda of the modes compared
     mu: float  # friction coefficient, or its amplitude
     solver: str  # name of the problem of exact_cea.reference
-    closed: int | None = None  # direction that runs all the way round
+    closed: int | None = None  # circumferential direction of a full ring
     unit: float = 1.0  # of the contact stiffness p (N/m^3)
-    profile: str = "{mu}"  # the friction coefficient in the scene
+    profile: str = "{mu}"  # friction coefficient in the scene, as a template
     depth: float | None = None  # length in z between rollers; None in plane strain and of the ring
-    geometry_degree: int | None = None  # of Lagrange elements, where rims must meet
-    most_dofs: int | None = None  # at the first p, where fewer resolve too little
-    highest_order: float | None = None  # order of convergence in lambda that a singularity caps
+    geometry_degree: int | None = None  # of Lagrange elements, if curved sides must match
+    most_dofs: int | None = None  # limit at the first p, if the usual one is too coarse
+    highest_order: float | None = None  # limit of the order in lambda due to a singularity
 
     @property
     def dim(self) -> int:
@@ -51,7 +51,7 @@ class Problem:
 
     @property
     def friction(self) -> float | str:
-        """Friction coefficient as scenes have it: a number, or an expression."""
+        """Friction coefficient of the scene: a number or an expression."""
         return self.mu if self.profile == "{mu}" else self.profile.format(mu=self.mu)
 
     @property
@@ -60,7 +60,7 @@ class Problem:
         return _BEYOND * self.band[1] / (2 * pi)
 
     def exact(self, stiffness: float) -> Complexes:
-        """Exact eigenvalues with Im >= 0 to well beyond the band, by frequency; p in the unit."""
+        """Compute the exact eigenvalues up to beyond the band; p in units of the problem."""
         values = whole_spectrum(
             self.solver,
             max_frequency=_FAR * self.band[1],
@@ -72,11 +72,11 @@ class Problem:
         return values[np.lexsort((values.real, values.imag))]
 
     def parameters(self) -> dict[str, float]:
-        """What a list depends on, beside the materials and sizes of the reference problems."""
+        """Parameters that stored eigenvalues depend on, besides materials and sizes."""
         return {"unit": self.unit, "mu": self.mu, "highest": _FAR * self.band[1]}
 
 
-_SINE = "{mu}*abs(sin(pi*x/2))"  # not negative at a wall by rounding of its coordinate either
+_SINE = "{mu}*abs(sin(pi*x/2))"  # abs: rounding of x at a wall must not make it negative
 _LAYERS = {"upper": (4, 1), "lower": (3, 2)}
 _BLOCKS = {"upper": (4, 1, 3), "lower": (3, 2, 4)}
 _RING = {"outer": (1, 12), "inner": (1, 8)}
@@ -103,12 +103,12 @@ _EVERY = (
     ),
 )
 PROBLEMS = {problem.name: problem for problem in _EVERY}
-"""Problems by name; meshes of both bodies never match."""
+"""Problems by name; the meshes of the bodies do not match."""
 
 
 @cache
 def exact(name: str, stiffness: float) -> Complexes:
-    """Exact eigenvalues of a problem, p in its unit: as stored, or computed where they are not."""
+    """Return the exact eigenvalues of a problem, stored or computed; p in its units."""
     chosen, entry = PROBLEMS[name], json.loads(FILE.read_text()).get(name, {})
     found = entry.get("lists", {}).get(f"{stiffness:g}")
     if found is None or entry["parameters"] != chosen.parameters():
@@ -124,6 +124,6 @@ if __name__ == "__main__":
         }
         for name, chosen in PROBLEMS.items()
     }
-    # A line for each list: changes can be read.
+    # One line per list makes differences readable.
     lines = json.dumps(data).replace('": [[', '":\n[[').replace("]], ", "]],\n") + "\n"
     write_whole(lines.encode(), FILE)

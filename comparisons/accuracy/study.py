@@ -18,37 +18,37 @@ from comparisons.study.study import Case, Process, Session, Study, StudyResult
 from scenes.spec.body import backend_name
 
 TOLERABLE = 0.01
-"""Error of growth, relative to the largest growth rate, up to which a rule is called usable."""
-_TOO_COARSE = 0.1  # error of growth of a yardstick whose mesh says nothing of contact rules
-_ROUNDING = 1e-9  # errors of exact lists and Krylov iteration, which say nothing of the order
-_FITTED = 3  # finest meshes that an order is fitted to
+"""Error of growth relative to the largest growth rate, up to which a rule is usable."""
+_TOO_COARSE = 0.1  # error of growth of the reference rule above which a mesh is left out
+_ROUNDING = 1e-9  # errors below this are not used to fit an order
+_FITTED = 3  # number of finest meshes to which an order is fitted
 LINE = ["problem", "backend", "degree", "rule", "p"]  # labels of a line of a plot
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Cases of each part, labelled with it."""
+    """Cases of all parts, labelled with the part."""
     for part in options.parts:
         for case in lines(options) if part == "errors" else errors.no_flutter_cases():
             yield {"part": part, **case}
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Tables of a case of its part."""
+    """Evaluate a case by its part."""
     of_part = errors.evaluate if case["part"] == "errors" else errors.evaluate_no_flutter
     return of_part(case, session)
 
 
 def _drawn(which: str, result: StudyResult) -> pd.DataFrame:
-    """Runs at the first stiffness that lost no modes, of those asked for."""
+    """Runs at the first stiffness of the options without missing modes."""
     first = result.frame().query("p == @result.record['inputs']['stiffnesses'][0]")
     return first.dropna(subset="lambda_worst").query(which)
 
 
 def orders(result: StudyResult) -> pd.DataFrame:
-    """Observed orders of the finest meshes whose error is above rounding, beside theory.
+    """Observed orders on the finest meshes with errors above rounding, and theoretical orders.
 
-    The order is the exponent q of ``error ~ refinement^-q`` by least squares. Theory knows that of
-    a smooth solution integrated exactly, capped by a singularity.
+    The order is the exponent q of ``error ~ refinement^-q`` by least squares. Theory gives twice
+    the degree if contact is integrated exactly, limited by a singularity.
     """
     rows = []
     for values, own in result.frame().groupby(LINE, sort=False):
@@ -67,10 +67,10 @@ def orders(result: StudyResult) -> pd.DataFrame:
 
 
 def uses(result: StudyResult) -> pd.DataFrame:
-    """Growth errors of every rule beside a yardstick, on the finest mesh that both were run on.
+    """Growth errors of every rule and of its reference, on the finest mesh with both.
 
-    The yardstick is mortar, segments where that failed. Lines without a yardstick at their degree
-    are left out, and meshes on which the yardstick itself lost modes or is far off.
+    The reference rule is mortar, or segments where mortar failed. Lines without a reference at
+    their degree are left out, and meshes on which the reference lost modes or is inaccurate.
     """
     frame = result.frame()
     mesh = ["problem", "backend", "degree", "p", "refinement"]
@@ -86,7 +86,7 @@ def uses(result: StudyResult) -> pd.DataFrame:
 
 
 def judged(result: StudyResult) -> pd.DataFrame:
-    """Rules that users choose among, at degree 2: over all problems usable, or how far off."""
+    """Worst error over all problems of every rule but the references, at degree 2."""
     frame = uses(result)
     frame = frame[(frame["degree"] == 2) & ~frame["rule"].isin(YARDSTICKS)]
     frame = frame.assign(lost=frame["growth_worst"].isna())
@@ -100,7 +100,7 @@ def judged(result: StudyResult) -> pd.DataFrame:
 
 
 def matrix(result: StudyResult) -> pd.DataFrame:
-    """For every rule and p whether it may be used, and its worst error; what yardsticks reach."""
+    """Whether each rule is usable at each p, with its worst error; and that of references."""
     cells = judged(result)
     floors = cells.groupby(["backend", "p"], sort=False)["floor"].max().reset_index()
     floors = floors.assign(rule="yardstick", text=floors["floor"].map(shown(2)))
@@ -115,14 +115,14 @@ def matrix(result: StudyResult) -> pd.DataFrame:
 
 
 def in_short(result: StudyResult) -> str:
-    """Contact rules that may be used at every stiffness."""
+    """Name the contact rules that are usable at every stiffness."""
     every = judged(result).groupby(["backend", "rule"], sort=False)["usable"].all()
     rules = [f"{rule} ({backend_name(backend)})" for backend, rule in every[every].index]
     return f"Usable in every problem at every p tried: {'; '.join(rules) or 'none'}."
 
 
 def unexplained(result: StudyResult) -> str:
-    """How often something grew that must not."""
+    """Count the runs in which no mode grows by more than its error."""
     found = result.frame("no_flutter")["unexplained"]
     return (
         f"In {(found == 0).sum()} of {counted(len(found), 'run')} no mode grows by more than "
@@ -131,7 +131,7 @@ def unexplained(result: StudyResult) -> str:
 
 
 def lost(result: StudyResult) -> pd.DataFrame:
-    """Runs that missed listed modes, or found modes in the band that stand for none."""
+    """Runs with missing or spurious modes in the band."""
     found = result.frame().query("missing > 0 or spurious > 0")
     return found[[*LINE, "refinement", "modes", "missing", "spurious"]]
 
@@ -141,29 +141,30 @@ COLUMNS = {
     "p": Column("p", show=shown(3)),
     "lambda_worst": Column("worst error of lambda", show=_TWO),
     "growth_worst": Column("worst error of growth", show=_TWO),
-    "floor": Column("error of the yardstick", show=_TWO),
+    "floor": Column("error of the reference rule", show=_TWO),
 }
 SECTIONS = [
     Section(
         "Where each formulation may be used",
         "A number is the worst error of the growth rate over all problems, relative to the largest "
-        "growth rate of the listed modes, on bodies of degree 2 and the finest mesh that a "
-        "yardstick was run on too (mortar; where that failed, segments); meshes too "
-        f"coarse for it are left out. ✓: in every problem at most {TOLERABLE:g} or twice the error "
-        "of the yardstick, which is that of the bodies' meshes. p counts in units of each problem.",
+        "growth rate in the band, on bodies of degree 2 and the finest mesh on which the reference "
+        "rule was run too (mortar; segments where mortar failed). Meshes too coarse for the "
+        f"reference are left out. ✓: at most {TOLERABLE:g}, or twice the error of the reference, "
+        "in every problem. The error of the reference is due to the bodies' meshes. p is in units "
+        "of each problem.",
         in_short,
         [
             Table("matrix", "Formulations by p.", matrix, COLUMNS, printed=True),
-            Table("uses", "Every rule beside its yardstick.", uses, COLUMNS, shown=False),
+            Table("uses", "Every rule and its reference.", uses, COLUMNS, shown=False),
         ],
         of="runs",
     ),
     Section(
         "Error against cost",
         "Run time is processor time on one thread, median of the runs, from geometry to "
-        "eigenpairs; the first run of each problem and method in a process is not timed. Peak "
-        "memory is above what the process held before. Errors of lambda are relative to "
-        "abs(lambda), over all listed modes of the band.",
+        "eigenpairs, without the first run of each problem and method in a process. Peak memory "
+        "is the increase over the memory before the run. Errors of lambda are relative to "
+        "abs(lambda), the worst over all modes of the band.",
         plots=[
             Plot(
                 f"{part}_{x}",
@@ -185,9 +186,9 @@ SECTIONS = [
         tables=[
             Table(
                 "orders",
-                "Order of the worst error of lambda in the mesh size. Theory: twice the degree "
-                "where the solution is smooth and the traces are integrated exactly; a corner "
-                "singularity caps it; point rules have no order of their own.",
+                "Order of the worst error of lambda in the mesh size. Theory: twice the degree if "
+                "the solution is smooth and traces are integrated exactly, limited by corner "
+                "singularities; there is none for point rules.",
                 orders,
                 COLUMNS,
             ),
@@ -196,9 +197,9 @@ SECTIONS = [
         of="runs",
     ),
     Section(
-        "Where nothing may grow",
-        "Problems that cannot flutter: largest growth relative to abs(lambda), and what residual "
-        "times condition explains of it.",
+        "Problems that cannot flutter",
+        "Largest growth relative to abs(lambda), and the algebraic error of that growth (residual "
+        "times condition number).",
         unexplained,
         tables=[Table("no_flutter", "", "no_flutter", COLUMNS)],
         of="no_flutter",
@@ -206,11 +207,11 @@ SECTIONS = [
     Section(
         "Omissions",
         tables=[
-            Table("omissions", "Meshes at which a line ends.", "omissions", COLUMNS),
+            Table("omissions", "Meshes that failed, which end a line.", "omissions", COLUMNS),
             Table(
                 "incomplete",
-                "Runs that missed listed modes (they have no error and are not drawn), or found "
-                "modes in the band that stand for none.",
+                "Runs with missing modes in the band (no error is defined, they are not drawn), or "
+                "with spurious modes.",
                 lost,
                 COLUMNS,
             ),

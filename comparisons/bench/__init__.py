@@ -1,1 +1,1 @@
-"""What solving, assembling and more ranks cost, beside other programs: `cea bench`."""
+"""Time and memory of assembly, solution and parallel runs, and of other programs: `cea bench`."""

@@ -1,7 +1,7 @@
-"""Stiffness and mass of a box by this program and by dolfinx: processor time of an element.
+"""Processor time per element of the stiffness and mass of a box, by this program and by dolfinx.
 
-Rounds repeat all cases by turns, and each round holds plain dolfinx with quadratic hexahedra, by
-which the others are measured: what else the machine does then slows all of them alike.
+All cases are repeated in rounds. Each round contains plain dolfinx on quadratic hexahedra, to which
+the other times are relative: other load on the machine then cancels.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -36,15 +36,15 @@ Family = Literal["NURBS", "Q", "P"]
 Boxes = tuple[int, int, int]  # elements along each side; tetrahedra are such boxes divided into six
 DEGREES: Mapping[Family, tuple[int, ...]] = {"NURBS": (2, 3, 4), "Q": (1, 2, 3), "P": (1, 2, 3)}
 """Degrees of each family."""
-YARDSTICK = ("Q2", "dolfinx")  # what every other is measured by
+YARDSTICK = ("Q2", "dolfinx")  # reference that all times are relative to
 MATERIAL = IsotropicMaterial(E=1.0, nu=0.3, rho=1.0)
 _CELLS: Mapping[str, Literal["hexahedron", "tetrahedron"]] = {"Q": "hexahedron", "P": "tetrahedron"}
-_WEDGES = 6  # tetrahedra that a box is divided into
+_WEDGES = 6  # tetrahedra per box
 _OPTIONS = {"cffi_extra_compile_args": ["-O3", "-march=native"]}
 
 
 def this_program(family: Family, degree: int, boxes: Boxes) -> Body:
-    """A body without supports: its space is made, its matrices are not."""
+    """Return a body without supports; its space is built, its matrices are not assembled."""
     box = Box((1.0, 1.0, 1.0))
     if family == "NURBS":
         mesh = MeshSpec(iga=IgaMesh((degree,) * 3, boxes))
@@ -54,7 +54,7 @@ def this_program(family: Family, degree: int, boxes: Boxes) -> Body:
 
 
 class PlainDolfinx:
-    """dolfinx as its demos use it, for this machine: both matrices as forms of vectors."""
+    """dolfinx used as in its demos, compiled for this machine: vector-valued forms."""
 
     def __init__(self, family: Family, degree: int, boxes: Boxes) -> None:
         corners = [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]]
@@ -63,7 +63,7 @@ class PlainDolfinx:
         self._degrees = 2 * (degree - (family == "P")), 2 * degree
 
     def stiffness(self) -> Any:
-        """PETSc AIJ, made anew; quadrature is exact on affine cells."""
+        """Assemble a new PETSc AIJ matrix, with quadrature exact on affine cells."""
         u, v = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
         lam, mu = MATERIAL.lame
         strain = ufl.sym(ufl.grad(u))
@@ -71,7 +71,7 @@ class PlainDolfinx:
         return _assembled(ufl.inner(stress, ufl.sym(ufl.grad(v))), self._degrees[0])
 
     def mass(self) -> Any:
-        """PETSc AIJ, made anew."""
+        """Assemble a new PETSc AIJ matrix."""
         u, v = ufl.TrialFunction(self._space), ufl.TestFunction(self._space)
         return _assembled(MATERIAL.rho * ufl.inner(u, v), self._degrees[1])
 
@@ -94,7 +94,7 @@ class Options:
     """Options of the benchmark."""
 
     boxes: Annotated[Boxes, "Elements along each side."] = (16, 16, 8)
-    repeats: Annotated[int, "Rounds; medians count."] = 3
+    repeats: Annotated[int, "Rounds; medians are reported."] = 3
 
     def __post_init__(self) -> None:
         at_least_one(repeats=self.repeats)
@@ -102,7 +102,7 @@ class Options:
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Every discretisation by every program that knows it, by turns."""
+    """Every discretisation by every program that has it, in rounds."""
     for repeat in range(options.repeats):
         for family, degrees in DEGREES.items():
             programs = ["this program"] if family == "NURBS" else [*PROGRAMS]
@@ -112,12 +112,12 @@ def cases(options: Options) -> Iterator[Case]:
 
 @cache
 def _warm_up(program: str, family: Family, degree: int) -> None:
-    """Assemble the smallest body once in a process, to load and compile what it needs."""
+    """Assemble the smallest body once in a process, which compiles forms."""
     assembled(PROGRAMS[program](family, degree, (1, 1, 1)))
 
 
 def evaluate(case: Case, session: Session) -> dict[str, Any]:
-    """Time of an assembly."""
+    """Return elements, dofs and processor times of an assembly."""
     boxes, of = session.options.boxes, (case["family"], case["degree"])
     _warm_up(case["program"], *of)
     elements = boxes[0] * boxes[1] * boxes[2] * (_WEDGES if case["family"] == "P" else 1)
@@ -125,7 +125,7 @@ def evaluate(case: Case, session: Session) -> dict[str, Any]:
 
 
 def assembled(program: Body | PlainDolfinx) -> dict[str, Any]:
-    """Dofs, and processor seconds of both matrices."""
+    """Return the dofs and the processor time (s) of each matrix."""
     begun = process_time()
     dofs = program.stiffness().getSize()[0]
     stiffness = process_time()
@@ -134,7 +134,7 @@ def assembled(program: Body | PlainDolfinx) -> dict[str, Any]:
 
 
 def times(result: StudyResult) -> pd.DataFrame:
-    """Medians of each program and discretisation; ratios are to the yardstick of the same round."""
+    """Medians of each program and discretisation, relative to the reference of the round."""
     frame = result.frame()
     both = frame["stiffness"] + frame["mass"]
     element, name = both / frame["elements"], frame["family"] + frame["degree"].astype(str)
@@ -155,15 +155,15 @@ COLUMNS = {
 }
 TIMES = Table(
     "times",
-    "Processor time of stiffness and mass on one thread, medians; an element over one of plain "
-    "dolfinx Q2, assembled in the same round.",
+    "Processor time of stiffness and mass on one thread, medians; the ratio is time per element "
+    "over that of plain dolfinx Q2 in the same round.",
     times,
     COLUMNS,
     printed=True,
 )
 PLOT = Plot(
     "ratio",
-    "Time of an element against degree.",
+    "Time per element against degree.",
     times,
     "degree",
     "ratio",
@@ -174,7 +174,7 @@ PLOT = Plot(
 )
 STUDY = Study(
     name="bench assembly",
-    title="Assembly of stiffness and mass beside dolfinx",
+    title="Assembly of stiffness and mass, compared with dolfinx",
     options=Options,
     cases=cases,
     evaluate=evaluate,

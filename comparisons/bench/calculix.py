@@ -1,8 +1,8 @@
 """CalculiX and this program on the same meshes: each body alone, and both in frictional contact.
 
 The meshes are straight tetrahedra of ten nodes, exported by :mod:`scenes.export.decks`. CalculiX
-integrates their mass with the four points of the stiffness, which is not exact; this program is run
-both with that mass, to compare what is the same, and with the exact one, to tell what that costs.
+integrates their mass with the four points of the stiffness, which is not exact. This program is run
+with the same mass, to compare the programs, and with the exact mass, to measure that error.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -32,19 +32,19 @@ from scenes.spec.mesh import FeMesh, MeshSpec
 from scenes.spec.reading import Scene, load_scene, with_contact
 
 MASS_QUADRATURE = 2
-"""Degree to which four points integrate over a tetrahedron: the mass of CalculiX."""
-MODES = 20
-_WIDER = 1.01  # window of this program over the last frequency of CalculiX
-_RIGID = 1e-6  # modes with abs(lambda) below this part of the largest are rigid
+"""Polynomial degree that four points integrate exactly: the mass of CalculiX."""
+MODES = 20  # modes requested from CalculiX
+_WIDER = 1.01  # end of the window of this program over the highest frequency of CalculiX
+_RIGID = 1e-6  # abs(lambda), relative to the largest, below which a mode is a rigid body mode
 PROGRAMS = ("CalculiX", "this program", "exact mass")
-"""CalculiX, this program with the mass of CalculiX, and with the exact one."""
+"""CalculiX, this program with the mass of CalculiX, this program with the exact mass."""
 
 
 @dataclass(frozen=True)
 class Options:
     """Options of the benchmark."""
 
-    # boxes along each direction of each body, six tetrahedra each; a mesh after another
+    # for each mesh: boxes of six tetrahedra along each direction of each body
     meshes: tuple[Mapping[str, tuple[int, ...]], ...] = (
         {"pad": (3, 5, 2), "disc": (5, 36, 1)},
         {"pad": (4, 8, 3), "disc": (7, 56, 2)},
@@ -52,14 +52,14 @@ class Options:
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Each body alone, then both in contact, on each mesh."""
+    """Each body alone, then both bodies in contact, on each mesh."""
     for mesh in range(1, len(options.meshes) + 1):
         for problem in ("pad", "disc", "disc_pad"):
             yield {"problem": problem, "mesh": mesh}
 
 
 def scene(case: Case, options: Options) -> Scene:
-    """Straight quadratic tetrahedra, their contact integrated exactly."""
+    """Return a scene of straight quadratic tetrahedra with exactly integrated contact."""
     meshes = {}
     for name, boxes in options.meshes[case["mesh"] - 1].items():
         mesh = FeMesh("tetrahedron", 2, geometry_degree=1, elements=boxes)
@@ -72,7 +72,7 @@ def scene(case: Case, options: Options) -> Scene:
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """One scene on both programs: modes by rising frequency, and unstable ones."""
+    """Run a scene in both programs; return all modes by rising frequency, and unstable ones."""
     assert session.scene is not None
     with TemporaryDirectory() as name:
         theirs = ccx.run(write_deck(session.scene, Path(name), MODES)[1])
@@ -101,7 +101,7 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 
 def bodies_of(scene: Scene) -> dict[str, Body]:
-    """Bodies of a scene of Lagrange elements with the mass of CalculiX."""
+    """Return the Lagrange bodies of a scene, with the mass of CalculiX."""
     return {
         name: Body(
             name,
@@ -116,7 +116,7 @@ def bodies_of(scene: Scene) -> dict[str, Body]:
 
 
 def unstable(values: Complexes) -> Complexes:
-    """Modes that grow."""
+    """Return the eigenvalues of unstable modes."""
     rigid = np.abs(values) <= _RIGID * np.abs(values).max(initial=0.0)
     words = classify(values.real, 0.0, thresholds(values), False, rigid)
     return values[np.array(words) == "unstable"]
@@ -126,7 +126,7 @@ _MODE = ["problem", "mesh", "mode"]
 
 
 def beside(result: StudyResult, table: str) -> pd.DataFrame:
-    """Frequency and growth rate of all programs beside each other; a row for each mode."""
+    """Frequency and growth rate of each mode, with a column for each program."""
     frame = result.frame(table)
     found = frame[_MODE].drop_duplicates()
     for program in PROGRAMS:
@@ -136,7 +136,7 @@ def beside(result: StudyResult, table: str) -> pd.DataFrame:
 
 
 def differences(result: StudyResult) -> pd.DataFrame:
-    """Worst relative difference of the frequencies of both programs, by problem."""
+    """Largest relative difference of frequencies between the programs, by problem."""
     modes = wide(result.frame("modes"), _MODE, "program", "frequency")
     for program in PROGRAMS[1:]:
         modes[program] = (modes[program] / modes["CalculiX"] - 1).abs()
@@ -145,7 +145,7 @@ def differences(result: StudyResult) -> pd.DataFrame:
 
 
 def headline(result: StudyResult) -> str:
-    """How far the programs are apart, and how many unstable modes each finds."""
+    """State the largest differences and the number of unstable modes of each program."""
     found = differences(result)
     contact = found["problem"] == "disc_pad"
     alone, touching = (found.loc[own, PROGRAMS[1]].max() for own in (~contact, contact))
@@ -170,7 +170,7 @@ COLUMNS = {
 }
 STUDY = Study(
     name="bench calculix",
-    title="CalculiX beside this program",
+    title="Comparison with CalculiX",
     options=Options,
     cases=cases,
     scene=scene,
@@ -187,8 +187,8 @@ STUDY = Study(
             [
                 Table(
                     "differences",
-                    "Worst relative difference of the first frequencies, with the mass of CalculiX "
-                    "and with the exact one in this program.",
+                    "Largest relative difference of frequencies, with the mass of CalculiX and "
+                    "with the exact mass in this program.",
                     differences,
                     COLUMNS,
                     printed=True,
@@ -199,10 +199,11 @@ STUDY = Study(
         ),
         Section(
             "Unstable modes",
-            "CalculiX takes a point to slip where its friction of the static step is beyond the "
-            "limit in the frequency step: the deck has twice the friction in the static step. It "
-            "leaves out the smallest pieces of the contact, gives points their stick stiffness "
-            "across the direction of slip, and prints complex eigenvalues with seven digits.",
+            "In CalculiX a point slips if its friction force of the static step exceeds the limit "
+            "in the frequency step. The deck therefore has twice the friction coefficient in the "
+            "static step. CalculiX drops the smallest contact segments, keeps the stick stiffness "
+            "perpendicular to the direction of slip, and prints complex eigenvalues with seven "
+            "digits.",
             tables=[
                 Table(
                     "unstable",

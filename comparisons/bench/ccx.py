@@ -1,7 +1,7 @@
-"""CalculiX: where it is, and what it finds.
+"""Run CalculiX and read its eigenvalues.
 
-Real eigenvalues are read from its binary file (``.eig``), which holds all their digits. Complex
-ones stand in its list (``.dat``) alone, with seven.
+Real eigenvalues are read with all digits from its binary file (``.eig``). Complex eigenvalues are
+only in its text file (``.dat``), with seven digits.
 """
 
 import os
@@ -23,7 +23,7 @@ _END_OF_LIST = "P A R T I C I P A T I O N"
 
 
 def program() -> str:
-    """Path of CalculiX, refused where it is not installed."""
+    """Return the path of CalculiX; an InputError if it is not installed."""
     found = shutil.which(PROGRAM)
     if found is None:
         allowed = "CalculiX on the path, as the Debian package calculix-ccx installs it"
@@ -32,16 +32,16 @@ def program() -> str:
 
 
 def version() -> str:
-    """Its version, as ``2.20``."""
+    """Return the version of CalculiX, such as ``2.20``."""
     done = subprocess.run([program(), "-v"], capture_output=True, text=True, check=False)
     found = _VERSION.search(done.stdout)
     return found.group(1) if found else "unknown"
 
 
 def run(deck: Path) -> Complexes:
-    """Run a deck that asks for frequencies on one thread: lambda (1/s) by rising frequency.
+    """Run a deck with a frequency step on one thread; return lambda (1/s) by frequency.
 
-    An error where CalculiX is not installed, or ends without results.
+    InputError if CalculiX is not installed, ConvergenceError if it fails.
     """
     environment = os.environ | {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(
@@ -61,7 +61,7 @@ def run(deck: Path) -> Complexes:
 
 
 def results(deck: Path) -> Complexes:
-    """Eigenvalues in the files that a run left beside its deck; none without a list."""
+    """Return the eigenvalues in the files of a run; empty if there is no ``.dat``."""
     listed = deck.with_suffix(".dat")
     eigenvalues = _listed(listed.read_text(encoding="utf-8") if listed.is_file() else "")
     kappa = stored_kappa(deck.with_suffix(".eig")) if eigenvalues.size else None
@@ -71,10 +71,10 @@ def results(deck: Path) -> Complexes:
 
 
 def _listed(text: str) -> Complexes:
-    """Eigenvalues of the list: of omega = b + i c, printed with both signs of c, lambda = i omega.
+    """Return lambda = i omega of the text file, which prints omega = b + i c.
 
-    Rows hold the number, and omega^2, omega, frequency, c where matrices are symmetric; omega,
-    frequency, c where they are not.
+    A row has the mode number and, for symmetric matrices, omega^2, b, frequency, c; for
+    unsymmetric matrices b, frequency, c, printed with both signs of c.
     """
     rows = [_ROW.match(line) for line in text.split(_END_OF_LIST)[0].splitlines()]
     numbers = [[float(word) for word in row.group(1).split()] for row in rows if row]
@@ -82,7 +82,7 @@ def _listed(text: str) -> Complexes:
 
 
 def stored_kappa(file: Path) -> np.ndarray | None:
-    """omega^2 (1/s^2) in the binary file of a frequency step; None if it follows a static one."""
+    """Return omega^2 (1/s^2) of the binary file; None if the step follows a static step."""
     content = file.read_bytes()
     cyclic, hermitian, perturbed, count = struct.unpack_from("=4i", content)
     if (cyclic, hermitian, perturbed) != (0, 1, 0):

@@ -1,7 +1,7 @@
-"""All modes of a window of matrices from files, beside runs of shift-and-invert by scipy.
+"""All modes of a window of matrices from files, by this program and by scipy.
 
-What a person would do without this program: at five shifts along the imaginary axis of the window
-the nearest eigenvalues by ARPACK and SuperLU, with no word on what lies between them.
+scipy computes the eigenvalues nearest to five shifts on the imaginary axis of the window (ARPACK,
+SuperLU). It gives no evidence that there are no others in between.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -27,34 +27,34 @@ from scenes import Result
 from scenes.running.matrices import AssembledMatrices
 from scenes.spec.matrices import MatrixScene, load_matrices
 
-_SHIFTS = 5  # runs of scipy
-_WANTED = 20  # eigenvalues of each
-_SAME = 1e-6  # relative distance of eigenvalues that are the same
+_SHIFTS = 5  # shifts of scipy
+_WANTED = 20  # eigenvalues at each shift
+_SAME = 1e-6  # relative distance up to which two eigenvalues are the same
 
 
 @dataclass(frozen=True)
 class Options:
     """Options of the benchmark."""
 
-    scene: Annotated[str, "Scene of matrices with damping: TOML file, or its name."] = "tu_berlin"
-    set: Annotated[tuple[str, ...], "Override of a field of the scene."] = ()
-    data: Annotated[str | None, "Folder of the files that it names."] = None
-    repeats: Annotated[int, "Runs of each by turns; medians count."] = 3
+    scene: Annotated[str, "Scene of matrices with damping: TOML file or name."] = "tu_berlin"
+    set: Annotated[tuple[str, ...], "Fields of the scene to change."] = ()
+    data: Annotated[str | None, "Folder of the matrix files."] = None
+    repeats: Annotated[int, "Runs of each method; medians are reported."] = 3
 
     def __post_init__(self) -> None:
         at_least_one(repeats=self.repeats)
 
 
 def loaded(options: Options) -> MatrixScene:
-    """The scene, refused without damping."""
+    """Return the scene; a scene without damping is refused."""
     scene = load_matrices(options.scene, options.set, options.data)
-    allowed = "one matrix or more: the race is one of quadratic problems"
+    allowed = "one matrix or more: the benchmark is for quadratic problems"
     require(bool(scene.damping), "damping", {}, allowed)
     return scene
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Every way by turns; labelled with a digest of the files, whose numbers decide."""
+    """Every method in rounds, labelled with a digest of the matrix files."""
     scene = loaded(options)
     files = (Path(scene.data, name.partition(":")[0]) for name in scene.files.values())
     digest = sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()
@@ -65,13 +65,13 @@ def cases(options: Options) -> Iterator[Case]:
 
 @cache
 def _first(options: Options) -> tuple[AssembledMatrices, Result]:
-    """The scene as read, and its modes, once in a process."""
+    """Return the matrices of the scene and its modes, computed once in a process."""
     assembled = AssembledMatrices(loaded(options))
     return assembled, assembled.modes()
 
 
 def evaluate(case: Case, session: Session) -> dict[str, Any]:
-    """Seconds of a way, and how many of the modes of this program it finds."""
+    """Return times of a method, and how many modes of this program it finds."""
     assembled, first = _first(session.options)
     assembled.free()
     with measured() as cost:
@@ -83,7 +83,7 @@ def evaluate(case: Case, session: Session) -> dict[str, Any]:
 
 
 def nearest(assembled: AssembledMatrices, matrices: Mapping[str, Any]) -> Complexes:
-    """Eigenvalues nearest to shifts in the middle of equal parts of the window."""
+    """Return the eigenvalues nearest to shifts at the midpoints of equal parts of the window."""
     top = 2 * np.pi * assembled.scene.window.max_frequency
     found = []
     for shift in 1j * top * (np.arange(_SHIFTS) + 0.5) / _SHIFTS:
@@ -95,7 +95,7 @@ def nearest(assembled: AssembledMatrices, matrices: Mapping[str, Any]) -> Comple
 
 
 def _reduced(matrices: Mapping[str, Any], shift: complex) -> Complexes:
-    """Eigenvalues nearest to a shift by the companion form, its systems reduced to Q(shift)."""
+    """Return the eigenvalues nearest to a shift, by the companion form with factors of Q(shift)."""
     M, C, K = (matrices[name] for name in "MCK")
     n = M.shape[0]
     factors, rest = splu(csc_array(shift**2 * M + shift * C + K)), csc_array(shift * M + C)
@@ -116,17 +116,17 @@ WAYS: Mapping[str, Callable[[AssembledMatrices, Mapping[str, Any]], Complexes]] 
 
 
 def seconds(result: StudyResult) -> pd.DataFrame:
-    """Medians of each way, and its processor time over that of this program."""
+    """Medians of each method, and its processor time over that of this program."""
     found = medians(result.frame())
     ours = found["processor"][found["way"] == next(iter(WAYS))]
     return found.drop(columns="files").assign(relative=found["processor"] / ours.iloc[0])
 
 
 OWN = {"relative": Column("of ours", show=shown(3))}
-TABLE = Table("race", "Medians of runs by turns in one process.", seconds, OWN, printed=True)
+TABLE = Table("race", "Medians of runs in one process.", seconds, OWN, printed=True)
 STUDY = Study(
     name="bench matrices",
-    title="All modes of a window beside shift-and-invert by scipy",
+    title="All modes of a window, compared with shift-invert by scipy",
     options=Options,
     cases=cases,
     evaluate=evaluate,

@@ -1,7 +1,7 @@
-"""Ways to the eigenvalues of a window: this driver, SLEPc alone, scipy, projection on real modes.
+"""Methods for the eigenvalues of a window: this driver, SLEPc, scipy, projection on real modes.
 
-The last is what most programs of industry do: the pencil with friction is projected on the lowest
-modes of its symmetric part and solved densely.
+Most industrial programs use the last: they project the pencil with friction on the lowest modes of
+its symmetric part and solve the projected problem by dense methods.
 """
 
 from collections.abc import Callable, Mapping
@@ -30,9 +30,9 @@ TOLERANCE = 1e-12
 
 @dataclass(frozen=True)
 class Problem:
-    """K x = kappa M x with K = S + U, and what is asked of a method."""
+    """The eigenproblem K x = kappa M x with K = S + U, and its window."""
 
-    pencil: Pencil  # what this program's driver takes
+    pencil: Pencil  # input of this program's driver
     stiffness: Any  # S, PETSc AIJ
     mass: Any
     friction: Any  # U
@@ -40,7 +40,7 @@ class Problem:
 
     @classmethod
     def of(cls, scene: Scene) -> "Problem":
-        """Matrices of a scene with friction in penalty form, without damping."""
+        """Return the matrices of a scene with friction in penalty form and without damping."""
         pencil = coupled(scene)[0].pencil()
         matrices = pencil.at()
         if matrices.multipliers is not None or matrices.unsymmetric is None or matrices.quadratic:
@@ -51,11 +51,11 @@ class Problem:
 
     @property
     def shift(self) -> float:
-        """The middle of the window, where every method that shifts does so."""
+        """Middle of the window: the shift of all methods with shift-invert."""
         return 0.5 * self.top
 
     def unsymmetric(self, shift: float = 0.0) -> Any:
-        """K - shift M, a new matrix."""
+        """Return K - shift M as a new matrix."""
         shifted = [(-shift, self.mass)] if shift else []
         return scaled_total([(1.0, self.stiffness), (1.0, self.friction), *shifted])
 
@@ -64,13 +64,13 @@ class Problem:
 class Answer:
     """Eigenvalues of K x = kappa M x."""
 
-    kappa: Complexes  # (1/s^2), those of conjugate pairs both
+    kappa: Complexes  # (1/s^2), both of each conjugate pair
     vectors: Complexes  # the rows of this rank
-    claims: str = ""  # what the method says of itself
-    stages: Mapping[str, float] = field(default_factory=dict)  # processor seconds, if told
+    claims: str = ""  # which eigenvalues the method claims to return
+    stages: Mapping[str, float] = field(default_factory=dict)  # processor seconds, if known
 
     def inside(self, top: float) -> "Answer":
-        """Those up to the end of a window."""
+        """Return the eigenvalues inside a window."""
         kept = np.abs(np.sqrt(-self.kappa.astype(complex)).imag) <= np.sqrt(top)
         return replace(self, kappa=self.kappa[kept], vectors=self.vectors[:, kept])
 
@@ -85,7 +85,7 @@ def backward_errors(problem: Problem, found: Answer) -> Floats:
 
 
 def this_driver(problem: Problem, wanted: int) -> Answer:
-    """All modes of the window, with what shows that they are all."""
+    """Return all modes of the window, with evidence of completeness."""
     timer = StageTimer()
     modes = solve_modes(problem.pencil, np.sqrt(problem.top) / (2 * np.pi), timer=timer)
     window, stages = modes.window, timer.processor_seconds
@@ -94,23 +94,23 @@ def this_driver(problem: Problem, wanted: int) -> Answer:
 
 
 def slepc(problem: Problem, wanted: int) -> Answer:
-    """Krylov-Schur of SLEPc with MUMPS, used as its manual shows."""
+    """Krylov-Schur of SLEPc with MUMPS, used as in its manual."""
     K, M = problem.unsymmetric(), problem.mass
     return _krylov_schur(K, M, SLEPc.EPS.ProblemType.PGNHEP, problem.shift, wanted)
 
 
 def arpack(problem: Problem, wanted: int) -> Answer:
-    """ARPACK and SuperLU, through scipy; on one rank."""
+    """ARPACK and SuperLU by scipy, on one rank."""
     K, M = (csc_array(local_part(m)) for m in (problem.unsymmetric(), problem.mass))
     kappa, vectors = eigs(K, wanted, M=M, sigma=problem.shift)
     return Answer(kappa, vectors, "nearest to the shift")
 
 
 def projection(problem: Problem, wanted: int, count: int) -> Answer:
-    """Every eigenvalue of the pencil projected on so many modes of its symmetric part."""
+    """Return all eigenvalues of the pencil projected on ``count`` modes of its symmetric part."""
     S, M = problem.stiffness, problem.mass
     modes = _krylov_schur(S, M, SLEPc.EPS.ProblemType.GHEP, 0.0, count)
-    basis = np.asfortranarray(modes.vectors[:, :count].real)  # some more may have converged
+    basis = np.asfortranarray(modes.vectors[:, :count].real)  # more may have converged
     every = problem.unsymmetric(), problem.mass
     K, M = (all_inner(basis, times(matrix, basis), matrix.comm) for matrix in every)
     kappa, vectors = eig(K, M)
@@ -125,11 +125,11 @@ METHODS: Mapping[str, Callable[[Problem, int], Answer]] = {
     SERIAL: arpack,
     **{f"{n} real modes": partial(projection, count=n) for n in (100, 200, 300)},
 }
-"""Methods by name: each takes a problem and how many eigenvalues of the window there are."""
+"""Methods by name; arguments are a problem and the number of eigenvalues in its window."""
 
 
 def _krylov_schur(K: Any, M: Any, kind: Any, shift: float, count: int) -> Answer:
-    """Eigenpairs nearest to a shift; SLEPc lists both of a conjugate pair."""
+    """Return the eigenpairs nearest to a shift, with both of each conjugate pair."""
     solver: Any = SLEPc.EPS().create(M.comm)
     solver.setOperators(K, M)
     solver.setProblemType(kind)

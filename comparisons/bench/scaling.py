@@ -1,4 +1,4 @@
-"""What more unknowns and more ranks cost: whole runs of disc_pad on quadratic tetrahedra."""
+"""Time of whole runs of disc_pad on quadratic tetrahedra, by unknowns and by ranks."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ from scenes import run_modes
 from scenes.spec.reading import Scene, load_scene
 
 COARSEST = {"pad": (2, 3, 1), "disc": (3, 16, 1)}
-"""Boxes of the coarsest mesh along r, theta and z; finer ones have each side in as many parts."""
+"""Boxes of the coarsest mesh along r, theta and z."""
 SIZES: Mapping[str, tuple[float, ...]] = {
     "tiny": (1.0, 1.3),
     "medium": (1.6, 2.1, 2.7, 3.4),
     "large": (2.1, 2.7, 3.4, 4.4),
 }
-"""Factors on the boxes along each side; runs on more ranks take the last but one."""
-_WHOLE = "whole"  # name of all stages together
+"""Factors on the boxes in each direction; runs on several ranks use the last but one."""
+_WHOLE = "whole"  # label of the sum of all stages
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,8 @@ class Options:
     """Options of the benchmark."""
 
     size: Annotated[str, "Row of meshes: tiny, medium or large."] = "medium"
-    ranks: Annotated[tuple[int, ...], "Numbers of ranks, rising."] = (1, 2)
-    repeats: Annotated[int, "Runs of each by turns; medians count."] = 1
+    ranks: Annotated[tuple[int, ...], "Numbers of ranks, increasing."] = (1, 2)
+    repeats: Annotated[int, "Runs of each case; medians are reported."] = 1
 
     def __post_init__(self) -> None:
         require(self.size in SIZES, "size", self.size, f"one of {', '.join(SIZES)}")
@@ -52,7 +52,7 @@ def cases(options: Options) -> Iterator[Case]:
 
 
 def scene(case: Case, options: Any) -> Scene:
-    """Disc and pad."""
+    """Return disc and pad on a refined mesh."""
     changes: dict[str, Any] = {}
     for body, boxes in COARSEST.items():
         counts = [max(1, round(case["factor"] * n)) for n in boxes]
@@ -63,12 +63,12 @@ def scene(case: Case, options: Any) -> Scene:
 
 @cache
 def _warm_up() -> None:
-    """Run the coarsest mesh once in a process: it loads or compiles forms and fills caches."""
+    """Run the coarsest mesh once in a process, which compiles forms and fills caches."""
     run_modes(scene({"factor": 1.0}, None))
 
 
 def evaluate(case: Case, session: Session) -> list[dict[str, Any]]:
-    """A row for each stage of a run and one for all, with what the whole run took."""
+    """Return a row for each stage and one for the sum, with totals of the run in each."""
     assert session.scene is not None
     comm = MPI.COMM_WORLD
     _warm_up()
@@ -100,7 +100,7 @@ def stages(result: StudyResult) -> pd.DataFrame:
 
 
 def runs(result: StudyResult) -> pd.DataFrame:
-    """A row for each run, its stages beside each other."""
+    """A row for each run, with a column for each stage."""
     found = stages(result)
     labels = ["row", "factor", "ranks"]
     whole = found.loc[found["stage"] == _WHOLE, [*labels, "unknowns", "modes", "clock", "memory"]]
@@ -109,7 +109,7 @@ def runs(result: StudyResult) -> pd.DataFrame:
 
 
 def speed_up(result: StudyResult) -> pd.DataFrame:
-    """How much sooner the busiest rank is done on more ranks than on the fewest, by stage."""
+    """Speed-up of the busiest rank over the run with fewest ranks, by stage."""
     found = stages(result).query("row == 'ranks' and busiest > 0")
     found = found.sort_values("ranks", kind="stable")
     first = found.groupby("stage")["busiest"].transform("first")
@@ -138,16 +138,16 @@ STUDY = Study(
             tables=[
                 Table(
                     "runs",
-                    "Whole runs, stages in processor time of all ranks (s); peak memory of all "
-                    "ranks above that of the program.",
+                    "Whole runs: processor time of each stage, summed over ranks (s); increase of "
+                    "peak memory, summed over ranks.",
                     runs,
                     COLUMNS,
                     printed=True,
                 ),
                 Table(
                     "ranks",
-                    "Processor time of the rank that works longest; what it waits for others is "
-                    "work too. The ratio is the number of ranks at best.",
+                    "Processor time of the busiest rank, including waiting for other ranks. The "
+                    "ideal ratio is the number of ranks over the fewest.",
                     speed_up,
                     COLUMNS,
                 ),

@@ -1,7 +1,7 @@
 """Eigenvalues of one window by several methods: time, memory, error.
 
-Each method also counts its seconds in numeric factorisations (LU) at the shift that all of them
-use, made in the same process: how fast the machine happens to be then cancels.
+Times are also given in units of one numeric factorisation (LU) at the common shift, measured in the
+same process: the speed of the machine at that time then cancels.
 """
 
 from collections.abc import Iterator, Mapping
@@ -40,7 +40,7 @@ _EVENTS = {
     "solves": ("MatSolve", "MatSolveTranspos"),
     "blocks": ("MatMatSolve", "MatMatTrSolve"),
 }
-"""What PETSc counts of each method, by its own names."""
+"""Events of PETSc that are counted for each method."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Options:
 
     size: Annotated[str, "Mesh: tiny, small, medium, large or million."] = "medium"
     ranks: Annotated[int, "Ranks of each method."] = 1
-    repeats: Annotated[int, "Runs of each by turns; medians count."] = 1
+    repeats: Annotated[int, "Runs of each method; medians are reported."] = 1
 
     def __post_init__(self) -> None:
         at_least_one(ranks=self.ranks, repeats=self.repeats)
@@ -57,14 +57,14 @@ class Options:
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Every method by turns."""
+    """Every method in each round."""
     for repeat in range(options.repeats):
         for method in METHODS:
             yield {"method": method, "ranks": options.ranks, "repeat": repeat}
 
 
 def scene(case: Case, options: Options) -> Scene:
-    """Disc and pad on quadratic tetrahedra."""
+    """Return disc and pad on quadratic tetrahedra."""
     changes: dict[str, Any] = {"analysis.max_frequency": MAX_FREQUENCY}
     for body, boxes in SIZES[options.size].items():
         changes[f"bodies.{body}.mesh.fe.cell"] = "tetrahedron"
@@ -74,21 +74,21 @@ def scene(case: Case, options: Options) -> Scene:
 
 @cache
 def _problem(options: Options) -> Problem:
-    """The matrices, assembled once in a process, which begins to count what PETSc does."""
+    """Return the matrices, assembled once in a process, and start the event log of PETSc."""
     PETSc.Log.begin()
     return Problem.of(scene({}, options))
 
 
 @cache
 def _wanted(options: Options) -> int:
-    """How many eigenvalues the window holds, which other methods must be told."""
+    """Number of eigenvalues in the window, which the other methods need as input."""
     return len(METHODS[OURS](_problem(options), 0).inside(_problem(options).top).kappa)
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Run a method and measure it: its row and its eigenvalues."""
+    """Run a method; return its measurements, stages and eigenvalues."""
     options, comm, name = session.options, MPI.COMM_WORLD, case["method"]
-    require(name != SERIAL or comm.size == 1, "ranks", comm.size, "1: scipy runs on one")
+    require(name != SERIAL or comm.size == 1, "ranks", comm.size, "1: scipy is serial")
     problem = _problem(options)
     wanted, before = 0 if name == OURS else _wanted(options), _counts()
     with measured() as cost:
@@ -117,7 +117,7 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 
 def _counts() -> dict[str, int]:
-    """How often PETSc factorised and solved so far."""
+    """Return how often PETSc has factorised and solved so far."""
     return {
         name: sum(int(PETSc.Log.Event(event).getPerfInfo()["count"]) for event in events)
         for name, events in _EVENTS.items()
@@ -125,14 +125,14 @@ def _counts() -> dict[str, int]:
 
 
 def lu_seconds(problem: Problem) -> float:
-    """Processor seconds of a numeric factorisation at the shift on this rank, its order known."""
+    """Processor time (s) of a numeric factorisation at the shift, without its ordering."""
     matrix = problem.unsymmetric(problem.shift)
     pc: Any = PETSc.PC().create(matrix.comm)
     pc.setOperators(matrix)
     pc.setType(PETSc.PC.Type.LU)
     pc.setFactorSolverType(PETSc.Mat.SolverType.MUMPS)
     pc.setUp()
-    matrix.stateIncrease()  # a matrix that was touched is factorised anew
+    matrix.stateIncrease()  # forces a new numeric factorisation
     pc.setOperators(matrix)
     with measured() as cost:
         pc.setUp()
@@ -141,21 +141,21 @@ def lu_seconds(problem: Problem) -> float:
 
 
 def unstable(kappa: Complexes) -> int:
-    """How many modes grow."""
+    """Return the number of unstable modes."""
     speeds = np.sqrt(-kappa.astype(complex))
     speeds = np.where(speeds.imag < 0, -speeds, speeds)
     return classify(speeds.real, 0.0, thresholds(speeds), False).count("unstable")
 
 
 def errors_of(found: Complexes, exact: Complexes) -> tuple[list[float], int]:
-    """Relative errors of eigenvalues, each paired with an exact one, and how many have no pair."""
+    """Return relative errors of matched eigenvalues and the number of missing ones."""
     cost = np.abs(found[:, None] - exact) / np.abs(exact)
     rows, columns = assign(cost)
     return cost[rows, columns].tolist(), len(exact) - len(columns)
 
 
 def methods(result: StudyResult) -> pd.DataFrame:
-    """Medians of each method, and errors of its eigenvalues against the tightest answer."""
+    """Medians of each method; errors against the answer with the smallest backward error."""
     every = result.frame()
     runs = medians(every)
     values = result.frame("eigenvalues").query("repeat == repeat.min()")
@@ -179,7 +179,7 @@ COLUMNS = {
 }
 STUDY = Study(
     name="bench solve",
-    title="Eigenvalues of a window beside other methods",
+    title="Eigenvalues of a window by several methods",
     options=Options,
     cases=cases,
     scene=scene,
@@ -193,17 +193,17 @@ STUDY = Study(
             tables=[
                 Table(
                     "methods",
-                    "Processor time of all ranks, medians, also in numeric factorisations (LU) at "
-                    "the shift; what PETSc counted; peak memory of all ranks above that of the "
-                    "matrices; errors of the eigenvalues (λ², relative) against the answer with "
-                    "the smallest backward error.",
+                    "Processor time of all ranks (medians), also in units of one numeric LU "
+                    "factorisation at the shift; calls counted by PETSc; peak memory of all ranks "
+                    "in excess of the matrices; relative errors of λ² against the answer with the "
+                    "smallest backward error.",
                     methods,
                     COLUMNS,
                     printed=True,
                 ),
                 Table(
                     "stages",
-                    "Processor time by stage of the methods that tell theirs.",
+                    "Processor time by stage, for methods that report stages.",
                     lambda result: medians(result.frame("stages"), "stage"),
                     COLUMNS,
                 ),
@@ -211,7 +211,7 @@ STUDY = Study(
             plots=[
                 Plot(
                     "error_against_time",
-                    "Worst error of each method over its processor time.",
+                    "Worst error of each method against its processor time.",
                     methods,
                     "processor",
                     "worst",

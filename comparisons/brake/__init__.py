@@ -1,1 +1,1 @@
-"""The ventilated brake on meshes that become finer, and with contacts of other stiffness."""
+"""Modes of the ventilated brake on a sequence of refined meshes."""

@@ -1,8 +1,8 @@
-"""``ventilated_brake`` on meshes that become finer.
+"""``ventilated_brake`` on a sequence of refined meshes.
 
-Modes are matched from mesh to mesh by their shapes on the contact surfaces and by eigenvalue: their
-spread says how far they may be trusted. Contacts are mortar, for Gauss points on quadratic elements
-are not usable at such a stiffness (``cea study accuracy``).
+Modes are matched from mesh to mesh by eigenvalue and by shape on the contact surfaces. The spread
+of their frequencies measures the error. Contacts use mortar, because GPTS on quadratic elements is
+not usable at this contact stiffness (``cea study accuracy``).
 """
 
 from collections.abc import Iterator
@@ -29,9 +29,9 @@ _PARTNERS = 1e-10  # relative distance of the frequencies of a growing mode and 
 
 @dataclass(frozen=True)
 class Options:
-    """Options of the study; refused without sizes, or where they do not fall."""
+    """Options of the study; sizes must be given and decrease."""
 
-    sizes: Annotated[tuple[float, ...], "Edge lengths of tetrahedra (m), falling."] = (
+    sizes: Annotated[tuple[float, ...], "Edge lengths of tetrahedra (m), decreasing."] = (
         0.012,
         0.0075,
         0.006,
@@ -41,7 +41,7 @@ class Options:
     def __post_init__(self) -> None:
         falling = all(a > b > 0 for a, b in pairwise(self.sizes))
         if not self.sizes or not falling or not self.sizes[0] > 0:
-            raise InputError("sizes", self.sizes, "one or more positive lengths (m), falling")
+            raise InputError("sizes", self.sizes, "one or more positive lengths (m), decreasing")
 
 
 def cases(options: Options) -> Iterator[Case]:
@@ -51,17 +51,17 @@ def cases(options: Options) -> Iterator[Case]:
 
 
 def scene(case: Case, options: Options) -> Scene:
-    """``ventilated_brake`` with tetrahedra of one target edge length in disc and pads."""
+    """Return ``ventilated_brake`` with one target edge length in disc and pads."""
     brake = load_scene(Path(SCENE), options.overrides)
     return brake.change({f"bodies.{name}.mesh.fe.size": case["size"] for name in brake.bodies})
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """A run, its modes, and which modes of the next coarser mesh stand for which of them."""
+    """Return the run, its modes, and their matches with modes of the next coarser mesh."""
     sizes, matches = session.options.sizes, []
     before = [size for size in sizes if size > case["size"]]
     coarser = None
-    if before:  # the run before this one, unless the study was resumed here
+    if before:  # cached, unless the study was resumed here
         coarser = session.solve(scene({"size": before[-1]}, session.options))
     with measured() as cost:
         result = session.solve()
@@ -84,7 +84,7 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 
 def brake_modes(result: StudyResult) -> pd.DataFrame:
-    """Every mode of the finest mesh, or group of modes that nearly coalesce, over all meshes."""
+    """Every mode, or group of nearly coalescing modes, of the finest mesh on all meshes."""
     modes = result.frame("modes")
     sizes = list(modes["size"].unique())
     by_size = [modes[modes["size"] == size].reset_index(drop=True) for size in sizes]
@@ -104,7 +104,7 @@ def brake_modes(result: StudyResult) -> pd.DataFrame:
 
 
 def _over_meshes(result: StudyResult, by_size: list[pd.DataFrame]) -> Iterator[list[list[int]]]:
-    """Modes on each mesh that stand for one another; both of a pair stay together."""
+    """Groups of matched modes on all meshes; a growing mode and its partner are one group."""
     every = result.frame("matches")
     sizes = [own["size"].iloc[0] for own in by_size[1:]]
     matches = [every[every["size"] == size].to_dict("records") for size in sizes]
@@ -125,7 +125,7 @@ def _over_meshes(result: StudyResult, by_size: list[pd.DataFrame]) -> Iterator[l
 
 
 def headline(result: StudyResult) -> str:
-    """How many unstable pairs the finest mesh has, and how far they are from converged."""
+    """State the unstable pairs on the finest mesh and the spread of their frequencies."""
     grow = brake_modes(result)
     grow = grow[grow["verdict"] == "unstable"]
     spread = number(100 * grow["spread"].max(), 2) if grow["spread"].notna().any() else "–"
@@ -160,12 +160,12 @@ STUDY = Study(
     sections=[
         Section(
             "Meshes",
-            "Modes of the finest mesh and what they are on the others: means of modes that nearly "
-            "coalesce, the largest of their growth rates.",
+            "Modes of the finest mesh and the matching modes of the others. Modes that nearly "
+            "coalesce are shown by their mean frequency and largest growth rate.",
             headline,
             [
                 Table("brake_runs", "Every mesh.", "brake_runs", OWN, printed=True),
-                Table("brake_modes", "Modes over the meshes.", brake_modes, OWN, printed=True),
+                Table("brake_modes", "Modes on all meshes.", brake_modes, OWN, printed=True),
             ],
             [diagram("brake", "Every mode of every mesh.", "modes", ("size",), own=OWN)],
             modes=True,

@@ -1,1 +1,1 @@
-"""Eigenvalues with error bars: scenes refined on both backends until modes hold their digits."""
+"""Eigenvalues with error bars, by refining a scene on both backends: `cea converge`."""

@@ -1,11 +1,11 @@
-"""Error bars of numbers on a sequence of meshes, and of the eigenvalues that are made of them.
+"""Error bars of numbers computed on a sequence of meshes, and of eigenvalues.
 
-The bar is twice the larger of two estimates of the error on the finest mesh: Richardson's, by the
-order observed on three meshes, and the change by inverse iteration in a richer space.
+The bar is twice the larger of two estimates of the error on the finest mesh: Richardson's estimate
+with the order observed on three meshes, and the change by inverse iteration in a richer space.
 
 Two eigenvalues z of a pair near a coalescence, lambda^2 without damping and lambda with, are
-m +- sqrt(s). Mean m and splitting s = ((z1 - z2) / 2)^2 vary smoothly with the mesh where the
-members do not, so that bars of a pair are made of those of m and s.
+m +- sqrt(s). The mean m and the splitting s = ((z1 - z2) / 2)^2 vary smoothly with the mesh, while
+z1 and z2 do not. The bars of a pair are therefore computed from those of m and s.
 """
 
 from collections.abc import Sequence
@@ -19,11 +19,11 @@ from cea.arrays import Complexes
 from comparisons.converge.ladder import MESHES, RATIO
 
 FACTOR = 2.0
-"""Bar over the larger estimate: 99.9 per cent of eigenvalues with known errors lie within it."""
+"""Bar over the larger estimate: contains 99.9 per cent of errors against exact eigenvalues."""
 LEAST_ORDER = 1.0
-"""Least order of convergence by which Richardson's error is extrapolated."""
+"""Smallest order of convergence used in Richardson's estimate."""
 CONVERGING = 1.2
-"""Least ratio of two differences of a sequence that converges."""
+"""Ratio of successive differences below which a sequence does not converge."""
 
 
 @dataclass(frozen=True)
@@ -31,24 +31,24 @@ class Bar:
     """Error bar of the last number of a sequence."""
 
     size: float
-    converges: bool = True  # whether differences fall
-    estimates: int = 2  # 1 where meshes are too few or have no ratio
+    converges: bool = True  # whether differences decrease
+    estimates: int = 2  # 1 without Richardson's estimate
 
 
 def bar_of(
     numbers: Sequence[complex], corrected: complex, degree: int, rounding: float = 0.0
 ) -> Bar:
-    """Error bar of the last of the numbers on some meshes, coarsest first.
+    """Return the error bar of the last of some numbers on meshes, coarsest first.
 
-    Richardson's error takes the last three, of meshes of the same ratio; differences fall by it to
-    twice the degree at most. Each number has an error by rounding.
+    Richardson's estimate uses the last three, on meshes of one ratio, with an order of at most
+    twice the degree. ``rounding`` is the rounding error of each number.
     """
     change = abs(corrected - numbers[-1])
     if len(numbers) < MESHES:
         return Bar(FACTOR * change + rounding, estimates=1)
     first, second = np.abs(np.diff(numbers[-MESHES:])).tolist()
     size = max(first + second, FACTOR * change)
-    if first + second <= 2 * rounding:  # nothing but rounding differs
+    if first + second <= 2 * rounding:  # differences are rounding only
         return Bar(size + rounding)
     if first < CONVERGING * second:
         return Bar(size + rounding, converges=False)
@@ -66,12 +66,12 @@ class Estimated:
     growth_bar: float
     converges: bool = True
     estimates: int = 2
-    still: bool = False  # it cannot grow for the structure of the problem
-    is_open: bool = False  # it may have coalesced with another or not: growth is not known
+    still: bool = False  # growth is exactly zero by the structure of the problem
+    is_open: bool = False  # it may have coalesced with another: growth is undecided
 
 
 def splitting(pairs: Complexes) -> Any:
-    """((a - b) / 2)^2 of the pairs along the last axis."""
+    """Return ((a - b) / 2)^2 of the pairs along the last axis."""
     return ((pairs[..., 0] - pairs[..., 1]) / 2) ** 2
 
 
@@ -83,7 +83,7 @@ def single(
     *,
     damped: bool,
 ) -> Estimated:
-    """An eigenvalue by itself; without damping one of no growth on all meshes has none."""
+    """Return a single eigenvalue with bars; undamped, zero growth on all meshes is exact."""
     bar = bar_of(values.tolist(), corrected, degree, rounding)
     value, still = complex(values[-1]), bool(not damped and np.all(values.real == 0))
     growth = 0.0 if still else bar.size
@@ -98,10 +98,10 @@ def pair(
     *,
     damped: bool,
 ) -> tuple[Estimated, Estimated]:
-    """Two eigenvalues by their mean and splitting, values of shape (meshes, 2).
+    """Return a pair with bars from its mean and splitting; ``values`` have shape (meshes, 2).
 
-    Without damping both are still where the splitting lies above its bar, flutter where it lies
-    below minus its bar, and else grow by no more than what the splitting minus its bar gives.
+    Without damping the pair does not grow if the splitting s exceeds its bar, and flutters if s is
+    below minus its bar. Otherwise growth is undecided, with a limit from s minus its bar.
     """
     z = values if damped else values**2
     means, splittings = z.mean(axis=1), splitting(z)
@@ -111,7 +111,7 @@ def pair(
     of_mean = bar_of(means.tolist(), complex(richer.mean()), degree, of_member)
     of_splitting = 2 * sqrt(root) * of_member + of_member**2
     of_root = bar_of(splittings.tolist(), splitting(richer), degree, of_splitting)
-    copies = bool((np.abs(splittings) <= of_splitting).all())
+    multiple = bool((np.abs(splittings) <= of_splitting).all())
     error = root_error(root, of_root.size)
     converges = of_mean.converges and of_root.converges
     estimates = min(of_mean.estimates, of_root.estimates)
@@ -121,7 +121,7 @@ def pair(
             both = of_mean.size + error
             found.append(Estimated(value, both, both, converges, estimates))
             continue
-        is_open = root <= of_root.size and not (copies and value.real == 0)
+        is_open = root <= of_root.size and not (multiple and value.real == 0)
         frequency, growth = _of_member(value, of_mean.size, error)
         if is_open:
             speed = max(abs(value), np.finfo(float).tiny)
@@ -133,28 +133,28 @@ def pair(
 
 
 def opened(one: Estimated, apart: float, bar: float) -> Estimated:
-    """An eigenvalue that was still, beside one with which it may have coalesced.
+    """Return an eigenvalue without growth as undecided: it may have coalesced with another.
 
-    Their splitting has a size and a bar.
+    ``apart`` is the size of their splitting, ``bar`` its error bar.
     """
     growth = sqrt(apart + bar) / (2 * abs(one.value))
     return replace(one, growth_bar=max(one.growth_bar, growth), still=False, is_open=True)
 
 
 def root_error(square: float, error: float) -> float:
-    """Error of a root from that of its square: half of it relative, or its root."""
+    """Return the error of a square root from the error of its square."""
     return sqrt(square) - sqrt(square - error) if error < square else sqrt(square + error)
 
 
 def _of_member(value: complex, of_mean: float, of_root: float) -> tuple[float, float]:
-    """Bars of Im and Re lambda, lambda^2 = m +- sqrt(s), from those of m and of sqrt(s)."""
+    """Return bars of Im and Re lambda, lambda^2 = m +- sqrt(s), from those of m and sqrt(s)."""
     growth, frequency = abs(value.real), abs(value.imag)
     speed = max(abs(value), np.finfo(float).tiny)
     if growth == 0:
         return (of_mean + of_root) / (2 * speed), 0.0
     if frequency == 0:
         return 0.0, (of_mean + of_root) / (2 * speed)
-    # Of a pair that flutters lambda = g + i w: m = g^2 - w^2, sqrt(-s) = 2 g w.
+    # For a fluttering pair lambda = g + i w, m = g^2 - w^2 and sqrt(-s) = 2 g w.
     return (
         (frequency * of_mean + growth * of_root) / (2 * speed**2),
         (frequency * of_root + growth * of_mean) / (2 * speed**2),

@@ -1,4 +1,4 @@
-"""What both backends say of each mode together: the better value, overlap of the bars, the word."""
+"""Modes of both backends combined: the smaller bar, overlap of the bars, stability."""
 
 from dataclasses import dataclass, replace
 from math import tau
@@ -16,11 +16,11 @@ from scenes.spec.body import Backend
 
 @dataclass(frozen=True)
 class Mode:
-    """One mode as the report has it: the value of the backend with the smaller bar."""
+    """A mode of the report, with the value of the backend with the smaller bar."""
 
     backend: Backend
-    estimated: Estimated  # widened to the value of the other backend where bars do not meet
-    agree: bool | None  # whether they meet; None where only one backend has the mode
+    estimated: Estimated  # with bars widened to the other value if the bars do not overlap
+    agree: bool | None  # whether the bars overlap; None if only one backend has the mode
     rigid: bool
     word: Word
 
@@ -30,9 +30,10 @@ class Mode:
         return self.estimated.value.imag / tau
 
     def shortfalls(self, request: Request, threshold: float | None) -> tuple[float, float]:
-        """Bars of frequency and of growth over those that the digits allow, 1 or less if held.
+        """Return the bars of frequency and growth over the largest bars that the digits allow.
 
-        Digits of growth are asked of modes that grow, relative to no less than the threshold.
+        Digits of growth are required of growing modes only, relative to the growth rate or the
+        threshold, whichever is larger.
         """
         own = self.estimated
         if self.rigid or (request.unstable and self.word == "stable"):
@@ -46,7 +47,7 @@ class Mode:
         return of_frequency, own.growth_bar / (half_unit(request.of_growth) * scale)
 
     def plain(self) -> dict[str, Any]:
-        """Plain data."""
+        """Return the mode as plain data."""
         own = self.estimated
         return {
             "backend": self.backend,
@@ -67,7 +68,7 @@ def combine(
     bars: dict[Backend, list[Estimated]],
     threshold: float | None,
 ) -> list[Mode]:
-    """Modes of the finest meshes with what every backend says of them; collective."""
+    """Return the modes of the finest meshes, matched between backends; collective."""
     pairs: list[dict[Backend, int]] = []
     backends = list(followed)
     if len(backends) == 2:
@@ -107,7 +108,7 @@ def _mode(
 
 
 def widened(own: Estimated, other: Estimated) -> tuple[Estimated, bool]:
-    """An eigenvalue with its bars widened to the other where bars do not meet; whether they do."""
+    """Return an eigenvalue and whether its bars overlap the other's; widen them if not."""
     frequency = abs(own.value.imag - other.value.imag)
     growth = abs(own.value.real - other.value.real)
     if (
@@ -121,7 +122,7 @@ def widened(own: Estimated, other: Estimated) -> tuple[Estimated, bool]:
 
 
 def word_of(own: Estimated, threshold: float | None, *, rigid: bool = False) -> Word:
-    """The word of one mode, with the bar of its growth as error; an open one is undecided."""
+    """Classify one mode, with the bar of its growth as its error."""
     limits = thresholds(np.array([own.value]), threshold)
     error = np.inf if own.is_open else own.growth_bar
     return classify(own.value.real, error, limits, own.still, rigid)[0]

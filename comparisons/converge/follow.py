@@ -1,4 +1,4 @@
-"""Modes followed from mesh to mesh by shape, and the error bars of those on the finest mesh."""
+"""Matching of modes from mesh to mesh by shape, and error bars on the finest mesh."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -15,13 +15,13 @@ from scenes.results.matching import match_runs
 
 @dataclass
 class Followed:
-    """Meshes of one backend, and groups of modes of each and of the next that were matched."""
+    """Meshes of one backend, and matched groups of modes of each mesh and the next."""
 
     meshes: list[Mesh] = field(default_factory=list)
     links: list[list[tuple[Ints, Ints]]] = field(default_factory=list)
 
     def add(self, mesh: Mesh) -> None:
-        """Match the modes of a new mesh with those of the last one; collective."""
+        """Add a mesh and match its modes with those of the last mesh; collective."""
         if self.meshes:
             last = self.meshes[-1]
             self.links.append(matched(last, mesh))
@@ -30,7 +30,7 @@ class Followed:
 
     @property
     def lost(self) -> Complexes:
-        """Modes of the last mesh but one that the last does not have."""
+        """Eigenvalues of the last mesh but one without a match on the last mesh."""
         if not self.links:
             return np.empty(0, complex)
         followed = np.concatenate([np.empty(0, int), *(first for first, _ in self.links[-1])])
@@ -38,10 +38,10 @@ class Followed:
 
 
 def matched(first: Mesh, second: Mesh) -> list[tuple[Ints, Ints]]:
-    """Groups of modes of two meshes that stand for one another, by their numbers; collective.
+    """Return matched groups of modes of two meshes, by their numbers; collective.
 
-    Rigid motions stand for rigid motions where there are as many: rounding is no eigenvalue to
-    match them by.
+    Rigid body modes form one group if there are equally many, because their eigenvalues are
+    rounding errors.
     """
     assert first.result is not None
     assert second.result is not None
@@ -55,7 +55,7 @@ def matched(first: Mesh, second: Mesh) -> list[tuple[Ints, Ints]]:
 
 
 def estimated(followed: Followed, ladder: Ladder) -> list[Estimated]:
-    """Every mode of the finest mesh with its error bars, in the order of its eigenvalues."""
+    """Return the modes of the finest mesh with error bars, in the order of its eigenvalues."""
     mesh, degree, scene = followed.meshes[-1], ladder.degree, ladder.scene
     damped = scene.damped or scene.rotates
     grows = damped or any(contact.mu for contact in scene.contacts.values())
@@ -65,7 +65,7 @@ def estimated(followed: Followed, ladder: Ladder) -> list[Estimated]:
     for members in _clusters(followed):
         newest = members[-1]
         assert newest is not None
-        values = _values(members[-1:] if ladder.by_degree else members, followed)  # no ratio
+        values = _values(members[-1:] if ladder.by_degree else members, followed)  # single estimate
         corrected = mesh.corrected[newest]
         rounding = mesh.uncertainties[newest]
         if len(newest) == 2 and grows and not mesh.rigid[newest].any():
@@ -93,14 +93,14 @@ def estimated(followed: Followed, ladder: Ladder) -> list[Estimated]:
 def _open_where_bars_meet(
     found: dict[int, Estimated], histories: dict[int, Complexes], mesh: Mesh, degree: int
 ) -> None:
-    """Leave open whether still modes grow that cannot be told apart by their splitting."""
+    """Mark modes without growth as undecided if the bar of their splitting contains zero."""
     assert mesh.corrected is not None
     still = [i for i in histories if found[i].still and not mesh.rigid[i]]
     for i, j in combinations(still, 2):
         a, b = found[i], found[j]
         apart = abs(a.value.imag - b.value.imag)
-        copies = mesh.stable[[i, j]].all() and apart <= mesh.uncertainties[[i, j]].sum()
-        if copies or apart > a.frequency_bar + b.frequency_bar:
+        multiple = mesh.stable[[i, j]].all() and apart <= mesh.uncertainties[[i, j]].sum()
+        if multiple or apart > a.frequency_bar + b.frequency_bar:
             continue
         count = min(len(histories[i]), len(histories[j]))
         squares = np.column_stack([histories[k][-count:] ** 2 for k in (i, j)])
@@ -113,7 +113,10 @@ def _open_where_bars_meet(
 
 
 def _values(members: Sequence[Ints | None], followed: Followed) -> Complexes:
-    """Eigenvalues of a cluster on its last meshes in a row, beside the newest they are nearest."""
+    """Return the eigenvalues of a cluster on the last consecutive meshes that have all of it.
+
+    Each column follows the nearest eigenvalue from mesh to mesh.
+    """
     rows: list[Complexes] = []
     for numbers, mesh in zip(reversed(members), reversed(followed.meshes), strict=False):
         if numbers is None:
@@ -124,9 +127,9 @@ def _values(members: Sequence[Ints | None], followed: Followed) -> Complexes:
 
 
 def _clusters(followed: Followed) -> list[tuple[Ints | None, ...]]:
-    """Modes that stand for one another or meet on some mesh, by their numbers on each.
+    """Return clusters of modes that are matched or coalesce on some mesh, by their numbers.
 
-    None stands where a mesh has another number of them than the newest.
+    An entry is None if that mesh has another number of modes of the cluster than the newest.
     """
     meshes = followed.meshes
     starts = np.cumsum([0, *(len(mesh.eigenvalues) for mesh in meshes)])
@@ -159,5 +162,5 @@ def _partners(mesh: Mesh) -> list[Ints]:
 
 
 def _join(linked: np.ndarray, nodes: Ints) -> None:
-    """Link nodes with the first of them, which connects them all."""
+    """Connect nodes by linking each of them with the first."""
     linked[nodes[0], nodes] = linked[nodes, nodes[0]] = True

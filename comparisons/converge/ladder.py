@@ -1,8 +1,8 @@
-"""Meshes of a scene on one backend, each finer than the one before; they depend on the scene alone.
+"""Sequence of refined meshes of a scene on one backend, which depends on the scene alone.
 
-Mesh number i, from 0, has the elements of the scene along each direction times the ratio to the
-power of i - 2, and i layers at singular edges: the third has the nodes of the scene's own, but for
-layers. On the cells of mesh files elements have degree i + 1.
+Mesh i, from 0, has the elements of the scene in each direction times RATIO**(i - 2), and i graded
+layers at singular edges: the third mesh has as many nodes as the scene's own, besides layers. Mesh
+files keep their cells, with elements of degree i + 1.
 """
 
 from dataclasses import dataclass, field, replace
@@ -32,40 +32,40 @@ from scenes.spec.body import Backend
 from scenes.spec.reading import Scene
 
 MESHES = 3
-"""Meshes of a bar: two differences show the order of convergence."""
+"""Meshes of an error bar: two differences give the order of convergence."""
 RATIO = 1.5
-"""Elements along each direction relative to those of the mesh before."""
+"""Elements in each direction over those of the mesh before."""
 LEAST_DEGREE = 3
-"""Least degree of the elements of shapes: degree 2 takes more time for three digits, or more."""
+"""Smallest degree, except for mesh files: degree 2 takes longer for three or more digits."""
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """Modes on one mesh, by rising frequency, to 5 per cent above the window of the user."""
+    """Modes on one mesh by rising frequency, up to 5 per cent above the window of the scene."""
 
     resolution: Resolution
-    scene: Scene  # with the window of the user
+    scene: Scene  # with the window of the scene file
     dofs: int
-    seconds: float  # of the run and of its correction
+    seconds: float  # of the run and the correction
     eigenvalues: Complexes  # lambda (1/s) with Im >= 0, shape (n,)
-    uncertainties: Floats  # their errors by rounding and backward error (1/s)
-    rigid: NDArray[np.bool_]  # modes whose lambda is zero but for rounding
-    stable: NDArray[np.bool_]  # modes that the run knows to be stable
+    uncertainties: Floats  # algebraic errors (1/s)
+    rigid: NDArray[np.bool_]  # rigid body modes: lambda is zero to rounding
+    stable: NDArray[np.bool_]  # modes that the run classifies as stable
     window: Window
     warnings: tuple[ResultWarning, ...]
-    result: Result | None = field(repr=False)  # None once it is no longer compared
-    corrected: Complexes | None = None  # lambda in a richer space, which bars are made of
+    result: Result | None = field(repr=False)  # None once a finer mesh was matched
+    corrected: Complexes | None = None  # lambda in the richer space, for error bars
 
 
 class Ladder:
-    """The meshes of a scene on one backend, that of its shapes."""
+    """The sequence of meshes of a scene on one backend."""
 
     def __init__(self, scene: Scene, backend: Backend) -> None:
-        _ = scene.window  # refused where the analysis gives no modes
+        _ = scene.window  # raises if the analysis has no modes
         on = on_backend_of_shapes(scene, backend)
         self.scene, self.backend = scene, backend
         self.by_degree = any(map(from_file, on.bodies.values()))
-        self.least = 1 if self.by_degree else MESHES  # meshes that bars of two estimates take
+        self.least = 1 if self.by_degree else MESHES  # meshes needed for an error bar
         self._layered = has_singular_edges(on)
         self._slower = 1.0
         shapes = [body.mesh for body in on.bodies.values() if not from_file(body)]
@@ -77,7 +77,7 @@ class Ladder:
         self._density = least / self.degree
 
     def resolution(self, number: int) -> Resolution | None:
-        """How fine the mesh of a number is, from 0; None where mesh files have no further one."""
+        """Return the resolution of a mesh by number, from 0; None if mesh files have no more."""
         if self.by_degree and number >= MESHES:
             return None
         return Resolution(
@@ -88,9 +88,9 @@ class Ladder:
         )
 
     def seconds(self, number: int) -> float | None:
-        """Time that a mesh and its correction are expected to take (s); None where none is left.
+        """Return the expected time of a mesh and its correction (s); None if there is no such mesh.
 
-        One whose correction does not fit into memory is refused.
+        A mesh whose correction does not fit into memory is refused.
         """
         resolution = self.resolution(number)
         if resolution is None:
@@ -102,7 +102,7 @@ class Ladder:
         return self._slower * (_estimated_seconds(wider) + _estimated_seconds(richer) / 2)
 
     def run(self, number: int, progress: Progress) -> Mesh:
-        """Modes on the mesh of a number; collective."""
+        """Compute the modes on a mesh, by number; collective."""
         resolution = self.resolution(number)
         assert resolution is not None
         begun, finer = perf_counter(), refined(self.scene, self.backend, resolution)
@@ -126,7 +126,7 @@ class Ladder:
         )
 
     def correct(self, mesh: Mesh, progress: Progress) -> Mesh:
-        """A mesh whose modes are corrected in a richer space; collective."""
+        """Return the mesh with eigenvalues corrected in a richer space; collective."""
         own = mesh.result
         assert own is not None
         if not len(mesh.eigenvalues):
@@ -138,7 +138,7 @@ class Ladder:
 
 
 def elements_of(scene: Scene) -> dict[str, Any]:
-    """Elements of each body along its directions, their size (m), or how many a file has."""
+    """Return the elements of each body in each direction, their size (m), or their number."""
     found: dict[str, Any] = {}
     for name, body in scene.bodies.items():
         mesh = body.division
@@ -150,13 +150,13 @@ def elements_of(scene: Scene) -> dict[str, Any]:
 
 
 def _widened(scene: Scene) -> Scene:
-    """The scene with a window that reaches a little farther: modes at the end keep partners."""
+    """Return the scene with a larger window, so that modes at its end can be matched."""
     window = scene.window
     return replace(scene, analysis=replace(window, max_frequency=ABOVE * window.max_frequency))
 
 
 def _estimated_seconds(scene: Scene) -> float:
-    """Time of a run (s): a second of setup, then factors by nested dissection (George 1973)."""
+    """Estimate the time of a run (s): setup and factors by nested dissection (George 1973)."""
     dofs = sum(map(dofs_of, scene.bodies.values()))
     plane = all(body.dim == 2 for body in scene.bodies.values())
     entries = 120.0 * dofs if plane else 40.0 * dofs ** (4 / 3)

@@ -1,4 +1,4 @@
-"""What ``cea converge`` leaves behind: result.json, tables, scene files, a page."""
+"""Output of ``cea converge``: result.json, tables, scene files, a page."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -21,7 +21,7 @@ from scenes.results.record import write_record
 
 
 def modes(data: Data) -> pd.DataFrame:
-    """Every mode with value, bars and verdict."""
+    """Return a row for each mode, with value, bars and verdict."""
     shown = ("frequency", "frequency_bar", "growth", "growth_bar", "backend", "estimates", "agree")
     return pd.DataFrame(
         [
@@ -32,7 +32,7 @@ def modes(data: Data) -> pd.DataFrame:
 
 
 def levels(data: Data) -> pd.DataFrame:
-    """Every mesh with its error and time."""
+    """Return a row for each mesh, with error and time."""
     return pd.DataFrame(
         [
             {
@@ -48,7 +48,7 @@ def levels(data: Data) -> pd.DataFrame:
 
 
 def elements_text(elements: Mapping[str, Any]) -> str:
-    """Elements of all bodies in words."""
+    """Describe the elements of all bodies."""
     parts = []
     for name, counts in elements.items():
         along = " × ".join(map(str, counts)) if isinstance(counts, list) else number(counts)
@@ -57,7 +57,7 @@ def elements_text(elements: Mapping[str, Any]) -> str:
 
 
 def threshold(data: Data) -> str:
-    """The growth that decides."""
+    """State the growth rate above which a mode is unstable."""
     return f"Threshold: {threshold_text(data['growth_threshold'])}."
 
 
@@ -67,22 +67,21 @@ COLUMNS = {
     "growth": Column("growth rate", "1/s", shown(6)),
     "growth_bar": Column("± bar", "1/s", shown(2)),
     "estimates": Column("estimates", show=number),
-    "agree": Column("bars of both meet"),
+    "agree": Column("bars overlap"),
     "layers": Column("layers", show=number),
     "elements": Column("elements"),
     "worst": Column("worst error", show=shown(2)),
 }
 MODES = Table(
     "modes",
-    "Modes with error bars. Unstable: growth above its bar and above the threshold; it grows "
-    "slowly above its bar alone; undecided where its bar holds zero.",
+    "Modes with error bars. Unstable: growth above its bar and above the threshold; grows slowly: "
+    "growth above its bar only; undecided: the bar contains zero.",
     modes,
     COLUMNS,
 )
 LEVELS = Table(
     "levels",
-    "Every mesh. Errors are the largest distances of lambda from the final values, relative; those "
-    "of the meshes that gave the final values are their bars.",
+    "Every mesh. The error is the largest relative distance of lambda from the final values.",
     levels,
     COLUMNS,
 )
@@ -92,14 +91,14 @@ SECTIONS = [
         headline=lambda data: f"{data['first']} {data['words']} {threshold(data)}",
         tables=[MODES],
     ),
-    Section("Warnings", tables=[Table("warnings", "To be read with the result.", warned)]),
+    Section("Warnings", tables=[Table("warnings", "Warnings about the result.", warned)]),
     Section("Meshes", tables=[LEVELS]),
     Section("Machine and versions", tables=[Table("machine", "", machine)]),
 ]
 
 
 def read_converge(out: Path) -> dict[str, Any]:
-    """Data that :func:`write_converge` wrote; refused where the folder holds none."""
+    """Read the data that :func:`write_converge` wrote; a folder without them is refused."""
     return read_result(out, COMMAND)
 
 
@@ -110,8 +109,8 @@ def write_converge(data: dict[str, Any], out: Path) -> Path:
             write_whole(text.encode(), out / f"{name}.toml")
         write_record(data, out / RESULT)
         mortar = (
-            f"Contact {name}: mortar in the place of {method}, whose error would not fall with the "
-            "mesh."
+            f"Contact {name}: mortar instead of {method}, whose error does not decrease with mesh "
+            "size."
             for name, method in data["mortar"].items()
         )
         title = f"{data['inputs']['scene']}: modes with error bars"

@@ -1,4 +1,4 @@
-"""The record of a study: what is held, the words of the run, modes, meshes, warnings."""
+"""The record of a study: digits reached, classification, modes, meshes, warnings."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, replace
@@ -29,7 +29,7 @@ def data_of(
     request: Request,
     scene: Scene,
 ) -> dict[str, Any]:
-    """What the record of a study holds, as :func:`comparisons.converge.study.run_converge` says."""
+    """Return the data of the record (:func:`comparisons.converge.study.run_converge`)."""
     window = scene.window
     top, threshold = window.max_frequency, window.growth_threshold
     inside = [mode for mode in modes if mode.frequency <= top]
@@ -76,13 +76,11 @@ def _held(
     request: Request,
     threshold: float | None,
 ) -> tuple[bool, str]:
-    """Whether all digits are held, and the line that says it."""
+    """Return whether all digits are reached, and a line that states it."""
     asked = [mode.shortfalls(request, threshold) for mode in modes]
     of_frequency = [f <= 1 for f, _ in asked]
     of_growth = [g <= 1 for mode, (_, g) in zip(modes, asked, strict=True) if g > 0]
-    line = (
-        f"{_digits(request.digits)} of frequency held in {sum(of_frequency)} of {len(modes)} modes"
-    )
+    line = f"{_digits(request.digits)} of frequency in {sum(of_frequency)} of {len(modes)} modes"
     if of_growth:
         line += f", {request.of_growth} of growth in {sum(of_growth)} of {len(of_growth)}"
     short = []
@@ -109,9 +107,9 @@ def _digits(count: int) -> str:
 
 
 def _window(inside: list[Mode], above: list[Mode], windows: list[Window], top: float) -> Window:
-    """The window of the user: one with a mode missing if there is one, else one that is complete.
+    """Return the window up to ``top``, with a mode missing if any has, else complete if any is.
 
-    It was searched to 5 per cent above its end: what grows there is told, and the lowest mode.
+    Meshes were searched to 5 per cent above it: growing modes there and the lowest one are listed.
     """
     window = min(windows, key=lambda each: (not each.missing, not each.complete))
     grow = tuple((m.frequency, m.estimated.value.real) for m in above if m.word in GROWING)
@@ -129,9 +127,9 @@ def _level(mesh: Mesh) -> dict[str, Any]:
 
 
 def _errors(mesh: Mesh, modes: list[Mode]) -> dict[str, Any]:
-    """Worst distance of a mesh's eigenvalues from the final ones, relative to abs(lambda).
+    """Return the worst distance of a mesh's eigenvalues from the final ones over abs(lambda).
 
-    ``bound`` is the worst of them with the bars of the final ones.
+    ``bound`` is the worst distance plus the bar of the final value.
     """
     moving = [mode.estimated for mode in modes if not mode.rigid]
     final = np.array([own.value for own in moving], complex)
@@ -151,7 +149,7 @@ def _warnings(
     modes: list[Mode],
     top: float,
 ) -> list[dict[str, Any]]:
-    """What the result must be read with; what runs warn of is that of the finest meshes."""
+    """Return warnings about bars and modes, and those of the runs on the finest meshes."""
     found = [
         {"kind": "backend-ended", "message": f"{backend}: {reason}", "data": {"backend": backend}}
         for backend, reason in ended.items()
@@ -160,23 +158,23 @@ def _warnings(
     lost = [v for each in followed.values() for v in each.lost.tolist() if v.imag <= tau * top]
     kinds = {
         "backends-disagree": (
-            "bars of the backends do not meet, and are widened, in",
+            "bars of the two backends do not overlap and were widened in",
             [mode.frequency for mode in modes if mode.agree is False],
         ),
         "modes-alone": (
-            "one backend alone found",
+            "only one backend found",
             [mode.frequency for mode in modes if len(followed) > 1 and mode.agree is None],
         ),
         "not-converging": (
-            "differences between meshes do not fall in",
+            "differences between meshes do not decrease in",
             [mode.frequency for mode in modes if not mode.estimated.converges],
         ),
         "one-estimate": (
-            "bars are twice the change in a richer space alone in",
+            "bars are based on a single estimate, the change in a richer space, in",
             [m.frequency for m in modes if m.estimated.estimates < 2 and not m.rigid],
         ),
         "modes-lost": (
-            "the finest mesh lacks, of those of the mesh before,",
+            "the finest mesh lost, of the modes of the mesh before,",
             [value.imag / tau for value in lost],
         ),
     }

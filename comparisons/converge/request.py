@@ -1,4 +1,4 @@
-"""What is asked of ``cea converge``."""
+"""Input of ``cea converge``."""
 
 from dataclasses import dataclass
 
@@ -8,16 +8,16 @@ from scenes.spec.body import Backend
 
 @dataclass(frozen=True)
 class Request:
-    """A scene, the digits asked for, what may be spent; options out of range are refused."""
+    """A scene, the digits requested and the budget; options out of range are refused."""
 
     scene: str  # TOML file, or the name of a scene
-    digits: int = 3  # significant ones of frequencies: errors are at most half a unit of the last
-    growth_digits: int | None = None  # those of growth rates; None takes one less, 1 at least
-    backends: tuple[Backend, ...] | None = None  # None takes those on which the scene has meshes
-    budget: float = 900.0  # seconds that all of it may take
-    unstable: bool = False  # whether only modes not known to be stable must hold their digits
-    sweep_digits: int = 2  # digits that the mesh for sweeps must hold
-    overrides: tuple[str, ...] = ()  # fields of the scene that differ, as ``--set`` takes them
+    digits: int = 3  # significant digits of frequencies: bars of at most half a unit of the last
+    growth_digits: int | None = None  # digits of growth rates; None: one less, at least 1
+    backends: tuple[Backend, ...] | None = None  # None: those for which the scene has meshes
+    budget: float = 900.0  # time limit (s)
+    unstable: bool = False  # whether stable modes need no digits
+    sweep_digits: int = 2  # digits of the mesh for sweeps
+    overrides: tuple[str, ...] = ()  # changes of the scene, as for ``--set``
 
     def __post_init__(self) -> None:
         for name, value in (
@@ -37,5 +37,5 @@ class Request:
 
 
 def half_unit(digits: int) -> float:
-    """Half a unit of the last of some significant digits, relative."""
+    """Return half a unit of the last significant digit, relative to the number."""
     return 0.5 * 10.0**-digits

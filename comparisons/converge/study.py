@@ -1,4 +1,4 @@
-"""A scene solved on finer and finer meshes of each backend until bars hold the digits asked for."""
+"""Refinement of a scene on each backend until error bars have the requested digits."""
 
 from dataclasses import asdict
 from pathlib import Path
@@ -19,11 +19,11 @@ from scenes.spec.body import Backend
 from scenes.spec.reading import Scene, load_scene
 
 COMMAND = "converge"
-"""Command that a result is marked with."""
+"""Name of the command in the record."""
 
 
 class _OutOfTimeError(Exception):
-    """A mesh that took longer than the budget was given up."""
+    """Raised when a mesh takes longer than the budget."""
 
 
 class _Clock:
@@ -44,7 +44,7 @@ class _Clock:
         return self._budget - self.gone
 
     def guarded(self, progress: Progress) -> Progress:
-        """Progress that gives a mesh up as a stage of it begins after the budget; collective."""
+        """Return progress that raises if a stage begins after the budget is spent; collective."""
 
         def stage(name: str) -> None:
             if self.left < 0:
@@ -55,7 +55,7 @@ class _Clock:
 
 
 class Course:
-    """The meshes of one backend so far, what they hold, and why no more follow."""
+    """The refinement sequence of one backend, and the reason why it ended."""
 
     def __init__(self, scene: Scene, backend: Backend, request: Request) -> None:
         self.scene, self.backend, self.request = scene, backend, request
@@ -64,12 +64,12 @@ class Course:
 
     @property
     def spent(self) -> float:
-        """Seconds of all meshes."""
+        """Time of all meshes (s)."""
         return sum(mesh.seconds for mesh in self.followed.meshes)
 
     @property
     def holds(self) -> bool:
-        """Whether every mode of the window holds its digits."""
+        """Whether every mode of the window has the requested digits."""
         window = self.scene.window
         threshold, top = window.growth_threshold, window.max_frequency
         bars = {self.backend: estimated(self.followed, self.ladder)}
@@ -80,7 +80,7 @@ class Course:
         return all(max(both) <= 1 for both in asked)
 
     def advance(self, clock: _Clock, progress: Progress) -> None:
-        """One more mesh, or the end."""
+        """Solve one more mesh, or end the sequence."""
         number = len(self.followed.meshes)
         try:
             if number >= self.ladder.least and self.holds:
@@ -103,11 +103,11 @@ class Course:
         except (InputError, ConvergenceError) as error:
             self.ended = f"no further mesh: {error}"
         except _OutOfTimeError:
-            self.ended = "the budget: a mesh that took longer than expected was given up"
+            self.ended = "budget spent: a mesh took longer than expected and was stopped"
         self.done = bool(self.ended)
 
     def finish(self, progress: Progress) -> None:
-        """Correct the last mesh where meshes are too few; without correction none counts."""
+        """Correct the last mesh if that is still to be done; if this fails, drop all meshes."""
         meshes = self.followed.meshes
         if meshes and meshes[-1].corrected is None:
             try:
@@ -118,7 +118,7 @@ class Course:
 
 
 def backends_of(scene: Scene, request: Request) -> tuple[Backend, ...]:
-    """Backends that are refined: those asked for, or those that every shape has a mesh of."""
+    """Return the requested backends, or those for which every shape has a mesh."""
     if request.backends is not None:
         return request.backends
     shapes = [body for body in scene.bodies.values() if not from_file(body)]
@@ -130,13 +130,13 @@ def backends_of(scene: Scene, request: Request) -> tuple[Backend, ...]:
 def run_converge(
     request: Request, progress: Progress, begun: float | None = None
 ) -> dict[str, Any]:
-    """Refine a scene on each backend by turns until bars hold the digits asked for; collective.
+    """Refine a scene on each backend until bars have the requested digits; collective.
 
-    The command began when :func:`time.perf_counter` was ``begun``, by default now. The record has
-    ``first``: the digits held and what more would cost; ``held``; ``words``: how many modes have
-    which word; ``modes``, each with value, bars and verdict; ``levels``, every mesh; ``ended``: why
-    each backend ended; ``scenes``: meshes as text of scene files. A scene that cannot be refined is
-    refused.
+    The budget counts from ``begun``, a value of :func:`time.perf_counter`, by default from now. The
+    record has ``first``: the digits reached and the cost of more; ``held``: whether all were
+    reached; ``words``: how many modes are unstable, stable and so on; ``modes``, each with value,
+    bars and verdict; ``levels``: every mesh; ``ended``: why each backend stopped; ``scenes``: text
+    of scene files with these meshes. A scene that cannot be refined is refused.
     """
     clock = _Clock(request.budget, begun)
     scene = load_scene(Path(request.scene), list(request.overrides))

@@ -1,1 +1,1 @@
-"""Every contact formulation put to the test: patch tests, locking, momentum, pairings."""
+"""Tests of every contact formulation: patch tests, momentum, locking."""

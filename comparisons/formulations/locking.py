@@ -1,7 +1,8 @@
-"""Locking: error of the lowest eigenvalues of the `blocks` problem as contact grows stiff.
+"""Locking: error of the lowest eigenvalues of `blocks` against contact stiffness.
 
-A penalty at more points than the traces of side a can follow leaves the interface, as p grows, no
-motion but what both meshes share: it locks. Mortar asks as many conditions as side a has traces.
+If a penalty acts at more points than side a has trace functions, then for large p the interface can
+only follow motions that both meshes share: it locks. Mortar has one constraint for each trace
+function of side a.
 """
 
 from collections.abc import Iterator
@@ -22,12 +23,12 @@ from scenes.spec.body import backend_name
 from scenes.spec.reading import BACKENDS, Scene, load_scene
 
 _MU0 = 0.3  # amplitude of the friction coefficient mu0 sin(pi x / 2)
-_HIGHEST = 2.2  # highest Im lambda of the exact eigenvalues that are looked at: six lie below
-_DEGREE = 2  # degree on both sides, splines with continuity one less
+_HIGHEST = 2.2  # highest Im lambda of the eigenvalues compared: six lie below
+_DEGREE = 2  # degree of both bodies; splines have full continuity
 _GAUSS, _GRID = (3, 6), 37
-"""GPTS points per element; equally spaced points over side a."""
-_MARGIN = 1.15  # how far beyond the exact eigenvalues is searched: locked ones lie too high
-_LOCKED = 10.0  # growth of the error over p from which a formulation locks
+"""GPTS points per direction in an element; equally spaced points on side a."""
+_MARGIN = 1.15  # end of the search over the highest exact eigenvalue: locked ones lie too high
+_LOCKED = 10.0  # error at the largest p over the smallest error, above which a rule locks
 _STIFFNESSES = (*(float(10**k) for k in range(10)), inf)
 
 
@@ -35,15 +36,15 @@ _STIFFNESSES = (*(float(10**k) for k in range(10)), inf)
 class Options:
     """Options of locking."""
 
-    # body a has E = 0.1 and thickness 0.5; infinite stiffnesses are run in the saddle form
+    # body a has E = 0.1 and thickness 0.5; infinite p uses the saddle form
     p: Annotated[tuple[float, ...], "Contact stiffnesses (N/m^3)."] = _STIFFNESSES
     elements_a: Annotated[tuple[int, int], "Elements of body a along x and y."] = (12, 4)
     elements_b: Annotated[tuple[int, int], "Elements of body b along x and y."] = (13, 8)
-    formulations: Annotated[tuple[str, ...], "Labels of formulations; all by default."] = ()
+    formulations: Annotated[tuple[str, ...], "Labels of formulations; default: all."] = ()
 
 
 def offered(options: Options, backend: Any) -> dict[str, Variant]:
-    """Formulations by label, with about as many grid points over side a on either backend."""
+    """Return formulations by label, with about the same grid points on both backends."""
     grid = _GRID
     if backend == "fe":
         grid = 1 + max(1, round((grid - 1) / options.elements_a[0]))
@@ -51,7 +52,7 @@ def offered(options: Options, backend: Any) -> dict[str, Variant]:
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Every formulation on both backends at every p; lumped matrices have no p = infinity."""
+    """Every formulation on both backends at every p; infinite p is impossible with lumping."""
     for backend in BACKENDS:
         for label, variant in offered(options, backend).items():
             for p in options.p:
@@ -60,7 +61,7 @@ def cases(options: Options) -> Iterator[Case]:
 
 
 def scene(case: Case, options: Options) -> Scene:
-    """The ``blocks`` scene on the meshes of the study with the contact of a case."""
+    """Return ``blocks`` on the meshes of the study with the contact of a case."""
     changes: dict[str, Any] = {
         "contacts.interface.mu": f"{_MU0!r}*sin(pi*x/2)",
         "analysis.max_frequency": _MARGIN * _HIGHEST / tau,
@@ -75,7 +76,7 @@ def scene(case: Case, options: Options) -> Scene:
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Worst relative error of the exact eigenvalues; lost where one is 15 per cent off."""
+    """Return the worst relative error; an eigenvalue with an error above 15 % is lost."""
     result = session.solve()
     exact = exact_eigenvalues("blocks", p=case["p"], mu=_MU0, max_frequency=_HIGHEST)
     match = match_spectrum(result.eigenvalues, exact, reach=_MARGIN - 1)
@@ -91,12 +92,12 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
 
 
 def finite(result: StudyResult) -> pd.DataFrame:
-    """Runs with contacts that are not tied."""
+    """Runs with finite p."""
     return result.frame("locking").query("p < inf")
 
 
 def locked(result: StudyResult) -> dict[str, list[str]]:
-    """Formulations whose error grows with p, or that lose an eigenvalue, by backend."""
+    """Return, by backend, formulations whose error grows with p or that lose an eigenvalue."""
     found: dict[str, list[str]] = {}
     for (backend, name), own in finite(result).groupby(["backend", "formulation"], sort=False):
         errors = own["error"].tolist()
@@ -106,7 +107,7 @@ def locked(result: StudyResult) -> dict[str, list[str]]:
 
 
 def headline(result: StudyResult) -> str:
-    """Which formulations lock."""
+    """Name the formulations that lock."""
     names = [f"{backend_name(b)}: {'; '.join(f)}" for b, f in locked(result).items()]
     return f"The error grows with p, or an eigenvalue is lost: {'. '.join(names) or 'none'}."
 
@@ -115,9 +116,9 @@ _LABELS = ["backend", "formulation", "points", "traces"]
 OWN = {"error": Column("worst relative error of λ", show=shown(2))}
 SECTION = Section(
     "Locking",
-    "Worst relative error of the eigenvalues of the blocks over contact stiffnesses p. A "
-    "formulation locks where it grows with p; a dash stands where an eigenvalue was lost, or where "
-    "p = ∞ cannot be run.",
+    "Worst relative error of the eigenvalues of the blocks against contact stiffness p. A "
+    "formulation locks if its error grows with p. A dash means that an eigenvalue was lost or that "
+    "p = ∞ is impossible.",
     headline,
     [
         Table(

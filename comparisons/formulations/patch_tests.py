@@ -1,7 +1,7 @@
-"""Contact patch tests, and momentum that contact forces lose, between meshes of every kind.
+"""Contact patch tests and conservation of momentum, between all kinds of meshes.
 
-The exact contact pressure of every test is uniform and the exact displacements are linear in each
-body, at any P: a formulation whose contact forces are right reproduces them to round-off.
+In every test the exact contact pressure is uniform and the exact displacements are linear in each
+body, at any P: a formulation with correct contact forces reproduces them to round-off.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -32,11 +32,11 @@ from scenes.spec.reading import Scene, load_scene
 
 PRESSURE = 1000.0  # exact contact pressure of every patch test (N/m^2)
 PASSED = 1e-6
-"""Largest relative error of the normal stress of a patch test that is passed: round-off at the
-stiffest, P = 1e14 N/m, stays below it."""
+"""Largest relative error of the normal stress of a passed test. Round-off at the stiffest contact,
+P = 1e14 N/m, is smaller."""
 _OWN = 10.0
-"""A test is passed too with so many times the error of both bodies under the exact pressure as a
-load: on rational geometry quadrature is not exact, theirs nor that of contact forces."""
+"""Factor on the error of both bodies without contact, loaded by the exact pressure, up to which a
+test is passed too: on rational geometry quadrature is not exact."""
 MESHES: dict[str, tuple[Backend, str | None]] = {
     "hexahedra": ("fe", "hexahedron"),
     "tetrahedra": ("fe", "tetrahedron"),
@@ -51,29 +51,29 @@ _ROLLERS = (
     "bodies.upper.supports=[{surface='x_min', components=['normal']},"
     " {surface='y_min', components=['normal']}]"
 )
-"""Hold body a against everything but motion along the normal, however it is placed."""
+"""Supports that leave body a only its motion along the contact normal, in any placement."""
 
 
 @dataclass(frozen=True)
 class PatchTestProblem:
-    """A contact patch test, by the name of its interface."""
+    """A contact patch test; the name is that of its interface."""
 
     name: str
     scene_file: str
-    kinds: tuple[str, str]  # of Lagrange meshes: structured, simplices
-    overrides: Callable[[float], list[str]]  # what is changed in the scene, given P (N/m)
+    kinds: tuple[str, str]  # kinds of Lagrange meshes: structured, simplices
+    overrides: Callable[[float], list[str]]  # changes of the scene for a P (N/m)
     sizes: tuple[float, float]  # edge lengths of tetrahedra and triangles of sides a and b (m)
-    direction: str  # of friction on a where momentum is looked at, as in a scene
-    held: bool = False  # whether supports hold each body without contact
+    direction: str  # friction direction on a in the momentum test, as in a scene
+    held: bool = False  # whether each body is supported without contact
 
     @property
     def pairs(self) -> tuple[tuple[str, str], ...]:
-        """Kinds of meshes of sides a and b: each beside itself, then mixed."""
+        """Kinds of meshes of sides a and b: equal kinds, then NURBS with Lagrange elements."""
         alike = [(kind, kind) for kind in (*self.kinds, "NURBS")]
         return (*alike, ("NURBS", self.kinds[0]), (self.kinds[0], "NURBS"))
 
     def scene(self, meshes: tuple[str, str], P: float, more: Iterable[str] = ()) -> Scene:
-        """The scene between two kinds of meshes, with more overrides."""
+        """Return the scene with two kinds of meshes and more overrides."""
         overrides = [f"contacts.interface.P={P!r}", *self.overrides(P), *more]
         for body, kind, size in zip(("upper", "lower"), meshes, self.sizes, strict=True):
             backend, cell = MESHES[kind]
@@ -84,13 +84,13 @@ class PatchTestProblem:
         return load_scene(Path(self.scene_file), overrides)
 
     def unsupported(self, meshes: tuple[str, str], P: float) -> Scene:
-        """The same bodies free of supports, in contact with friction (mu = 1)."""
+        """Return the same bodies without supports, in contact with friction (mu = 1)."""
         free = [f"bodies.{body}.supports=[]" for body in ("upper", "lower")]
         friction = f"contacts.interface.friction_direction_on_a={self.direction}"
         return self.scene(meshes, P, [*free, "contacts.interface.mu=1.0", friction])
 
     def alone(self, meshes: tuple[str, str], P: float) -> Scene:
-        """Both bodies without contact, the exact contact pressure as a load on each."""
+        """Return both bodies without contact, each loaded by the exact contact pressure."""
         scene = self.scene(meshes, P)
         contact = scene.contacts["interface"]
         loads = (LoadSpec(contact.a, PRESSURE), LoadSpec(contact.b, PRESSURE))
@@ -102,7 +102,7 @@ def _rotated(P: float) -> list[str]:
 
 
 def _curved(P: float) -> list[str]:
-    """Young's modulus of the outer ring for which displacements are linear (see the scene)."""
+    """Set Young's modulus of the outer ring so that displacements are linear (see the scene)."""
     volumetric = (1 + 0.3) * (1 - 2 * 0.3)
     compliance = volumetric / 1e5 + pi / 2 / P
     return [f"bodies.upper.material={{E={volumetric / compliance!r}, nu=0.3}}"]
@@ -137,27 +137,27 @@ _STIFFNESSES = (1e2, 1e4, 1e6, 1e8, 1e10, 1e12, 1e14)
 class Options:
     """Options of the patch tests."""
 
-    # the blocks and rings themselves have about 1e6 N/m
+    # the blocks and rings have a stiffness of about 1e6 N/m
     P: Annotated[tuple[float, ...], "Contact stiffnesses (N/m)."] = _STIFFNESSES
     gauss: Annotated[tuple[int, ...], "GPTS points per direction in each cell."] = (5, 25)
-    samples: Annotated[int, "Points across a surface where stresses are taken."] = 31
+    samples: Annotated[int, "Points across a surface at which stresses are evaluated."] = 31
     interfaces: Annotated[tuple[str, ...], "Names of the interfaces."] = (
         "flat",
         "rotated",
         "curved",
     )
-    meshes: Annotated[tuple[str, ...], "Kinds of meshes of both sides."] = tuple(MESHES)
-    formulations: Annotated[tuple[str, ...], "Labels of formulations; all by default."] = ()
+    meshes: Annotated[tuple[str, ...], "Kinds of meshes of the two sides."] = tuple(MESHES)
+    formulations: Annotated[tuple[str, ...], "Labels of formulations; default: all."] = ()
 
 
 def offered(options: Options, meshes: tuple[str, str]) -> dict[str, Variant]:
-    """Formulations by label between two kinds of meshes."""
+    """Return the formulations by label for two kinds of meshes."""
     (a, _), (b, _) = (MESHES[kind] for kind in meshes)
     return variants((a, b), options.gauss, _GRIDS[a], options.formulations)
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Every interface between every two kinds of meshes: all formulations share the bodies."""
+    """Every interface with every pair of kinds of meshes; all formulations share the bodies."""
     for problem in PROBLEMS:
         for a, b in problem.pairs:
             if problem.name in options.interfaces and {a, b} <= set(options.meshes):
@@ -165,7 +165,7 @@ def cases(options: Options) -> Iterator[Case]:
 
 
 def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
-    """Errors of every formulation at every P, and the momentum that its contact forces lose."""
+    """Return errors of every formulation at every P, and its defects of momentum."""
     options, meshes = session.options, (case["a"], case["b"])
     (problem,) = (problem for problem in PROBLEMS if problem.name == case["interface"])
     scenes = {P: problem.scene(meshes, P, ["analysis.samples=2"]) for P in options.P}
@@ -186,14 +186,14 @@ def evaluate(case: Case, session: Session) -> dict[str, list[dict[str, Any]]]:
                 result = session.solve(variant.of(scene, P=P))
                 error = error_of(result, scene, options.samples)
             except ConvergenceError:
-                pass  # singular: no number
+                pass  # singular matrix
             passed = error is not None and error <= max(PASSED, _OWN * own_error)
             errors.append(labels | {"P": P, "error": error, "passed": passed})
     return {"patch_tests": errors, "momentum": momentum}
 
 
 def error_of(result: Result, scene: Scene, samples: int) -> float:
-    """Largest relative error of the normal stress on both sides of the contact of a scene."""
+    """Return the largest relative error of the normal stress over both sides of the contact."""
     contact, worst, system = scene.contacts["interface"], 0.0, result.system
     for name, side in (path.split(".") for path in (contact.a, contact.b)):
         surface, u = system.bodies[name].surfaces[side], system.displacement(result.solution, name)
@@ -205,9 +205,9 @@ def error_of(result: Result, scene: Scene, samples: int) -> float:
 
 
 def rigid_motions(body: Body) -> Floats:
-    """Translations, then rotations about the origin, on the dofs of this rank, (dofs, motions)."""
+    """Return translations, then rotations about the origin, on local dofs, (dofs, motions)."""
     x = body.space.dof_positions
-    assert x is not None  # cells are curved no more than the space
+    assert x is not None  # the geometry has at most the degree of the space
     turns = [(i, j) for i in range(body.dim) for j in range(i)]
     motions = np.zeros((*x.shape, body.dim + len(turns)))
     motions[..., : body.dim] = np.eye(body.dim)
@@ -218,12 +218,12 @@ def rigid_motions(body: Body) -> Floats:
 
 
 def momentum_defects(system: CoupledSystem) -> dict[str, float]:
-    """Resultants of contact forces on both bodies together, which have no supports; relative.
+    """Return relative resultants of contact forces on both bodies, which have no supports.
 
-    For a rigid motion r of both bodies, r^T K x is the resultant of the forces K x along it: it
-    vanishes for every x where K^T r does. The largest entry of K^T r is related to the largest
-    column sum of abs(K) times the largest entry of r. Names are ``linear_normal``,
-    ``angular_friction`` and so on.
+    For a rigid motion r of both bodies, r^T K x is the resultant of the forces K x along r; it
+    vanishes for every x if K^T r = 0. The largest entry of K^T r is divided by the largest column
+    sum of abs(K) and the largest entry of r. Names are ``linear_normal``, ``angular_friction`` and
+    so on.
     """
     body = next(iter(system.bodies.values()))
     comm, dim = body.comm, body.dim
@@ -245,27 +245,27 @@ def momentum_defects(system: CoupledSystem) -> dict[str, float]:
 
 
 def runs(result: StudyResult, table: str = "patch_tests") -> pd.DataFrame:
-    """Rows of a table, both kinds of meshes in one column."""
+    """Rows of a table, with both kinds of meshes in one column."""
     frame = result.frame(table)
     frame.insert(1, "meshes", frame.pop("a") + " on " + frame.pop("b"))
     return frame
 
 
 def by_stiffness(result: StudyResult) -> pd.DataFrame:
-    """A row for each formulation between two kinds of meshes, a column for each P."""
+    """A row for each formulation and pair of meshes, a column for each P."""
     index = ["interface", "meshes", "formulation", "points", "own_error"]
     return wide(runs(result), index, "P", "error")
 
 
 def momentum(result: StudyResult) -> pd.DataFrame:
-    """Largest loss of momentum of each formulation on each interface, over all meshes."""
+    """Largest defect of momentum of each formulation on each interface, over all meshes."""
     keys = ["interface", "formulation"]
     frame = runs(result, "momentum").drop(columns="meshes")
     return frame.groupby(keys, sort=False).max().reset_index()
 
 
 def headline(result: StudyResult) -> str:
-    """Which formulations pass on every interface but the curved one, at every P."""
+    """Name the formulations that pass on every flat interface at every P."""
     frame = runs(result).query("interface != 'curved'")
     flat = frame.groupby("formulation", sort=False)["passed"].all()
     return f"Pass on flat interfaces at every P: {', '.join(flat[flat].index) or 'none'}."
@@ -279,8 +279,8 @@ OWN: Mapping[str, Column] = {
 SECTIONS = [
     Section(
         "Patch tests",
-        f"Largest error of σₙ relative to the exact pressure, over both sides. Passed is below "
-        f"{number(PASSED, 1)}, or of the size of the error that both bodies have without contact "
+        f"Largest error of σₙ relative to the exact pressure, over both sides. Passed: below "
+        f"{number(PASSED, 1)}, or below {_OWN:g} times the error of both bodies without contact "
         "(“own”).",
         headline,
         [
@@ -289,7 +289,7 @@ SECTIONS = [
         [
             Plot(
                 "patch_errors",
-                "Error of every formulation over P.",
+                "Error of every formulation against P.",
                 runs,
                 "P",
                 "error",
@@ -304,9 +304,9 @@ SECTIONS = [
     Section(
         "Momentum",
         "Resultant force (linear) and moment (angular) of contact forces on both bodies together, "
-        "relative to the largest that they could have. Where meshes of a curved interface leave "
-        "gaps, friction has a moment.",
-        tables=[Table("momentum", "The largest over all meshes.", momentum)],
+        "relative to the largest possible value. If meshes of a curved interface leave gaps, "
+        "friction has a moment.",
+        tables=[Table("momentum", "Largest values over all meshes.", momentum)],
         of="momentum",
     ),
 ]

@@ -1,4 +1,4 @@
-"""Every contact formulation put to the test: patch tests, momentum, locking."""
+"""Tests of every contact formulation: patch tests, momentum, locking."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from comparisons.study.study import Case, Session, Study
 from scenes.spec.reading import Scene
 
 PARTS: dict[str, Any] = {"patch_tests": patch_tests, "locking": locking}
-"""Modules of the parts, each with ``cases`` and ``evaluate``."""
+"""Modules of the parts, which define ``cases`` and ``evaluate``."""
 
 
 @dataclass(frozen=True)
@@ -20,19 +20,19 @@ class Options(patch_tests.Options, locking.Options):
 
 
 def cases(options: Options) -> Iterator[Case]:
-    """Cases of each part, labelled with it."""
+    """Cases of all parts, labelled with the part."""
     for part in options.parts:
         for case in PARTS[part].cases(options):
             yield {"part": part, **case}
 
 
 def scene(case: Case, options: Options) -> Scene | None:
-    """The scene of a case of locking; other cases have several."""
+    """Return the scene of a case of locking; cases of patch tests have several."""
     return locking.scene(case, options) if case["part"] == "locking" else None
 
 
 def evaluate(case: Case, session: Session) -> Any:
-    """A case of its part."""
+    """Evaluate a case by its part."""
     return PARTS[case["part"]].evaluate(case, session)
 
 

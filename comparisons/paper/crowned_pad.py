@@ -1,7 +1,7 @@
 """Study of the crowned pad: equilibrium, contact stiffness and growth against the load.
 
-The paper gives p(x) and sets aside what a scheme makes of steady sliding (sections 2.3 and 3). Here
-each formulation finds its own state, whose p(x) its small motions meet.
+The paper prescribes p(x) and does not study the effect of the contact scheme on steady sliding
+(sections 2.3 and 3). Here each formulation solves for its own steady state, which defines p(x).
 """
 
 from collections.abc import Mapping
@@ -30,12 +30,12 @@ from scenes.spec.mesh import MeshSpec
 from scenes.spec.reading import Scene, load_scene
 
 CONTACT, PAD, DISC = "pad_disc", "pad", "disc"
-"""Names in the scene."""
+"""Names of the contact and the bodies in the scene."""
 EXACT, COLLOCATION, QUADRATURE = "segments", "collocation", "GPTS 3 × 3"
-"""Labels of the exact integration, and of what the paper sets against each other."""
+"""Labels of exact integration and of the two schemes that the paper compares."""
 WEIGHTED, FINER = "collocation, area weights", "segments, finer mesh"
-"""Labels of collocation whose points bear the area that is theirs, not equal parts of it, and of
-the exact integration on the finer mesh."""
+"""Labels of collocation with tributary areas as weights instead of equal weights, and of exact
+integration on a finer mesh."""
 PRESSURES = (1e5, 4e5, 2e6)  # pressures on the back of the pad (N/m^2)
 RADII, ANGLES = 9, 60
 """Points across and along the pad at which pressures are compared."""
@@ -43,7 +43,7 @@ _REFINED = 1.5  # factor on the elements of the finer mesh in every direction
 
 
 def formulations(mesh: Mesh) -> dict[str, Formulation]:
-    """Formulations by label that a kind of mesh has; the exact integration first."""
+    """Return the formulations of a kind of mesh by label, exact integration first."""
     common = {EXACT: Segments(), "mortar": Mortar(), QUADRATURE: GaussPointToSurface(3)}
     if mesh != "NURBS":
         own = {COLLOCATION: NodeToSurface(), WEIGHTED: NodeToSurface("tributary")}
@@ -55,7 +55,7 @@ def formulations(mesh: Mesh) -> dict[str, Formulation]:
 def crowned_scene(
     mesh: Mesh, formulation: Formulation, pressure: float, factor: float = 1.0
 ) -> Scene:
-    """The scene, its elements finer by a factor; tetrahedra are hexahedra divided into six."""
+    """Return the scene with elements refined by a factor; six tetrahedra per hexahedron."""
     scene = load_scene("crowned_pad", backend=BACKENDS[mesh])
     changes: dict[str, Any] = {"loads.0.pressure": pressure}
     changes |= {f"contacts.{CONTACT}.formulation": formulation}
@@ -70,10 +70,10 @@ def crowned_scene(
 
 @dataclass(frozen=True)
 class CrownedPad(Figure):
-    """Steady sliding and its small motions by formulation, against the pressure on the pad."""
+    """Steady sliding and its modes by formulation, against the pressure on the pad."""
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
-        """Scenes of every formulation under every load, those of one load together."""
+        """Return the scenes of every formulation under every load, grouped by load."""
         scenes = {}
         for pressure in PRESSURES:
             for label, rule in formulations(mesh).items():
@@ -83,7 +83,7 @@ class CrownedPad(Figure):
         return scenes
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
-        """Run every case; rows tell how far it is from the exact integration under its load."""
+        """Run every case; rows have its distance from exact integration under the same load."""
         rows = []
         for pressure in PRESSURES:
             exact: tuple[Row, Floats] | None = None
@@ -96,7 +96,7 @@ class CrownedPad(Figure):
 
 
 def off(row: Row, pressure: Floats, exact: Row, its: Floats) -> Row:
-    """How far a case is from the exact integration: pressure in the mean square, P, growth."""
+    """Return the distance from exact integration: pressure (mean square), P and growth."""
     return {
         "pressure_off": float(np.linalg.norm(pressure - its) / np.linalg.norm(its)),
         "P_off": row["P"] / exact["P"] - 1,
@@ -105,7 +105,7 @@ def off(row: Row, pressure: Floats, exact: Row, its: Floats) -> Row:
 
 
 def state(result: Result) -> tuple[Row, Floats]:
-    """A run as a row; pressure (N/m^2) of the law at (RADII, ANGLES) points."""
+    """Return a run as a row, and its contact pressure (N/m^2) at (RADII, ANGLES) points."""
     assert result.steady is not None
     law, pad = result.scene.contacts[CONTACT].law, result.scene.bodies[PAD].geometry
     assert law is not None
@@ -128,14 +128,14 @@ def state(result: Result) -> tuple[Row, Floats]:
 
 
 def common_points(pad: Crowned) -> Floats:
-    """Points of the crowned face at the midpoints of equal parts (m), radius by radius."""
+    """Return midpoints of equal parts of the crowned face (m), radius by radius."""
     base = pad.base
     assert isinstance(base, Sector)
     return pad.crown(sector_points(base, RADII, ANGLES, base.bottom))
 
 
 def closures(result: Result, x: Floats) -> Floats:
-    """Closures u_n - g_n (m) of steady sliding at points (m) on the face of the pad."""
+    """Return the closures u_n - g_n (m) of steady sliding at points (m) of the pad."""
     assert result.steady is not None
     bodies, system, displaced = result.system.bodies, result.system, result.steady.displacement
     pad, disc = bodies[PAD].surfaces["bottom"], bodies[DISC].surfaces["top"]

@@ -1,4 +1,4 @@
-"""The paper's disc and pad (sections 3 and 4): mu = 0.7, knots of the disc trace the pad."""
+"""The paper's disc and pad (sections 3 and 4), mu = 0.7; disc knots follow the pad boundary."""
 
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -11,26 +11,26 @@ from scenes.spec.reading import Scene, load_scene
 DISC, PAD = "disc", "pad"
 """Names of the bodies."""
 LOW, MIDDLE, HIGH = 1e9, 1e12, 1e14
-"""Contact stiffnesses (N/m) at which the paper tells formulations apart, finds them identical, and
-nearly so."""
+"""Contact stiffnesses (N/m) at which the formulations of the paper are different, identical and
+nearly identical."""
 MAX_FREQUENCY = 15.5e3
-"""Upper end of the modes (Hz): the paper shows 15 kHz, where modes of some formulations lie on
-either side; none is near this one."""
+"""Highest frequency (Hz). The paper shows 15 kHz, near which some formulations have modes; none has
+a mode near this value."""
 
 Boundary = Literal["traced", "ignored", "refined"]
-"""Whether element boundaries of the disc follow the boundary of the pad, and are finer there."""
+"""Whether element boundaries of the disc follow the pad boundary, also with refinement there."""
 
-_SPANS_KEPT_TO = 3  # degree to which NURBS keep their spans; at degree 5 those take 9 GB and more
-_SIZES = {DISC: 0.010, PAD: 0.0075}  # edges of tetrahedra (m), for about the dofs of NURBS
+_SPANS_KEPT_TO = 3  # degree up to which NURBS meshes are not coarsened; degree 5 would take 9 GB
+_SIZES = {DISC: 0.010, PAD: 0.0075}  # edges of tetrahedra (m), for about the dofs of the NURBS
 _REFINED = {"r": 0.003, "theta": 1.5}
-"""Distances of more element boundaries on both sides of the pad's boundary (m, degrees)."""
+"""Distances of added element boundaries on both sides of the pad's boundary (m, degrees)."""
 
 
 @dataclass(frozen=True)
 class DiscPad:
     """One analysis of disc and pad.
 
-    Spans of NURBS grow with the degree beyond 3, Lagrange elements always: dofs stay the same.
+    Elements are enlarged with the degree (NURBS: beyond degree 3), so that dofs stay the same.
     """
 
     formulation: Formulation  # points and weights on the pad
@@ -38,11 +38,11 @@ class DiscPad:
     form: Form = "penalty"
     degree: int = 2  # of both bodies in every direction
     full_pass: bool = False
-    boundary: Boundary = "traced"  # how the mesh of the disc regards the boundary of the pad
-    divided: bool = False  # tetrahedra that are hexahedra each divided into six, which trace it
+    boundary: Boundary = "traced"  # mesh of the disc at the boundary of the pad
+    divided: bool = False  # hexahedra divided into six tetrahedra, which can follow it
 
     def on(self, mesh: Mesh) -> "DiscPad":
-        """The case as a kind of mesh has it."""
+        """Return the case as it is on a kind of mesh."""
         if mesh == "NURBS":
             return replace(self, divided=False)
         divided = self.divided and mesh == "tetrahedra"
@@ -51,12 +51,12 @@ class DiscPad:
         return replace(self, formulation=formulation, boundary=boundary, divided=divided)
 
     def exists_on(self, mesh: Mesh) -> bool:
-        """Whether a kind of mesh has elements of the degree."""
+        """Whether a kind of mesh has elements of this degree."""
         return mesh == "NURBS" or self.degree <= MOST_LAGRANGE
 
     @property
     def label(self) -> str:
-        """What tells it from other cases of one contact stiffness."""
+        """Label that is unique among cases of one contact stiffness."""
         words = {
             "divided hexahedra": self.divided,
             f"degree {self.degree}": True,
@@ -68,7 +68,7 @@ class DiscPad:
         return ", ".join(word for word, said in words.items() if said)
 
     def scene(self, mesh: Mesh) -> Scene:
-        """The scene of the case on a kind of mesh."""
+        """Return the scene of the case on a kind of mesh."""
         case = self.on(mesh)
         scene = load_scene("disc_pad", backend=BACKENDS[mesh])
         changes: dict[str, Any] = {"analysis.max_frequency": MAX_FREQUENCY}

@@ -1,4 +1,4 @@
-"""What every figure of the paper offers: kinds of meshes, inputs, and rows of numbers."""
+"""Base class of the figures of the paper: kinds of meshes, inputs, and tables of results."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ BACKENDS: dict[Mesh, Backend] = {"NURBS": "iga", "hexahedra": "fe", "tetrahedra"
 """Backend of each kind of mesh."""
 MESHES: tuple[Mesh, ...] = tuple(BACKENDS)
 MOST_LAGRANGE = 4  # highest degree of Lagrange elements
-_FACET_GRID = 4
+_FACET_GRID = 4  # grid points per direction on a facet
 
 Row = dict[str, Any]
 Tables = dict[str, list[Row]]
@@ -26,52 +26,52 @@ Tables = dict[str, list[Row]]
 
 @dataclass(frozen=True)
 class Figure(ABC):
-    """A figure of the paper, or a study beside it, on some kinds of meshes."""
+    """A figure of the paper, or an additional study, on some kinds of meshes."""
 
-    name: str  # number of the figure; a word for a study
+    name: str  # number of the figure; a word for an additional study
     title: str
     meshes: tuple[Mesh, ...] = field(default=MESHES, kw_only=True)
 
     @abstractmethod
     def inputs(self, mesh: Mesh) -> Mapping[str, Any]:
-        """Everything that determines its numbers: scenes by label."""
+        """Return everything that determines the results: scenes by label."""
 
     @abstractmethod
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
-        """Rows by the name of their table; collective. ``session.scene`` holds the inputs."""
+        """Return rows by name of table; collective. ``session.scene`` has the inputs."""
 
 
 def quoted(
     what: str, paper: float | str | None, ours: float, unit: str = "", remark: str = ""
 ) -> Row:
-    """A row of the table "numbers"; the paper may say it in words, or nothing of it (None)."""
+    """Return a row of the table "numbers"; ``paper`` may be a number, words, or None."""
     return {"what": what, "paper": paper, "ours": float(ours), "unit": unit, "remark": remark}
 
 
 def rows_of(columns: Mapping[str, Any]) -> list[Row]:
-    """Rows of columns of equal lengths."""
+    """Return the rows of columns of equal length."""
     return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def as_lagrange(formulation: Formulation) -> Formulation:
-    """The formulation for Lagrange elements: nodes for Greville points, a grid on every facet."""
+    """Return the counterpart on Lagrange elements: nodes for Greville, a grid on each facet."""
     if isinstance(formulation, Greville):
         return NodeToSurface()
     return Grid(_FACET_GRID) if isinstance(formulation, Grid) else formulation
 
 
 def polar_points(r: Floats, theta: Floats, z: float) -> Floats:
-    """Points at all radii (m) and angles (degrees), radius by radius, shape (n, 3)."""
+    """Return points at all radii (m) and angles (degrees), radius by radius, shape (n, 3)."""
     radius, angle = (part.ravel() for part in np.meshgrid(r, np.deg2rad(theta), indexing="ij"))
     return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), z)])
 
 
 def midpoints(low: float, high: float, n: int) -> Floats:
-    """Midpoints of equal parts of an interval."""
+    """Return the midpoints of n equal parts of an interval."""
     return low + (high - low) * (np.arange(n) + 0.5) / n
 
 
 def sector_points(sector: Sector, across: int, along: int, z: float) -> Floats:
-    """Points of a sector at the midpoints of equal parts of its radii and angles."""
+    """Return points of a sector at the midpoints of equal parts of its radii and angles."""
     r = midpoints(sector.inner_radius, sector.outer_radius, across)
     return polar_points(r, midpoints(sector.start, sector.end, along), z)

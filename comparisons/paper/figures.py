@@ -1,4 +1,4 @@
-"""Every figure of the paper, and the studies beside them, as a table."""
+"""Table of all figures of the paper and additional studies."""
 
 from dataclasses import replace
 
@@ -120,7 +120,7 @@ DIAGRAMS = (
     ),
     Diagram(
         "stiff",
-        "Stiff contact: penalty and saddle form beside mortar, which does not lock",
+        "Stiff contact: penalty and saddle form, compared with mortar, which does not lock",
         (
             DiscPad(Mortar(), form="saddle"),
             COLLOCATION,
@@ -132,7 +132,7 @@ DIAGRAMS = (
     ),
     Diagram(
         "yardsticks",
-        "Formulations beside segments, the exact integral of the penalty, P = 10⁹",
+        "Formulations compared with segments, the exact integral of the penalty, P = 10⁹",
         (
             DiscPad(Segments()),
             GPTS,
@@ -171,7 +171,7 @@ FIGURES: dict[str, Figure] = {
 
 
 def chosen(names: tuple[str, ...]) -> list[Figure]:
-    """Figures of some names, all by default; refused where there is no such figure."""
+    """Return figures by name, all by default; unknown names are refused."""
     known = {part: name for name in FIGURES for part in name.split(" and ")}
     for name in names:
         allowed = f"one of {', '.join(known)}; or claims or all, alone"

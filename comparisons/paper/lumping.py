@@ -1,12 +1,12 @@
-"""What lumping adds to the contact, and what that does to modes: Figures 4 and 5, false stiffness.
+"""Effect of lumping on modes: Figures 4 and 5, and the false stiffness of rotations.
 
 Figure 4 shows a mode of disc and pad with and without lumping, Figure 5 its normal displacement
 along a line on the disc that crosses the boundary of the pad twice.
 
-Lumping replaces sum_ij N_i N_j u_i u_j by sum_i N_i u_i^2 on each side. What it adds is the spread
-of the displacements of overlapping functions: nothing for translations, but energy for every
-motion that both sides share and that is not constant, rotations first. To first order this moves
-an eigenvalue kappa by x^H (K_lumped - K_n) x of the mode x without lumping.
+Lumping replaces sum_ij N_i N_j u_i u_j by sum_i N_i u_i^2 on each side. The difference is the
+variance of the displacements of overlapping functions: zero for translations, but a false energy of
+every other motion that both sides share, such as rotations. To first order it shifts an eigenvalue
+kappa by x^H (K_lumped - K_n) x, with the mode x without lumping.
 """
 
 from collections.abc import Mapping
@@ -31,17 +31,17 @@ from scenes.results.matching import ModeMatch
 from scenes.spec.reading import Scene
 
 P = 1e6  # contact stiffness of the figures (N/m)
-RUNS = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}  # runs that are compared
+RUNS = {"plain": replace(GPTS, P=P), "lumped": replace(LUMPED, P=P)}  # the two runs
 EDGE = 0.115 * np.tan(np.radians(20.0))
-"""Distance from the middle at which the line crosses the boundary of the pad (m)."""
+"""Distance from its midpoint at which the line crosses the boundary of the pad (m)."""
 _MIDDLE, _HALF, _SAMPLES = (0.115, 45.0), 0.07, 281
-"""Radius (m) and angle (degrees) of the middle of the line, which is tangential there; half its
-length (m); its points."""
-_NEAR_EDGE = 0.004
-_ALIKE = 0.5  # modal assurance of modes that have the same characteristics
+"""Radius (m) and angle (degrees) of the midpoint of the line, which is tangential; half its length
+(m); number of points."""
+_NEAR_EDGE = 0.004  # distance from the boundary within which the slope is taken (m)
+_ALIKE = 0.5  # modal assurance above which modes of the two runs match
 _DIGITS, _SHAPE_DIGITS = 6, 4
-"""Decimals by which points of the bodies (m) are told apart, and those kept of displacements
-relative to the largest."""
+"""Decimals to which points of the bodies (m) are rounded to merge them, and decimals stored of
+displacements relative to the largest."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +49,11 @@ class ModeShapes(Figure):
     """A mode with and without lumping."""
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
-        """Scenes of both runs."""
+        """Return the scenes of both runs."""
         return {name: case.scene(mesh) for name, case in RUNS.items()}
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
-        """Run both cases and take the mode from each."""
+        """Run both cases and compare one mode of each."""
         results = {name: session.solve(session.scene[name]) for name in RUNS}
         plain, lumped = (Spectrum.of(result) for result in results.values())
         match = paired(lumped, plain)
@@ -88,7 +88,7 @@ class ModeShapes(Figure):
 
 
 def common_mode(match: ModeMatch, reference: Spectrum) -> tuple[int, int]:
-    """Numbers of a mode in the first run and in the reference."""
+    """Return the numbers, in both runs, of the matched mode with the largest contact motion."""
     pairs = [
         (int(pair.first[0]), int(pair.second[0]))
         for pair in match.groups
@@ -98,7 +98,7 @@ def common_mode(match: ModeMatch, reference: Spectrum) -> tuple[int, int]:
 
 
 def mode_line(result: Result, mode: int) -> dict[str, Floats]:
-    """Normal displacements of disc, at most 1, and pad along ``arc`` (m); NaN off the pad."""
+    """Return normal displacements of disc (largest 1) and pad along ``arc`` (m), or NaN."""
     arc, angle = np.linspace(-_HALF, _HALF, _SAMPLES), np.radians(_MIDDLE[1])
     radial = np.array([np.cos(angle), np.sin(angle), 0.0])
     tangent = np.array([-np.sin(angle), np.cos(angle), 0.0])
@@ -114,8 +114,11 @@ def mode_line(result: Result, mode: int) -> dict[str, Floats]:
 
 
 def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
-    """Points (m), cells, real displacements of both bodies as ``disc/points``; on rank 0 alone."""
-    from scenes.pictures.drawing import largest_deflection  # brings pyvista
+    """Return points (m), cells and real displacements of both bodies, on rank 0 only.
+
+    Keys are ``disc/points`` and so on.
+    """
+    from scenes.pictures.drawing import largest_deflection  # imports pyvista
 
     arrays, shapes = {}, {}
     for name, body in result.system.bodies.items():
@@ -138,7 +141,7 @@ def bodies_of(result: Result, mode: int) -> dict[str, Floats]:
 
 
 def drawn(figure: ModeShapes, mesh: Mesh, result: StudyResult) -> Picture:
-    """The deformed bodies with lumping on the left, without on the right."""
+    """Draw the deformed bodies, with lumping on the left and without on the right."""
     from scenes.pictures.drawing import draw_mode
     from scenes.pictures.grids import straight_outside
 
@@ -168,11 +171,11 @@ class Lumping(Figure):
     """False stiffness of lumped contact, P = 10⁹."""
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
-        """Scenes of both runs."""
+        """Return the scenes of both runs."""
         return {"plain": GPTS.scene(mesh), "lumped": LUMPED.scene(mesh)}
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
-        """Shifts of all modes, and energies of a rotation."""
+        """Return shifts of all modes, and energies of a rotation."""
         plain, lumped = (session.solve(session.scene[name]) for name in ("plain", "lumped"))
         match = paired(Spectrum.of(lumped), Spectrum.of(plain))
         omega, reference = (values.imag for values in means_of(match))
@@ -189,7 +192,7 @@ class Lumping(Figure):
 
 
 def false_shifts(plain: Result, lumped: Result) -> Floats:
-    """First order relative shifts of all frequencies of a run by what lumping adds, (modes,)."""
+    """Return first-order relative frequency shifts by the stiffness that lumping adds, (modes,)."""
     modes = plain.modes
     parts = ((1.0, lumped), (-1.0, plain))
     difference = scaled_total([(sign, run.system.contacts[0].K_n) for sign, run in parts])
@@ -200,7 +203,7 @@ def false_shifts(plain: Result, lumped: Result) -> Floats:
 
 
 def rotation_ratio(result: Result) -> float:
-    """Energy of a rotation about the x axis in K_n: of both bodies, over that of the pad alone."""
+    """Return the contact energy of a rotation of both bodies over that of the pad alone."""
     K_n, y = result.system.contacts[0].K_n, result.interfaces["pad_disc"].points.x[:, 1]
     rotations = [_normal_displacement(body, y.mean()) for body in result.system.bodies.values()]
     alone = [
@@ -213,9 +216,9 @@ def rotation_ratio(result: Result) -> float:
 
 
 def _normal_displacement(body: Body, height: float) -> Floats:
-    """Free dofs of this rank for u_z = y - height."""
+    """Return the free dofs of this rank of the field u_z = y - height."""
     x = body.space.dof_positions
-    assert x is not None  # cells are curved no more than the space
+    assert x is not None  # the geometry has at most the degree of the space
     u = np.zeros_like(x)
     u[:, 2] = x[:, 1] - height
     own = slice(*body.expansion.getOwnershipRange())
@@ -223,6 +226,6 @@ def _normal_displacement(body: Body, height: float) -> Floats:
 
 
 LUMPING = Lumping(
-    "lumping", "Shifts of frequencies by lumping, and by its false stiffness alone, P = 10⁹"
+    "lumping", "Frequency shifts by lumping, and by its false stiffness alone, P = 10⁹"
 )
 """The study."""

@@ -1,7 +1,7 @@
 """Figure 1: the law of normal compliance and its linearisation at a steady sliding state.
 
-Equations 7 and 8 of the paper: a closure u_n - g_n is met by the pressure c_n (u_n - g_n)_+^m_n,
-and a perturbation of it by p = m_n c_n (u_n - g_n)_+^(m_n - 1). No bodies are needed.
+Equations 7 and 8 of the paper: the pressure is c_n (u_n - g_n)_+^m_n for the closure u_n - g_n, and
+its derivative is p = m_n c_n (u_n - g_n)_+^(m_n - 1). No bodies are needed.
 """
 
 from collections.abc import Mapping
@@ -17,18 +17,18 @@ from comparisons.study.session import Session
 
 @dataclass(frozen=True)
 class Law(Figure):
-    """The law, its linearisation, and how far the one is from the other."""
+    """The law, its linearisation, and the error of the linearisation."""
 
     law: NormalCompliance
     closure: float  # of steady sliding (m)
-    area: float  # by which p becomes a global contact stiffness P (m^2)
+    area: float  # contact area, P = p * area (m^2)
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Any]:
-        """The constants."""
+        """Return the constants."""
         return {"law": self.law, "closure": self.closure, "area": self.area}
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
-        """The law and its tangent over closures from open to twice the steady one."""
+        """Return the law and its tangent for closures from open to twice the steady one."""
         law, at = self.law, np.array(self.closure)
         closure = np.linspace(-0.5, 2.0, 126) * at
         steady, p = float(law.pressure(at)), float(law.slope(at))
@@ -50,7 +50,7 @@ class Law(Figure):
         return {"law": rows, "numbers": numbers}
 
     def error(self, part: float) -> float:
-        """Relative error of the change of pressure when the closure grows by a part of itself."""
+        """Return the relative error of the linearised pressure change, for a relative change."""
         change = self.law.pressure(np.array([1.0 + part, 1.0]) * self.closure)
         slope = float(self.law.slope(np.array(self.closure)))
         return 1 - slope * part * self.closure / float(change[0] - change[1])
@@ -65,5 +65,5 @@ NORMAL_COMPLIANCE = Law(
     float(_PAD_AREA),
     meshes=("none",),
 )
-"""Constants that give 1 N/mm^2 at a closure of 10 micrometres, and P near the 1e9 N/m of the
-paper's Figure 6; the paper draws the law without numbers."""
+"""Constants for 1 N/mm^2 at a closure of 10 micrometres, and P near the 1e9 N/m of Figure 6 of the
+paper, which draws the law without numbers."""

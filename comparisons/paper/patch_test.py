@@ -1,7 +1,7 @@
 """Figures 2, 3 and 7 to 12: the contact patch test, its normal stress, its Gauss points.
 
-Section 3 of the paper: the normal stress on the interface is -1000 N/m^2 exactly. A discretisation
-is told by its oscillation, the largest minus the smallest value over the interface.
+Section 3 of the paper: the exact normal stress on the interface is -1000 N/m^2. The error measure
+is the oscillation, the largest minus the smallest value over the interface.
 """
 
 from collections.abc import Mapping
@@ -41,28 +41,28 @@ from scenes.spec.reading import Scene, StaticAnalysis, load_scene
 EXACT = -1000.0  # normal stress on the interface (N/m^2)
 INTERFACE = "interface"  # name of the contact in the scene
 SIDES = (("b", BLUE, "-"), ("a", VERMILION, "--"))
-"""Sides of a contact with colour and line: solid for b, dashed for a, as in the paper."""
+"""Sides of the contact with colour and line style, as in the paper."""
 _MAP_SAMPLES, _MAP_DIGITS = 61, 3
-"""Points across a map, and digits kept of its range."""
-_WIDTH = 9.0  # width of the interface (m): tetrahedra have as many edges as others elements
+"""Points across a map, and significant digits stored, relative to its range."""
+_WIDTH = 9.0  # width of the interface (m)
 _ACROSS, _SIZE = 5, (2.9, 6.8)
-"""Cases side by side, width and height of the three panels of a case (inches)."""
+"""Cases in a row; width and height of the three panels of a case (inches)."""
 
 
 @dataclass(frozen=True)
 class PatchTest:
-    """A run of the contact patch test; Lagrange elements are continuous and no more."""
+    """A run of the contact patch test; Lagrange elements have continuity 0."""
 
     formulation: Formulation  # points and weights on side a
     P: float = 1e6  # global contact stiffness (N/m)
-    degree: int = 2  # of both bodies in every direction, as the continuity
+    degree: int = 2  # of both bodies in every direction
     continuity: int = 1
     elements: tuple[int, int] = (3, 5)  # along each side of the interface, of a and of b
     paper: float | str | None = None  # oscillation in the paper (N/m^2), or in words
-    remark: str = ""  # what a reader must know to compare it
+    remark: str = ""  # note on the comparison
 
     def on(self, mesh: Mesh) -> "PatchTest":
-        """The case as a kind of mesh has it."""
+        """Return the case as it is on a kind of mesh."""
         if mesh == "NURBS":
             return self
         return replace(self, continuity=0, formulation=as_lagrange(self.formulation))
@@ -74,11 +74,11 @@ class PatchTest:
 
     @property
     def label(self) -> str:
-        """What tells it from other cases."""
+        """Label that is unique among cases."""
         return f"{self.space}, {self.formulation.label}, P = {number(self.P, 1)}"
 
     def scene(self, mesh: Mesh) -> Scene:
-        """The scene of the case on a kind of mesh."""
+        """Return the scene of the case on a kind of mesh."""
         changes: dict[str, Any] = {"contacts.interface.form": "penalty"}
         changes |= {f"contacts.interface.{f}": getattr(self, f) for f in ("formulation", "P")}
         degree = min(self.degree, MOST_LAGRANGE)
@@ -94,24 +94,24 @@ class PatchTest:
 
 @dataclass(frozen=True)
 class PatchTests(Figure):
-    """A figure of the patch test; the paper says that ratios of oscillations are below 1."""
+    """A figure of the patch test, with ratios of oscillations that the paper claims below 1."""
 
-    cases: tuple[PatchTest, ...]  # those of equal discretisation follow each other, share bodies
-    ratios: tuple[tuple[int, int], ...] = ()  # numbers of cases
+    cases: tuple[PatchTest, ...]  # cases with the same meshes are adjacent and share bodies
+    ratios: tuple[tuple[int, int], ...] = ()  # indices of two cases, numerator first
 
     def on(self, mesh: Mesh) -> dict[str, PatchTest]:
-        """Cases by label as a kind of mesh has them; of those that become equal, the first."""
+        """Return cases by label on a kind of mesh; of cases that become equal, the first."""
         cases: dict[str, PatchTest] = {}
         for case in (case.on(mesh) for case in self.cases):
             cases.setdefault(case.label, case)
         return cases
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
-        """Scenes of all cases."""
+        """Return the scenes of all cases."""
         return {label: case.scene(mesh) for label, case in self.on(mesh).items()}
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
-        """Oscillations of every case; stresses along the diagonal and over the interface."""
+        """Return oscillations of every case; keep stresses on the diagonal and the interface."""
         rows, lines, maps = [], [], []
         for label, case in self.on(mesh).items():
             line, plane, row = stresses(session.solve(session.scene[label]))
@@ -130,10 +130,10 @@ class PatchTests(Figure):
 
 
 def stresses(result: Result) -> tuple[Floats, Floats, Row]:
-    """What a case shows: stresses along a line and over the interface, oscillations.
+    """Return stresses along the diagonal and over the interface, and a row of oscillations.
 
-    Along the diagonal of side a its arc (m), sigma_n of a and b and p g (N/m^2), NaN beside a
-    surface, shape (4, n); over the interface sigma_n of a and b, y by rows, (2, m, m).
+    On the diagonal of side a: arc (m), sigma_n of a and b, p g (N/m^2), NaN off a surface, shape
+    (4, n). On the interface: sigma_n of a and b, rows along y, shape (2, m, m).
     """
     sides, interface = result.stresses[INTERFACE], result.interfaces[INTERFACE]
     x, system, P = result.displacement, result.system, result.scene.contacts[INTERFACE].P
@@ -160,15 +160,15 @@ def stresses(result: Result) -> tuple[Floats, Floats, Row]:
 
 
 def shown(stress: Floats) -> Floats:
-    """A map rounded to the digits kept of its range, so that it is small when compressed."""
+    """Round a map to some digits of its range, so that it compresses well."""
     extent = float(np.ptp(stress[np.isfinite(stress)]))
     return np.round(stress, _MAP_DIGITS - floor(log10(extent))) if extent else stress
 
 
 def drawn(figure: PatchTests, mesh: Mesh, result: StudyResult) -> Picture:
-    """Every case on a kind of mesh: sigma_n less the exact one along the diagonal, maps below.
+    """Draw every case on a kind of mesh: error of sigma_n on the diagonal, maps below.
 
-    Each panel has its own scale, since oscillations go from 1e-9 to 3000 N/m^2.
+    Each panel has its own scale, because oscillations vary from 1e-9 to 3000 N/m^2.
     """
     labels = {"figure": figure.name, "mesh": mesh}
     frame = result.frame("patch_tests", **labels)
@@ -197,7 +197,7 @@ def _draw(place: SubFigure, row: Row, line: Floats, plane: Floats) -> None:
         above.plot(arc, stress - EXACT, style, color=colour, linewidth=1.2)
     low, high = above.get_ylim()
     pressure = -p_gap - EXACT
-    # Where P is large p g is noise, far beyond the panel: all but vertical lines across it.
+    # For large P, p g is noise far beyond the panel and would fill it with vertical lines.
     pressure[(pressure < low) | (pressure > high)] = np.nan
     above.plot(arc, pressure, ":", color=GREY, linewidth=0.9)
     above.set(
@@ -218,22 +218,22 @@ def _draw(place: SubFigure, row: Row, line: Floats, plane: Floats) -> None:
 
 _POINTS = {"Greville points of a": Greville(), "grid points of a": Grid(9)}
 _PAPER = {"height of a": 4.5, "E": 1e5, "nu": 0.0, "pressure": 1000.0}
-"""Numbers of section 3 that hold for both settings."""
+"""Numbers of section 3 for both settings."""
 
 
 @dataclass(frozen=True)
 class Setting(Figure):
-    """The setting of a contact patch test, as its meshes have it."""
+    """The setting of a contact patch test: sizes, material, load, elements, points."""
 
     case: PatchTest
-    paper: Mapping[str, float] = field(default_factory=dict)  # numbers beside those of both
+    paper: Mapping[str, float] = field(default_factory=dict)  # further numbers of the paper
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
-        """The scene."""
+        """Return the scene."""
         return {"scene": self.case.on(mesh).scene(mesh)}
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
-        """Mesh both bodies; numbers of what is meshed, and the points of side a."""
+        """Return numbers of the meshed bodies and of the points of side a."""
         scene: Scene = session.scene["scene"]
         bodies = build_bodies(scene, StageTimer())
         upper, lower = bodies["upper"].surfaces["z_min"], bodies["lower"].surfaces["z_max"]
@@ -275,11 +275,11 @@ SETTINGS = (
         meshes=_ON,
     ),
 )
-"""Settings of the two patch tests. Elements are not in the text: 25 Greville points are those of
-3 x 3 quadratic spans; the second mesh is in a picture only, this one is a guess."""
+"""Settings of the two patch tests. The paper does not state the elements: 25 Greville points imply
+3 x 3 quadratic spans; the second mesh, shown in a picture only, is a guess."""
 
 
-_FEW_SAMPLES = 31  # samples across the interface: stresses are polynomials in each span
+_FEW_SAMPLES = 31  # samples across the interface: enough, as stresses are polynomial in spans
 _SPACES = {
     "NURBS": ((1, 0), (2, 1), (3, 2), (4, 3), (5, 4), (3, 0), (4, 1)),
     "hexahedra": ((1, 0), (2, 0), (3, 0), (4, 0)),
@@ -291,15 +291,15 @@ _SPACES = {
 class Quadrature(Figure):
     """Oscillation of the normal stress against the number of Gauss points in a span.
 
-    Traces of side b jump in the derivative of order c + 1 at its knots, which spans of side a hold:
-    Gauss quadrature then converges like n^-(c + 2), whatever the degree, and so does the stress.
-    Where the knots lie changes the error by up to 10 from one n to the next: slopes are fitted.
+    Derivatives of order c + 1 of the traces of side b jump at its knots, which lie inside spans of
+    side a. Gauss quadrature, and the stress, then converge like n^-(c + 2) for any degree. The
+    error varies by up to a factor of 10 between successive n, so that slopes are fitted.
     """
 
     points: tuple[int, ...]  # per direction in a span, rising
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
-        """Scenes of every space with every number of points."""
+        """Return the scenes of every space with every number of points."""
         analysis, scenes = StaticAnalysis("static", _FEW_SAMPLES), {}
         for degree, continuity in _SPACES[mesh]:
             for n in self.points:
@@ -308,7 +308,7 @@ class Quadrature(Figure):
         return scenes
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
-        """Oscillation on the worse side for each number of points, and the fitted slopes."""
+        """Return the oscillation on the worse side for each number of points, and fitted slopes."""
         rows, numbers = [], []
         for degree, c in _SPACES[mesh]:
             space, errors = f"D{degree}C{c}", []
@@ -322,7 +322,7 @@ class Quadrature(Figure):
 
 
 def expected(result: StudyResult) -> pd.DataFrame:
-    """Lines of the slopes -(c + 2) through the middle of the errors of each space."""
+    """Lines with slope -(c + 2) through the geometric mean of the errors of each space."""
     frame = result.frame("quadrature")
     if frame.empty:
         return frame
@@ -338,4 +338,4 @@ QUADRATURE = Quadrature(
     tuple(range(5, 33)),
     meshes=("NURBS", "hexahedra"),
 )
-"""The study over all numbers of points from 5 to 32."""
+"""The study with 5 to 32 points."""

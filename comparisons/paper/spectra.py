@@ -1,4 +1,4 @@
-"""Stability diagrams of disc and pad: each measure of a run beside its reference is a column."""
+"""Stability diagrams of disc and pad, and measures of each run relative to a reference."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -20,25 +20,25 @@ from scenes.spec.reading import Scene
 WITHIN = 0.01  # relative difference below which modes coincide
 _CONTACT_GRID = (7, 12)  # points across and along the contact at which shapes are compared
 _CIRCLES, _AROUND = (0.2, 0.5, 0.8, 0.98), 36
-"""Circles on the disc, by the part of its width, and points on each."""
-_IN_PLANE = 1e-6  # normal motion below this part of all motion is rounding
+"""Circles on the disc, by fraction of its width, and points on each."""
+_IN_PLANE = 1e-6  # normal motion relative to all motion, below which it is rounding
 
 
 @dataclass(frozen=True)
 class Spectrum:
-    """What is kept of a run; motion and gap are NaN where the disc moves in its plane only."""
+    """Data of a run; motion and gap are NaN for modes in the plane of the disc."""
 
-    modes: ModeSet  # eigenvalues, and shapes at points that do not depend on the mesh
+    modes: ModeSet  # eigenvalues, and shapes at points independent of the mesh
     unstable: Ints  # numbers of the unstable modes
-    motion: Floats  # normal motion of the disc in the contact relative to that beside it
-    gap: Floats  # relative to the motion in the contact
+    motion: Floats  # normal motion of the disc in the contact over that elsewhere
+    gap: Floats  # gap over the normal motion in the contact
     residuals: Floats
     conditions: Floats
-    run: Row  # dofs, points, seconds, and search, the seconds of the search
+    run: Row  # dofs, points, seconds, and seconds of the search
 
     @classmethod
     def of(cls, result: Result) -> "Spectrum":
-        """What is kept of a run; collective."""
+        """Return the data of a run; collective."""
         modes = result.modes
         shapes, motion, gap = _shapes(result)
         run = {
@@ -53,33 +53,33 @@ class Spectrum:
 
     @property
     def unstable_modes(self) -> ModeSet:
-        """Its unstable modes."""
+        """The unstable modes."""
         return ModeSet(self.modes.eigenvalues[self.unstable], self.modes.shapes[:, self.unstable])
 
 
 def paired(first: Spectrum, second: Spectrum) -> ModeMatch:
-    """All modes of two runs, means where they nearly coalesce."""
+    """Match all modes of two runs; nearly coalescing modes are matched by their mean."""
     return match_modes(first.modes, second.modes, NEAR)
 
 
 def means_of(match: ModeMatch) -> tuple[Complexes, Complexes]:
-    """Mean eigenvalues of the pairs in either run."""
+    """Return the mean eigenvalues of the matched groups in each run."""
     first, second = np.array([group.means for group in match.groups]).reshape(-1, 2).T
     return first, second
 
 
 def measures(own: Spectrum, reference: Spectrum, match: ModeMatch) -> Row:
-    """Every number that tells a run from its reference, beside which its modes are paired.
+    """Return the measures of a run relative to its reference, from matched modes.
 
-    Shares of unstable modes that coincide within 1 per cent in frequency, and in growth; largest
-    relative shifts of frequencies (means where modes nearly coalesce) and distances of eigenvalues;
-    modes without a partner; largest difference of growth rates (1/s), where these lose theirs, and
-    its part of the largest; sums of growth rates, motions of the disc in the contact and gaps
-    (medians of all modes), seconds of the search and points over those of the reference.
+    Shares of unstable modes that coincide within 1 per cent in frequency, and also in growth;
+    largest relative frequency shifts and distances of eigenvalues (of means where modes nearly
+    coalesce); number of unmatched modes; largest difference of growth rates (1/s; an unmatched mode
+    counts with all of its growth), also over the largest growth rate; and ratios to the reference
+    of sums of growth rates, motions in the contact and gaps (medians), search time and points.
     """
     values, others = means_of(match)
     shift, hertz = np.abs(values.imag / others.imag - 1), others.imag / tau
-    # Unstable modes are paired one by one, as many as there are.
+    # Unstable modes are matched one by one, without a limit of distance.
     unstable = match_modes(own.unstable_modes, reference.unstable_modes, near=0.0, limit=None)
     mine, its = means_of(unstable)
     close = np.abs(mine.imag - its.imag) <= WITHIN * its.imag
@@ -112,7 +112,7 @@ def _largest(values: Any) -> float:
 
 
 def _growth(own: Spectrum, below: float, reference: Spectrum) -> float:
-    """Sum of the growth rates of unstable modes below a frequency (Hz), over the reference's."""
+    """Return the sum of growth rates below a frequency (Hz) over that of the reference."""
     ours, its = (
         values.real[values.imag / tau < below].sum()
         for values in (run.unstable_modes.eigenvalues for run in (own, reference))
@@ -121,7 +121,7 @@ def _growth(own: Spectrum, below: float, reference: Spectrum) -> float:
 
 
 def _median_over(match: ModeMatch, own: Floats, reference: Floats) -> float | None:
-    """Median over paired modes of a part of their motion over the reference's."""
+    """Return the median over matched modes of a measure over that of the reference."""
     ratios = np.array(
         [own[pair.first].mean() / reference[pair.second].mean() for pair in match.groups]
     )
@@ -130,7 +130,7 @@ def _median_over(match: ModeMatch, own: Floats, reference: Floats) -> float | No
 
 
 def _shapes(result: Result) -> tuple[Complexes, Floats, Floats]:
-    """Displacements on both sides of the contact and on circles of the disc; motion and gap."""
+    """Return displacements on both contact sides and on circles of the disc; motion; gap."""
     disc, pad = (result.scene.bodies[name].geometry for name in (DISC, PAD))
     assert isinstance(disc, Annulus)
     assert isinstance(pad, Sector)
@@ -155,14 +155,17 @@ def _shapes(result: Result) -> tuple[Complexes, Floats, Floats]:
 
 
 def _rms(values: Complexes) -> Floats:
-    """Root mean square over the rows, shape (modes,)."""
+    """Return the root mean square over the rows, shape (modes,)."""
     return np.sqrt((np.abs(values) ** 2).mean(axis=0))
 
 
 def displacements(
     result: Result, body: str, surface: str, x: Floats, modes: Sequence[int] | None = None
 ) -> tuple[Complexes, Any]:
-    """Displacements of modes, shape (3 found, modes), at points found along z; which are found."""
+    """Return displacements of modes at points projected along z, and which points are found.
+
+    The shape is (3 found, modes).
+    """
     side = result.system.bodies[body].surfaces[surface]
     found = side.locate(x, np.tile([0.0, 0.0, 1.0], (len(x), 1)), side.mesh_size)
     hit = ~found.missed
@@ -173,15 +176,15 @@ def displacements(
 
 @dataclass(frozen=True)
 class Diagram(Figure):
-    """Growth rates against frequencies, formulations overlaid."""
+    """Growth rates against frequencies of several formulations."""
 
-    cases: tuple[DiscPad, ...]  # the first is the reference of the others
-    stiffnesses: tuple[float, ...] = ()  # a diagram for each P (N/m); empty: that of the cases
-    # what the paper says of a case beside its reference, by P and number of the case
+    cases: tuple[DiscPad, ...]  # the first is the reference
+    stiffnesses: tuple[float, ...] = ()  # a diagram for each P (N/m); empty: P of the cases
+    # statement of the paper about a case and the reference, by P and number of the case
     paper: Mapping[tuple[float, int], str] = field(default_factory=dict)
 
     def panels(self, mesh: Mesh) -> dict[float, dict[int, DiscPad]]:
-        """Cases by P and number; of those that become equal on a kind of mesh, the first."""
+        """Return cases by P and number; of cases that become equal on a mesh, the first."""
         panels = {}
         for P in self.stiffnesses or (self.cases[0].P,):
             found: dict[str, tuple[int, DiscPad]] = {}
@@ -193,7 +196,7 @@ class Diagram(Figure):
         return panels
 
     def inputs(self, mesh: Mesh) -> Mapping[str, Scene]:
-        """Scenes of all cases."""
+        """Return the scenes of all cases."""
         return {
             f"{case.label}, P = {P:g}": case.scene(mesh)
             for P, cases in self.panels(mesh).items()
@@ -201,10 +204,10 @@ class Diagram(Figure):
         }
 
     def evaluate(self, mesh: Mesh, session: Session) -> Tables:
-        """Modes of every case, pairs of them with those of the reference, measures."""
+        """Return the modes of every case, their matches with the reference, and measures."""
         every = [(P, n, c) for P, cases in self.panels(mesh).items() for n, c in cases.items()]
         spectra = {}
-        # Cases of equal bodies follow each other.
+        # Cases with the same bodies are run one after the other.
         for P, n, case in sorted(every, key=lambda each: (each[2].degree, each[2].boundary)):
             scene = session.scene[f"{case.label}, P = {P:g}"]
             spectra[P, n] = Spectrum.of(session.solve(scene))
@@ -233,12 +236,12 @@ class Diagram(Figure):
 
 
 def case_row(P: float, number: int, case: DiscPad) -> Row:
-    """Labels of a case of a diagram."""
+    """Return the labels of a case of a diagram."""
     return {"P": P, "number": number, "case": case.label, "degree": case.degree}
 
 
 def run_tables(label: Row, spectrum: Spectrum) -> tuple[Row, list[Row]]:
-    """A run as a row, and rows of its modes."""
+    """Return a row of a run, and rows of its modes."""
     unstable = set(spectrum.unstable.tolist())
     columns = spectrum.modes.eigenvalues, spectrum.residuals, spectrum.conditions
     modes = [

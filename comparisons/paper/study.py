@@ -1,4 +1,4 @@
-"""The paper's figures, each computed, stored, drawn and set beside the numbers of its text."""
+"""The study of the paper: figures, numbers of its text compared with ours, and claims."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -22,7 +22,7 @@ from comparisons.study.study import CHOOSES, Case, Session, Study, StudyResult
 class Options:
     """Options of the study."""
 
-    figures: Annotated[tuple[str, ...], "Numbers of figures, names of studies beside them."] = (
+    figures: Annotated[tuple[str, ...], "Numbers of figures, or names of additional studies."] = (
         field(default=(), metadata=CHOOSES)
     )
 
@@ -35,17 +35,17 @@ def cases(options: Options) -> Iterator[Case]:
 
 
 def inputs(case: Case, options: Options) -> Mapping[str, Any]:
-    """Everything that determines a case."""
+    """Return everything that determines a case."""
     return FIGURES[case["figure"]].inputs(case["mesh"])
 
 
 def evaluate(case: Case, session: Session) -> Tables:
-    """Rows of a figure."""
+    """Return the rows of a figure."""
     return FIGURES[case["figure"]].evaluate(case["mesh"], session)
 
 
 def _melted(result: StudyResult) -> pd.DataFrame:
-    """Lines of Figure 5, those of disc and pad below each other."""
+    """Lines of Figure 5 with one row for each point of disc or pad."""
     frame = result.frame("lines")
     if frame.empty:
         return frame
@@ -53,7 +53,7 @@ def _melted(result: StudyResult) -> pd.DataFrame:
 
 
 def _drawings(draw: Any, *figures: Figure) -> Iterator[Drawing]:
-    """Pictures of some figures, one for each kind of mesh."""
+    """Yield the pictures of some figures, one for each kind of mesh."""
     for figure in figures:
         for mesh in figure.meshes:
 
@@ -68,7 +68,7 @@ def _drawings(draw: Any, *figures: Figure) -> Iterator[Drawing]:
 
 
 def headline(result: StudyResult) -> str | None:
-    """How many claims hold on every kind of mesh, and on none."""
+    """State how many claims hold on every kind of mesh, and on none."""
     frame = judged(result)
     if frame.empty:
         return None
@@ -83,7 +83,7 @@ OWN = {
     "oscillation_a": Column("side a", "N/m²", shown(3)),
     "oscillation_b": Column("side b", "N/m²", shown(3)),
     "oscillation_p_gap": Column("of p g", "N/m²", shown(3)),
-    "arc": Column("along the line", "m", shown(3)),
+    "arc": Column("position on the line", "m", shown(3)),
     "u": Column("normal displacement, largest of the disc 1", show=shown(3)),
     "closure": Column("closure", "m", shown(3)),
     "pressure": Column("pressure", "N/m²", shown(3)),
@@ -98,7 +98,7 @@ def _table(name: str, caption: str, **options: Any) -> Table:
 
 
 def _plot(figure: str, frame: Frame, x: str, y: str, series: str, **more: Any) -> Plot:
-    """A plot with the title of its figure."""
+    """Return a plot with the title of its figure."""
     title = FIGURES[figure].title
     return Plot(more.pop("name", figure), title, frame, x, y, (series,), own=OWN, **more)
 
@@ -116,30 +116,31 @@ _MODES = [
 SECTIONS = [
     Section(
         "Claims",
-        "What the paper says, and what the figures say of it on each kind of mesh.",
+        "Claims of the paper, and whether they hold in the figures on each kind of mesh.",
         headline,
         [_table("claims", "Claims.", frame=judged, printed=True)],
     ),
     Section(
         "Numbers of the paper",
-        "Numbers of the paper are those of NURBS. The paper draws the law of Figure 1 without "
-        "numbers; the elements of Figure 2 are not in its text, those of Figure 11 in a picture "
+        "Numbers of the paper are for NURBS. The paper draws the law of Figure 1 without numbers. "
+        "It does not state the elements of Figure 2, and shows those of Figure 11 in a picture "
         "only.",
-        tables=[_table("numbers", "Numbers of the paper beside ours.", printed=True)],
+        tables=[_table("numbers", "Numbers of the paper and ours.", printed=True)],
         plots=[_plot("1", "law", "closure", "pressure", "curve", name="figure_1")],
     ),
     Section(
         "Contact patch test",
-        "Oscillation: largest less smallest normal stress over the interface. 34 N/m² of Figure 10 "
-        "is not met by D2C1: side a oscillates by 0.034 N/m² with 15 × 15 points, which would be a "
-        "slip of units, and D2C0 comes near with 12 × 12. No pair of uniform meshes of 2 to 8 "
-        "elements a side gives all four oscillations of Figure 12.",
+        "Oscillation: largest minus smallest normal stress over the interface. The 34 N/m² of "
+        "Figure 10 are not reproduced with D2C1: side a oscillates by 0.034 N/m² with 15 × 15 "
+        "points (perhaps an error of units in the paper), and D2C0 with 12 × 12 points comes near. "
+        "No pair of uniform meshes of 2 to 8 elements a side gives all four oscillations of "
+        "Figure 12.",
         tables=[_table("patch_tests", "Every run.", printed=True)],
         plots=[*_drawings(patch_test.drawn, *PATCH_TESTS)],
     ),
     Section(
         "Gauss points",
-        "Lines have the slope -(c + 2), c the continuity.",
+        "Lines have the slope -(c + 2), with the continuity c.",
         tables=[_table("quadrature", "Errors.", shown=False)],
         plots=[
             _plot(
@@ -156,12 +157,12 @@ SECTIONS = [
     ),
     Section(
         "Lumping",
-        "Figures 4 and 5 show the mode common to both runs whose disc moves most along the normal "
-        "in the contact. Rotations are about a horizontal axis: energy in the contact of both "
-        "bodies together, which should be none, over that of the pad alone. The part explained is "
-        "1 - |shift - false shift|² / |shift|² over all modes.",
+        "Figures 4 and 5 show, of the modes common to both runs, the one with the largest normal "
+        "motion of the disc in the contact. Rotation: contact energy of a rotation of both bodies "
+        "about a horizontal axis, which should be zero, over that of the pad alone. The part "
+        "explained is 1 - |shift - false shift|² / |shift|² over all modes.",
         tables=[
-            _table("lumping", "What lumping adds, and what it explains.", printed=True),
+            _table("lumping", "False stiffness, and the part it explains.", printed=True),
             _table("lumping_shifts", "Relative shifts of all modes.", shown=False),
             _table("lines", "Lines of Figure 5.", shown=False),
         ],
@@ -173,18 +174,18 @@ SECTIONS = [
     ),
     Section(
         "Disc and pad",
-        "Modes are unstable when they grow by more than 10 1/s. Shares are of the unstable modes "
-        "of either run, shifts are of all modes that were paired, means where modes nearly "
-        "coalesce; motion of the disc is along the normal in the contact relative to elsewhere, "
-        "the gap relative to the motion, medians over all modes. NURBS keep their spans to degree "
-        "3, then spans grow with it; Lagrange elements, which stop at degree 4, always do. "
-        "Unstructured tetrahedra cannot trace the pad: those of the study of its boundary are "
-        "hexahedra divided into six.",
+        "Modes are unstable if they grow by more than 10 1/s. Shares are of the unstable modes of "
+        "both runs; shifts are of all matched modes, or their means where modes nearly coalesce. "
+        "Motion is normal motion of the disc in the contact over that elsewhere, the gap is "
+        "relative to that motion; both are medians over modes. Elements are enlarged with the "
+        "degree: NURBS beyond degree 3, Lagrange elements (up to degree 4) always. Unstructured "
+        "tetrahedra cannot trace the pad: the study of its boundary uses hexahedra divided into "
+        "six.",
         tables=[
-            _table("measures", "Cases beside the reference of their diagram.", printed=True),
+            _table("measures", "Cases compared with the reference of their diagram.", printed=True),
             _table("runs", "Every run."),
-            _table("modes", "modes.", shown=False),
-            _table("matches", "matches.", shown=False),
+            _table("modes", "Modes of every run.", shown=False),
+            _table("matches", "Modes matched with the reference.", shown=False),
         ],
         plots=[
             diagram(f"figure_{name}", f"{title}.", frame, ("case",), panel=("mesh", "P"), own=OWN)
@@ -193,9 +194,9 @@ SECTIONS = [
     ),
     Section(
         "Steady sliding",
-        "Each formulation in the state that it finds itself, beside the exact integration "
-        "(segments) on the same mesh: pressure of the law at 9 × 60 points of the pad in the mean "
-        "square, P the integral of p. Tetrahedra are hexahedra divided into six.",
+        "Each formulation with its own steady state, compared with exact integration (segments) on "
+        "the same mesh: contact pressure at 9 × 60 points of the pad in the mean square, and P, "
+        "the integral of p. Tetrahedra are hexahedra divided into six.",
         tables=[_table("crowned", "Every case.")],
         plots=[
             _by_load("pressure_off", "Distance of the pressure from segments.", "xy"),
@@ -206,7 +207,7 @@ SECTIONS = [
 ]
 STUDY = Study(
     name="paper",
-    title="Figures of Mohanasundaram, Shimoyama, Gillot and Besset (2023), and what they say",
+    title="Figures and claims of Mohanasundaram, Shimoyama, Gillot and Besset (2023)",
     options=Options,
     cases=cases,
     evaluate=evaluate,
