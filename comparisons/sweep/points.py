@@ -1,7 +1,11 @@
-"""Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``."""
+"""Points at which a scene is solved: axes, ``mu=0:1:101``, or samples, ``mu~normal:0.4:0.05``.
+
+They lie in boxes, each with its own basis: an axis over more than two decades is cut.
+"""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from itertools import pairwise, product
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -13,6 +17,8 @@ from scenes.spec.consistency import LARGEST, SMALLEST
 _MOST = 10_000
 """Values of an axis."""
 _AXIS = "name=first:last:count, or name=first:last:log:count"
+_DECADES = 2.0
+"""Decades of a field that a box spans at most, unless two neighbouring values are farther apart."""
 _TRAINING = 5
 """Values of an axis at which bounds are looked at while a basis is made."""
 _SAMPLES = 48
@@ -137,20 +143,58 @@ class Points:
         return np.arange(len(self.values)).reshape(count, -1).T
 
     @property
-    def training(self) -> Ints:
-        """Numbers of points at which bounds are looked at while a basis is made."""
+    def boxes(self) -> list["Box"]:
+        """Boxes that hold all points; neighbours along the first axis share the value between."""
         numbers = np.arange(len(self.values))
         if not self.axes:
-            ends = self.values.argmin(axis=0), self.values.argmax(axis=0)
-            return np.unique(np.concatenate([*ends, numbers[:_SAMPLES]]))
-        chosen = [np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in self.counts]
-        return numbers.reshape(self.counts)[np.ix_(*chosen)].ravel()
+            at_ends = self.values.argmin(axis=0), self.values.argmax(axis=0)
+            training = np.unique(np.concatenate([*at_ends, numbers[:_SAMPLES]]))
+            return [Box(tuple(self.ends), self.parts, training)]
+        boxes, numbers = [], numbers.reshape(self.counts)
+        for stretches in product(*map(_stretches, self.axes)):
+            whole = numbers[np.ix_(*stretches)]
+            ends = replace(self, values=self.values[whole.ravel()]).ends
+            # A value at the border of another axis than the first belongs to the box below.
+            own = [each[1:] if each[0] else each for each in stretches[1:]]
+            lines = numbers[np.ix_(stretches[0], *own)].reshape(len(stretches[0]), -1)
+            few = [
+                np.linspace(0, n - 1, min(_TRAINING, n)).round().astype(int) for n in whole.shape
+            ]
+            boxes.append(Box(tuple(ends), lines.T, whole[np.ix_(*few)].ravel()))
+        return boxes
 
     @property
     def ends(self) -> list[tuple[float, float]]:
         """Least and greatest value of each field."""
         lows, highs = self.values.min(axis=0).tolist(), self.values.max(axis=0).tolist()
         return list(zip(lows, highs, strict=True))
+
+
+@dataclass(frozen=True)
+class Box:
+    """Points that share a basis.
+
+    Least and greatest value of each field, those of a neighbour included; numbers of the points
+    that are solved together, a line or a sample, shape (parts, values); numbers of the points at
+    which bounds are computed while the basis is made.
+    """
+
+    ends: tuple[tuple[float, float], ...]
+    parts: Ints
+    training: Ints
+
+
+def _stretches(values: Floats) -> list[Ints]:
+    """Numbers of neighbouring values within two decades, a border in both of its stretches."""
+    last, cuts = len(values) - 1, [0]
+    if not (values > 0).all():
+        return [np.arange(last + 1)]
+    logarithms = np.log10(values)
+    while cuts[-1] < last:
+        away = np.abs(logarithms - logarithms[cuts[-1]])
+        within = np.flatnonzero(away <= _DECADES * (1 + 1e-9))
+        cuts.append(max(int(within.max()), cuts[-1] + 1))
+    return [np.arange(low, high + 1) for low, high in pairwise(cuts)]
 
 
 def table_of(fields: Sequence[Field], least: Sequence[float], count: int, seed: int) -> Points:

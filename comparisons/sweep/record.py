@@ -24,17 +24,20 @@ FoundAlong = tuple[dict[str, float], Found]
 
 
 def record_of(
-    scene: SweptScene, spectra: Spectra, lines: Sequence[FoundAlong], basis: Enrichment
+    scene: SweptScene, spectra: Spectra, lines: Sequence[FoundAlong], bases: Sequence[Enrichment]
 ) -> dict[str, Any]:
-    """Record of a sweep on a basis, its thresholds not yet confirmed."""
-    bound, tolerance = spectra.bound, basis.tolerance
+    """Record of a sweep on bases, its thresholds not yet confirmed."""
+    bound, tolerance = spectra.bound, bases[0].tolerance
     left = np.flatnonzero(bound > tolerance)
-    growths = [each["max_growth"] for each in basis.solves]
-    return _common(scene, spectra, lines, basis.failed, growths) | {
+    # Full solves at the border of two boxes serve both.
+    solves = {tuple(each["point"].values()): each for basis in bases for each in basis.solves}
+    failed = [each for basis in bases for each in basis.failed]
+    growths = [each["max_growth"] for each in solves.values()]
+    return _common(scene, spectra, lines, failed, growths) | {
         "parameters": [list(each) for each in scene.names],
         "unknowns": scene.pencil.terms[0].matrix.getSize()[0],
-        "vectors": [basis.model.size],
-        "snapshots": basis.solves,
+        "vectors": [basis.model.size for basis in bases],
+        "snapshots": list(solves.values()),
         "certified": len(bound) - len(left),
         "not_certified": left[:_NAMED].tolist(),
         "lost_to_rounding": int(((bound > tolerance) & (spectra.worst <= tolerance)).sum()),

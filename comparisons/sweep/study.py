@@ -126,8 +126,7 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
             data, spectra, solves = _run_in_full(scene, why, progress)
         else:
             store = Store(out, asked.plain() | {"pencil": fingerprint(scene)}, MPI.COMM_WORLD)
-            made = _OnBasis(asked, scene, store, progress)
-            data, spectra = made.run()
+            data, spectra = _on_bases(asked, scene, store, progress)
             data["stored_before"] = store.stored
             solves = [(each["point"], each["warnings"]) for each in data["snapshots"]]
     except NoRoomError:
@@ -147,15 +146,43 @@ def run(asked: Asked, out: Path, progress: Callable[[str], None] = lambda _: Non
     return Swept(told, scene.points, spectra, store)
 
 
+def _on_bases(
+    asked: Asked, scene: SweptScene, store: Store, progress: Callable[[str], None]
+) -> tuple[dict[str, Any], Spectra]:
+    """The record of a sweep on one basis for each box, and modes at all points."""
+    rows, lines, bases = dict[int, dict[str, Any]](), list[FoundAlong](), list[_OnBasis]()
+    for number in range(len(scene.points.boxes)):
+        bases.append(_OnBasis(asked, scene, store, progress, number))
+        made, found = bases[-1].solved()
+        rows |= made
+        lines += found
+    spectra = Spectra.of_rows([rows[i] for i in range(len(rows))])
+    data = record_of(scene, spectra, lines, [each.basis for each in bases])
+    if not asked.grid:
+        level, damped = scene.window.growth_threshold, scene.pencil.damped
+        data |= probabilities(spectra, level, damped=damped)
+    places = [(others, each) for others, line in lines for each in line.thresholds]
+    chosen = np.linspace(0, len(places) - 1, min(asked.confirm, len(places))).round()
+    for number in np.unique(chosen).astype(int).tolist():
+        progress(f"threshold {number + 1} of {len(places)}, solved in full")
+        data["thresholds"][number]["full_solve_differs"] = bases[0].difference(*places[number])
+    return data, spectra
+
+
 class _OnBasis:
-    """All points of a sweep on one basis of full solves."""
+    """The points of a box, solved on a basis of full solves."""
 
     def __init__(
-        self, asked: Asked, scene: SweptScene, store: Store, progress: Callable[[str], None]
+        self,
+        asked: Asked,
+        scene: SweptScene,
+        store: Store,
+        progress: Callable[[str], None],
+        number: int,
     ) -> None:
         self._asked, self._scene, self._progress = asked, scene, progress
-        self._store = store
-        low, high = (scene.point(each) for each in zip(*scene.points.ends, strict=True))
+        self._store, self._name, self._box = store, f"box-{number:03d}", scene.points.boxes[number]
+        low, high = (scene.point(each) for each in zip(*self._box.ends, strict=True))
         ends = {name: (low[name], high[name]) for name in low}
         top, low_growth = scene.window.max_frequency, scene.window.min_growth
         model = ReducedModel(scene.pencil, ends, top, low_growth)
@@ -164,36 +191,26 @@ class _OnBasis:
         settings = asked.tolerance, asked.most, scene.warnings
         self.basis = Enrichment(model, scene.driver, *settings, self._begin, store.keep_solve)
         for solve in store.solves():
-            self.basis.take(solve)
+            at = solve.about["point"]
+            if all(low[name] <= at[name] <= high[name] for name in at):
+                self.basis.take(solve)
 
-    def run(self) -> tuple[dict[str, Any], Spectra]:
-        """The record, and modes at all points."""
-        scene, model = self._scene, self.basis.model
+    def solved(self) -> tuple[dict[int, dict[str, Any]], list[FoundAlong]]:
+        """What is known at the points of the box, by their numbers, and of thresholds."""
         try:
             self._train()
-            spectra, lines = self._solved()
+            return self._covered()
         finally:
-            model.free()
-        data = record_of(scene, spectra, lines, self.basis)
-        if not self._asked.grid:
-            level, damped = scene.window.growth_threshold, scene.pencil.damped
-            data |= probabilities(spectra, level, damped=damped)
-        found = [(others, each) for others, line in lines for each in line.thresholds]
-        chosen = np.linspace(0, len(found) - 1, min(self._asked.confirm, len(found))).round()
-        for number in np.unique(chosen).astype(int).tolist():
-            self._progress(f"threshold {number + 1} of {len(found)}, solved in full")
-            differs = self._difference(*found[number])
-            data["thresholds"][number]["full_solve_differs"] = differs
-        return data, spectra
+            self.basis.model.free()
 
-    def _solved(self) -> tuple[Spectra, list[FoundAlong]]:
-        """Modes at all points, and what is known of thresholds.
+    def _covered(self) -> tuple[dict[int, dict[str, Any]], list[FoundAlong]]:
+        """The same, once the model is trained.
 
         The basis grows until bounds are small at all points or solves are spent; parts with a bound
         that was too large are made anew.
         """
-        points, model, tolerance = self._scene.points, self.basis.model, self._asked.tolerance
-        parts, done = points.parts, dict[int, _Part]()
+        model, tolerance = self.basis.model, self._asked.tolerance
+        parts, done = self._box.parts, dict[int, _Part]()
         numbers = parts.ravel()
         while True:
             done |= self._made([i for i in range(len(parts)) if i not in done])
@@ -206,7 +223,7 @@ class _OnBasis:
             same = model.small.safety == safety
             if same and model.size == size:
                 lines = [line for i in range(len(parts)) if (line := done[i][0])]
-                return Spectra.of_rows([rows[i] for i in np.argsort(numbers)]), lines
+                return dict(zip(numbers.tolist(), rows, strict=True)), lines
             sure = [i for i in done if max(row["worst"] for row in done[i][1]) <= tolerance]
             done = {i: done[i] for i in sure if same}
 
@@ -215,12 +232,12 @@ class _OnBasis:
 
         Raises ConvergenceError when the last full solves passed the bounds.
         """
-        asked, points, basis = self._asked, self._scene.points, self.basis
-        training = [self._point(i) for i in points.training]
+        asked, own, basis = self._asked, self._box.parts.ravel(), self.basis
+        training = [self._point(i) for i in self._box.training]
         generator = np.random.default_rng(asked.seed)
         while True:
             basis.cover(training, _AT_FIRST * asked.tolerance)
-            checked = generator.integers(len(points.values), size=asked.checks)
+            checked = generator.choice(own, size=asked.checks)
             spent = len(basis.solves) >= asked.most
             if spent or basis.stands([self._point(i) for i in checked]):
                 return
@@ -237,15 +254,15 @@ class _OnBasis:
     def _made(self, missing: list[int]) -> dict[int, _Part]:
         """Parts of the table of points, shared out among the ranks; those stored are read."""
         comm, small = MPI.COMM_WORLD, self.basis.model.small
-        basis = f"{len(self.basis.solves)}-solves-{small.safety:g}"
-        values, parts = self._scene.points.values, self._scene.points.parts
+        basis = f"{self._name}-of-{len(self.basis.solves)}-solves-{small.safety:g}"
+        values, parts = self._scene.points.values, self._box.parts
         made, middle = dict[int, _Part](), None
         if not self._asked.grid:
             nearest = np.abs(values - np.median(values, axis=0)) / np.ptp(values, axis=0)
             middle = small.at(self._values(int(nearest.max(axis=1).argmin())))
         with agreed(comm):
             for i in np.array_split(missing, comm.size)[comm.rank].tolist():
-                name = f"part-{i:05d}-of-{basis}"
+                name = f"{basis}-part-{i:05d}"
                 if (part := self._store.kept(name)) is None:
                     self._progress(f"{i + 1} of {len(parts)} lines or samples")
                     part = self._part(parts[i], small, middle)
@@ -284,7 +301,7 @@ class _OnBasis:
         found = thresholds_along(line, values, logarithmic=points.logarithmic)
         return dict(zip(points.names[1:], others, strict=True)), found
 
-    def _difference(self, others: Mapping[str, float], found: Threshold) -> float | None:
+    def difference(self, others: Mapping[str, float], found: Threshold) -> float | None:
         """By how much full solves move a threshold; None where they have none."""
 
         def at(value: float) -> dict[str, float]:
