@@ -37,7 +37,7 @@ _STEPS = 6
 
 @dataclass(frozen=True)
 class Dependence:
-    """Left null space of the constraints: N^T J = 0 for rows of J scaled to unit norm.
+    """Left null space of the closures: N^T J = 0 for rows of J scaled to unit norm.
 
     ``null`` is N and ``lengths`` are the norms of rows, those of this rank; ``parts`` are the rows
     of each contact.
